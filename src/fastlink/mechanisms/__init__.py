@@ -1,0 +1,1 @@
+"""The mechanisms: inputs and facts, nothing else."""
