@@ -1,0 +1,110 @@
+"""What is taken over the input cycle: extremes, where they are, root mean squares.
+
+A reduction is a few lines of kernel text over accumulators that stand in the lanes, because a cycle
+maximum kept in a scalar stops vectorisation. Configurations that do not assemble are NaN and never
+enter: each comparison with NaN is false. A cycle without any value gives NaN.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from fastlink.errors import InputError, suggest
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+
+    from fastlink.catalogue import Catalogue, Fact
+
+__all__ = ["REDUCTIONS", "Reduction", "Request", "parse_request"]
+
+
+@dataclass(frozen=True)
+class Reduction:
+    """One way to take a number from a quantity's cycle.
+
+    `update` and `finish` are kernel text over ``{value}`` (the quantity here), ``{acc}`` (the accumulator),
+    ``{place}`` (that of the input position) and ``{count}`` (that of the configurations that assemble).
+    """
+
+    suffix: str
+    phrase: str
+    initial: str
+    update: str
+    finish: str
+    has_place: bool = False
+    better: str = ""
+    count_update: str = ""
+
+
+def _extreme(suffix: str, phrase: str, sign: str, initial: str) -> Reduction:
+    return Reduction(
+        suffix,
+        phrase,
+        initial,
+        update="{value} if {better} else {acc}",
+        finish=f"{{acc}} if {{acc}} {sign} {initial} else nan",
+        has_place=True,
+        better=f"{{value}} {sign} {{acc}}",
+    )
+
+
+REDUCTIONS: dict[str, Reduction] = {
+    "max": _extreme("max", "greatest over the cycle", ">", "-inf"),
+    "min": _extreme("min", "least over the cycle", "<", "inf"),
+    "rms": Reduction(
+        "rms",
+        "root mean square over the cycle",
+        "0.0",
+        update="{acc} + ({value} * {value} if {value} == {value} else 0.0)",
+        finish="sqrt({acc} / {count})",
+        count_update="{count} + (1.0 if {value} == {value} else 0.0)",
+    ),
+}
+
+
+@dataclass(frozen=True)
+class Request:
+    """A name that was asked for: a quantity, or what is taken of it over the cycle."""
+
+    name: str
+    quantity: str
+    reduction: Reduction | None = None
+    place: bool = False
+
+
+def parse_request(name: str, catalogue: Catalogue) -> Request:
+    """Read a requested name such as ``omega4``, ``omega4_max`` or ``theta1_at_omega4_max``.
+
+    Raises
+    ------
+    InputError
+        Neither the name nor the quantity in it is known.
+    """
+    public = catalogue.public
+    if name in public:
+        return Request(name, name)
+    prefix = f"{catalogue.position.name}_at_"
+    place = name.startswith(prefix)
+    quantity, _, suffix = name.removeprefix(prefix).rpartition("_")
+    reduction = REDUCTIONS.get(suffix)
+    cyclic = _cyclic(catalogue)
+    if reduction is not None and quantity in cyclic and (reduction.has_place or not place):
+        return Request(name, quantity, reduction, place)
+    known = [*public, *reduced_names(catalogue)]
+    raise InputError(f"quantity {name!r} is unknown to {catalogue.name}; {suggest(name, known)}")
+
+
+def _cyclic(catalogue: Catalogue) -> dict[str, Fact]:
+    """Return the public quantities that change over the cycle: all but the codes of a design."""
+    return {name: fact for name, fact in catalogue.public.items() if catalogue.varies(name)}
+
+
+def reduced_names(catalogue: Catalogue) -> Iterable[str]:
+    """Yield every name that can be asked of a mechanism's cycle."""
+    for quantity in _cyclic(catalogue):
+        for reduction in REDUCTIONS.values():
+            yield f"{quantity}_{reduction.suffix}"
+            if reduction.has_place:
+                yield f"{catalogue.position.name}_at_{quantity}_{reduction.suffix}"

@@ -1,0 +1,105 @@
+"""What the mechanisms share: sums and quotients that keep every digit, and plane vectors.
+
+All functions are straight-line code with the three readings of `fastlink.jit`. An unevaluated sum of
+two doubles ``(high, low)`` carries about 32 digits; on mpmath numbers the low part is zero.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+from fastlink.jit import inlined, select
+
+__all__ = [
+    "cross",
+    "gap",
+    "gap_product_quotient",
+    "largest",
+    "pair_product",
+    "power_of_two_below",
+    "two_product",
+    "two_sum",
+]
+
+# Veltkamp's constant splits a double into two halves of 26 bits, whose products are exact.
+SPLITTER = 134217729.0
+UNIT_ROUNDING = 2.0**-53
+
+
+@inlined
+def two_sum(a: Any, b: Any) -> Any:
+    """Return the rounded sum and its exact rounding error."""
+    s = a + b
+    t = s - a
+    return s, (a - (s - t)) + (b - t)
+
+
+@inlined
+def two_product(a: Any, b: Any) -> Any:
+    """Return the rounded product and its exact rounding error (no fused multiply-add needed)."""
+    p = a * b
+    ca = SPLITTER * a
+    a1 = ca - (ca - a)
+    a2 = a - a1
+    cb = SPLITTER * b
+    b1 = cb - (cb - b)
+    b2 = b - b1
+    return p, a2 * b2 - (((p - a1 * b1) - a2 * b1) - a1 * b2)
+
+
+@inlined
+def gap(a: Any, b: Any, c: Any, d: Any) -> Any:
+    """Return a + b + c + d as (high, low): exact to twice the working precision.
+
+    The eight factors of the input-output coefficients are such sums; near a change point they cancel.
+    """
+    s1, e1 = two_sum(a, b)
+    s2, e2 = two_sum(c, d)
+    s, e = two_sum(s1, s2)
+    # e1 + e2 may be as large as the sum itself where everything else cancels: keep its error too.
+    f, g = two_sum(e1, e2)
+    h, k = two_sum(e, f)
+    high, low = two_sum(s, h)
+    return two_sum(high, low + (k + g))
+
+
+@inlined
+def pair_product(a: Any, a_low: Any, b: Any, b_low: Any) -> Any:
+    """Return the product of two unevaluated sums, as one."""
+    p, e = two_product(a, b)
+    return two_sum(p, e + (a * b_low + a_low * b))
+
+
+@inlined
+def gap_product_quotient(f: Any, f_low: Any, g: Any, g_low: Any, x: Any, y: Any) -> Any:
+    """Return f g / (4 x y) as (high, low), for unevaluated sums f and g."""
+    n, n_low = pair_product(f, f_low, g, g_low)
+    m, m_low = two_product(4.0 * x, y)
+    quotient = n / m
+    p, e = two_product(quotient, m)
+    correction = ((n - p) - e + (n_low - quotient * m_low)) / m
+    return two_sum(quotient, correction)
+
+
+@inlined
+def power_of_two_below(x: Any) -> Any:
+    """Return the power of two at or below a positive x (Rump's unit in the first place).
+
+    On mpmath numbers it is some number of the size of x, which scales as well.
+    """
+    q = (2.0**52 + 1.0) * x
+    return abs(q - (1.0 - UNIT_ROUNDING) * q)
+
+
+@inlined
+def cross(a_x: Any, a_y: Any, b_x: Any, b_y: Any) -> Any:
+    """Return the moment a_x b_y - a_y b_x."""
+    return a_x * b_y - a_y * b_x
+
+
+@inlined
+def largest(a: Any, b: Any, c: Any, d: Any) -> Any:
+    """Return the largest of four numbers; not for numbers that may be NaN."""
+    e = select(a > b, a, b)
+    f = select(c > d, c, d)
+    return select(e > f, e, f)

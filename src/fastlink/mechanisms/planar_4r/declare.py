@@ -1,0 +1,56 @@
+"""The planar 4R: its inputs and its two assembly modes."""
+
+from __future__ import annotations
+
+from fastlink.catalogue import Catalogue, Input
+
+HAYES = "Hayes, Hninn, Irani"
+NUMERICS = "docs/numerics.md"
+
+planar_4r = Catalogue(
+    "planar_4r",
+    "Euclidean planar four-bar linkage with four revolute joints, driven at O",
+    branches={
+        1: "B to the right of the directed line from A to D",
+        2: "B to the left of the directed line from A to D",
+    },
+    position=Input("theta1", "rad", "theta_1", "input angle: direction of OA in the ground frame"),
+)
+
+for _name, _meaning in (
+    ("a1", "length of the input crank OA"),
+    ("a2", "length of the coupler AB"),
+    ("a3", "length of the output link DB"),
+    ("a4", "length of the ground link OD"),
+):
+    planar_4r.input(_name, units="m", symbol=f"a_{_name[1]}", meaning=_meaning, rule="positive")
+
+planar_4r.input(
+    "omega1", units="rad s-1", symbol="omega_1", meaning="angular velocity of the crank, constant"
+)
+
+for _axis, _where in (("u", "along AB from A"), ("v", "to the left of AB")):
+    planar_4r.input(f"P_{_axis}", units="m", symbol=f"P_{_axis}", meaning=f"coupler point, {_where}")
+
+for _i, _link, _frame in (
+    (1, "crank OA", "from O along OA"),
+    (2, "coupler AB", "from A along AB"),
+    (3, "output link DB", "from D along DB"),
+):
+    planar_4r.input(
+        f"m{_i}", units="kg", symbol=f"m_{_i}", meaning=f"mass of the {_link}", rule="non-negative"
+    )
+    planar_4r.input(
+        f"I{_i}",
+        units="kg m2",
+        symbol=f"I_{_i}",
+        meaning=f"moment of inertia of the {_link} about its mass centre",
+        rule="non-negative",
+    )
+    planar_4r.input(f"G{_i}_u", units="m", symbol=f"G_{_i}u", meaning=f"mass centre of the {_link}, {_frame}")
+    planar_4r.input(
+        f"G{_i}_v",
+        units="m",
+        symbol=f"G_{_i}v",
+        meaning=f"mass centre of the {_link}, to the left of its axis",
+    )

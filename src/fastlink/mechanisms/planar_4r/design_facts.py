@@ -1,0 +1,169 @@
+"""Facts of one design of the planar 4R: link-length factors, toggles, status.
+
+Lengths enter the kinematics as ratios only. They are first divided by a power of two near the longest,
+which is exact and keeps their products from overflow and underflow.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+from fastlink.geometry import UNIT_ROUNDING, gap, gap_product_quotient, largest, power_of_two_below
+from fastlink.jit import INFINITY, NOT_A_NUMBER, select
+from fastlink.mechanisms.planar_4r.declare import HAYES, NUMERICS, planar_4r
+
+IO_FACTORS = f"{HAYES}, eq. (1)"
+# Powers of two: beyond SMALL and LARGE the products of lengths need a lift.
+SMALL, LARGE = 2.0**-500, 2.0**500
+UP, DOWN = 2.0**540, 2.0**-540
+STATUS_FLAGS = {
+    0: "rotates_fully",
+    1: "assembles_over_part_of_the_turn",
+    2: "never_assembles",
+    3: "change_point",
+    4: "invalid_input",
+}
+
+
+@planar_4r.quantity(units="1", symbol="valid", source=f"{NUMERICS}#status", internal=True)
+def valid(a1: Any, a2: Any, a3: Any, a4: Any) -> Any:
+    """1 where all four lengths are positive and finite, else NaN."""
+    positive = (a1 > 0.0) & (a2 > 0.0) & (a3 > 0.0) & (a4 > 0.0)
+    finite = (a1 < INFINITY) & (a2 < INFINITY) & (a3 < INFINITY) & (a4 < INFINITY)
+    return select(positive & finite, 1.0, NOT_A_NUMBER)
+
+
+@planar_4r.quantity(units="1", symbol="lift", source=f"{NUMERICS}#scaling", internal=True)
+def lift(a1: Any, a2: Any, a3: Any, a4: Any) -> Any:
+    """A power of two that brings the longest link into the middle of the exponents."""
+    longest = largest(a1, a2, a3, a4)
+    return select(longest < SMALL, UP, select(longest > LARGE, DOWN, 1.0))
+
+
+@planar_4r.quantity(units="m", symbol="unit", source=f"{NUMERICS}#scaling", internal=True)
+def unit(a1: Any, a2: Any, a3: Any, a4: Any, lift: Any) -> Any:
+    """The power of two at or below the longest link, times lift."""
+    return power_of_two_below(largest(a1, a2, a3, a4) * lift)
+
+
+@planar_4r.quantity(units="1", symbol="s_1", source=f"{NUMERICS}#scaling", internal=True)
+def s1(a1: Any, lift: Any, unit: Any) -> Any:
+    """Scaled length of the crank."""
+    return a1 * lift / unit
+
+
+@planar_4r.quantity(units="1", symbol="s_2", source=f"{NUMERICS}#scaling", internal=True)
+def s2(a2: Any, lift: Any, unit: Any) -> Any:
+    """Scaled length of the coupler."""
+    return a2 * lift / unit
+
+
+@planar_4r.quantity(units="1", symbol="s_3", source=f"{NUMERICS}#scaling", internal=True)
+def s3(a3: Any, lift: Any, unit: Any) -> Any:
+    """Scaled length of the output link."""
+    return a3 * lift / unit
+
+
+@planar_4r.quantity(units="1", symbol="s_4", source=f"{NUMERICS}#scaling", internal=True)
+def s4(a4: Any, lift: Any, unit: Any) -> Any:
+    """Scaled length of the ground link."""
+    return a4 * lift / unit
+
+
+@planar_4r.quantity(units="1", symbol="Z_0", source=f"{NUMERICS}#toggles", internal=True)
+def Z0(s1: Any, s2: Any, s3: Any, s4: Any, valid: Any) -> Any:
+    """Squared half-angle sine at the inner toggle, -A1 B1/(4 a1 a4); negative if there is none."""
+    A1, A1_low = gap(s1, -s2, s3, -s4)
+    B1, B1_low = gap(-s1, -s2, s3, s4)
+    high, low = gap_product_quotient(A1, A1_low, B1, B1_low, s1, s4)
+    return high * valid
+
+
+@planar_4r.quantity(units="1", symbol="Z_0", source=f"{NUMERICS}#toggles", internal=True)
+def Z0_low(s1: Any, s2: Any, s3: Any, s4: Any) -> Any:
+    """What Z0 lost in rounding to double."""
+    A1, A1_low = gap(s1, -s2, s3, -s4)
+    B1, B1_low = gap(-s1, -s2, s3, s4)
+    high, low = gap_product_quotient(A1, A1_low, B1, B1_low, s1, s4)
+    return low
+
+
+@planar_4r.quantity(units="1", symbol="C_0", source=f"{NUMERICS}#toggles", internal=True)
+def C0(s1: Any, s2: Any, s3: Any, s4: Any, valid: Any) -> Any:
+    """Squared half-angle cosine at the outer toggle, C1 D1/(4 a1 a4); negative if there is none."""
+    C1, C1_low = gap(s1, -s2, -s3, s4)
+    D1, D1_low = gap(s1, s2, s3, s4)
+    high, low = gap_product_quotient(C1, C1_low, D1, D1_low, s1, s4)
+    return high * valid
+
+
+@planar_4r.quantity(units="1", symbol="C_0", source=f"{NUMERICS}#toggles", internal=True)
+def C0_low(s1: Any, s2: Any, s3: Any, s4: Any) -> Any:
+    """What C0 lost in rounding to double."""
+    C1, C1_low = gap(s1, -s2, -s3, s4)
+    D1, D1_low = gap(s1, s2, s3, s4)
+    high, low = gap_product_quotient(C1, C1_low, D1, D1_low, s1, s4)
+    return low
+
+
+@planar_4r.quantity(units="1", symbol="1/(4 a_1 a_4)", source=f"{NUMERICS}#scaling", internal=True)
+def per_4_s1_s4(s1: Any, s4: Any) -> Any:
+    """Reciprocal of four times crank times ground, scaled."""
+    return 0.25 / (s1 * s4)
+
+
+@planar_4r.quantity(units="1", symbol="gamma_0", source=f"{NUMERICS}#rates", internal=True)
+def gamma0(s1: Any, s4: Any, per_4_s1_s4: Any) -> Any:
+    """(a1 - a4)^2/(4 a1 a4): squared distance of A and D over 4 a1 a4, at theta1 = 0."""
+    return (s1 - s4) * (s1 - s4) * per_4_s1_s4
+
+
+@planar_4r.quantity(units="1", symbol="lambda", source=f"{NUMERICS}#rates", internal=True)
+def crank_excess(s1: Any, s4: Any) -> Any:
+    """(a1 - a4)/(2 a4)."""
+    return 0.5 * (s1 - s4) / s4
+
+
+@planar_4r.quantity(units="1", symbol="epsilon", source=f"{NUMERICS}#rates", internal=True)
+def epsilon(s1: Any, s4: Any, per_4_s1_s4: Any) -> Any:
+    """(a1^2 - a4^2)/(4 a1 a4)."""
+    return (s1 - s4) * (s1 + s4) * per_4_s1_s4
+
+
+@planar_4r.quantity(units="1", symbol="kappa", source=f"{NUMERICS}#rates", internal=True)
+def kappa(s2: Any, s3: Any, per_4_s1_s4: Any) -> Any:
+    """(a2^2 - a3^2)/(4 a1 a4)."""
+    return (s2 - s3) * (s2 + s3) * per_4_s1_s4
+
+
+@planar_4r.quantity(units="1", symbol="beta", source=f"{NUMERICS}#position", internal=True)
+def coupler_offset(s2: Any, s3: Any, per_4_s1_s4: Any) -> Any:
+    """a2 (a2 - a3)/(4 a1 a4)."""
+    return s2 * (s2 - s3) * per_4_s1_s4
+
+
+@planar_4r.quantity(units="1", symbol="delta", source=f"{NUMERICS}#position", internal=True)
+def output_offset(s2: Any, s3: Any, per_4_s1_s4: Any) -> Any:
+    """a3 (a3 - a2)/(4 a1 a4)."""
+    return s3 * (s3 - s2) * per_4_s1_s4
+
+
+@planar_4r.quantity(units="1", symbol="status", source=f"{IO_FACTORS}; {NUMERICS}#status", flags=STATUS_FLAGS)
+def status(s1: Any, s2: Any, s3: Any, s4: Any, valid: Any) -> Any:
+    """How the design assembles over a full turn of the input."""
+    A1, A1_low = gap(s1, -s2, s3, -s4)
+    A2, A2_low = gap(s1, s2, s3, -s4)
+    B1, B1_low = gap(s1, s2, -s3, -s4)
+    B2, B2_low = gap(s1, -s2, -s3, -s4)
+    C1, C1_low = gap(s1, -s2, -s3, s4)
+    C2, C2_low = gap(s1, s2, -s3, s4)
+    D1, D1_low = gap(s1, s2, s3, s4)
+    D2, D2_low = gap(s1, -s2, s3, s4)
+    # Each length is known to half a unit in the last place at best: closer than that, a gap is zero.
+    rounding = UNIT_ROUNDING * D1
+    change_point = (abs(A1) <= rounding) | (abs(B1) <= rounding) | (abs(C1) <= rounding)
+    one_too_long = (A2 < 0.0) | (B2 > 0.0) | (C2 < 0.0) | (D2 < 0.0)
+    turns = (A1 * B1 >= 0.0) & (C1 <= 0.0)
+    code = select(change_point, 3.0, select(turns, 0.0, 1.0))
+    code = select(one_too_long, 2.0, code)
+    return select(valid == 1.0, code, 4.0)

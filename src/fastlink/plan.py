@@ -1,0 +1,177 @@
+"""Asked names to one compiled kernel: the closure of facts, each value where it is cheapest.
+
+A fact that depends on the design alone is computed once per design; what depends on the input angle
+alone, once per angle; what does not depend on the branch, once for both branches. The kernel's text is a
+straight-line loop over lanes (see `fastlink.kernel_text`), to be read with ``plan.source``.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING, Any, Literal
+
+from fastlink.catalogue import Catalogue, Fact, System
+from fastlink.cycle import Request, parse_request
+from fastlink.errors import InputError
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+__all__ = ["Output", "Plan", "make_plan"]
+
+Lanes = Literal["designs", "angles"]
+# Fewer angles than this leave vector lanes idle when lanes are angles.
+ANGLES_FOR_LANES = 32
+
+
+@dataclass(frozen=True)
+class Output:
+    """One result of a kernel: the request and the axes it has besides the design."""
+
+    request: Request
+    axes: tuple[str, ...]
+    dtype: str
+
+    @property
+    def name(self) -> str:
+        """Name of the result."""
+        return self.request.name
+
+
+@dataclass(frozen=True)
+class Plan:
+    """What is computed for a set of names, and the text of the kernel that does it.
+
+    Attributes
+    ----------
+    catalogue : Catalogue
+        The mechanism.
+    outputs : tuple of Output
+        The results, in the order asked.
+    steps : tuple of Fact or System
+        The closure: everything computed, in order.
+    inputs : tuple of str
+        The inputs that the closure reads, the rows of the kernel's design array.
+    tables : tuple of str
+        The functions of the input position that it reads, the rows of the kernel's angle array.
+    branches : tuple of int
+        The assembly modes.
+    lanes : {"designs", "angles"}
+        What stands side by side in the vector lanes.
+    """
+
+    catalogue: Catalogue
+    outputs: tuple[Output, ...]
+    steps: tuple[Fact | System, ...]
+    inputs: tuple[str, ...]
+    tables: tuple[str, ...]
+    branches: tuple[int, ...]
+    lanes: Lanes
+    alternatives: tuple[str, ...]
+
+    @cached_property
+    def axes(self) -> dict[str, frozenset[str]]:
+        """The axes on which each value of the closure depends."""
+        position = self.catalogue.position.name
+        axes = {name: frozenset({"design"}) for name in self.inputs}
+        axes |= {name: frozenset({position}) for name in self.tables}
+        axes["branch"] = frozenset({"branch"})
+        for step in self.steps:
+            joint = frozenset[str]().union(*(axes[need] for need in step.needs))
+            for name in step.unknowns if isinstance(step, System) else (step.name,):
+                axes[name] = joint
+        return axes
+
+    @property
+    def uses_position(self) -> bool:
+        """Whether anything depends on the input position; a map of design facts touches none."""
+        return bool(self.tables)
+
+    @cached_property
+    def source(self) -> str:
+        """The text of the kernel."""
+        from fastlink.kernel_text import write_kernel
+
+        return write_kernel(self)
+
+    @cached_property
+    def kernel(self) -> Any:
+        """The compiled kernel (compiled, or loaded from the cache, on first use)."""
+        from fastlink.compiled import load_kernel
+
+        return load_kernel(self)
+
+    def angle_tables(self, theta: NDArray[Any]) -> NDArray[Any]:
+        """Return the rows of the kernel's angle array for these input positions."""
+        from fastlink.tables import angle_tables
+
+        return angle_tables(self.catalogue, self.tables, theta)
+
+
+def make_plan(
+    catalogue: Catalogue,
+    names: Iterable[str],
+    *,
+    given: Iterable[str],
+    branches: Sequence[int] = (1, 2),
+    alternatives: Sequence[str] = (),
+    angles: int = 360,
+    lanes: Lanes | None = None,
+) -> Plan:
+    """Resolve the asked names into a plan.
+
+    Parameters
+    ----------
+    catalogue : Catalogue
+        The mechanism.
+    names : iterable of str
+        Quantities or what is taken of them over the cycle.
+    given : iterable of str
+        The inputs that the design space gives.
+    branches : sequence of int
+        Assembly modes.
+    alternatives : sequence of str
+        Chosen sets of facts, such as ``"round_bar"`` or ``"dense"``.
+    angles : int
+        Number of input positions: decides, with what is asked, what the lanes are.
+    lanes : {"designs", "angles"}, optional
+        Force one; both give the same bits.
+
+    Raises
+    ------
+    InputError
+        A name is unknown or asked twice, or an input that the closure needs is not given.
+    """
+    requests = [parse_request(name, catalogue) for name in names]
+    for i, request in enumerate(requests):
+        if any(other.name == request.name for other in requests[:i]):
+            raise InputError(f"quantity {request.name!r} is asked for twice; name it once")
+    position = catalogue.position.name
+    tables = (position, *catalogue.tables, *catalogue.table_low_parts)
+    leaves = (*given, *tables, "branch")
+    steps = tuple(catalogue.closure([request.quantity for request in requests], leaves, alternatives))
+    read = {need for step in steps for need in step.needs}
+    read_tables = tuple(name for name in tables if name in read)
+    if any(request.place for request in requests) and position not in read_tables:
+        read_tables = (position, *read_tables)
+    outputs = tuple(_output(request, catalogue) for request in requests)
+    has_cycle = any(request.reduction for request in requests)
+    has_system = any(isinstance(step, System) for step in steps)
+    if lanes is None:
+        lanes = "designs" if has_cycle or has_system or angles < ANGLES_FOR_LANES or not read_tables else "angles"
+    inputs = tuple(name for name in dict.fromkeys(given) if name in read)
+    return Plan(catalogue, outputs, steps, inputs, read_tables, tuple(branches), lanes, tuple(alternatives))
+
+
+def _output(request: Request, catalogue: Catalogue) -> Output:
+    fact = catalogue.facts[request.quantity]
+    position = catalogue.position.name
+    if not catalogue.varies(fact.name):
+        axes: tuple[str, ...] = ()
+    elif request.reduction is None:
+        axes = ("branch", position)
+    else:
+        axes = ("branch",)
+    return Output(request, axes, "int8" if fact.flags else "float64")

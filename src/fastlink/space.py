@@ -1,0 +1,197 @@
+"""`DesignSpace`, numbered designs whose inputs are filled in on demand, and the checks of given values."""
+
+from __future__ import annotations
+
+import math
+import numbers
+import reprlib
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from decimal import Decimal
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fastlink.errors import InputError, suggest
+
+Floats = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class DesignSpace:
+    """A set of designs: which inputs are swept, over which values, and which are constant.
+
+    Made by `grid`, `table`, `sobol` and `latin_hypercube`. Designs are numbered 0, 1, ... in C order over the
+    dimensions; a grid of 10^9 designs costs no more memory than its axes.
+
+    Attributes
+    ----------
+    kind : str
+        ``"grid"``, ``"table"``, ``"sobol"`` or ``"latin_hypercube"``.
+    dims : tuple of str
+        Swept dimensions: the axes of a grid in the order given, else ``("design",)``; ``()`` for one design.
+    shape : tuple of int
+        Length of each dimension.
+    constants : dict
+        Inputs that are the same for every design.
+    axes : dict
+        Grid only: input to its 1-D values, which span the dimension of the same name.
+    columns : dict
+        Table and samples only: input to its values along ``design``.
+    attrs : dict
+        Where the designs come from, as plain file attributes.
+    """
+
+    kind: str
+    dims: tuple[str, ...]
+    shape: tuple[int, ...]
+    constants: dict[str, float] = field(default_factory=dict)
+    axes: dict[str, Floats] = field(default_factory=dict)
+    columns: dict[str, Floats] = field(default_factory=dict)
+    attrs: dict[str, str | int] = field(default_factory=dict)
+
+    @property
+    def size(self) -> int:
+        """Number of designs."""
+        return math.prod(self.shape)
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Every input that has a value: swept ones first, then constants."""
+        return (*self.axes, *self.columns, *self.constants)
+
+    def values(self, name: str) -> Floats:
+        """Return the values of an input, 1-D: its axis, its column (row by row) or its constant."""
+        if name in self.axes:
+            return self.axes[name]
+        if name in self.columns:
+            return self.columns[name]
+        return np.array([self.constants[self._known(name)]])
+
+    def fill(self, names: Sequence[str], start: int, stop: int, out: Floats) -> None:
+        """Write the inputs of designs ``start`` to ``stop - 1`` into rows of ``out``; thread-safe.
+
+        Parameters
+        ----------
+        names : sequence of str
+            Inputs; ``out[k, :stop - start]`` receives ``names[k]``.
+        start, stop : int
+            Range of flat design numbers, in C order over `dims`.
+        out : ndarray of float64, at least (len(names), stop - start)
+            Written in place; the rest of each row is left as it is.
+        """
+        if not 0 <= start <= stop <= self.size:
+            raise ValueError(f"designs {start} to {stop} asked of a design space of {self.size}")
+        indices = self._axis_indices(start, stop) if self.axes else {}
+        for row, name in zip(out, names, strict=False):
+            target = row[: stop - start]
+            if name in indices:
+                # "clip" writes in place, the default "raise" in a copy of the output; no index needs clipping
+                np.take(self.axes[name], indices[name], out=target, mode="clip")
+            elif name in self.columns:
+                target[:] = self.columns[name][start:stop]
+            else:
+                target[:] = self.constants[self._known(name)]
+
+    def with_constants(self, extra: Mapping[str, float]) -> DesignSpace:
+        """Return this space with further constants; an input that already has a value keeps it."""
+        given = set(self.names)
+        added = {
+            name: constant("constants", name, value) for name, value in extra.items() if name not in given
+        }
+        return replace(self, constants={**self.constants, **added})
+
+    def _axis_indices(self, start: int, stop: int) -> dict[str, NDArray[np.int64]]:
+        """Return the index along every axis of each design, from the last (fastest) axis to the first."""
+        indices = {}
+        rest = np.arange(start, stop, dtype=np.int64)
+        for name in reversed(self.dims):
+            length = len(self.axes[name])
+            # per 4096 designs: a quotient, product and difference 3.6 us, numpy's remainder alone 7.3 us
+            outer = rest // length
+            indices[name] = rest - outer * length
+            rest = outer
+        return indices
+
+    def _known(self, name: str) -> str:
+        if name in self.constants:
+            return name
+        raise InputError(f"design: {name!r} has no value; {suggest(name, self.names)}")
+
+
+def sampled(
+    kind: str, constants: dict[str, float], columns: dict[str, Floats], attrs: dict[str, str | int]
+) -> DesignSpace:
+    """Return the space of a table's or a sample's columns, which are made read-only."""
+    count = len(next(iter(columns.values())))
+    columns = {name: frozen(values) for name, values in columns.items()}
+    return DesignSpace(kind, ("design",), (count,), constants, columns=columns, attrs=attrs)
+
+
+def shown(value: object) -> str:
+    """Return a value as it stands in a message: short and on one line."""
+    return " ".join(reprlib.repr(value).split())
+
+
+def numbers_of(where: str, name: str, given: Any) -> Floats:
+    """Return what was given for one input as a 0-d or 1-D array of its own, or say what is wrong with it."""
+    if isinstance(given, np.ma.MaskedArray) and given.dtype.kind in "iuf":
+        given = np.ma.filled(given.astype(np.float64), np.nan)
+    try:
+        values = np.asarray(given)
+    except ValueError:  # nested lists of unequal length
+        raise InputError(
+            f"{where}: {name} is a ragged list; write a number or a flat list of numbers"
+        ) from None
+    if values.ndim > 1:
+        raise InputError(
+            f"{where}: {name} has {values.ndim} dimensions; write a number or a flat list of numbers"
+        )
+    if values.dtype.kind in "mM":
+        raise InputError(f"{where}: {name} holds dates or durations; write numbers")
+    if values.dtype.kind not in "iuf":
+        _refuse_non_numbers(where, name, given)
+    try:
+        return values.astype(np.float64)
+    except OverflowError:
+        raise InputError(
+            f"{where}: {name} holds a number beyond the range of a double; write a smaller one"
+        ) from None
+
+
+def _refuse_non_numbers(where: str, name: str, given: Any) -> None:
+    cells = np.asarray(given, dtype=object)
+    if cells.ndim == 0 and not _is_number(cells[()]):
+        raise InputError(
+            f"{where}: {name} is {shown(cells[()])}, not a number; write a number or a flat list of numbers"
+        )
+    for index, cell in enumerate(cells.ravel()):
+        if not _is_number(cell):
+            raise InputError(f"{where}: {name}[{index}] is {shown(cell)}, not a number; write a number")
+
+
+def _is_number(cell: object) -> bool:
+    return isinstance(cell, (numbers.Real, Decimal)) and not isinstance(cell, bool)
+
+
+def constant(where: str, name: str, given: Any) -> float:
+    """Return the number given for one input, or say what is wrong with it."""
+    value = numbers_of(where, name, given)
+    if value.ndim:
+        raise InputError(f"{where}: {name} holds {len(value)} values; write one number")
+    if not np.isfinite(value):
+        raise InputError(f"{where}: {name} is {value}; write a finite number")
+    return float(value)
+
+
+def first_invalid(values: Floats) -> int | None:
+    """Return the index of the first value that is NaN or infinite."""
+    bad = np.flatnonzero(~np.isfinite(values))
+    return int(bad[0]) if bad.size else None
+
+
+def frozen(values: Floats) -> Floats:
+    """Return the array itself, made read-only."""
+    values.setflags(write=False)
+    return values

@@ -1,0 +1,333 @@
+"""Labelled HDF5 files that are filled block by block and appear under their name only when complete.
+
+The file is laid out once by xarray (coordinates) and h5py (variables, contiguous, all space reserved); then every
+block is one plain ``pwrite`` at a known offset, which any thread may do in any order and which is faster than a
+write through HDF5. All this happens in ``NAME.part``; the last step gives it its name.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import errno
+import math
+import os
+import threading
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from types import TracebackType
+from typing import Any
+
+import h5py
+import numpy as np
+import xarray as xr
+from numpy.typing import NDArray
+
+from fastlink import target
+from fastlink.errors import InputError
+from fastlink.label import FORMAT, FORMAT_VERSION, Variable, check_dims, plain_attrs
+from fastlink.target import check_target
+
+__all__ = ["Writer", "check_target", "open_map"]
+
+PAGE = 4096
+NO_ROOM = {errno.ENOSPC, errno.EFBIG, getattr(errno, "EDQUOT", errno.ENOSPC)}
+
+
+class Writer:
+    """Write a labelled file from any number of threads; a context manager.
+
+    Nothing appears under the final name before `finish`; without it, or on an exception, leaving the context
+    removes what was written.
+
+    Parameters
+    ----------
+    path : str or path
+        The file to make.
+    coords : xarray.Dataset
+        Coordinates and first global attributes, without data.
+    variables : sequence of Variable
+        The variables to be written.
+    attrs : mapping
+        Further global attributes.
+    overwrite : bool, default False
+        Replace an existing file; who has it open goes on reading the old one.
+    """
+
+    def __init__(
+        self,
+        path: str | Path,
+        coords: xr.Dataset,
+        variables: Sequence[Variable],
+        attrs: Mapping[str, Any],
+        *,
+        overwrite: bool = False,
+    ) -> None:
+        for variable in variables:
+            check_dims(coords, variable)
+        self._nbytes = sum(variable.nbytes for variable in variables)
+        self.path = check_target(path, self._nbytes, overwrite)
+        self.part = target.part_of(self.path)
+        self._overwrite = overwrite
+        self._variables = {variable.name: variable for variable in variables}
+        self._written = dict.fromkeys(self._variables, 0)
+        self._idle = threading.Condition()
+        self._writing = 0
+        self._closed = False
+        try:
+            with target.claimed(self.part):
+                self._offsets, self._fd = self._start(coords, variables, attrs)
+        except (OSError, RuntimeError) as error:  # HDF5 reports a full disk as either
+            raise self._failure(error) from error
+
+    def __enter__(self) -> Writer:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        if not self._closed:
+            self._discard()
+
+    def write(self, name: str, start: int, block: NDArray[Any]) -> None:
+        """Write the values of consecutive designs of one variable; thread-safe.
+
+        Parameters
+        ----------
+        name : str
+            The variable.
+        start : int
+            Flat number of the first design, in C order over the swept dimensions.
+        block : ndarray, C-contiguous
+            One row per design; its other dimensions are the last ones of the variable.
+        """
+        position = self._position(name, start, block)
+        with self._idle:
+            if self._closed:
+                raise ValueError(f"{self.path}: the file is closed")
+            self._writing += 1
+        try:
+            _write_all(self._fd, memoryview(block.reshape(-1).view(np.uint8)), position)
+        except OSError as error:
+            raise self._failure(error) from error
+        else:
+            with self._idle:
+                self._written[name] += block.size
+        finally:
+            with self._idle:
+                self._writing -= 1
+                self._idle.notify_all()
+
+    def finish(self, attrs: Mapping[str, Any]) -> None:
+        """Add the last global attributes and give the file its name.
+
+        Parameters
+        ----------
+        attrs : mapping
+            Global attributes that were not known before, such as the run time.
+        """
+        last = plain_attrs({**attrs, FORMAT: FORMAT_VERSION})
+        for name, count in self._written.items():
+            expected = math.prod(self._variables[name].shape)
+            if count != expected:
+                raise RuntimeError(f"{self.path}: {count} of {expected} values of {name} were written")
+        self._close_to_writers()
+        try:
+            _set_attrs(self._fd, self.part, last)
+            os.fsync(self._fd)
+        except BaseException as error:
+            target.discard(self._fd, self.part)
+            if isinstance(error, OSError):
+                raise self._failure(error) from error
+            raise
+        try:
+            target.publish(self._fd, self.part, self.path, self._overwrite)
+        except OSError as error:
+            raise InputError(
+                f"{self.path}: cannot give the complete file its name ({target.reason(error)}); it is kept as "
+                f"{self.part}, rename it"
+            ) from error
+
+    def _start(
+        self, coords: xr.Dataset, variables: Sequence[Variable], attrs: Mapping[str, Any]
+    ) -> tuple[dict[str, int], int]:
+        """Lay the file out and reserve its room; return where each variable starts, and the file number."""
+        fresh = self.part.with_name(self.part.name + ".new")
+        try:
+            offsets = _lay_out(fresh, coords, variables, attrs)
+            fd = target.adopt(fresh, self.part)
+        except BaseException:
+            fresh.unlink(missing_ok=True)
+            raise
+        try:
+            target.reserve(fd)
+        except BaseException:
+            target.discard(fd, self.part)
+            raise
+        return offsets, fd
+
+    def _position(self, name: str, start: int, block: NDArray[Any]) -> int:
+        """Return where in the file a block goes, after checking that it fits the variable."""
+        variable = self._variables[name]
+        if block.dtype != variable.dtype:
+            raise TypeError(f"{name}: block is {block.dtype}, the variable {variable.dtype}")
+        if not block.flags.c_contiguous:
+            raise ValueError(f"{name}: block is not C-contiguous")
+        swept = len(variable.shape) - (block.ndim - 1)
+        if block.ndim == 0 or swept < 0 or block.shape[1:] != variable.shape[swept:]:
+            raise ValueError(f"{name}: a block of shape {block.shape} is no rows of {variable.shape}")
+        designs = math.prod(variable.shape[:swept])
+        if not 0 <= start <= start + len(block) <= designs:
+            raise ValueError(f"{name}: designs {start} to {start + len(block)} of {designs}")
+        return self._offsets[name] + start * math.prod(variable.shape[swept:]) * variable.dtype.itemsize
+
+    def _failure(self, error: OSError | RuntimeError) -> InputError:
+        if getattr(error, "errno", None) in NO_ROOM:
+            return target.no_room(self.path, self._nbytes, error)
+        return InputError(f"{self.path}: cannot be written ({target.reason(error)}); choose another place")
+
+    def _close_to_writers(self) -> None:
+        """Let no write begin and wait for those under way: their file number may belong to another file next."""
+        with self._idle:
+            if self._closed:
+                raise ValueError(f"{self.path}: the file is closed")
+            self._closed = True
+            self._idle.wait_for(lambda: self._writing == 0)
+
+    def _discard(self) -> None:
+        self._close_to_writers()
+        target.discard(self._fd, self.part)
+
+
+def open_map(path: str | Path) -> xr.Dataset:
+    """Open a map that a sweep has written; values are read when they are used.
+
+    Parameters
+    ----------
+    path : str or path
+        The file.
+
+    Returns
+    -------
+    xarray.Dataset
+        Close it, or use it in a ``with`` statement, before deleting the file.
+
+    Examples
+    --------
+    >>> import tempfile, numpy as np
+    >>> from fastlink.label import Variable
+    >>> coords = xr.Dataset(coords={"a2": ("a2", [1.0, 1.2], {"units": "m"})})
+    >>> speed = Variable("omega4_max", ("a2",), (2,), np.dtype("f8"), {"units": "rad s-1"})
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     with Writer(f"{folder}/maps.h5", coords, [speed], {"title": "two designs"}) as writer:
+    ...         writer.write("omega4_max", 0, np.array([31.0, 29.5]))
+    ...         writer.finish({})
+    ...     with open_map(f"{folder}/maps.h5") as maps:
+    ...         maps.title, float(maps.omega4_max.sel(a2=1.2))
+    ('two designs', 29.5)
+    """
+    path = Path(path).expanduser()
+    if not path.exists():
+        part = target.part_of(path)
+        hint = f"; {part.name} is of a run that has not finished" if part.exists() else ""
+        raise InputError(
+            f"{path}: there is no such file{hint}; give the path of a map that a sweep has written"
+        )
+    if path.is_dir():
+        raise InputError(f"{path}: is a folder; give the path of a map that a sweep has written")
+    try:
+        dataset = xr.open_dataset(path, engine="h5netcdf")
+    except (OSError, ValueError, KeyError, RuntimeError) as error:
+        raise InputError(
+            f"{path}: cannot be read as HDF5 ({target.reason(error)}); give a map that a sweep has written"
+        ) from error
+    problem = _foreign(dataset.attrs.get(FORMAT))
+    if problem:
+        dataset.close()
+        raise InputError(f"{path}: {problem}")
+    return dataset
+
+
+def _foreign(version: Any) -> str:
+    """Return why a file with that format attribute is not read, or an empty text."""
+    if version is None:
+        return (
+            f"is no finished map (it has no attribute {FORMAT!r}); other files open with xarray.open_dataset"
+        )
+    if version > FORMAT_VERSION:
+        return f"has format {version}, this version reads up to {FORMAT_VERSION}; update fastlink"
+    return ""
+
+
+def _lay_out(
+    path: Path, coords: xr.Dataset, variables: Sequence[Variable], attrs: Mapping[str, Any]
+) -> dict[str, int]:
+    """Make the file with all labels and without values; return where in it each variable starts."""
+    labelled = coords.assign_attrs(plain_attrs(attrs))
+    # without _FillValue: None xarray declares NaN a fill value of every coordinate
+    labelled.to_netcdf(
+        path, engine="h5netcdf", encoding={name: {"_FillValue": None} for name in coords.coords}
+    )
+    with h5py.File(path, "r+", alignment_threshold=PAGE, alignment_interval=PAGE) as file:
+        return {variable.name: _create(file, coords, variable) for variable in variables}
+
+
+def _create(file: Any, coords: xr.Dataset, variable: Variable) -> int:
+    """Create one contiguous dataset with its space and labels; return its offset."""
+    plist = h5py.h5p.create(h5py.h5p.DATASET_CREATE)
+    plist.set_layout(h5py.h5d.CONTIGUOUS)
+    plist.set_alloc_time(h5py.h5d.ALLOC_TIME_EARLY)
+    plist.set_fill_time(h5py.h5d.FILL_TIME_NEVER)
+    plist.set_obj_track_times(False)  # time stamps would make equal results differ
+    # low level: Group.create_dataset drops the property list of a scalar
+    identifier = h5py.h5d.create(
+        file.id,
+        variable.name.encode(),
+        h5py.h5t.py_create(variable.dtype, logical=True),
+        h5py.h5s.create_simple(variable.shape) if variable.shape else h5py.h5s.create(h5py.h5s.SCALAR),
+        plist,
+    )
+    dataset = h5py.Dataset(identifier)
+    for axis, dim in enumerate(variable.dims):
+        # unless attached, dimensions are matched by length and equal axes are swapped
+        dataset.dims[axis].attach_scale(file[dim])
+    auxiliary = [
+        name
+        for name, coord in coords.coords.items()
+        if name not in coords.dims and set(coord.dims) <= set(variable.dims)
+    ]
+    for name, value in plain_attrs(variable.attrs).items():
+        dataset.attrs[name] = value
+    if auxiliary:
+        dataset.attrs["coordinates"] = " ".join(str(name) for name in auxiliary)
+    offset = identifier.get_offset()
+    if offset is None:
+        raise RuntimeError(f"HDF5 has reserved no space for {variable.name}")
+    return int(offset)
+
+
+def _set_attrs(fd: int, path: Path, attrs: Mapping[str, Any]) -> None:
+    with contextlib.ExitStack() as stack:
+        try:
+            # this process holds the lock that HDF5 would ask for
+            file = stack.enter_context(h5py.File(path, "r+", locking=False))
+        except BlockingIOError:  # HDF5_USE_FILE_LOCKING=TRUE in the environment overrules locking=False
+            stack.enter_context(target.released(fd))
+            file = stack.enter_context(h5py.File(path, "r+"))
+        for name, value in attrs.items():
+            file.attrs[name] = value
+
+
+_seek_lock = threading.Lock()
+
+
+def _write_all(fd: int, data: memoryview, position: int) -> None:
+    """Write every byte at a position, however few the system takes at a time."""
+    while data:
+        if hasattr(os, "pwrite"):
+            count = os.pwrite(fd, data, position)
+        else:
+            with _seek_lock:
+                os.lseek(fd, position, os.SEEK_SET)
+                count = os.write(fd, data)
+        data = data[count:]
+        position += count

@@ -1,0 +1,242 @@
+"""The place of an output file: is it fit, who holds it, room for it, and its name at the end."""
+
+from __future__ import annotations
+
+import contextlib
+import errno
+import os
+import shutil
+import tempfile
+from collections.abc import Iterator
+from pathlib import Path
+
+from fastlink.errors import InputError
+
+try:
+    import fcntl
+except ImportError:  # not POSIX: no locks, and a folder cannot be synchronised
+    fcntl = None  # type: ignore[assignment]
+
+SLACK = 2**20  # for the labels, and for the attributes that are added at the end
+
+NO_RESERVE = {errno.EINVAL, errno.EOPNOTSUPP, errno.ENOSYS}
+NO_LINK = {errno.EPERM, errno.EOPNOTSUPP, errno.ENOSYS, errno.EMLINK}
+
+
+def part_of(path: Path) -> Path:
+    """Return the name a file has while it is being written."""
+    return path.with_name(path.name + ".part")
+
+
+def reason(error: BaseException) -> str:
+    """Return why something failed, on one line."""
+    text = getattr(error, "strerror", None) or str(error)
+    return " ".join(str(text).split())
+
+
+def check_target(path: str | Path, nbytes_needed: int, overwrite: bool) -> Path:
+    """Return the absolute path of an output file, or say why it cannot be written, before anything is computed.
+
+    Parameters
+    ----------
+    path : str or path
+        The file to make; its folder must exist.
+    nbytes_needed : int
+        Bytes of all values.
+    overwrite : bool
+        Whether an existing file may be replaced.
+    """
+    try:
+        place = Path(os.path.realpath(Path(path).expanduser()))
+        if place.is_dir():
+            raise InputError(f"{place}: is a folder; add a file name, for instance {place / 'maps.h5'}")
+        if not place.parent.is_dir():
+            raise InputError(
+                f"{place}: the folder {place.parent} does not exist; create it or choose another"
+            )
+        if place.exists() and not place.is_file():
+            raise InputError(f"{place}: is a device or a pipe; choose another name")
+        if place.exists() and not overwrite:
+            raise InputError(f"{place}: the file exists; choose another name or set overwrite")
+        _refuse_when_held(part_of(place))
+        with tempfile.TemporaryFile(dir=place.parent):
+            pass
+    except InputError:
+        raise
+    except (OSError, ValueError) as error:
+        raise InputError(f"{path}: cannot be written ({reason(error)}); choose another place") from error
+    if nbytes_needed + SLACK > _free(place) + _held_by(part_of(place)):
+        raise no_room(place, nbytes_needed)
+    return place
+
+
+def no_room(path: Path, nbytes: int, error: Exception | None = None) -> InputError:
+    """Return the error of a disk that is too small for a file."""
+    why = f" ({reason(error)})" if error else ""
+    return InputError(
+        f"{path}: needs {_human(nbytes)} but {_human(_free(path))} are free{why}; ask for fewer quantities or "
+        "designs, or choose another disk"
+    )
+
+
+@contextlib.contextmanager
+def claimed(part: Path) -> Iterator[None]:
+    """Hold the name of a partial file while it is laid out; what a killed run left under it is emptied.
+
+    Refused when a live process writes it. The name is gone when the body fails.
+    """
+    fd = _claim(part)
+    try:
+        yield
+    except BaseException:
+        part.unlink(missing_ok=True)
+        raise
+    finally:
+        os.close(fd)
+
+
+def adopt(fresh: Path, part: Path) -> int:
+    """Give a laid-out file the claimed name, hold it, and return its open file number."""
+    if fcntl is None:
+        os.replace(fresh, part)  # an open file cannot be renamed there
+        return _open(part)
+    fd = _open(fresh)
+    try:
+        _lock(fd, part)  # before it has the name: no moment without a holder
+        os.replace(fresh, part)
+    except BaseException:
+        os.close(fd)
+        raise
+    return fd
+
+
+def reserve(fd: int) -> None:
+    """Reserve room for the whole file and for its last attributes, so that a full disk shows at once."""
+    if not hasattr(os, "posix_fallocate"):
+        return
+    try:
+        os.posix_fallocate(fd, 0, os.fstat(fd).st_size + SLACK)
+    except OSError as error:
+        if error.errno not in NO_RESERVE:
+            raise
+
+
+def publish(fd: int, part: Path, final: Path, overwrite: bool) -> None:
+    """Give a complete, synchronised partial file its final name; only `overwrite` replaces another file."""
+    if fcntl is None:
+        os.close(fd)  # an open file cannot be renamed there
+    else:
+        fcntl.flock(fd, fcntl.LOCK_SH)  # readers may open it from its first moment on
+    if overwrite:
+        os.replace(part, final)
+    else:
+        _rename_to_free_name(part, final)
+    if fcntl is not None:
+        os.close(fd)
+        _synchronise_folder(final.parent)
+
+
+def discard(fd: int, part: Path) -> None:
+    """Remove a partial file."""
+    if fcntl is None:
+        os.close(fd)  # an open file cannot be removed there
+        part.unlink(missing_ok=True)
+    else:
+        part.unlink(missing_ok=True)
+        os.close(fd)
+
+
+@contextlib.contextmanager
+def released(fd: int) -> Iterator[None]:
+    """Let go of a partial file for a moment."""
+    if fcntl is None:
+        yield
+        return
+    fcntl.flock(fd, fcntl.LOCK_UN)
+    try:
+        yield
+    finally:
+        fcntl.flock(fd, fcntl.LOCK_EX | fcntl.LOCK_NB)
+
+
+def _open(path: Path, flags: int = 0) -> int:
+    return os.open(path, os.O_RDWR | flags | getattr(os, "O_BINARY", 0), 0o666)
+
+
+def _lock(fd: int, part: Path) -> None:
+    if fcntl is None:
+        return
+    try:
+        fcntl.flock(fd, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except BlockingIOError:
+        raise InputError(
+            f"{part}: another process is writing it; wait for it or choose another name"
+        ) from None
+
+
+def _claim(part: Path) -> int:
+    while True:
+        fd = _open(part, os.O_CREAT)
+        try:
+            _lock(fd, part)
+            if part.exists() and os.path.samestat(os.fstat(fd), os.stat(part)):
+                os.ftruncate(fd, 0)
+                return fd
+        except BaseException:
+            os.close(fd)
+            raise
+        os.close(fd)  # its holder gave it its final name meanwhile
+
+
+def _refuse_when_held(part: Path) -> None:
+    with contextlib.suppress(FileNotFoundError):
+        fd = _open(part)
+        try:
+            _lock(fd, part)
+        finally:
+            os.close(fd)
+
+
+def _rename_to_free_name(part: Path, final: Path) -> None:
+    try:
+        os.link(part, final)  # unlike a rename, fails when the name is taken
+    except OSError as error:
+        if error.errno not in NO_LINK:
+            raise
+        if final.exists():
+            raise FileExistsError(errno.EEXIST, os.strerror(errno.EEXIST)) from None
+        os.rename(part, final)
+    else:
+        part.unlink()
+
+
+def _synchronise_folder(folder: Path) -> None:
+    """Make the new name last through a power cut, on file systems that can."""
+    with contextlib.suppress(OSError):
+        fd = os.open(folder, os.O_RDONLY)
+        try:
+            os.fsync(fd)
+        finally:
+            os.close(fd)
+
+
+def _free(path: Path) -> int:
+    return shutil.disk_usage(path.parent).free
+
+
+def _held_by(part: Path) -> int:
+    """Return the bytes that come free when a partial file that was left behind is replaced."""
+    try:
+        status = part.stat()
+    except FileNotFoundError:
+        return 0
+    return getattr(status, "st_blocks", 0) * 512
+
+
+def _human(nbytes: int) -> str:
+    size = float(nbytes)
+    for unit in ("B", "kB", "MB", "GB"):
+        if size < 1000:
+            return f"{size:.3g} {unit}"
+        size /= 1000
+    return f"{size:.3g} TB"
