@@ -64,8 +64,8 @@ def coordinates(
     Parameters
     ----------
     space : DesignSpace
-        Its axes become index coordinates, its columns coordinates along ``design``, its constants scalars, and
-        its `attrs` global attributes.
+        Its axes become index coordinates, its columns coordinates along ``design``, its constants scalars,
+        and its `attrs` global attributes.
     described : mapping
         Attributes (units, long_name, symbol) of each input of the space.
     further : mapping of str to (dims, values, attrs)

@@ -1,13 +1,12 @@
 """Labelled HDF5 files that are filled block by block and appear under their name only when complete.
 
-The file is laid out once by xarray (coordinates) and h5py (variables, contiguous, all space reserved); then every
-block is one plain ``pwrite`` at a known offset, which any thread may do in any order and which is faster than a
-write through HDF5. All this happens in ``NAME.part``; the last step gives it its name.
+The file is laid out once; then every block is one plain ``pwrite`` at a known offset, which any thread may do
+in any order and which is faster than a write through HDF5. All this happens in ``NAME.part``; the last step
+gives it its name.
 """
 
 from __future__ import annotations
 
-import contextlib
 import errno
 import math
 import os
@@ -17,7 +16,6 @@ from pathlib import Path
 from types import TracebackType
 from typing import Any
 
-import h5py
 import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
@@ -25,11 +23,11 @@ from numpy.typing import NDArray
 from fastlink import target
 from fastlink.errors import InputError
 from fastlink.label import FORMAT, FORMAT_VERSION, Variable, check_dims, plain_attrs
+from fastlink.layout import lay_out, set_attrs
 from fastlink.target import check_target
 
 __all__ = ["Writer", "check_target", "open_map"]
 
-PAGE = 4096
 NO_ROOM = {errno.ENOSPC, errno.EFBIG, getattr(errno, "EDQUOT", errno.ENOSPC)}
 
 
@@ -106,7 +104,7 @@ class Writer:
                 raise ValueError(f"{self.path}: the file is closed")
             self._writing += 1
         try:
-            _write_all(self._fd, memoryview(block.reshape(-1).view(np.uint8)), position)
+            _write_all(self._fd, block.reshape(-1).view(np.uint8).data, position)
         except OSError as error:
             raise self._failure(error) from error
         else:
@@ -132,7 +130,7 @@ class Writer:
                 raise RuntimeError(f"{self.path}: {count} of {expected} values of {name} were written")
         self._close_to_writers()
         try:
-            _set_attrs(self._fd, self.part, last)
+            set_attrs(self._fd, self.part, last)
             os.fsync(self._fd)
         except BaseException as error:
             target.discard(self._fd, self.part)
@@ -143,8 +141,8 @@ class Writer:
             target.publish(self._fd, self.part, self.path, self._overwrite)
         except OSError as error:
             raise InputError(
-                f"{self.path}: cannot give the complete file its name ({target.reason(error)}); it is kept as "
-                f"{self.part}, rename it"
+                f"{self.path}: cannot give the complete file its name ({target.reason(error)}); "
+                f"it is kept as {self.part}, rename it"
             ) from error
 
     def _start(
@@ -153,7 +151,7 @@ class Writer:
         """Lay the file out and reserve its room; return where each variable starts, and the file number."""
         fresh = self.part.with_name(self.part.name + ".new")
         try:
-            offsets = _lay_out(fresh, coords, variables, attrs)
+            offsets = lay_out(fresh, coords, variables, attrs)
             fd = target.adopt(fresh, self.part)
         except BaseException:
             fresh.unlink(missing_ok=True)
@@ -186,7 +184,7 @@ class Writer:
         return InputError(f"{self.path}: cannot be written ({target.reason(error)}); choose another place")
 
     def _close_to_writers(self) -> None:
-        """Let no write begin and wait for those under way: their file number may belong to another file next."""
+        """Let no write begin, and wait for those under way: the file number may soon be of another file."""
         with self._idle:
             if self._closed:
                 raise ValueError(f"{self.path}: the file is closed")
@@ -229,9 +227,7 @@ def open_map(path: str | Path) -> xr.Dataset:
     if not path.exists():
         part = target.part_of(path)
         hint = f"; {part.name} is of a run that has not finished" if part.exists() else ""
-        raise InputError(
-            f"{path}: there is no such file{hint}; give the path of a map that a sweep has written"
-        )
+        raise InputError(f"{path}: there is no such file{hint}; give the path of a written map")
     if path.is_dir():
         raise InputError(f"{path}: is a folder; give the path of a map that a sweep has written")
     try:
@@ -256,65 +252,6 @@ def _foreign(version: Any) -> str:
     if version > FORMAT_VERSION:
         return f"has format {version}, this version reads up to {FORMAT_VERSION}; update fastlink"
     return ""
-
-
-def _lay_out(
-    path: Path, coords: xr.Dataset, variables: Sequence[Variable], attrs: Mapping[str, Any]
-) -> dict[str, int]:
-    """Make the file with all labels and without values; return where in it each variable starts."""
-    labelled = coords.assign_attrs(plain_attrs(attrs))
-    # without _FillValue: None xarray declares NaN a fill value of every coordinate
-    labelled.to_netcdf(
-        path, engine="h5netcdf", encoding={name: {"_FillValue": None} for name in coords.coords}
-    )
-    with h5py.File(path, "r+", alignment_threshold=PAGE, alignment_interval=PAGE) as file:
-        return {variable.name: _create(file, coords, variable) for variable in variables}
-
-
-def _create(file: Any, coords: xr.Dataset, variable: Variable) -> int:
-    """Create one contiguous dataset with its space and labels; return its offset."""
-    plist = h5py.h5p.create(h5py.h5p.DATASET_CREATE)
-    plist.set_layout(h5py.h5d.CONTIGUOUS)
-    plist.set_alloc_time(h5py.h5d.ALLOC_TIME_EARLY)
-    plist.set_fill_time(h5py.h5d.FILL_TIME_NEVER)
-    plist.set_obj_track_times(False)  # time stamps would make equal results differ
-    # low level: Group.create_dataset drops the property list of a scalar
-    identifier = h5py.h5d.create(
-        file.id,
-        variable.name.encode(),
-        h5py.h5t.py_create(variable.dtype, logical=True),
-        h5py.h5s.create_simple(variable.shape) if variable.shape else h5py.h5s.create(h5py.h5s.SCALAR),
-        plist,
-    )
-    dataset = h5py.Dataset(identifier)
-    for axis, dim in enumerate(variable.dims):
-        # unless attached, dimensions are matched by length and equal axes are swapped
-        dataset.dims[axis].attach_scale(file[dim])
-    auxiliary = [
-        name
-        for name, coord in coords.coords.items()
-        if name not in coords.dims and set(coord.dims) <= set(variable.dims)
-    ]
-    for name, value in plain_attrs(variable.attrs).items():
-        dataset.attrs[name] = value
-    if auxiliary:
-        dataset.attrs["coordinates"] = " ".join(str(name) for name in auxiliary)
-    offset = identifier.get_offset()
-    if offset is None:
-        raise RuntimeError(f"HDF5 has reserved no space for {variable.name}")
-    return int(offset)
-
-
-def _set_attrs(fd: int, path: Path, attrs: Mapping[str, Any]) -> None:
-    with contextlib.ExitStack() as stack:
-        try:
-            # this process holds the lock that HDF5 would ask for
-            file = stack.enter_context(h5py.File(path, "r+", locking=False))
-        except BlockingIOError:  # HDF5_USE_FILE_LOCKING=TRUE in the environment overrules locking=False
-            stack.enter_context(target.released(fd))
-            file = stack.enter_context(h5py.File(path, "r+"))
-        for name, value in attrs.items():
-            file.attrs[name] = value
 
 
 _seek_lock = threading.Lock()

@@ -134,7 +134,7 @@ def _invalid_cell(cell: str, found: object) -> InputError:
 def _read_csv(path: Path, allow_invalid: bool) -> dict[str, Floats]:
     try:
         with path.open(encoding="utf-8-sig", newline="") as file:
-            return _parse_csv(path.name, csv.reader(file), allow_invalid)
+            return _parse_csv(path.name, csv.reader(file, skipinitialspace=True), allow_invalid)
     except OSError as error:
         raise InputError(
             f"table: cannot read {path}: {error.strerror}; give the path of a CSV file"

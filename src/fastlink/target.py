@@ -19,6 +19,7 @@ except ImportError:  # not POSIX: no locks, and a folder cannot be synchronised
 
 SLACK = 2**20  # for the labels, and for the attributes that are added at the end
 
+NO_LOCKS = {errno.ENOSYS, errno.EOPNOTSUPP, errno.ENOLCK}
 NO_RESERVE = {errno.EINVAL, errno.EOPNOTSUPP, errno.ENOSYS}
 NO_LINK = {errno.EPERM, errno.EOPNOTSUPP, errno.ENOSYS, errno.EMLINK}
 
@@ -35,7 +36,9 @@ def reason(error: BaseException) -> str:
 
 
 def check_target(path: str | Path, nbytes_needed: int, overwrite: bool) -> Path:
-    """Return the absolute path of an output file, or say why it cannot be written, before anything is computed.
+    """Return the absolute path of an output file, or say why it cannot be written.
+
+    Meant to be called before anything is computed.
 
     Parameters
     ----------
@@ -51,9 +54,7 @@ def check_target(path: str | Path, nbytes_needed: int, overwrite: bool) -> Path:
         if place.is_dir():
             raise InputError(f"{place}: is a folder; add a file name, for instance {place / 'maps.h5'}")
         if not place.parent.is_dir():
-            raise InputError(
-                f"{place}: the folder {place.parent} does not exist; create it or choose another"
-            )
+            raise InputError(f"{place}: there is no folder {place.parent}; create it or choose another")
         if place.exists() and not place.is_file():
             raise InputError(f"{place}: is a device or a pipe; choose another name")
         if place.exists() and not overwrite:
@@ -63,7 +64,7 @@ def check_target(path: str | Path, nbytes_needed: int, overwrite: bool) -> Path:
             pass
     except InputError:
         raise
-    except (OSError, ValueError) as error:
+    except (OSError, ValueError, RuntimeError) as error:  # of a NUL in the path; of an unknown ~user
         raise InputError(f"{path}: cannot be written ({reason(error)}); choose another place") from error
     if nbytes_needed + SLACK > _free(place) + _held_by(part_of(place)):
         raise no_room(place, nbytes_needed)
@@ -74,8 +75,8 @@ def no_room(path: Path, nbytes: int, error: Exception | None = None) -> InputErr
     """Return the error of a disk that is too small for a file."""
     why = f" ({reason(error)})" if error else ""
     return InputError(
-        f"{path}: needs {_human(nbytes)} but {_human(_free(path))} are free{why}; ask for fewer quantities or "
-        "designs, or choose another disk"
+        f"{path}: needs {_human(nbytes)} but {_human(_free(path))} are free{why}; ask for fewer quantities "
+        "or designs, or choose another disk"
     )
 
 
@@ -85,6 +86,10 @@ def claimed(part: Path) -> Iterator[None]:
 
     Refused when a live process writes it. The name is gone when the body fails.
     """
+    if fcntl is None:
+        part.unlink(missing_ok=True)  # refused by the system while another process has it open
+        yield
+        return
     fd = _claim(part)
     try:
         yield
@@ -125,15 +130,14 @@ def publish(fd: int, part: Path, final: Path, overwrite: bool) -> None:
     """Give a complete, synchronised partial file its final name; only `overwrite` replaces another file."""
     if fcntl is None:
         os.close(fd)  # an open file cannot be renamed there
-    else:
-        fcntl.flock(fd, fcntl.LOCK_SH)  # readers may open it from its first moment on
-    if overwrite:
-        os.replace(part, final)
-    else:
-        _rename_to_free_name(part, final)
-    if fcntl is not None:
+        _rename(part, final, overwrite)
+        return
+    try:
+        _flock(fd, fcntl.LOCK_SH)  # readers may open it from its first moment on
+        _rename(part, final, overwrite)
+    finally:
         os.close(fd)
-        _synchronise_folder(final.parent)
+    _synchronise_folder(final.parent)
 
 
 def discard(fd: int, part: Path) -> None:
@@ -152,11 +156,11 @@ def released(fd: int) -> Iterator[None]:
     if fcntl is None:
         yield
         return
-    fcntl.flock(fd, fcntl.LOCK_UN)
+    _flock(fd, fcntl.LOCK_UN)
     try:
         yield
     finally:
-        fcntl.flock(fd, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        _flock(fd, fcntl.LOCK_EX | fcntl.LOCK_NB)
 
 
 def _open(path: Path, flags: int = 0) -> int:
@@ -167,11 +171,18 @@ def _lock(fd: int, part: Path) -> None:
     if fcntl is None:
         return
     try:
-        fcntl.flock(fd, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        _flock(fd, fcntl.LOCK_EX | fcntl.LOCK_NB)
     except BlockingIOError:
-        raise InputError(
-            f"{part}: another process is writing it; wait for it or choose another name"
-        ) from None
+        raise InputError(f"{part}: another run is writing it; wait for it or choose another name") from None
+
+
+def _flock(fd: int, operation: int) -> None:
+    """Lock as asked; a file system without locks counts as one where nobody holds any."""
+    try:
+        fcntl.flock(fd, operation)
+    except OSError as error:
+        if error.errno not in NO_LOCKS:
+            raise
 
 
 def _claim(part: Path) -> int:
@@ -197,7 +208,10 @@ def _refuse_when_held(part: Path) -> None:
             os.close(fd)
 
 
-def _rename_to_free_name(part: Path, final: Path) -> None:
+def _rename(part: Path, final: Path, overwrite: bool) -> None:
+    if overwrite:
+        os.replace(part, final)
+        return
     try:
         os.link(part, final)  # unlike a rename, fails when the name is taken
     except OSError as error:

@@ -1,0 +1,66 @@
+"""What links are made of: models that give masses, inertias and mass centres from the lengths."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from numbers import Real
+
+from fastlink.errors import InputError, suggest
+
+__all__ = ["Links", "links_from", "round_bar"]
+
+MODELS: dict[str, tuple[str, ...]] = {"round_bar": ("density", "radius")}
+
+
+@dataclass(frozen=True)
+class Links:
+    """A model of the links: its name, and those of its inputs that are the same for all designs."""
+
+    model: str
+    values: Mapping[str, float]
+
+
+def round_bar(density: float | None = None, radius: float | None = None) -> Links:
+    """Links made of solid round bars.
+
+    Each link of length a has the mass ``density * pi * radius**2 * a``, the moment of inertia
+    ``m (a**2/12 + radius**2/4)`` about its mass centre, and its mass centre at mid-length (Hayes et al.,
+    Table 1). Mass data that the design itself gives replace the model's.
+
+    Parameters
+    ----------
+    density : float, optional
+        In kg m-3. Left out, the design gives it (to sweep it, make it an axis there).
+    radius : float, optional
+        In m. Left out, the design gives it.
+
+    Raises
+    ------
+    InputError
+        A value is not a finite number, or is negative.
+
+    Examples
+    --------
+    >>> round_bar(density=7750.0, radius=0.01).values["radius"]
+    0.01
+    """
+    given = {"density": density, "radius": radius}
+    return links_from("round_bar", {name: value for name, value in given.items() if value is not None})
+
+
+def links_from(model: str, values: Mapping[str, float]) -> Links:
+    """Return a model of the links by name, its values checked."""
+    if model not in MODELS:
+        raise InputError(f"links: model {model!r} is unknown; {suggest(str(model), MODELS)}")
+    for name, value in values.items():
+        if name not in MODELS[model]:
+            raise InputError(f"links: {model} has no {name!r}; {suggest(name, MODELS[model])}")
+        if isinstance(value, bool) or not isinstance(value, Real):
+            raise InputError(
+                f"links: {name} of {model} is {value!r}; write one number, or leave it out and give {name} in the design"
+            )
+        if not math.isfinite(value) or value < 0:
+            raise InputError(f"links: {name} of {model} is {value!r}; write a finite number of at least 0")
+    return Links(model, {name: float(value) for name, value in values.items()})

@@ -1,0 +1,133 @@
+"""What a sweep was asked for, checked at the door: inputs, branches, input positions, options."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from fastlink.catalogue import Catalogue, Input
+from fastlink.errors import InputError, suggest
+from fastlink.links import Links
+
+if TYPE_CHECKING:
+    from numpy.typing import ArrayLike, NDArray
+
+    from fastlink.space import DesignSpace
+
+__all__ = ["SOLVERS", "alternatives_of", "check_branches", "check_inputs", "check_positions", "describe"]
+
+# "eliminated" is the closed form; it is what the facts say unless "dense" is chosen.
+SOLVERS = ("eliminated", "dense")
+RULES = {"positive": "greater than 0", "non-negative": "at least 0"}
+
+
+def alternatives_of(links: Links | None, solver: str) -> tuple[str, ...]:
+    """Return the chosen sets of facts.
+
+    Raises
+    ------
+    InputError
+        The solver is unknown.
+    """
+    if solver not in SOLVERS:
+        raise InputError(f"solver {solver!r} is unknown; {suggest(str(solver), SOLVERS)}")
+    chosen = () if links is None else (links.model,)
+    return (*chosen, "dense") if solver == "dense" else chosen
+
+
+def check_inputs(catalogue: Catalogue, space: DesignSpace, alternatives: Sequence[str], allow_invalid: bool) -> None:
+    """Refuse an unknown input, and values that no such thing can have.
+
+    Raises
+    ------
+    InputError
+        With the input, the first bad value, where it stands and what is allowed.
+    """
+    known = catalogue.known_inputs(alternatives)
+    for name in space.names:
+        if name not in known:
+            raise InputError(_unknown_input(catalogue, name, known))
+        if not allow_invalid:
+            _check_values(known[name], space)
+
+
+def _unknown_input(catalogue: Catalogue, name: str, known: dict[str, Input]) -> str:
+    for model, inputs in catalogue.alternative_inputs.items():
+        if name in inputs:
+            return f"design: {name!r} belongs to links of model {model!r}; choose that model of the links, or leave it out"
+    return f"design: input {name!r} is unknown to {catalogue.name}; {suggest(name, known)}"
+
+
+def _check_values(declared: Input, space: DesignSpace) -> None:
+    name = declared.name
+    values = space.values(name)
+    bad = ~np.isfinite(values)
+    if declared.rule == "positive":
+        bad |= ~(values > 0)
+    elif declared.rule == "non-negative":
+        bad |= ~(values >= 0)
+    if bad.any():
+        where = int(np.flatnonzero(bad)[0])
+        place = f"{name}[{where}]" if values.size > 1 else name
+        allowed = RULES.get(declared.rule, "")
+        remedy = f"a finite number{' ' if allowed else ''}{allowed}"
+        raise InputError(f"design: {place} is {values[where]}; {declared.meaning}: write {remedy}")
+
+
+def check_branches(catalogue: Catalogue, branch: Any) -> tuple[int, ...]:
+    """Return the assembly modes as a tuple.
+
+    Raises
+    ------
+    InputError
+        None, an unknown or a repeated one is given.
+    """
+    allowed = ", ".join(map(str, catalogue.branches))
+    given = np.atleast_1d(np.asarray(branch, dtype=object)).tolist()
+    for k, value in enumerate(given):
+        if isinstance(value, bool) or value not in catalogue.branches:
+            raise InputError(f"branch: {value!r} is no assembly mode of {catalogue.name}; write some of {allowed}")
+        if value in given[:k]:
+            raise InputError(f"branch: {value!r} is given twice; write each once")
+    if not given:
+        raise InputError(f"branch: none is given; write some of {allowed}")
+    return tuple(int(value) for value in given)
+
+
+def check_positions(catalogue: Catalogue, given: int | ArrayLike) -> NDArray[Any]:
+    """Return the input positions: a number of equal steps over one turn, or the positions themselves.
+
+    Raises
+    ------
+    InputError
+        The number is not positive, or a position is not finite or repeated.
+    """
+    name = catalogue.position.name
+    if isinstance(given, (int, np.integer)) and not isinstance(given, bool):
+        if given < 1:
+            raise InputError(f"{name}: {given} input angles; write a number of at least 1, or an array in rad")
+        return np.arange(int(given)) * (2.0 * np.pi / int(given))
+    try:
+        values = np.asarray(given, dtype=np.float64)
+    except (TypeError, ValueError):
+        values = np.empty((0, 0))
+    if values.ndim != 1 or isinstance(given, (bool, str)):
+        raise InputError(f"{name}: {given!r} is neither a number of angles nor a flat array of angles in rad")
+    if values.size == 0:
+        raise InputError(f"{name}: the array of input angles is empty; give at least one")
+    bad = np.flatnonzero(~np.isfinite(values))
+    if bad.size:
+        raise InputError(f"{name}[{bad[0]}] is {values[bad[0]]}; write finite angles in rad")
+    order = np.argsort(values, kind="stable")
+    twice = np.flatnonzero(np.diff(values[order]) == 0.0)
+    if twice.size:
+        first, second = sorted(order[twice[0] : twice[0] + 2].tolist())
+        raise InputError(f"{name}: {values[first]} stands twice (at {first} and {second}); give each angle once")
+    return np.array(values)
+
+
+def describe(declared: Input) -> dict[str, Any]:
+    """Return the labels of an input."""
+    return {"units": declared.units, "long_name": declared.meaning, "symbol": declared.symbol}

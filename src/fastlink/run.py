@@ -1,0 +1,146 @@
+"""Run a kernel over all designs: blocks handed out to threads, all buffers owned here.
+
+It knows no names and no files: arrays in, arrays out. Blocks are small and taken one by one, because a
+static split stalls for a whole time slice when another process holds a core.
+"""
+
+from __future__ import annotations
+
+import itertools
+import os
+import threading
+from collections.abc import Callable, Sequence
+from concurrent.futures import FIRST_EXCEPTION, ThreadPoolExecutor, wait
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from fastlink.kernel_text import LANES
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+__all__ = ["Job", "block_length", "default_threads", "pad_angles", "run"]
+
+BLOCK_BYTES = 4 << 20
+BLOCK_DESIGNS = 4096
+
+Fill = Callable[[int, int, "NDArray[Any]"], None]
+Deliver = Callable[[int, int, "list[NDArray[Any]]"], None]
+
+
+@dataclass(frozen=True)
+class Job:
+    """One kernel and what it runs on.
+
+    Attributes
+    ----------
+    kernel : callable
+        A compiled kernel.
+    scratch : tuple of int
+        Lengths of its two scratch arrays.
+    inputs : int
+        Rows of its design array.
+    angles : array (tables, angles)
+        Its angle array, not padded.
+    n_angles : int
+        Number of angles.
+    outputs : sequence of (shape, dtype)
+        What each design has of each result.
+    size : int
+        Number of designs.
+    fill : callable
+        ``fill(start, stop, x)`` writes the inputs of designs start to stop into ``x[:, :stop - start]``.
+    """
+
+    kernel: Callable[..., None]
+    scratch: tuple[int, int]
+    inputs: int
+    angles: NDArray[Any]
+    n_angles: int
+    outputs: Sequence[tuple[tuple[int, ...], str]]
+    size: int
+    fill: Fill
+
+
+def default_threads() -> int:
+    """Return the number of processors this process may use."""
+    affinity = getattr(os, "sched_getaffinity", None)
+    return len(affinity(0)) if affinity is not None else os.cpu_count() or 1
+
+
+def pad_angles(angles: NDArray[Any]) -> NDArray[Any]:
+    """Return the angle array with its last column repeated up to a multiple of the lanes."""
+    return np.ascontiguousarray(np.pad(angles, ((0, 0), (0, -angles.shape[1] % LANES)), mode="edge"))
+
+
+def block_length(job: Job, threads: int) -> int:
+    """Return how many designs a block holds: a few MB of results, and several blocks per thread."""
+    row = sum(int(np.prod(shape, dtype=np.int64)) * np.dtype(dtype).itemsize for shape, dtype in job.outputs)
+    share = -(-job.size // (4 * threads))
+    length = max(1, min(BLOCK_DESIGNS, BLOCK_BYTES // max(row, 1), share))
+    return length if length < LANES else length // LANES * LANES
+
+
+def run(
+    job: Job,
+    *,
+    targets: Sequence[NDArray[Any]] | None = None,
+    deliver: Deliver | None = None,
+    threads: int = 1,
+    block: int | None = None,
+) -> None:
+    """Evaluate every design.
+
+    Parameters
+    ----------
+    job : Job
+        The kernel and its data.
+    targets : sequence of array, optional
+        Whole result arrays, designs first; results go straight into them. Without, each block has
+        buffers of its own.
+    deliver : callable, optional
+        ``deliver(start, stop, arrays)`` is called for each finished block, from any thread; the arrays
+        are reused afterwards.
+    threads : int
+        Number of threads.
+    block : int, optional
+        Designs per block; any value gives the same bits.
+    """
+    length = block or block_length(job, threads)
+    starts = iter(range(0, job.size, length))
+    lock, stop = threading.Lock(), threading.Event()
+    angles = pad_angles(job.angles)
+
+    def work() -> None:
+        padded = -(-length // LANES) * LANES
+        x = np.ones((job.inputs, padded))
+        scratch = [np.empty(size) for size in job.scratch]
+        own = None if targets is not None else [np.empty((length, *shape), dtype) for shape, dtype in job.outputs]
+        while not stop.is_set():
+            with lock:
+                start = next(starts, None)
+            if start is None:
+                return
+            end = min(start + length, job.size)
+            job.fill(start, end, x)
+            # Lanes beyond the last design repeat it; their results are not stored.
+            x[:, end - start :] = x[:, end - start - 1 : end - start]
+            arrays = [a[start:end] for a in targets] if targets is not None else [a[: end - start] for a in own or ()]
+            job.kernel(x, angles, end - start, job.n_angles, *scratch, *arrays)
+            if deliver is not None:
+                deliver(start, end, arrays)
+
+    if threads == 1:
+        work()
+        return
+    with ThreadPoolExecutor(threads, thread_name_prefix="fastlink") as pool:
+        futures = [pool.submit(work) for _ in itertools.repeat(None, threads)]
+        try:
+            done, _ = wait(futures, return_when=FIRST_EXCEPTION)
+            for future in done:
+                future.result()
+        finally:
+            # An exception or Ctrl-C: the other threads finish their block and no more.
+            stop.set()

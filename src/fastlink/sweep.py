@@ -1,0 +1,303 @@
+"""The one door: design space to plan to run to labels to file."""
+
+from __future__ import annotations
+
+import sys
+import threading
+import time
+from collections.abc import Callable, Mapping, Sequence
+from importlib.metadata import PackageNotFoundError, version
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from fastlink import label, store
+from fastlink.catalogue import Catalogue
+from fastlink.errors import InputError
+from fastlink.kernel_text import scratch_sizes
+from fastlink.mechanisms import catalogue as find_catalogue
+from fastlink.plan import Output, Plan, make_plan
+from fastlink.request import alternatives_of, check_branches, check_inputs, check_positions, describe
+from fastlink.run import Job, default_threads, run
+
+if TYPE_CHECKING:
+    import xarray as xr
+    from numpy.typing import ArrayLike, NDArray
+
+    from fastlink.links import Links
+    from fastlink.space import DesignSpace
+
+__all__ = ["sweep"]
+
+
+def sweep(
+    mechanism: str,
+    space: DesignSpace,
+    quantities: Sequence[str],
+    *,
+    links: Links | None = None,
+    theta1: int | ArrayLike = 360,
+    branch: int | Sequence[int] = (1, 2),
+    solver: str = "eliminated",
+    to: str | Path | None = None,
+    overwrite: bool = False,
+    threads: int | None = None,
+    progress: bool | None = None,
+    allow_invalid: bool = False,
+    attrs: Mapping[str, Any] | None = None,
+    block: int | None = None,
+) -> xr.Dataset:
+    """Evaluate quantities of a mechanism over a design space.
+
+    Parameters
+    ----------
+    mechanism : str
+        Name of the mechanism, such as ``"planar_4r"``.
+    space : DesignSpace
+        From `fastlink.grid`, `fastlink.table`, `fastlink.sobol` or `fastlink.latin_hypercube`.
+    quantities : sequence of str
+        Names of quantities, or of what is taken over the cycle: ``NAME_max``, ``NAME_min``, ``NAME_rms``,
+        ``theta1_at_NAME_max``, ``theta1_at_NAME_min``. `fastlink.quantities` lists them. ``status`` comes along.
+    links : Links, optional
+        Where mass data come from, such as ``fastlink.round_bar(density=7750.0, radius=0.01)``.
+    theta1 : int or array_like, default 360
+        Number of equally spaced input angles over one turn, or the angles themselves in rad.
+    branch : int or sequence of int, default (1, 2)
+        Assembly modes.
+    solver : {"eliminated", "dense"}
+        Joint reactions by elimination, or by LU of the 9x9 system of Hayes et al., eq. (9).
+    to : path, optional
+        The HDF5 file to write; without it the result stays in memory.
+    overwrite : bool
+        Replace an existing file.
+    threads : int, optional
+        All processors unless given. Any number gives the same bits.
+    progress : bool, optional
+        Show a progress bar on standard error; by default only on a terminal.
+    allow_invalid : bool
+        Flag designs with impossible values (``status`` says ``invalid_input``) instead of refusing them.
+    attrs : mapping, optional
+        Further global attributes of the result.
+    block : int, optional
+        Designs per block. Any number gives the same bits.
+
+    Returns
+    -------
+    xarray.Dataset
+        In memory, or opened lazily from the file. Dimensions: the swept ones, then ``branch``, then ``theta1``.
+        A configuration that does not assemble is NaN; ``status`` tells why.
+
+    Raises
+    ------
+    InputError
+        Bad input; the message says what, where, and what to write instead.
+
+    Examples
+    --------
+    >>> import fastlink as fl
+    >>> maps = fl.sweep(
+    ...     "planar_4r",
+    ...     fl.grid(a1=0.4, a2=[1.1, 1.2], a3=0.8, a4=1.0, omega1=25.0),
+    ...     ["omega4_max", "transmission_angle_min"],
+    ... )
+    >>> maps.omega4_max.dims
+    ('a2', 'branch')
+    """
+    started = time.perf_counter()
+    catalogue = find_catalogue(mechanism)
+    names = _names(quantities)
+    alternatives = alternatives_of(links, solver)
+    check_inputs(catalogue, space, alternatives, allow_invalid)
+    if links is not None:
+        space = space.with_constants(links.values)
+    branches = check_branches(catalogue, branch)
+    positions = check_positions(catalogue, theta1)
+    count = _check_threads(threads)
+    plan = make_plan(
+        catalogue, names, given=space.names, branches=branches, alternatives=alternatives, angles=positions.size
+    )
+    variables = [_variable(output, plan, space, positions.size) for output in plan.outputs]
+    nbytes = sum(variable.nbytes for variable in variables)
+    target = None if to is None else store.check_target(to, nbytes, overwrite)
+    coords = _coordinates(plan, space, positions)
+    job = Job(
+        plan.kernel,
+        scratch_sizes(plan),
+        len(plan.inputs),
+        plan.angle_tables(positions),
+        positions.size,
+        [(_trailing(output, plan, positions.size), output.dtype) for output in plan.outputs],
+        space.size,
+        lambda start, stop, x: space.fill(plan.inputs, start, stop, x),
+    )
+    counts = _StatusCounts(plan)
+    bar = _progress_bar(space.size, progress)
+    about = _about(plan, solver, positions.size, count) | dict(attrs or {})
+    before = time.perf_counter()
+
+    def report() -> dict[str, Any]:
+        run_time = time.perf_counter() - before
+        configurations = space.size * len(branches) * (positions.size if plan.uses_position else 1)
+        return {
+            "designs": space.size,
+            "configurations": configurations,
+            "set_up_time_s": before - started,
+            "run_time_s": run_time,
+            "configurations_per_second": configurations / run_time,
+            **counts.attrs(),
+        }
+
+    with bar:
+        if target is None:
+            arrays = [np.empty((space.size, *shape), dtype) for shape, dtype in job.outputs]
+            run(job, targets=arrays, deliver=_all(counts.take, bar.take), threads=count, block=block)
+            named = {variable.name: array for variable, array in zip(variables, arrays, strict=True)}
+            return label.assemble(coords, variables, named, about | report())
+        with store.Writer(target, coords, variables, about, overwrite=overwrite) as writer:
+
+            def write(start: int, stop: int, arrays: list[NDArray[Any]]) -> None:
+                for variable, array in zip(variables, arrays, strict=True):
+                    writer.write(variable.name, start, array)
+
+            run(job, deliver=_all(write, counts.take, bar.take), threads=count, block=block)
+            writer.finish(report())
+    return store.open_map(target)
+
+
+def _names(quantities: Sequence[str]) -> list[str]:
+    if isinstance(quantities, str):
+        raise InputError(f"quantities: {quantities!r} is one text; write a list: [{quantities!r}]")
+    names = list(quantities)
+    if not names:
+        raise InputError("quantities: none is asked for; write at least one name, such as 'omega4_max'")
+    return names if "status" in names else [*names, "status"]
+
+
+def _check_threads(threads: int | None) -> int:
+    if threads is None:
+        return default_threads()
+    if isinstance(threads, bool) or not isinstance(threads, int) or threads < 1:
+        raise InputError(f"threads: {threads!r}; write a whole number of at least 1")
+    return threads
+
+
+def _all(*takers: Callable[[int, int, list[NDArray[Any]]], None]) -> Callable[[int, int, list[NDArray[Any]]], None]:
+    def deliver(start: int, stop: int, arrays: list[NDArray[Any]]) -> None:
+        for take in takers:
+            take(start, stop, arrays)
+
+    return deliver
+
+
+class _StatusCounts:
+    """How many designs have each status."""
+
+    def __init__(self, plan: Plan) -> None:
+        self.place = [output.name for output in plan.outputs].index("status")
+        self.flags = plan.catalogue.facts["status"].flags
+        self.counts = np.zeros(max(self.flags) + 1, dtype=np.int64)
+        self.lock = threading.Lock()
+
+    def take(self, start: int, stop: int, arrays: list[NDArray[Any]]) -> None:
+        found = np.bincount(arrays[self.place], minlength=self.counts.size)
+        with self.lock:
+            self.counts += found
+
+    def attrs(self) -> dict[str, int]:
+        return {f"designs_{meaning}": int(self.counts[value]) for value, meaning in self.flags.items()}
+
+
+class _Bar:
+    """A progress bar that threads may feed."""
+
+    def __init__(self, total: int, shown: bool) -> None:
+        from tqdm import tqdm
+
+        self.bar = tqdm(total=total, unit=" designs", unit_scale=True, disable=not shown, file=sys.stderr)
+        self.lock = threading.Lock()
+
+    def take(self, start: int, stop: int, arrays: list[NDArray[Any]]) -> None:
+        with self.lock:
+            self.bar.update(stop - start)
+
+    def __enter__(self) -> _Bar:
+        return self
+
+    def __exit__(self, *error: object) -> None:
+        self.bar.close()
+
+
+def _progress_bar(total: int, progress: bool | None) -> _Bar:
+    return _Bar(total, sys.stderr.isatty() if progress is None else progress)
+
+
+def _trailing(output: Output, plan: Plan, positions: int) -> tuple[int, ...]:
+    lengths = {"branch": len(plan.branches), plan.catalogue.position.name: positions}
+    return tuple(lengths[axis] for axis in output.axes)
+
+
+def _variable(output: Output, plan: Plan, space: DesignSpace, positions: int) -> label.Variable:
+    fact = plan.catalogue.facts[output.request.quantity]
+    position = plan.catalogue.position
+    reduction, place = output.request.reduction, output.request.place
+    attrs: dict[str, Any] = {"units": fact.units, "long_name": fact.meaning, "symbol": fact.symbol}
+    if reduction is not None:
+        attrs["long_name"] = f"{fact.meaning}, {reduction.phrase}"
+        attrs["symbol"] = f"{reduction.suffix} {fact.symbol}"
+        if place:
+            attrs = {
+                "units": position.units,
+                "long_name": f"{position.meaning}, where {fact.symbol} is {reduction.phrase}",
+                "symbol": f"{position.symbol} at {reduction.suffix} {fact.symbol}",
+            }
+    attrs["references"] = fact.source
+    if fact.flags:
+        del attrs["units"]
+        attrs["flag_values"] = np.array(list(fact.flags), dtype=output.dtype)
+        attrs["flag_meanings"] = " ".join(fact.flags.values())
+    return label.Variable(
+        output.name,
+        (*space.dims, *output.axes),
+        (*space.shape, *_trailing(output, plan, positions)),
+        np.dtype(output.dtype),
+        attrs,
+    )
+
+
+def _coordinates(plan: Plan, space: DesignSpace, positions: NDArray[Any]) -> xr.Dataset:
+    catalogue: Catalogue = plan.catalogue
+    used = {axis for output in plan.outputs for axis in output.axes}
+    further: dict[str, Any] = {}
+    if "branch" in used:
+        meanings = "; ".join(f"{branch}: {meaning}" for branch, meaning in catalogue.branches.items())
+        labels = {"long_name": "assembly mode", "comment": meanings}
+        further["branch"] = (("branch",), np.array(plan.branches, dtype=np.int32), labels)
+    position = catalogue.position
+    if position.name in used:
+        further[position.name] = ((position.name,), positions, describe(position))
+    known = catalogue.known_inputs(plan.alternatives)
+    return label.coordinates(space, {name: describe(known[name]) for name in space.names}, further)
+
+
+def _about(plan: Plan, solver: str, positions: int, threads: int) -> dict[str, Any]:
+    catalogue = plan.catalogue
+    about: dict[str, Any] = {
+        "Conventions": "CF-1.11",
+        "title": f"{catalogue.title}: {', '.join(output.name for output in plan.outputs)}",
+        "mechanism": catalogue.name,
+        "source": f"fastlink {_version('fastlink-linkages')}, numba {_version('numba')}, numpy {np.__version__}",
+        "solver": solver,
+        "threads": threads,
+    }
+    if plan.uses_position:
+        about[f"{catalogue.position.name}_count"] = positions
+        about["extrema"] = "sampled"
+    return about
+
+
+def _version(distribution: str) -> str:
+    try:
+        return version(distribution)
+    except PackageNotFoundError:
+        return "unknown"
