@@ -26,7 +26,17 @@ _PLACES = {
     "table": ("fastlink.design", "table"),
 }
 
-__all__ = ["DesignSpace", "InputError", "grid", "latin_hypercube", "open", "round_bar", "sobol", "sweep", "table"]
+__all__ = [
+    "DesignSpace",
+    "InputError",
+    "grid",
+    "latin_hypercube",
+    "open",
+    "round_bar",
+    "sobol",
+    "sweep",
+    "table",
+]
 
 
 def __getattr__(name: str) -> Any:

@@ -65,7 +65,9 @@ def statements(function: Callable[..., Any]) -> tuple[ast.stmt, ...]:
     for statement in body:
         for node in ast.walk(statement):
             if not isinstance(node, ALLOWED_NODES):
-                raise CatalogueError(f"fact {name}, line {ast.unparse(statement)!r}: {type(node).__name__} is not allowed")
+                raise CatalogueError(
+                    f"fact {name}, line {ast.unparse(statement)!r}: {type(node).__name__} is not allowed"
+                )
     if any(isinstance(statement, ast.Return) for statement in body[:-1]):
         raise CatalogueError(f"fact {name} must have one return")
     return tuple(body)
@@ -74,7 +76,9 @@ def statements(function: Callable[..., Any]) -> tuple[ast.stmt, ...]:
 class _Rename(ast.NodeTransformer):
     """Make parameters, locals and globals of a fact into names of the kernel."""
 
-    def __init__(self, function: Callable[..., Any], values: Mapping[str, str], local: Callable[[str], str], text: Text):
+    def __init__(
+        self, function: Callable[..., Any], values: Mapping[str, str], local: Callable[[str], str], text: Text
+    ):
         self.function, self.values, self.local, self.text = function, values, local, text
         self.locals: set[str] = set()
 
@@ -95,7 +99,9 @@ class _Rename(ast.NodeTransformer):
         return node
 
 
-def _paste(function: Callable[..., Any], values: Mapping[str, str], label: str, suffix: str, text: Text) -> ast.expr:
+def _paste(
+    function: Callable[..., Any], values: Mapping[str, str], label: str, suffix: str, text: Text
+) -> ast.expr:
     """Paste the assignments of a fact; return the expression that it returns."""
     body = statements(function)
     rename = _Rename(function, values, lambda local: f"{label}__{local}{suffix}", text)
@@ -124,7 +130,9 @@ def paste_fact(fact: Fact, values: Mapping[str, str], suffix: str, text: Text) -
     return name
 
 
-def paste_system(system: System, values: Mapping[str, str], suffix: str, text: Text, store: Callable[[int, int], str]) -> None:
+def paste_system(
+    system: System, values: Mapping[str, str], suffix: str, text: Text, store: Callable[[int, int], str]
+) -> None:
     """Append the statements that store row r, column c of a system at ``store(r, c)``."""
     rows = _paste(system.function, values, system.name, suffix, text)
     assert isinstance(rows, ast.Tuple)

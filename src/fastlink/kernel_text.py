@@ -38,7 +38,9 @@ class _Writer:
         self.rows: dict[str, int] = {}
         self.position = plan.catalogue.position.name
         self.lane_steps = [s for s in plan.steps if self.axes(s) >= {"design", self.position}]
-        self.design_steps = [s for s in plan.steps if self.position not in self.axes(s) and "design" in self.axes(s)]
+        self.design_steps = [
+            s for s in plan.steps if self.position not in self.axes(s) and "design" in self.axes(s)
+        ]
         self.angle_steps = [s for s in plan.steps if self.axes(s) == {self.position}]
         self.constant_steps = [s for s in plan.steps if self.axes(s) <= {"branch"}]
         self.systems = [s for s in self.lane_steps if isinstance(s, System)]
@@ -76,7 +78,9 @@ class _Writer:
         needs = [need for step in steps for need in step.needs]
         needs += [o.request.quantity for o in (*self.curves, *self.cycles)]
         made = {name for step in self.lane_steps for name in _names(step)}
-        wanted = [n for n in dict.fromkeys(needs) if n not in made and self.plan.axes[n] in map(frozenset, kinds)]
+        wanted = [
+            n for n in dict.fromkeys(needs) if n not in made and self.plan.axes[n] in map(frozenset, kinds)
+        ]
         return [n + suffix for n in wanted for suffix, _ in self.suffixes(n)]
 
     # -- pasting ---------------------------------------------------------------------------------
@@ -89,7 +93,11 @@ class _Writer:
                 start = k * self.system_size(step)
                 width = len(step.unknowns) + 1
                 paste_system(
-                    step, values, suffix, self.text, lambda r, c, at=start, n=width: f"m[{(at + r * n + c) * LANES} + i]"
+                    step,
+                    values,
+                    suffix,
+                    self.text,
+                    lambda r, c, at=start, n=width: f"m[{(at + r * n + c) * LANES} + i]",
                 )
             else:
                 paste_fact(step, values, suffix, self.text)
@@ -120,7 +128,8 @@ class _Writer:
         self.write_results()
         names = ", ".join(o.name for o in self.plan.outputs)
         imports = "\n".join(
-            f"from {module} import {', '.join(sorted(found))}" for module, found in sorted(text.imports.items())
+            f"from {module} import {', '.join(sorted(found))}"
+            for module, found in sorted(text.imports.items())
         )
         header = HEADER.format(mechanism=self.plan.catalogue.name, names=names, imports=imports)
         return header + "\n".join(text.lines) + "\n"
@@ -188,7 +197,11 @@ class _Writer:
         text.close()
 
     def curve_copies(self) -> list[str]:
-        return [o.request.quantity + suffix for o in self.curves for suffix, _ in self.suffixes(o.request.quantity)]
+        return [
+            o.request.quantity + suffix
+            for o in self.curves
+            for suffix, _ in self.suffixes(o.request.quantity)
+        ]
 
     def stages(self) -> list[list[Fact | System]]:
         """Split the lane steps after each linear system, which is solved outside the lane loop.
@@ -212,11 +225,17 @@ class _Writer:
         for number, stage in enumerate(stages):
             made = {name for step in stage if isinstance(step, Fact) for name in _names(step)}
             later = {need for rest in stages[number + 1 :] for step in rest for need in step.needs}
-            later |= {o.request.quantity for o in (*self.curves, *self.cycles)} if number < len(stages) - 1 else set()
+            later |= (
+                {o.request.quantity for o in (*self.curves, *self.cycles)}
+                if number < len(stages) - 1
+                else set()
+            )
             result.append({name + suffix for name in made & later for suffix, _ in self.suffixes(name)})
         return result
 
-    def loads(self, stage: list[Fact | System], made: set[str], carried: list[set[str]], last: bool) -> list[str]:
+    def loads(
+        self, stage: list[Fact | System], made: set[str], carried: list[set[str]], last: bool
+    ) -> list[str]:
         """Return the lane values that a stage reads from scratch."""
         needs = [need for step in stage for need in step.needs]
         if last:
@@ -229,12 +248,16 @@ class _Writer:
         n = len(system.unknowns)
         for r, unknown in enumerate(system.unknowns):
             for suffix, k in self.suffixes(unknown):
-                self.text.add(f"{unknown}{suffix} = m[{(k * self.system_size(system) + r * (n + 1) + n) * LANES} + i]")
+                self.text.add(
+                    f"{unknown}{suffix} = m[{(k * self.system_size(system) + r * (n + 1) + n) * LANES} + i]"
+                )
 
     def write_solve(self, system: System) -> None:
         self.text.imports.setdefault("fastlink.dense", set()).add("solve_lanes")
         for _, k in self.suffixes(system.unknowns[0]):
-            self.text.add(f"solve_lanes(m.reshape(m.size // {LANES}, {LANES}), {k * self.system_size(system)}, {len(system.unknowns)})")
+            self.text.add(
+                f"solve_lanes(m.reshape(m.size // {LANES}, {LANES}), {k * self.system_size(system)}, {len(system.unknowns)})"
+            )
 
     def write_updates(self) -> None:
         """Take the values of this angle into the accumulators."""
@@ -260,27 +283,34 @@ class _Writer:
                 done.add(count)
 
     def write_curve_loop(self) -> None:
-        """Lanes are angles: for each design, tiles of angles in scratch, then copied out."""
-        text = self.text
+        """Lanes are angles: for each tile of angles and each design, curves in scratch, then copied out."""
+        text, tile = self.text, self.plan.tile
+        curves = list(dict.fromkeys(self.curve_copies()))
+        text.open(f"for j0 in range(0, n_angles, {tile}):")
+        text.add(f"width = min({tile}, n_angles - j0)")
+        # Indices that are constants plus the loop variable need no check of their sign, so they vectorise.
+        places = {name: f"m[{(len(curves) + k) * tile} + j]" for k, name in enumerate(self.plan.tables)}
+        text.open(f"for j in range({tile}):")
+        for k, place in enumerate(places.values()):
+            text.add(f"{place} = angles[{k}, j0 + j]")
+        text.close()
         text.open("for i in range(lanes):")
         for name in self.lane_needs():
             text.add(f"{name} = {self.row(name)}")
-        text.open(f"for j0 in range(0, n_angles, {LANES}):")
-        text.add(f"width = min({LANES}, n_angles - j0)")
-        text.open(f"for j in range({LANES}):")
-        for k, name in enumerate(self.plan.tables):
-            text.add(f"{name} = angles[{k}, j0 + j]")
+        text.open(f"for j in range({tile}):")
+        for name, place in places.items():
+            text.add(f"{name} = {place}")
         for step in (*self.angle_steps, *self.lane_steps):
             self.paste(step)
-        tiles = {name: k for k, name in enumerate(dict.fromkeys(self.curve_copies()))}
-        for name, k in tiles.items():
-            text.add(f"m[{k * LANES} + j] = {name}")
+        for k, name in enumerate(curves):
+            text.add(f"m[{k * tile} + j] = {name}")
         text.close()
         for output in self.curves:
             for k in range(len(self.plan.branches)):
-                tile = tiles[self.copy_for(output.request.quantity, k)]
+                at = curves.index(self.copy_for(output.request.quantity, k)) * tile
+                text.add(f"curve = out_{output.name}[i0 + i, {k}, j0 : j0 + width]")
                 text.open("for j in range(width):")
-                text.add(f"out_{output.name}[i0 + i, {k}, j0 + j] = m[{tile * LANES} + j]")
+                text.add(f"curve[j] = m[{at} + j]")
                 text.close()
         text.close()
         text.close()
@@ -335,8 +365,9 @@ def scratch_sizes(plan: Plan) -> tuple[int, int]:
     """Return the lengths of the kernel's two scratch arrays."""
     writer = _Writer(plan)
     writer.write()
-    systems = sum(writer.system_size(s) * len(writer.suffixes(s.unknowns[0])) for s in writer.systems)
-    return max(len(writer.rows), 1) * LANES, max(systems, len(set(writer.curve_copies())), 1) * LANES
+    systems = sum(writer.system_size(s) * len(writer.suffixes(s.unknowns[0])) for s in writer.systems) * LANES
+    tiles = (len(set(writer.curve_copies())) + len(plan.tables)) * plan.tile
+    return max(len(writer.rows), 1) * LANES, max(systems, tiles, 1)
 
 
 def write_kernel(plan: Plan) -> str:

@@ -24,6 +24,8 @@ __all__ = ["Output", "Plan", "make_plan"]
 Lanes = Literal["designs", "angles"]
 # Fewer angles than this leave vector lanes idle when lanes are angles.
 ANGLES_FOR_LANES = 32
+# Tiles are whole vectors long, and fit their curves into the first-level cache.
+TILES = range(64, 129, 8)
 
 
 @dataclass(frozen=True)
@@ -60,6 +62,10 @@ class Plan:
         The assembly modes.
     lanes : {"designs", "angles"}
         What stands side by side in the vector lanes.
+    alternatives : tuple of str
+        The chosen sets of facts.
+    tile : int
+        Angles side by side where lanes are angles; the angle array is padded to a multiple of it.
     """
 
     catalogue: Catalogue
@@ -70,6 +76,7 @@ class Plan:
     branches: tuple[int, ...]
     lanes: Lanes
     alternatives: tuple[str, ...]
+    tile: int
 
     @cached_property
     def axes(self) -> dict[str, frozenset[str]]:
@@ -160,9 +167,13 @@ def make_plan(
     has_cycle = any(request.reduction for request in requests)
     has_system = any(isinstance(step, System) for step in steps)
     if lanes is None:
-        lanes = "designs" if has_cycle or has_system or angles < ANGLES_FOR_LANES or not read_tables else "angles"
-    inputs = tuple(name for name in dict.fromkeys(given) if name in read)
-    return Plan(catalogue, outputs, steps, inputs, read_tables, tuple(branches), lanes, tuple(alternatives))
+        lanes = (
+            "designs" if has_cycle or has_system or angles < ANGLES_FOR_LANES or not read_tables else "angles"
+        )
+    tile = min(TILES, key=lambda length: (-angles % length, -length)) if lanes == "angles" else 1
+    # In the catalogue's order, so that one set of names has one kernel however the design is written.
+    inputs = tuple(name for name in catalogue.known_inputs(alternatives) if name in read and name in leaves)
+    return Plan(catalogue, outputs, steps, inputs, read_tables, tuple(branches), lanes, tuple(alternatives), tile)
 
 
 def _output(request: Request, catalogue: Catalogue) -> Output:

@@ -37,7 +37,9 @@ def alternatives_of(links: Links | None, solver: str) -> tuple[str, ...]:
     return (*chosen, "dense") if solver == "dense" else chosen
 
 
-def check_inputs(catalogue: Catalogue, space: DesignSpace, alternatives: Sequence[str], allow_invalid: bool) -> None:
+def check_inputs(
+    catalogue: Catalogue, space: DesignSpace, alternatives: Sequence[str], allow_invalid: bool
+) -> None:
     """Refuse an unknown input, and values that no such thing can have.
 
     Raises
@@ -88,7 +90,9 @@ def check_branches(catalogue: Catalogue, branch: Any) -> tuple[int, ...]:
     given = np.atleast_1d(np.asarray(branch, dtype=object)).tolist()
     for k, value in enumerate(given):
         if isinstance(value, bool) or value not in catalogue.branches:
-            raise InputError(f"branch: {value!r} is no assembly mode of {catalogue.name}; write some of {allowed}")
+            raise InputError(
+                f"branch: {value!r} is no assembly mode of {catalogue.name}; write some of {allowed}"
+            )
         if value in given[:k]:
             raise InputError(f"branch: {value!r} is given twice; write each once")
     if not given:
@@ -107,7 +111,9 @@ def check_positions(catalogue: Catalogue, given: int | ArrayLike) -> NDArray[Any
     name = catalogue.position.name
     if isinstance(given, (int, np.integer)) and not isinstance(given, bool):
         if given < 1:
-            raise InputError(f"{name}: {given} input angles; write a number of at least 1, or an array in rad")
+            raise InputError(
+                f"{name}: {given} input angles; write a number of at least 1, or an array in rad"
+            )
         return np.arange(int(given)) * (2.0 * np.pi / int(given))
     try:
         values = np.asarray(given, dtype=np.float64)
@@ -124,7 +130,9 @@ def check_positions(catalogue: Catalogue, given: int | ArrayLike) -> NDArray[Any
     twice = np.flatnonzero(np.diff(values[order]) == 0.0)
     if twice.size:
         first, second = sorted(order[twice[0] : twice[0] + 2].tolist())
-        raise InputError(f"{name}: {values[first]} stands twice (at {first} and {second}); give each angle once")
+        raise InputError(
+            f"{name}: {values[first]} stands twice (at {first} and {second}); give each angle once"
+        )
     return np.array(values)
 
 

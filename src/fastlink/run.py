@@ -43,9 +43,9 @@ class Job:
     inputs : int
         Rows of its design array.
     angles : array (tables, angles)
-        Its angle array, not padded.
-    n_angles : int
-        Number of angles.
+        Its angle array.
+    tile : int
+        The kernel reads whole tiles of so many angles.
     outputs : sequence of (shape, dtype)
         What each design has of each result.
     size : int
@@ -58,7 +58,7 @@ class Job:
     scratch: tuple[int, int]
     inputs: int
     angles: NDArray[Any]
-    n_angles: int
+    tile: int
     outputs: Sequence[tuple[tuple[int, ...], str]]
     size: int
     fill: Fill
@@ -70,9 +70,9 @@ def default_threads() -> int:
     return len(affinity(0)) if affinity is not None else os.cpu_count() or 1
 
 
-def pad_angles(angles: NDArray[Any]) -> NDArray[Any]:
-    """Return the angle array with its last column repeated up to a multiple of the lanes."""
-    return np.ascontiguousarray(np.pad(angles, ((0, 0), (0, -angles.shape[1] % LANES)), mode="edge"))
+def pad_angles(angles: NDArray[Any], tile: int) -> NDArray[Any]:
+    """Return the angle array with its last column repeated up to whole tiles."""
+    return np.ascontiguousarray(np.pad(angles, ((0, 0), (0, -angles.shape[1] % tile)), mode="edge"))
 
 
 def block_length(job: Job, threads: int) -> int:
@@ -111,13 +111,17 @@ def run(
     length = block or block_length(job, threads)
     starts = iter(range(0, job.size, length))
     lock, stop = threading.Lock(), threading.Event()
-    angles = pad_angles(job.angles)
+    angles = pad_angles(job.angles, job.tile)
 
     def work() -> None:
         padded = -(-length // LANES) * LANES
         x = np.ones((job.inputs, padded))
         scratch = [np.empty(size) for size in job.scratch]
-        own = None if targets is not None else [np.empty((length, *shape), dtype) for shape, dtype in job.outputs]
+        own = (
+            None
+            if targets is not None
+            else [np.empty((length, *shape), dtype) for shape, dtype in job.outputs]
+        )
         while not stop.is_set():
             with lock:
                 start = next(starts, None)
@@ -127,8 +131,12 @@ def run(
             job.fill(start, end, x)
             # Lanes beyond the last design repeat it; their results are not stored.
             x[:, end - start :] = x[:, end - start - 1 : end - start]
-            arrays = [a[start:end] for a in targets] if targets is not None else [a[: end - start] for a in own or ()]
-            job.kernel(x, angles, end - start, job.n_angles, *scratch, *arrays)
+            arrays = (
+                [a[start:end] for a in targets]
+                if targets is not None
+                else [a[: end - start] for a in own or ()]
+            )
+            job.kernel(x, angles, end - start, job.angles.shape[1], *scratch, *arrays)
             if deliver is not None:
                 deliver(start, end, arrays)
 

@@ -115,7 +115,12 @@ def sweep(
     positions = check_positions(catalogue, theta1)
     count = _check_threads(threads)
     plan = make_plan(
-        catalogue, names, given=space.names, branches=branches, alternatives=alternatives, angles=positions.size
+        catalogue,
+        names,
+        given=space.names,
+        branches=branches,
+        alternatives=alternatives,
+        angles=positions.size,
     )
     variables = [_variable(output, plan, space, positions.size) for output in plan.outputs]
     nbytes = sum(variable.nbytes for variable in variables)
@@ -126,7 +131,7 @@ def sweep(
         scratch_sizes(plan),
         len(plan.inputs),
         plan.angle_tables(positions),
-        positions.size,
+        plan.tile,
         [(_trailing(output, plan, positions.size), output.dtype) for output in plan.outputs],
         space.size,
         lambda start, stop, x: space.fill(plan.inputs, start, stop, x),
@@ -182,7 +187,9 @@ def _check_threads(threads: int | None) -> int:
     return threads
 
 
-def _all(*takers: Callable[[int, int, list[NDArray[Any]]], None]) -> Callable[[int, int, list[NDArray[Any]]], None]:
+def _all(
+    *takers: Callable[[int, int, list[NDArray[Any]]], None],
+) -> Callable[[int, int, list[NDArray[Any]]], None]:
     def deliver(start: int, stop: int, arrays: list[NDArray[Any]]) -> None:
         for take in takers:
             take(start, stop, arrays)
