@@ -1,0 +1,310 @@
+/* Planar 4R in plain C: the speed limit that the compiled plans are measured against.
+ *
+ * Arithmetic: the stable closed forms of the engine, strict IEEE (no contraction, no reassociation). What does not
+ * depend on the input angle is computed once per design, and what does not depend on the assembly mode once per
+ * design and angle: every quantity is even +- odd, with + for branch 2 and - for branch 1.
+ *
+ * Curves run with lanes = angles, so that stores are contiguous; cycle extremes run with lanes = designs, so that
+ * the accumulators are arrays and no loop carries a scalar. There the root and the divisions have a loop of their own:
+ * in one loop with the rest, their latency is longer than the processor can look ahead. (For curves the same split
+ * gains nothing.)
+ *
+ * x: rows a1 a2 a3 a4 omega1 m1 m2 m3 I1 I2 I3 G1_u G1_v G2_u G2_v G3_u G3_v, each of n designs.
+ * tables: rows cos, sin, Z, Z_low, C, C_low, each of K angles, with Z = sin^2(theta1/2), C = cos^2(theta1/2).
+ */
+#include <math.h>
+
+#define LANES 64
+#define INLINE static inline __attribute__((always_inline))
+
+/* Constants of a design; the struct of arrays and its reader follow from this one list. */
+#define CONSTANTS(_)                                                                                              \
+    _(a) _(two_a) _(d_a) _(Z0) _(Z0_low) _(C0) _(C0_low) _(Z0_ww) _(C0_ww) _(gamma0) _(lambda) _(kappa) _(eps)    \
+    _(beta) _(delta) _(half_w) _(half_ww) _(ww) _(f1_u) _(f1_v) _(g2_u) _(g2_v) _(f3_u) _(f3_v) _(m2) _(I2)       \
+    _(J3_r) _(r_2ad)
+#define AS_SCALAR(name) double name;
+#define AS_ARRAY(name) double name[LANES];
+#define READ(name) .name = b->name[i],
+
+typedef struct { CONSTANTS(AS_SCALAR) } design;
+typedef struct { CONSTANTS(AS_ARRAY) } __attribute__((aligned(64))) block;
+typedef struct { double cos, sin, Z, Z_low, C, C_low; } angle;
+typedef struct { double x, y; } vec;
+typedef struct { double even, odd; } pair;
+typedef struct { double hi, lo; } dd;
+
+INLINE design design_at(const block *b, int i) { return (design){CONSTANTS(READ)}; }
+
+INLINE angle angle_at(const double *restrict t, long K, long k)
+{
+    return (angle){t[k], t[K + k], t[2 * K + k], t[3 * K + k], t[4 * K + k], t[5 * K + k]};
+}
+
+/* ---- once per design ---- */
+
+INLINE dd two_sum(double a, double b)
+{
+    double s = a + b, t = s - a;
+    return (dd){s, (a - (s - t)) + (b - t)};
+}
+
+/* The last sum matters: next to a change point hi may have cancelled to less than lo. */
+INLINE dd sum4(double a, double b, double c, double d)
+{
+    dd r = two_sum(a, b), s = two_sum(r.hi, c), t = two_sum(s.hi, d);
+    return two_sum(t.hi, r.lo + s.lo + t.lo);
+}
+
+/* u v / (4 a d) to twice the working precision: p and q lose their leading digits near toggles and change points. */
+INLINE dd gap(dd u, dd v, double a, double d)
+{
+    double p = u.hi * v.hi, p_low = fma(u.hi, v.hi, -p) + (u.hi * v.lo + u.lo * v.hi);
+    double g = 4 * a * d, g_low = fma(4 * a, d, -g);
+    double ratio = p / g;
+    return two_sum(ratio, (fma(-ratio, g, p) + p_low - ratio * g_low) / g);
+}
+
+/* Lanes past the last design repeat it; dynamics: the rows from m1 on are present. */
+INLINE void prepare(block *restrict o, const double *restrict x, long n, long first, int dynamics)
+{
+#pragma GCC ivdep
+    for (int i = 0; i < LANES; i++) {
+        long j = first + i < n ? first + i : n - 1;
+        double a = x[j], b = x[n + j], c = x[2 * n + j], d = x[3 * n + j], w = x[4 * n + j];
+        dd A1 = sum4(a, -b, c, -d), B1 = sum4(a, b, -c, -d), C1 = sum4(a, -b, -c, d), D1 = sum4(a, b, c, d);
+        dd Z0 = gap(A1, B1, a, d), C0 = gap(C1, D1, a, d);
+        double r = 1 / (4 * a * d);
+        o->a[i] = a;
+        o->two_a[i] = 2 * a;
+        o->d_a[i] = d - a;
+        o->Z0[i] = -Z0.hi;
+        o->Z0_low[i] = -Z0.lo;
+        o->C0[i] = C0.hi;
+        o->C0_low[i] = C0.lo;
+        o->Z0_ww[i] = -0.25 * w * w * Z0.hi;
+        o->C0_ww[i] = 0.25 * w * w * C0.hi;
+        o->gamma0[i] = (a - d) * (a - d) * r;
+        o->lambda[i] = (a - d) / (2 * d);
+        o->kappa[i] = (b - c) * (b + c) * r;
+        o->eps[i] = (a - d) * (a + d) * r;
+        o->beta[i] = b * (b - c) * r;
+        o->delta[i] = c * (c - b) * r;
+        o->half_w[i] = 0.5 * w;
+        o->half_ww[i] = 0.5 * w * w;
+        o->ww[i] = w * w;
+        o->r_2ad[i] = 2 * r;
+        if (dynamics) {
+            const double *m = x + 5 * n + j, *I = x + 8 * n + j, *G = x + 11 * n + j;
+            o->f1_u[i] = -w * w * m[0] * G[0];
+            o->f1_v[i] = -w * w * m[0] * G[n];
+            o->g2_u[i] = G[2 * n] / b;
+            o->g2_v[i] = G[3 * n] / b;
+            o->f3_u[i] = m[2 * n] * G[4 * n] / c;
+            o->f3_v[i] = m[2 * n] * G[5 * n] / c;
+            o->m2[i] = m[n];
+            o->I2[i] = I[n];
+            o->J3_r[i] = 2 * r * (I[2 * n] + m[2 * n] * (G[4 * n] * G[4 * n] + G[5 * n] * G[5 * n]));
+        }
+    }
+}
+
+/* ---- once per design and angle ---- */
+
+typedef struct { double p, q, sigma, r_gamma; } closure; /* sigma is NaN where the linkage does not assemble */
+
+INLINE closure close_loop(design d, angle t)
+{
+    double p = (t.Z - d.Z0) + (t.Z_low - d.Z0_low), q = (t.C - d.C0) + (t.C_low - d.C0_low);
+    return (closure){p, q, sqrt(p * q), 1 / (d.gamma0 + t.Z)};
+}
+
+typedef struct { vec A, AB_even, DB_even, odd; } positions_t; /* AB and DB share their odd part */
+
+INLINE positions_t positions(design d, angle t, closure l)
+{
+    vec A = {d.a * t.cos, d.a * t.sin}, u = {d.d_a + d.two_a * t.Z, -A.y};
+    double ab = (0.5 * l.p + d.beta) * l.r_gamma, db = -(0.5 * l.p + d.delta) * l.r_gamma;
+    double height = 0.5 * l.sigma * l.r_gamma;
+    return (positions_t){A, {ab * u.x, ab * u.y}, {db * u.x, db * u.y}, {height * A.y, height * u.x}};
+}
+
+typedef struct { pair omega2, omega4, alpha2, alpha4; } rates_t;
+
+/* H = h / sigma, dH its derivative; the factors omega1 / 2 and omega1^2 / 2 are taken in where that costs least. */
+INLINE rates_t rates(design d, angle t, closure l, double r_sigma)
+{
+    double h = 0.5 * t.sin, H = h * r_sigma, wH = d.half_w * H;
+    double dH = (d.C0_ww * t.Z * l.p - d.Z0_ww * t.C * l.q) * (r_sigma * r_sigma * r_sigma);
+    double k = d.kappa * l.r_gamma, plus = 1 + k, minus = k - 1;
+    double T = d.half_w * ((d.lambda + t.Z) * l.r_gamma), j = d.half_ww * h * l.r_gamma;
+    double E = -(d.eps * j * l.r_gamma), L = H * k * j;
+    return (rates_t){{T, wH * minus}, {T, wH * plus}, {E, dH * minus - L}, {E, dH * plus - L}};
+}
+
+INLINE double at(double s, pair f) { return f.even + s * f.odd; }
+INLINE vec at_vec(double s, vec even, vec odd) { return (vec){even.x + s * odd.x, even.y + s * odd.y}; }
+
+/* ---- per configuration ---- */
+
+typedef struct { vec F41, F21, F32, F43; double T41; } reactions_t;
+
+INLINE vec turned(double u, double v, vec link) { return (vec){u * link.x - v * link.y, u * link.y + v * link.x}; }
+
+/* The moments of links 2 and 3 about A and D give F32, since AB x DB = s 2 a d sigma; the rest follows. */
+INLINE reactions_t reactions(design d, positions_t o, rates_t f, vec f1, vec aA, double r_sigma, double s)
+{
+    vec AB = at_vec(s, o.AB_even, o.odd), DB = at_vec(s, o.DB_even, o.odd);
+    double alpha2 = at(s, f.alpha2), w2 = at(s, f.omega2) * at(s, f.omega2);
+    double alpha4 = at(s, f.alpha4), w4 = at(s, f.omega4) * at(s, f.omega4);
+    vec g2 = turned(d.g2_u, d.g2_v, AB), g3 = turned(d.f3_u, d.f3_v, DB); /* g3 times m3 */
+    vec f2 = {d.m2 * (aA.x - alpha2 * g2.y - w2 * g2.x), d.m2 * (aA.y + alpha2 * g2.x - w2 * g2.y)};
+    double M2 = (d.I2 * alpha2 + (g2.x * f2.y - g2.y * f2.x)) * (s * d.r_2ad * r_sigma);
+    double M3 = alpha4 * (s * d.J3_r * r_sigma);
+    vec F32 = {M2 * DB.x + M3 * AB.x, M2 * DB.y + M3 * AB.y}, F21 = {F32.x - f2.x, F32.y - f2.y};
+    vec F43 = {F32.x - (alpha4 * g3.y + w4 * g3.x), F32.y + (alpha4 * g3.x - w4 * g3.y)};
+    return (reactions_t){{f1.x - F21.x, f1.y - F21.y}, F21, F32, F43, o.A.y * F21.x - o.A.x * F21.y};
+}
+
+/* Both branches of all that the reactions need. */
+typedef struct { rates_t f; reactions_t branch1, branch2; } both_t;
+
+INLINE both_t reactions_both(design d, angle t, closure l, double r_sigma)
+{
+    positions_t o = positions(d, t, l);
+    rates_t f = rates(d, t, l, r_sigma);
+    vec f1 = {d.f1_u * t.cos - d.f1_v * t.sin, d.f1_u * t.sin + d.f1_v * t.cos};
+    vec aA = {-d.ww * o.A.x, -d.ww * o.A.y};
+    return (both_t){f, reactions(d, o, f, f1, aA, r_sigma, -1), reactions(d, o, f, f1, aA, r_sigma, 1)};
+}
+
+/* ---- the four cases ---- */
+
+/* A curve is (n, 2, K); curve c of one design begins at y + c * size and its branch 2 at K further on. */
+#define STORE(c, b1, b2) (y[(c) * size + k] = (b1), y[(c) * size + K + k] = (b2))
+#define STORE_PAIR(c, f) STORE(c, at(-1, f), at(1, f))
+#define FOR_DESIGNS(dynamics)                                                                                     \
+    block b;                                                                                                      \
+    for (long first = 0; first < n; first += LANES)                                                               \
+        if (prepare(&b, x, n, first, dynamics), 1)                                                                \
+            for (long i = 0; i < LANES && first + i < n; i++)
+
+/* A: (2, n, K) A_x A_y; B: (2, n, 2, K) B_x B_y */
+void c_positions(long n, long K, const double *restrict x, const double *restrict tables, double *restrict A,
+                 double *restrict B)
+{
+    long size = 2 * n * K;
+    FOR_DESIGNS(0)
+    {
+        design d = design_at(&b, i);
+        double *restrict A_x = A + (first + i) * K, *restrict A_y = A_x + n * K, *restrict y = B + (first + i) * 2 * K;
+#pragma GCC ivdep
+        for (long k = 0; k < K; k++) {
+            angle t = angle_at(tables, K, k);
+            positions_t o = positions(d, t, close_loop(d, t));
+            vec even = {o.A.x + o.AB_even.x, o.A.y + o.AB_even.y};
+            A_x[k] = o.A.x;
+            A_y[k] = o.A.y;
+            STORE(0, even.x - o.odd.x, even.x + o.odd.x);
+            STORE(1, even.y - o.odd.y, even.y + o.odd.y);
+        }
+    }
+}
+
+/* out: (6, n, 2, K) B_x B_y omega2 omega4 alpha2 alpha4 */
+void c_rates(long n, long K, const double *restrict x, const double *restrict tables, double *restrict out)
+{
+    long size = 2 * n * K;
+    FOR_DESIGNS(0)
+    {
+        design d = design_at(&b, i);
+        double *restrict y = out + (first + i) * 2 * K;
+#pragma GCC ivdep
+        for (long k = 0; k < K; k++) {
+            angle t = angle_at(tables, K, k);
+            closure l = close_loop(d, t);
+            positions_t o = positions(d, t, l);
+            rates_t f = rates(d, t, l, 1 / l.sigma);
+            vec even = {o.A.x + o.AB_even.x, o.A.y + o.AB_even.y};
+            STORE(0, even.x - o.odd.x, even.x + o.odd.x);
+            STORE(1, even.y - o.odd.y, even.y + o.odd.y);
+            STORE_PAIR(2, f.omega2);
+            STORE_PAIR(3, f.omega4);
+            STORE_PAIR(4, f.alpha2);
+            STORE_PAIR(5, f.alpha4);
+        }
+    }
+}
+
+/* out: (9, n, 2, K) F41_x F41_y F21_x F21_y F32_x F32_y F43_x F43_y T41 */
+void c_reactions(long n, long K, const double *restrict x, const double *restrict tables, double *restrict out)
+{
+    long size = 2 * n * K;
+    FOR_DESIGNS(1)
+    {
+        design d = design_at(&b, i);
+        double *restrict y = out + (first + i) * 2 * K;
+#pragma GCC ivdep
+        for (long k = 0; k < K; k++) {
+            angle t = angle_at(tables, K, k);
+            closure l = close_loop(d, t);
+            both_t r = reactions_both(d, t, l, 1 / l.sigma);
+            STORE(0, r.branch1.F41.x, r.branch2.F41.x);
+            STORE(1, r.branch1.F41.y, r.branch2.F41.y);
+            STORE(2, r.branch1.F21.x, r.branch2.F21.x);
+            STORE(3, r.branch1.F21.y, r.branch2.F21.y);
+            STORE(4, r.branch1.F32.x, r.branch2.F32.x);
+            STORE(5, r.branch1.F32.y, r.branch2.F32.y);
+            STORE(6, r.branch1.F43.x, r.branch2.F43.x);
+            STORE(7, r.branch1.F43.y, r.branch2.F43.y);
+            STORE(8, r.branch1.T41, r.branch2.T41);
+        }
+    }
+}
+
+/* out: (6, n, 2) omega4_max omega4_min alpha4_max alpha4_min T41_max F32_x_max. A comparison with NaN is false,
+ * so a configuration that does not assemble changes nothing; the sentinel left over where none does becomes NaN. */
+void c_extremes(long n, long K, const double *restrict x, const double *restrict tables, double *restrict out)
+{
+    static const double start[6] = {-INFINITY, INFINITY, -INFINITY, INFINITY, -INFINITY, -INFINITY};
+    block b;
+    struct { double p[LANES], q[LANES], sigma[LANES], r_gamma[LANES], r_sigma[LANES]; } c __attribute__((aligned(64)));
+    double best[6][2][LANES] __attribute__((aligned(64)));
+    for (long first = 0; first < n; first += LANES) {
+        prepare(&b, x, n, first, 1);
+        for (int q = 0; q < 6; q++)
+            for (int i = 0; i < LANES; i++)
+                best[q][0][i] = best[q][1][i] = start[q];
+        for (long k = 0; k < K; k++) {
+            angle t = angle_at(tables, K, k);
+#define MAXIMUM(q, branch, v) (best[q][branch][i] = (v) > best[q][branch][i] ? (v) : best[q][branch][i])
+#define MINIMUM(q, branch, v) (best[q][branch][i] = (v) < best[q][branch][i] ? (v) : best[q][branch][i])
+#define UPDATE(branch, s, r)                                                                                      \
+    MAXIMUM(0, branch, at(s, r.f.omega4));                                                                        \
+    MINIMUM(1, branch, at(s, r.f.omega4));                                                                        \
+    MAXIMUM(2, branch, at(s, r.f.alpha4));                                                                        \
+    MINIMUM(3, branch, at(s, r.f.alpha4))
+#pragma GCC ivdep
+            for (int i = 0; i < LANES; i++) {
+                closure l = close_loop(design_at(&b, i), t);
+                c.p[i] = l.p, c.q[i] = l.q, c.sigma[i] = l.sigma, c.r_gamma[i] = l.r_gamma, c.r_sigma[i] = 1 / l.sigma;
+            }
+#pragma GCC ivdep
+            for (int i = 0; i < LANES; i++) {
+                closure l = {c.p[i], c.q[i], c.sigma[i], c.r_gamma[i]};
+                both_t r = reactions_both(design_at(&b, i), t, l, c.r_sigma[i]);
+                UPDATE(0, -1, r);
+                UPDATE(1, 1, r);
+                MAXIMUM(4, 0, r.branch1.T41);
+                MAXIMUM(4, 1, r.branch2.T41);
+                MAXIMUM(5, 0, r.branch1.F32.x);
+                MAXIMUM(5, 1, r.branch2.F32.x);
+            }
+        }
+        for (int q = 0; q < 6; q++)
+            for (int i = 0; i < LANES && first + i < n; i++)
+                for (int branch = 0; branch < 2; branch++) {
+                    double v = best[q][branch][i];
+                    out[(q * n + first + i) * 2 + branch] = v == start[q] ? NAN : v;
+                }
+    }
+}
