@@ -105,6 +105,6 @@ def test_attributes_are_plain():
 @pytest.mark.parametrize("value", [None, {"a": 1}, [], ["a", "b"], [[1, 2]], b"bytes"])
 def test_other_attributes_are_refused(value):
     with pytest.raises(
-        TypeError, match="attribute 'x': .* is neither text nor a number nor a list of numbers"
+        TypeError, match=r"attribute 'x': .* is neither text nor a number nor a list of numbers"
     ):
         plain_attrs({"x": value})

@@ -206,6 +206,8 @@ def test_files_that_cannot_be_read(tmp_path):
     assert str(caught.value) == (
         f"table: cannot read {missing}: No such file or directory; give the path of a CSV file"
     )
+    with pytest.raises(InputError, match=r"cannot read ~nobody-of-that-name/d\.csv: No such file"):
+        table("~nobody-of-that-name/d.csv")
     with pytest.raises(InputError, match=r"Is a directory; give the path of a CSV file$"):
         table(tmp_path)
     binary = tmp_path / "binary.csv"

@@ -5,23 +5,35 @@ Names are imported on first use, so that ``fastlink --help`` loads nothing heavy
 
 from __future__ import annotations
 
+import sys
+from types import ModuleType
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from fastlink.design import DesignSpace, grid, latin_hypercube, sobol, table
     from fastlink.errors import InputError
     from fastlink.links import round_bar
+    from fastlink.listing import quantities
+    from fastlink.plot import plot_map
+    from fastlink.reading import evaluate
     from fastlink.store import open_map as open
+    from fastlink.study import run_study
+    from fastlink.summary import summary
     from fastlink.sweep import sweep
 
 _PLACES = {
     "DesignSpace": ("fastlink.space", "DesignSpace"),
     "InputError": ("fastlink.errors", "InputError"),
+    "evaluate": ("fastlink.reading", "evaluate"),
     "grid": ("fastlink.design", "grid"),
     "latin_hypercube": ("fastlink.design", "latin_hypercube"),
     "open": ("fastlink.store", "open_map"),
+    "plot_map": ("fastlink.plot", "plot_map"),
+    "quantities": ("fastlink.listing", "quantities"),
     "round_bar": ("fastlink.links", "round_bar"),
+    "run_study": ("fastlink.study", "run_study"),
     "sobol": ("fastlink.design", "sobol"),
+    "summary": ("fastlink.summary", "summary"),
     "sweep": ("fastlink.sweep", "sweep"),
     "table": ("fastlink.design", "table"),
 }
@@ -29,14 +41,33 @@ _PLACES = {
 __all__ = [
     "DesignSpace",
     "InputError",
+    "evaluate",
     "grid",
     "latin_hypercube",
     "open",
+    "plot_map",
+    "quantities",
     "round_bar",
+    "run_study",
     "sobol",
+    "summary",
     "sweep",
     "table",
 ]
+
+
+class _Package(ModuleType):
+    """A package whose public names win over its files of the same name.
+
+    Importing the file ``fastlink/table.py`` would otherwise replace the function `fastlink.table`.
+    """
+
+    def __setattr__(self, name: str, value: Any) -> None:
+        if not (name in _PLACES and isinstance(value, ModuleType)):
+            super().__setattr__(name, value)
+
+
+sys.modules[__name__].__class__ = _Package
 
 
 def __getattr__(name: str) -> Any:

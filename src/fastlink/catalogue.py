@@ -264,6 +264,11 @@ class Catalogue:
             for _ in self.closure([*self.facts], known, option):
                 pass
 
+    def require(self, name: str) -> None:
+        """Raise InputError unless `name` is a quantity that users may ask for."""
+        if name not in self.public:
+            raise InputError(f"quantity {name!r} is unknown to {self.name}; {suggest(name, self.public)}")
+
     def closure(
         self, names: Iterable[str], leaves: Iterable[str], alternatives: Iterable[str] = ()
     ) -> Iterator[Fact | System]:
@@ -301,4 +306,4 @@ class Catalogue:
             )
         if asked_by is not None:
             raise CatalogueError(f"{self.name}: {asked_by} depends on {name}, which is not declared")
-        return InputError(f"quantity {name!r} is unknown to {self.name}; {suggest(name, self.public)}")
+        raise CatalogueError(f"{self.name}: {name} is not declared")

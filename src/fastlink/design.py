@@ -156,6 +156,7 @@ def _sample(
     for points in chunks(n, len(bounds), seed):
         stop = start + len(points)
         for (name, (low, high)), unit in zip(bounds.items(), points.T, strict=True):
+            # a Latin hypercube may reach 1.0, where the sum can round to beyond the end
             columns[name][start:stop] = np.minimum(low + unit * (high - low), high)
         start = stop
     return sampled(kind, constants, columns, _sample_attrs(kind, n, seed, bounds))

@@ -62,7 +62,7 @@ class Writer:
     ) -> None:
         for variable in variables:
             check_dims(coords, variable)
-        self._nbytes = sum(variable.nbytes for variable in variables)
+        self._nbytes = coords.nbytes + sum(variable.nbytes for variable in variables)
         self.path = check_target(path, self._nbytes, overwrite)
         self.part = target.part_of(self.path)
         self._overwrite = overwrite
@@ -151,13 +151,14 @@ class Writer:
         """Lay the file out and reserve its room; return where each variable starts, and the file number."""
         fresh = self.part.with_name(self.part.name + ".new")
         try:
+            target.make_sure_of_room(fresh, coords.nbytes + target.SLACK)
             offsets = lay_out(fresh, coords, variables, attrs)
             fd = target.adopt(fresh, self.part)
         except BaseException:
             fresh.unlink(missing_ok=True)
             raise
         try:
-            target.reserve(fd)
+            target.reserve(fd, target.SLACK)  # HDF5 gives back at the end what the attributes leave
         except BaseException:
             target.discard(fd, self.part)
             raise
@@ -223,7 +224,7 @@ def open_map(path: str | Path) -> xr.Dataset:
     ...         maps.title, float(maps.omega4_max.sel(a2=1.2))
     ('two designs', 29.5)
     """
-    path = Path(path).expanduser()
+    path = Path(os.path.expanduser(path))
     if not path.exists():
         part = target.part_of(path)
         hint = f"; {part.name} is of a run that has not finished" if part.exists() else ""

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import math
+import os
 from array import array
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
@@ -41,7 +42,7 @@ def table(source: Any, *, allow_invalid: bool = False) -> DesignSpace:
     """
     attrs: dict[str, str | int] = {"design_kind": "table"}
     if isinstance(source, (str, Path)):
-        path = Path(source).expanduser()
+        path = Path(os.path.expanduser(source))
         attrs["design_source"] = path.name
         return sampled("table", {}, _read_csv(path, allow_invalid), attrs)
     constants: dict[str, float] = {}

@@ -50,7 +50,7 @@ def check_target(path: str | Path, nbytes_needed: int, overwrite: bool) -> Path:
         Whether an existing file may be replaced.
     """
     try:
-        place = Path(os.path.realpath(Path(path).expanduser()))
+        place = Path(os.path.realpath(os.path.expanduser(path)))
         if place.is_dir():
             raise InputError(f"{place}: is a folder; add a file name, for instance {place / 'maps.h5'}")
         if not place.parent.is_dir():
@@ -64,7 +64,7 @@ def check_target(path: str | Path, nbytes_needed: int, overwrite: bool) -> Path:
             pass
     except InputError:
         raise
-    except (OSError, ValueError, RuntimeError) as error:  # of a NUL in the path; of an unknown ~user
+    except (OSError, ValueError) as error:  # ValueError: a NUL in the path
         raise InputError(f"{path}: cannot be written ({reason(error)}); choose another place") from error
     if nbytes_needed + SLACK > _free(place) + _held_by(part_of(place)):
         raise no_room(place, nbytes_needed)
@@ -115,12 +115,21 @@ def adopt(fresh: Path, part: Path) -> int:
     return fd
 
 
-def reserve(fd: int) -> None:
-    """Reserve room for the whole file and for its last attributes, so that a full disk shows at once."""
+def make_sure_of_room(path: Path, nbytes: int) -> None:
+    """Fail if HDF5 will have no room for the labels: a disk that fills up under it may crash the process."""
+    fd = _open(path, os.O_CREAT | os.O_TRUNC)
+    try:
+        reserve(fd, nbytes)
+    finally:
+        os.close(fd)
+
+
+def reserve(fd: int, extra: int) -> None:
+    """Reserve room for a whole file and some more, so that a full disk shows at once."""
     if not hasattr(os, "posix_fallocate"):
         return
     try:
-        os.posix_fallocate(fd, 0, os.fstat(fd).st_size + SLACK)
+        os.posix_fallocate(fd, 0, os.fstat(fd).st_size + extra)
     except OSError as error:
         if error.errno not in NO_RESERVE:
             raise

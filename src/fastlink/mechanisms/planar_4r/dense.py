@@ -16,16 +16,18 @@ SHAKING = f"{HAYES}, section 5"
 
 @planar_4r.system("reactions", UNKNOWNS, alternative="dense")
 def reactions(
-    OG_x: Any,
-    OG_y: Any,
+    G1_u: Any,
+    G1_v: Any,
+    cos_theta1: Any,
+    sin_theta1: Any,
     A_x: Any,
     A_y: Any,
     AG_x: Any,
     AG_y: Any,
     AB_x: Any,
     AB_y: Any,
-    DG_x: Any,
-    DG_y: Any,
+    G3_along: Any,
+    G3_across: Any,
     DB_x: Any,
     DB_y: Any,
     p1_x: Any,
@@ -40,6 +42,10 @@ def reactions(
     alpha4: Any,
 ) -> Any:
     """Rows and right-hand side of eq. (9); the crank turns at constant speed, so I1 drops out."""
+    OG_x = G1_u * cos_theta1 - G1_v * sin_theta1
+    OG_y = G1_u * sin_theta1 + G1_v * cos_theta1
+    DG_x = G3_along * DB_x - G3_across * DB_y
+    DG_y = G3_along * DB_y + G3_across * DB_x
     r11_x = -OG_x
     r11_y = -OG_y
     r12_x = A_x - OG_x

@@ -25,28 +25,10 @@ def omega1_squared(omega1: Any) -> Any:
     return omega1 * omega1
 
 
-@planar_4r.quantity(units="1", symbol="G_1u/a_1", source=CENTRES, internal=True)
-def G1_along(G1_u: Any, a1: Any) -> Any:
-    """Mass centre of the crank along its axis, over its length."""
-    return G1_u / a1
-
-
 @planar_4r.quantity(units="1", symbol="G_2u/a_2", source=CENTRES, internal=True)
 def G2_along(G2_u: Any, a2: Any) -> Any:
     """Mass centre of the coupler along its axis, over its length."""
     return G2_u / a2
-
-
-@planar_4r.quantity(units="1", symbol="G_3u/a_3", source=CENTRES, internal=True)
-def G3_along(G3_u: Any, a3: Any) -> Any:
-    """Mass centre of the output link along its axis, over its length."""
-    return G3_u / a3
-
-
-@planar_4r.quantity(units="1", symbol="G_1v/a_1", source=CENTRES, internal=True)
-def G1_across(G1_v: Any, a1: Any) -> Any:
-    """Mass centre of the crank across its axis, over its length."""
-    return G1_v / a1
 
 
 @planar_4r.quantity(units="1", symbol="G_2v/a_2", source=CENTRES, internal=True)
@@ -55,22 +37,40 @@ def G2_across(G2_v: Any, a2: Any) -> Any:
     return G2_v / a2
 
 
+@planar_4r.quantity(units="1", symbol="G_3u/a_3", source=CENTRES, internal=True)
+def G3_along(G3_u: Any, a3: Any) -> Any:
+    """Mass centre of the output link along its axis, over its length."""
+    return G3_u / a3
+
+
 @planar_4r.quantity(units="1", symbol="G_3v/a_3", source=CENTRES, internal=True)
 def G3_across(G3_v: Any, a3: Any) -> Any:
     """Mass centre of the output link across its axis, over its length."""
     return G3_v / a3
 
 
-@planar_4r.quantity(units="m", symbol="OG_1x", source=CENTRES, internal=True)
-def OG_x(G1_along: Any, G1_across: Any, A_x: Any, A_y: Any) -> Any:
-    """Mass centre of the crank from O, x."""
-    return G1_along * A_x - G1_across * A_y
+@planar_4r.quantity(units="N", symbol="-m_1 omega_1^2 G_1u", source=REACTIONS, internal=True)
+def crank_force_along(m1: Any, omega1_squared: Any, G1_u: Any) -> Any:
+    """Rate of momentum of the crank, along its axis."""
+    return -(m1 * omega1_squared) * G1_u
 
 
-@planar_4r.quantity(units="m", symbol="OG_1y", source=CENTRES, internal=True)
-def OG_y(G1_along: Any, G1_across: Any, A_x: Any, A_y: Any) -> Any:
-    """Mass centre of the crank from O, y."""
-    return G1_along * A_y + G1_across * A_x
+@planar_4r.quantity(units="N", symbol="-m_1 omega_1^2 G_1v", source=REACTIONS, internal=True)
+def crank_force_across(m1: Any, omega1_squared: Any, G1_v: Any) -> Any:
+    """Rate of momentum of the crank, across its axis."""
+    return -(m1 * omega1_squared) * G1_v
+
+
+@planar_4r.quantity(units="N", symbol="m_1 a_CG1x", source=REACTIONS, internal=True)
+def p1_x(crank_force_along: Any, crank_force_across: Any, cos_theta1: Any, sin_theta1: Any) -> Any:
+    """Rate of momentum of the crank, x."""
+    return crank_force_along * cos_theta1 - crank_force_across * sin_theta1
+
+
+@planar_4r.quantity(units="N", symbol="m_1 a_CG1y", source=REACTIONS, internal=True)
+def p1_y(crank_force_along: Any, crank_force_across: Any, cos_theta1: Any, sin_theta1: Any) -> Any:
+    """Rate of momentum of the crank, y."""
+    return crank_force_along * sin_theta1 + crank_force_across * cos_theta1
 
 
 @planar_4r.quantity(units="m", symbol="AG_2x", source=CENTRES, internal=True)
@@ -85,54 +85,76 @@ def AG_y(G2_along: Any, G2_across: Any, AB_x: Any, AB_y: Any) -> Any:
     return G2_along * AB_y + G2_across * AB_x
 
 
-@planar_4r.quantity(units="m", symbol="DG_3x", source=CENTRES, internal=True)
-def DG_x(G3_along: Any, G3_across: Any, DB_x: Any, DB_y: Any) -> Any:
-    """Mass centre of the output link from D, x."""
-    return G3_along * DB_x - G3_across * DB_y
+@planar_4r.quantity(units="m s-2", symbol="a_Ax", source=REACTIONS, internal=True)
+def a_Ax(omega1_squared: Any, A_x: Any) -> Any:
+    """Acceleration of A, x."""
+    return -(omega1_squared * A_x)
 
 
-@planar_4r.quantity(units="m", symbol="DG_3y", source=CENTRES, internal=True)
-def DG_y(G3_along: Any, G3_across: Any, DB_x: Any, DB_y: Any) -> Any:
-    """Mass centre of the output link from D, y."""
-    return G3_along * DB_y + G3_across * DB_x
+@planar_4r.quantity(units="m s-2", symbol="a_Ay", source=REACTIONS, internal=True)
+def a_Ay(omega1_squared: Any, A_y: Any) -> Any:
+    """Acceleration of A, y."""
+    return -(omega1_squared * A_y)
 
 
-@planar_4r.quantity(units="N", symbol="m_1 a_CG1x", source=REACTIONS, internal=True)
-def p1_x(m1: Any, omega1_squared: Any, OG_x: Any) -> Any:
-    """Rate of momentum of the crank, x."""
-    return -(m1 * omega1_squared) * OG_x
+@planar_4r.quantity(units="rad2 s-2", symbol="omega_2^2", source=REACTIONS, internal=True)
+def omega2_squared(omega2: Any) -> Any:
+    """Square of the coupler's angular velocity."""
+    return omega2 * omega2
 
 
-@planar_4r.quantity(units="N", symbol="m_1 a_CG1y", source=REACTIONS, internal=True)
-def p1_y(m1: Any, omega1_squared: Any, OG_y: Any) -> Any:
-    """Rate of momentum of the crank, y."""
-    return -(m1 * omega1_squared) * OG_y
+@planar_4r.quantity(units="rad2 s-2", symbol="omega_4^2", source=REACTIONS, internal=True)
+def omega4_squared(omega4: Any) -> Any:
+    """Square of the output link's angular velocity."""
+    return omega4 * omega4
 
 
 @planar_4r.quantity(units="N", symbol="m_2 a_CG2x", source=REACTIONS, internal=True)
-def p2_x(m2: Any, omega1_squared: Any, A_x: Any, alpha2: Any, omega2: Any, AG_x: Any, AG_y: Any) -> Any:
+def p2_x(m2: Any, a_Ax: Any, alpha2: Any, omega2_squared: Any, AG_x: Any, AG_y: Any) -> Any:
     """Rate of momentum of the coupler, x."""
-    turning = -alpha2 * AG_y - omega2 * omega2 * AG_x
-    return m2 * (turning - omega1_squared * A_x)
+    return m2 * (a_Ax - alpha2 * AG_y - omega2_squared * AG_x)
 
 
 @planar_4r.quantity(units="N", symbol="m_2 a_CG2y", source=REACTIONS, internal=True)
-def p2_y(m2: Any, omega1_squared: Any, A_y: Any, alpha2: Any, omega2: Any, AG_x: Any, AG_y: Any) -> Any:
+def p2_y(m2: Any, a_Ay: Any, alpha2: Any, omega2_squared: Any, AG_x: Any, AG_y: Any) -> Any:
     """Rate of momentum of the coupler, y."""
-    turning = alpha2 * AG_x - omega2 * omega2 * AG_y
-    return m2 * (turning - omega1_squared * A_y)
+    return m2 * (a_Ay + alpha2 * AG_x - omega2_squared * AG_y)
+
+
+@planar_4r.quantity(units="kg", symbol="m_3 G_3/a_3", source=CENTRES, internal=True)
+def m3_G3_along(m3: Any, G3_along: Any) -> Any:
+    """Mass times centre of the output link along its axis, over its length."""
+    return m3 * G3_along
+
+
+@planar_4r.quantity(units="kg", symbol="m_3 G_3/a_3", source=CENTRES, internal=True)
+def m3_G3_across(m3: Any, G3_across: Any) -> Any:
+    """Mass times centre of the output link across its axis, over its length."""
+    return m3 * G3_across
+
+
+@planar_4r.quantity(units="kg m", symbol="m_3 DG_3x", source=CENTRES, internal=True)
+def m3_DG_x(m3_G3_along: Any, m3_G3_across: Any, DB_x: Any, DB_y: Any) -> Any:
+    """Mass times centre of the output link from D, x."""
+    return m3_G3_along * DB_x - m3_G3_across * DB_y
+
+
+@planar_4r.quantity(units="kg m", symbol="m_3 DG_3y", source=CENTRES, internal=True)
+def m3_DG_y(m3_G3_along: Any, m3_G3_across: Any, DB_x: Any, DB_y: Any) -> Any:
+    """Mass times centre of the output link from D, y."""
+    return m3_G3_along * DB_y + m3_G3_across * DB_x
 
 
 @planar_4r.quantity(units="N", symbol="m_3 a_CG3x", source=REACTIONS, internal=True)
-def p3_x(m3: Any, alpha4: Any, omega4: Any, DG_x: Any, DG_y: Any) -> Any:
+def p3_x(alpha4: Any, omega4_squared: Any, m3_DG_x: Any, m3_DG_y: Any) -> Any:
     """Rate of momentum of the output link, x."""
-    return m3 * (-alpha4 * DG_y - omega4 * omega4 * DG_x)
+    return -(alpha4 * m3_DG_y + omega4_squared * m3_DG_x)
 
 
 @planar_4r.quantity(units="N", symbol="m_3 a_CG3y", source=REACTIONS, internal=True)
-def p3_y(m3: Any, alpha4: Any, omega4: Any, DG_x: Any, DG_y: Any) -> Any:
+def p3_y(alpha4: Any, omega4_squared: Any, m3_DG_x: Any, m3_DG_y: Any) -> Any:
     """Rate of momentum of the output link, y."""
-    return m3 * (alpha4 * DG_x - omega4 * omega4 * DG_y)
+    return alpha4 * m3_DG_x - omega4_squared * m3_DG_y
 
 
 @planar_4r.quantity(units="kg m2", symbol="I_3D", source=CENTRES, internal=True)
@@ -143,14 +165,8 @@ def I3_D(I3: Any, m3: Any, G3_u: Any, G3_v: Any) -> Any:
 
 @planar_4r.quantity(units="N m", symbol="M_2", source=REACTIONS, internal=True)
 def moment2_A(I2: Any, alpha2: Any, AG_x: Any, AG_y: Any, p2_x: Any, p2_y: Any) -> Any:
-    """Moment about A that the joint B must give the coupler."""
+    """Rate of moment of momentum of the coupler about A, A held."""
     return I2 * alpha2 + cross(AG_x, AG_y, p2_x, p2_y)
-
-
-@planar_4r.quantity(units="N m", symbol="M_3", source=REACTIONS, internal=True)
-def moment3_D(I3_D: Any, alpha4: Any) -> Any:
-    """Moment about D of the force of the output link on the coupler."""
-    return -(I3_D * alpha4)
 
 
 @planar_4r.quantity(units="m-2", symbol="1/(2 a_1 a_4)", source=REACTIONS, internal=True)
@@ -159,22 +175,34 @@ def per_2_a1_a4(a1: Any, a4: Any) -> Any:
     return 0.5 / a1 / a4
 
 
-@planar_4r.quantity(units="m-2", symbol="1/(AB x DB)", source=REACTIONS, internal=True)
-def per_AB_cross_DB(per_2_a1_a4: Any, per_sigma: Any, branch_sign: Any) -> Any:
-    """Reciprocal of the cross product of AB and DB."""
-    return branch_sign * (per_2_a1_a4 * per_sigma)
+@planar_4r.quantity(units="kg", symbol="I_3D/(2 a_1 a_4)", source=REACTIONS, internal=True)
+def I3_D_per_2_a1_a4(I3_D: Any, per_2_a1_a4: Any) -> Any:
+    """Moment of inertia about D over twice crank times ground."""
+    return I3_D * per_2_a1_a4
+
+
+@planar_4r.quantity(units="N m-1", symbol="M_2/(AB x DB)", source=REACTIONS, internal=True)
+def pull_along_DB(moment2_A: Any, per_2_a1_a4: Any, per_sigma: Any, branch_sign: Any) -> Any:
+    """What the coupler's moment asks of the joint B, along DB."""
+    return moment2_A * (branch_sign * (per_2_a1_a4 * per_sigma))
+
+
+@planar_4r.quantity(units="N m-1", symbol="I_3D alpha_4/(AB x DB)", source=REACTIONS, internal=True)
+def pull_along_AB(alpha4: Any, I3_D_per_2_a1_a4: Any, per_sigma: Any, branch_sign: Any) -> Any:
+    """What the output link's moment asks of the joint B, along AB."""
+    return alpha4 * (branch_sign * (I3_D_per_2_a1_a4 * per_sigma))
 
 
 @planar_4r.quantity(units="N", symbol="F_32x", source=REACTIONS)
-def F32_x(moment2_A: Any, moment3_D: Any, AB_x: Any, DB_x: Any, per_AB_cross_DB: Any) -> Any:
+def F32_x(pull_along_DB: Any, pull_along_AB: Any, AB_x: Any, DB_x: Any) -> Any:
     """Force of the output link on the coupler at B, x."""
-    return (moment2_A * DB_x - moment3_D * AB_x) * per_AB_cross_DB
+    return pull_along_DB * DB_x + pull_along_AB * AB_x
 
 
 @planar_4r.quantity(units="N", symbol="F_32y", source=REACTIONS)
-def F32_y(moment2_A: Any, moment3_D: Any, AB_y: Any, DB_y: Any, per_AB_cross_DB: Any) -> Any:
+def F32_y(pull_along_DB: Any, pull_along_AB: Any, AB_y: Any, DB_y: Any) -> Any:
     """Force of the output link on the coupler at B, y."""
-    return (moment2_A * DB_y - moment3_D * AB_y) * per_AB_cross_DB
+    return pull_along_DB * DB_y + pull_along_AB * AB_y
 
 
 @planar_4r.quantity(units="N", symbol="F_21x", source=REACTIONS)
@@ -216,7 +244,7 @@ def F43_y(F32_y: Any, p3_y: Any) -> Any:
 @planar_4r.quantity(units="N m", symbol="T_41", source=REACTIONS)
 def T41(A_x: Any, A_y: Any, F21_x: Any, F21_y: Any) -> Any:
     """Driving torque of the ground on the crank."""
-    return -cross(A_x, A_y, F21_x, F21_y)
+    return A_y * F21_x - A_x * F21_y
 
 
 @planar_4r.quantity(units="N", symbol="F_x", source=SHAKING)
@@ -238,15 +266,15 @@ def shaking_force(shaking_force_x: Any, shaking_force_y: Any) -> Any:
 
 
 @planar_4r.quantity(units="N m", symbol="dL_2/dt", source=SHAKING, internal=True)
-def spin_rate2(I2: Any, alpha2: Any, A_x: Any, A_y: Any, AG_x: Any, AG_y: Any, p2_x: Any, p2_y: Any) -> Any:
+def spin_rate2(moment2_A: Any, A_x: Any, A_y: Any, p2_x: Any, p2_y: Any) -> Any:
     """Rate of moment of momentum of the coupler about O."""
-    return I2 * alpha2 + cross(A_x + AG_x, A_y + AG_y, p2_x, p2_y)
+    return moment2_A + cross(A_x, A_y, p2_x, p2_y)
 
 
 @planar_4r.quantity(units="N m", symbol="dL_3/dt", source=SHAKING, internal=True)
-def spin_rate3(I3: Any, alpha4: Any, a4: Any, DG_x: Any, DG_y: Any, p3_x: Any, p3_y: Any) -> Any:
+def spin_rate3(I3_D: Any, alpha4: Any, a4: Any, p3_y: Any) -> Any:
     """Rate of moment of momentum of the output link about O."""
-    return I3 * alpha4 + cross(a4 + DG_x, DG_y, p3_x, p3_y)
+    return I3_D * alpha4 + a4 * p3_y
 
 
 @planar_4r.quantity(units="N m", symbol="M_O", source=SHAKING)

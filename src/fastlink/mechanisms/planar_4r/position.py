@@ -105,28 +105,64 @@ def height(sigma: Any, per_gamma: Any) -> Any:
     return 0.5 * sigma * per_gamma
 
 
+@planar_4r.quantity(units="m", symbol="AF_x", source=POSITION, internal=True)
+def along_AB_x(coupler_along: Any, AD_x: Any) -> Any:
+    """Foot of B on AD from A, x."""
+    return coupler_along * AD_x
+
+
+@planar_4r.quantity(units="m", symbol="AF_y", source=POSITION, internal=True)
+def along_AB_y(coupler_along: Any, A_y: Any) -> Any:
+    """Foot of B on AD from A, y."""
+    return -(coupler_along * A_y)
+
+
+@planar_4r.quantity(units="m", symbol="DF_x", source=POSITION, internal=True)
+def along_DB_x(output_along: Any, AD_x: Any) -> Any:
+    """Foot of B on AD from D, x."""
+    return -(output_along * AD_x)
+
+
+@planar_4r.quantity(units="m", symbol="DF_y", source=POSITION, internal=True)
+def along_DB_y(output_along: Any, A_y: Any) -> Any:
+    """Foot of B on AD from D, y."""
+    return output_along * A_y
+
+
+@planar_4r.quantity(units="m", symbol="FB_x", source=POSITION, internal=True)
+def across_x(height: Any, A_y: Any) -> Any:
+    """From the foot to B in branch 2, x."""
+    return height * A_y
+
+
+@planar_4r.quantity(units="m", symbol="FB_y", source=POSITION, internal=True)
+def across_y(height: Any, AD_x: Any) -> Any:
+    """From the foot to B in branch 2, y."""
+    return height * AD_x
+
+
 @planar_4r.quantity(units="m", symbol="AB_x", source=POSITION, internal=True)
-def AB_x(coupler_along: Any, height: Any, AD_x: Any, A_y: Any, branch_sign: Any) -> Any:
+def AB_x(along_AB_x: Any, across_x: Any, branch_sign: Any) -> Any:
     """Vector from A to B, x."""
-    return coupler_along * AD_x + branch_sign * height * A_y
+    return along_AB_x + branch_sign * across_x
 
 
 @planar_4r.quantity(units="m", symbol="AB_y", source=POSITION, internal=True)
-def AB_y(coupler_along: Any, height: Any, AD_x: Any, A_y: Any, branch_sign: Any) -> Any:
+def AB_y(along_AB_y: Any, across_y: Any, branch_sign: Any) -> Any:
     """Vector from A to B, y."""
-    return branch_sign * height * AD_x - coupler_along * A_y
+    return along_AB_y + branch_sign * across_y
 
 
 @planar_4r.quantity(units="m", symbol="DB_x", source=POSITION, internal=True)
-def DB_x(output_along: Any, height: Any, AD_x: Any, A_y: Any, branch_sign: Any) -> Any:
+def DB_x(along_DB_x: Any, across_x: Any, branch_sign: Any) -> Any:
     """Vector from D to B, x."""
-    return branch_sign * height * A_y - output_along * AD_x
+    return along_DB_x + branch_sign * across_x
 
 
 @planar_4r.quantity(units="m", symbol="DB_y", source=POSITION, internal=True)
-def DB_y(output_along: Any, height: Any, AD_x: Any, A_y: Any, branch_sign: Any) -> Any:
+def DB_y(along_DB_y: Any, across_y: Any, branch_sign: Any) -> Any:
     """Vector from D to B, y."""
-    return output_along * A_y + branch_sign * height * AD_x
+    return along_DB_y + branch_sign * across_y
 
 
 @planar_4r.quantity(units="m", symbol="B_x", source=f"{HAYES}, Fig. 2")

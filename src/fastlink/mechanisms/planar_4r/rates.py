@@ -30,16 +30,34 @@ def half_sine(sin_theta1: Any) -> Any:
     return 0.5 * sin_theta1
 
 
+@planar_4r.quantity(units="rad s-1", symbol="omega_1/2", source=RATES, internal=True)
+def half_omega1(omega1: Any) -> Any:
+    """Half the input speed."""
+    return 0.5 * omega1
+
+
+@planar_4r.quantity(units="rad2 s-2", symbol="omega_1^2/2", source=RATES, internal=True)
+def half_omega1_squared(omega1: Any) -> Any:
+    """Half the squared input speed."""
+    return 0.5 * (omega1 * omega1)
+
+
+@planar_4r.quantity(units="rad s-1", symbol="omega_1 T/2", source=RATES, internal=True)
+def mean_rate(half_omega1: Any, crank_excess: Any, Z: Any, per_gamma: Any) -> Any:
+    """Mean of the angular velocity over both branches."""
+    return half_omega1 * ((crank_excess + Z) * per_gamma)
+
+
 @planar_4r.quantity(units="1", symbol="H", source=RATES, internal=True)
 def H(half_sine: Any, per_sigma: Any) -> Any:
     """Part of the ratios that changes sign with the branch."""
     return half_sine * per_sigma
 
 
-@planar_4r.quantity(units="1", symbol="T", source=RATES, internal=True)
-def mean_ratio(crank_excess: Any, Z: Any, per_gamma: Any) -> Any:
-    """1 + epsilon/gamma: the sum of the ratios of both branches."""
-    return (crank_excess + Z) * per_gamma
+@planar_4r.quantity(units="rad s-1", symbol="omega_1 H/2", source=RATES, internal=True)
+def odd_rate(half_omega1: Any, H: Any) -> Any:
+    """H times half the input speed."""
+    return half_omega1 * H
 
 
 @planar_4r.quantity(units="1", symbol="kappa/gamma", source=RATES, internal=True)
@@ -48,55 +66,75 @@ def kappa_per_gamma(kappa: Any, per_gamma: Any) -> Any:
     return kappa * per_gamma
 
 
+@planar_4r.quantity(units="1", symbol="1 + kappa/gamma", source=RATES, internal=True)
+def output_share(kappa_per_gamma: Any) -> Any:
+    """Factor of H in the ratio of the output link."""
+    return 1.0 + kappa_per_gamma
+
+
+@planar_4r.quantity(units="1", symbol="kappa/gamma - 1", source=RATES, internal=True)
+def coupler_share(kappa_per_gamma: Any) -> Any:
+    """Factor of H in the ratio of the coupler."""
+    return kappa_per_gamma - 1.0
+
+
 @planar_4r.quantity(units="rad s-1", symbol="omega_4", source=f"{HAYES}, eq. (7)")
-def omega4(omega1: Any, mean_ratio: Any, H: Any, kappa_per_gamma: Any, branch_sign: Any) -> Any:
+def omega4(mean_rate: Any, odd_rate: Any, output_share: Any, branch_sign: Any) -> Any:
     """Angular velocity of the output link."""
-    return (0.5 * omega1) * (mean_ratio + branch_sign * (H * (1.0 + kappa_per_gamma)))
+    return mean_rate + branch_sign * (odd_rate * output_share)
 
 
 @planar_4r.quantity(units="rad s-1", symbol="omega_2", source=f"{HAYES}, eq. (7) for the pair 1-2")
-def omega2(omega1: Any, mean_ratio: Any, H: Any, kappa_per_gamma: Any, branch_sign: Any) -> Any:
+def omega2(mean_rate: Any, odd_rate: Any, coupler_share: Any, branch_sign: Any) -> Any:
     """Angular velocity of the coupler."""
-    return (0.5 * omega1) * (mean_ratio - branch_sign * (H * (1.0 - kappa_per_gamma)))
+    return mean_rate + branch_sign * (odd_rate * coupler_share)
 
 
-@planar_4r.quantity(units="1", symbol="gamma'/gamma", source=RATES, internal=True)
-def log_rate(half_sine: Any, per_gamma: Any) -> Any:
-    """Logarithmic derivative of gamma."""
-    return half_sine * per_gamma
+@planar_4r.quantity(units="rad2 s-2", symbol="omega_1^2 gamma'/(2 gamma)", source=RATES, internal=True)
+def gamma_rate(half_omega1_squared: Any, half_sine: Any, per_gamma: Any) -> Any:
+    """Logarithmic derivative of gamma times half the squared input speed."""
+    return (half_omega1_squared * half_sine) * per_gamma
 
 
-@planar_4r.quantity(units="1", symbol="T'", source=RATES, internal=True)
-def mean_ratio_rate(epsilon: Any, log_rate: Any, per_gamma: Any) -> Any:
-    """Derivative of the mean ratio."""
-    return -(epsilon * per_gamma) * log_rate
+@planar_4r.quantity(units="rad s-2", symbol="omega_1^2 T'/2", source=RATES, internal=True)
+def mean_acceleration(epsilon: Any, gamma_rate: Any, per_gamma: Any) -> Any:
+    """Mean of the angular acceleration over both branches."""
+    return -((epsilon * gamma_rate) * per_gamma)
 
 
-@planar_4r.quantity(units="1", symbol="H'", source=RATES, internal=True)
-def H_rate(C0: Any, Z0: Any, Z: Any, C: Any, p: Any, q: Any, per_sigma: Any) -> Any:
-    """Derivative of H."""
-    return 0.5 * (C0 * Z * p - Z0 * C * q) * (per_sigma * per_sigma * per_sigma)
+@planar_4r.quantity(units="rad2 s-2", symbol="omega_1^2 C_0/4", source=RATES, internal=True)
+def C0_squared_rate(C0: Any, half_omega1_squared: Any) -> Any:
+    """C0 times a quarter of the squared input speed."""
+    return 0.5 * half_omega1_squared * C0
 
 
-@planar_4r.quantity(units="1", symbol="H (kappa/gamma)'", source=RATES, internal=True)
-def kappa_rate(H: Any, kappa_per_gamma: Any, log_rate: Any) -> Any:
-    """H times the derivative of -kappa/gamma."""
-    return H * (kappa_per_gamma * log_rate)
+@planar_4r.quantity(units="rad2 s-2", symbol="omega_1^2 Z_0/4", source=RATES, internal=True)
+def Z0_squared_rate(Z0: Any, half_omega1_squared: Any) -> Any:
+    """Z0 times a quarter of the squared input speed."""
+    return 0.5 * half_omega1_squared * Z0
+
+
+@planar_4r.quantity(units="rad s-2", symbol="omega_1^2 H'/2", source=RATES, internal=True)
+def H_rate(C0_squared_rate: Any, Z0_squared_rate: Any, Z: Any, C: Any, p: Any, q: Any, per_sigma: Any) -> Any:
+    """Derivative of H times half the squared input speed."""
+    return (C0_squared_rate * Z * p - Z0_squared_rate * C * q) * (per_sigma * per_sigma * per_sigma)
+
+
+@planar_4r.quantity(
+    units="rad s-2", symbol="omega_1^2 H kappa gamma'/(2 gamma^2)", source=RATES, internal=True
+)
+def kappa_rate(H: Any, kappa_per_gamma: Any, gamma_rate: Any) -> Any:
+    """H times the derivative of -kappa/gamma times half the squared input speed."""
+    return (H * kappa_per_gamma) * gamma_rate
 
 
 @planar_4r.quantity(units="rad s-2", symbol="alpha_4", source=f"{HAYES}, eq. (8)")
-def alpha4(
-    omega1: Any, mean_ratio_rate: Any, H_rate: Any, kappa_per_gamma: Any, kappa_rate: Any, branch_sign: Any
-) -> Any:
+def alpha4(mean_acceleration: Any, H_rate: Any, output_share: Any, kappa_rate: Any, branch_sign: Any) -> Any:
     """Angular acceleration of the output link."""
-    odd = H_rate * (1.0 + kappa_per_gamma) - kappa_rate
-    return (0.5 * omega1 * omega1) * (mean_ratio_rate + branch_sign * odd)
+    return mean_acceleration + branch_sign * (H_rate * output_share - kappa_rate)
 
 
 @planar_4r.quantity(units="rad s-2", symbol="alpha_2", source=f"{HAYES}, eq. (8) for the pair 1-2")
-def alpha2(
-    omega1: Any, mean_ratio_rate: Any, H_rate: Any, kappa_per_gamma: Any, kappa_rate: Any, branch_sign: Any
-) -> Any:
+def alpha2(mean_acceleration: Any, H_rate: Any, coupler_share: Any, kappa_rate: Any, branch_sign: Any) -> Any:
     """Angular acceleration of the coupler."""
-    odd = H_rate * (1.0 - kappa_per_gamma) + kappa_rate
-    return (0.5 * omega1 * omega1) * (mean_ratio_rate - branch_sign * odd)
+    return mean_acceleration + branch_sign * (H_rate * coupler_share - kappa_rate)

@@ -1,0 +1,162 @@
+"""The un-jitted readings of the facts: NumPy, xarray, and 50-digit mpmath.
+
+The same text that the kernels are made of runs here as plain Python, so the rounding error of every
+quantity can be measured without a second formula.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from typing import Any
+
+import numpy as np
+
+from fastlink.catalogue import Catalogue, System
+from fastlink.errors import InputError
+from fastlink.links import Links
+from fastlink.mechanisms import catalogue as find_catalogue
+from fastlink.request import alternatives_of
+from fastlink.tables import angle_tables
+
+__all__ = ["evaluate", "read_facts"]
+
+
+def read_facts(
+    catalogue: Catalogue, names: Iterable[str], values: Mapping[str, Any], alternatives: Iterable[str] = ()
+) -> dict[str, Any]:
+    """Evaluate facts on whatever numbers the values are.
+
+    Parameters
+    ----------
+    catalogue : Catalogue
+        The mechanism.
+    names : iterable of str
+        Facts, internal ones too.
+    values : mapping
+        Inputs, ``branch``, and the input position or its tables: floats, arrays or mpmath numbers.
+    alternatives : iterable of str
+        Chosen sets of facts.
+
+    Returns
+    -------
+    dict
+        Every value of the closure.
+    """
+    known = dict(values)
+    position = catalogue.position.name
+    if position in known:
+        theta = known[position]
+        for low, name in catalogue.table_low_parts.items():
+            known.setdefault(low, 0 * theta)
+            known.setdefault(name, catalogue.tables[name].function(theta))
+        for name, fact in catalogue.tables.items():
+            known.setdefault(name, fact.function(theta))
+    for step in catalogue.closure(names, tuple(known), alternatives):
+        result = step.function(*(known[need] for need in step.needs))
+        if isinstance(step, System):
+            known.update(zip(step.unknowns, _solve(result), strict=True))
+        else:
+            known[step.name] = result
+    return known
+
+
+def _solve(rows: Any) -> list[Any]:
+    """Solve a system given as rows with the right-hand side last."""
+    size = len(rows)
+    context = next((c for row in rows for c in (getattr(entry, "context", None) for entry in row) if c), None)
+    if context is not None:
+        if any(context.isnan(entry) for row in rows for entry in row):
+            return [context.nan] * size
+        matrix = context.matrix([list(row[:size]) for row in rows])
+        return list(context.lu_solve(matrix, context.matrix([row[size] for row in rows])))
+    shape = np.broadcast_shapes(*(np.shape(entry) for row in rows for entry in row))
+    stacked = np.empty((*shape, size, size + 1))
+    for r, row in enumerate(rows):
+        for c, entry in enumerate(row):
+            stacked[..., r, c] = entry
+    closes = np.isfinite(stacked).all(axis=(-2, -1))
+    result = np.full((*shape, size), np.nan)
+    result[closes] = np.linalg.solve(stacked[closes][..., :size], stacked[closes][..., size:])[..., 0]
+    return [result[..., r] for r in range(size)]
+
+
+def evaluate(
+    mechanism: str,
+    quantities: Iterable[str],
+    *,
+    branch: Any = 1,
+    links: Links | None = None,
+    solver: str = "eliminated",
+    **inputs: Any,
+) -> dict[str, Any]:
+    """Evaluate quantities at given configurations, without compiling anything.
+
+    For a few thousand configurations of any broadcastable shape; `fastlink.sweep` is for millions, with
+    the same bits.
+
+    Parameters
+    ----------
+    mechanism : str
+        Name of the mechanism.
+    quantities : iterable of str
+        Names of quantities (not what is taken over a cycle).
+    branch : int or array_like
+        Assembly mode.
+    links : Links, optional
+        Where mass data come from.
+    solver : {"eliminated", "dense"}
+        As in `fastlink.sweep`.
+    **inputs : float, array_like or xarray.DataArray
+        The inputs and the input position, broadcast against each other.
+
+    Returns
+    -------
+    dict
+        Name to float, array or DataArray.
+
+    Raises
+    ------
+    InputError
+        A name is unknown or missing.
+
+    Examples
+    --------
+    >>> import fastlink as fl
+    >>> fl.evaluate("planar_4r", ["B_y"], a1=3.0, a2=4.0, a3=5.0, a4=6.0, theta1=0.0, branch=2)["B_y"]
+    4.0
+    """
+    catalogue = find_catalogue(mechanism)
+    alternatives = alternatives_of(links, solver)
+    names = [quantities] if isinstance(quantities, str) else list(quantities)
+    for name in names:
+        catalogue.require(name)
+    values = dict(links.values if links is not None else {}) | inputs | {"branch": branch}
+    position = catalogue.position.name
+    if position not in values:
+        raise InputError(f"evaluate: {position} is missing ({catalogue.position.meaning}); give it in rad")
+    template, arrays = _to_arrays(values)
+    theta = arrays.pop(position)
+    tables = (position, *catalogue.tables, *catalogue.table_low_parts)
+    tabled = angle_tables(catalogue, tables, theta.ravel()).reshape(len(tables), *theta.shape)
+    arrays |= dict(zip(tables, tabled, strict=True))
+    with np.errstate(all="ignore"):
+        found = read_facts(catalogue, names, arrays, alternatives)
+    shape = np.broadcast_shapes(*(np.shape(value) for value in arrays.values()))
+    results = {name: np.broadcast_to(found[name], shape) for name in names}
+    if template is not None:
+        return {name: template.copy(data=np.array(value)).rename(name) for name, value in results.items()}
+    return {name: value[()] if shape else float(value) for name, value in results.items()}
+
+
+def _to_arrays(values: Mapping[str, Any]) -> tuple[Any, dict[str, Any]]:
+    """Return a DataArray of the broadcast shape (None without xarray inputs), and plain arrays."""
+    labelled = {name: value for name, value in values.items() if hasattr(value, "dims")}
+    if not labelled:
+        return None, {name: np.asarray(value, dtype=float) for name, value in values.items()}
+    import xarray as xr
+
+    wrapped = {name: value if name in labelled else xr.DataArray(value) for name, value in values.items()}
+    spread = dict(zip(wrapped, xr.broadcast(*wrapped.values()), strict=True))
+    template = next(iter(spread.values())).astype(float)
+    template.attrs = {}
+    return template, {name: np.asarray(value.data, dtype=float) for name, value in spread.items()}

@@ -1,0 +1,232 @@
+"""A study: one TOML file that says which mechanism, designs and quantities; read, checked, run."""
+
+from __future__ import annotations
+
+import tomllib
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from pydantic import ValidationError
+
+from fastlink.catalogue import Catalogue
+from fastlink.cycle import Request, parse_request
+from fastlink.errors import InputError
+from fastlink.links import Links, links_from
+from fastlink.mechanisms import catalogue as find_catalogue
+from fastlink.request import alternatives_of, check_branches, check_positions
+from fastlink.space import DesignSpace
+from fastlink.store import check_target
+from fastlink.study_design import angles_of, check_values, missing_inputs, space_of
+from fastlink.study_schema import LinkModel, Problems, StudyFile, problems
+from fastlink.sweep import sweep
+
+if TYPE_CHECKING:
+    import xarray as xr
+    from numpy.typing import NDArray
+
+__all__ = ["Study", "read_study", "run_study"]
+
+
+@dataclass(frozen=True, eq=False)
+class Study:
+    """A study that was read and found right.
+
+    Attributes
+    ----------
+    path : Path
+        The file.
+    text : str
+        What it says.
+    shape : StudyFile
+        Its tables and keys.
+    space : DesignSpace
+        The designs.
+    links : Links or None
+        The model of the links.
+    theta1 : int or array
+        Number of input angles, or the angles in rad.
+    sources : tuple of Path
+        The files that it was read from: itself, and a table of designs.
+    """
+
+    path: Path
+    text: str
+    shape: StudyFile
+    space: DesignSpace
+    links: Links | None
+    theta1: int | NDArray[Any]
+    sources: tuple[Path, ...]
+
+
+def run_study(
+    path: str | Path,
+    to: str | Path | None = None,
+    threads: int | None = None,
+    overwrite: bool = False,
+    progress: bool | None = None,
+) -> xr.Dataset:
+    """Run a study file and write its map.
+
+    Parameters
+    ----------
+    path : str or path
+        The study, a TOML file.
+    to : path, optional
+        The HDF5 file to write; by default what the study says, else the study's name with ``.h5``, in the
+        current folder.
+    threads : int, optional
+        All processors unless given.
+    overwrite : bool, default False
+        Replace an existing file, even if the study does not say so.
+    progress : bool, optional
+        Show a progress bar on standard error; by default only on a terminal.
+
+    Returns
+    -------
+    xarray.Dataset
+        Opened lazily from the file. The text of the study is in its attribute ``study``.
+
+    Raises
+    ------
+    InputError
+        One line for each problem: the file, the key, what was found, what is allowed.
+
+    Examples
+    --------
+    >>> import tempfile, pathlib
+    >>> text = '''
+    ... mechanism = "planar_4r"
+    ... quantities = ["transmission_angle_min"]
+    ... [design]
+    ... a1 = 0.4
+    ... a2 = {linspace = [1.0, 1.4, 5]}
+    ... a3 = 0.8
+    ... a4 = 1.0
+    ... '''
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     study = pathlib.Path(folder, "study.toml")
+    ...     _ = study.write_text(text)
+    ...     with run_study(study, to=f"{folder}/maps.h5") as maps:
+    ...         dict(maps.transmission_angle_min.sizes)
+    {'a2': 5, 'branch': 2}
+    """
+    study = read_study(path)
+    shape = study.shape
+    place = Path(to or shape.output.file or f"{study.path.stem}.h5").expanduser()
+    overwrite = overwrite or shape.output.overwrite
+    key = "output" if to is not None else "output.file"
+    found = Problems(study.path)
+    with found.at(key):
+        check_target(place, 0, overwrite)
+        if any(place.exists() and place.samefile(source) for source in study.sources):
+            raise InputError(f"{place}: the study is read from that file; choose another name")
+    found.stop()
+    title = {} if shape.title is None else {"title": shape.title}
+    with found.at(""):
+        return sweep(
+            shape.mechanism,
+            study.space,
+            shape.quantities,
+            links=study.links,
+            theta1=study.theta1,
+            branch=shape.cycle.branch,
+            solver=shape.cycle.solver,
+            to=place,
+            overwrite=overwrite,
+            threads=threads,
+            progress=progress,
+            attrs={**title, "study_file": study.path.name, "study": study.text},
+        )
+    raise found.error()
+
+
+def read_study(path: str | Path) -> Study:
+    """Read a study file and check everything that can be checked before running it.
+
+    Raises
+    ------
+    InputError
+        One line for each problem: the file, the key, what was found, what is allowed.
+    """
+    path = Path(path).expanduser()
+    text = _text_of(path)
+    found = Problems(path)
+    try:
+        raw = tomllib.loads(text)
+    except (tomllib.TOMLDecodeError, RecursionError) as error:
+        raise InputError(f"{path}: is no TOML: {error}") from None
+    try:
+        shape = StudyFile.model_validate(raw)
+    except ValidationError as error:
+        for key, fault in problems(error):
+            found.add(key, fault)
+        if isinstance(raw.get("mechanism"), str):
+            _catalogue(found, raw["mechanism"])
+        raise found.error() from None
+    catalogue = _catalogue(found, shape.mechanism)
+    links = _links(found, shape.links)
+    alternatives: tuple[str, ...] = ()
+    with found.at("cycle.solver"):
+        alternatives = alternatives_of(links, shape.cycle.solver)
+    requests = _requests(found, catalogue, shape.quantities)
+    with found.at("cycle.branch"):
+        check_branches(catalogue, shape.cycle.branch)
+    angles: int | NDArray[Any] = 0
+    with found.at("cycle.theta1"):
+        angles = angles_of(shape.cycle.theta1)
+        check_positions(catalogue, angles)
+    space = space_of(found, path, shape.design)
+    if space is not None:
+        check_values(found, catalogue, shape.design, space, alternatives)
+        given = {*space.names, *(links.values if links else ())}
+        if not found.lines:
+            for name, fault in missing_inputs(catalogue, requests, alternatives, given):
+                table_name = "design" if name in catalogue.inputs else "links"
+                found.add(f"{table_name}.{name}", fault)
+    found.stop()
+    assert space is not None
+    sources = (path, *([path.parent / shape.design.table] if shape.design.table else ()))
+    return Study(path, text, shape, space, links, angles, sources)
+
+
+def _text_of(path: Path) -> str:
+    try:
+        return path.read_text(encoding="utf-8-sig")
+    except UnicodeDecodeError as error:
+        raise InputError(f"{path}: is no UTF-8 text ({error.reason} at byte {error.start})") from None
+    except (OSError, ValueError) as error:  # ValueError: a NUL in the path
+        why = getattr(error, "strerror", None) or str(error)
+        raise InputError(f"{path}: cannot be read ({why}); give the path of a study file") from None
+
+
+def _catalogue(found: Problems, mechanism: str) -> Catalogue:
+    """Return the mechanism; without it nothing else can be checked."""
+    with found.at("mechanism"):
+        return find_catalogue(mechanism)
+    raise found.error()
+
+
+def _links(found: Problems, given: LinkModel | None) -> Links | None:
+    if given is None:
+        return None
+    with found.at("links.model"):
+        links_from(given.model, {})
+        values: Mapping[str, float] = given.model_extra or {}
+        for name, value in values.items():
+            with found.at(f"links.{name}"):
+                links_from(given.model, {name: value})
+        if not found.lines:
+            return links_from(given.model, values)
+    return None
+
+
+def _requests(found: Problems, catalogue: Catalogue, names: Sequence[str]) -> list[Request]:
+    requests = []
+    for k, name in enumerate(names):
+        with found.at(f"quantities[{k}]"):
+            if name in names[:k]:
+                raise InputError(f"{name!r} is asked for twice; name it once")
+            requests.append(parse_request(name, catalogue))
+    return requests if "status" in names else [*requests, parse_request("status", catalogue)]

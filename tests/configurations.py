@@ -1,0 +1,78 @@
+"""Random configurations of the planar 4R, easy and hard, and their reference with 50 digits."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import mpmath as mp
+import numpy as np
+
+from fastlink.catalogue import Catalogue
+from fastlink.mechanisms import catalogue
+from fastlink.reading import read_facts
+
+DIGITS = 50
+UNIT = 2.0**-53
+PLANAR: Catalogue = catalogue("planar_4r")
+LENGTHS = ("a1", "a2", "a3", "a4")
+
+
+def masses_and_points(rng: np.random.Generator, n: int) -> dict[str, np.ndarray]:
+    """Every input but the lengths: mass centres anywhere, coupler point anywhere."""
+    inputs = {}
+    for name, declared in PLANAR.inputs.items():
+        if name not in LENGTHS:
+            size = rng.uniform(0.2, 2.0, n)
+            inputs[name] = size if declared.rule != "any" else size * rng.choice([-1.0, 1.0], n)
+    return inputs
+
+
+def random_lengths(rng: np.random.Generator, n: int) -> np.ndarray:
+    """Lengths (4, n) of all classes."""
+    return rng.uniform(0.3, 2.0, (4, n))
+
+
+def near_change_point(rng: np.random.Generator, n: int, gap: float) -> tuple[np.ndarray, np.ndarray]:
+    """Lengths with a1 + a2 = a3 + a4 - gap, and input angles near the folded position."""
+    a2, a3, a4 = rng.uniform(1.0, 1.3, n), rng.uniform(0.6, 0.9, n), rng.uniform(1.2, 1.5, n)
+    theta = rng.choice([-1.0, 1.0], n) * np.exp(rng.uniform(np.log(1e-6), np.log(1e-1), n))
+    return np.array([a3 + a4 - a2 - gap, a2, a3, a4]), theta
+
+
+def near_toggle(rng: np.random.Generator, n: int, offset: float) -> tuple[np.ndarray, np.ndarray]:
+    """Lengths whose input does not turn fully, and input angles `offset` inside the range."""
+    lengths, theta = [], []
+    while len(theta) < n:
+        a, b, c, d = rng.uniform(0.3, 2.0, 4)
+        inner = -(a - b + c - d) * (a + b - c - d) / (4 * a * d)
+        if 0.05 < inner < 0.95:
+            with mp.workdps(DIGITS):
+                x, y, z, w = (mp.mpf(v) for v in (a, b, c, d))
+                toggle = 2 * mp.asin(mp.sqrt(-(x - y + z - w) * (x + y - z - w) / (4 * x * w)))
+                theta.append(float(toggle + offset))
+            lengths.append((a, b, c, d))
+    return np.array(lengths).T, np.array(theta)
+
+
+def reference(names: list[str], inputs: dict[str, Any], alternatives: tuple[str, ...] = ()) -> dict[str, Any]:
+    """Return the facts of one configuration with 50 digits."""
+    with mp.workdps(DIGITS):
+        values = {name: mp.mpf(float(value)) for name, value in inputs.items()}
+        found = read_facts(PLANAR, names, values, alternatives)
+        return {name: found[name] for name in names}
+
+
+def condition_sums(names: list[str], inputs: dict[str, Any], alternatives: tuple[str, ...] = ()) -> dict[str, Any]:
+    """Return sum over the inputs of |x df/dx|: what one rounding of each input does to each quantity."""
+    with mp.workdps(DIGITS):
+        values = {name: mp.mpf(float(value)) for name, value in inputs.items()}
+        base = read_facts(PLANAR, names, values, alternatives)
+        step = mp.mpf(10) ** -20
+        sums = dict.fromkeys(names, mp.mpf(0))
+        for name in inputs:
+            if name == "branch":
+                continue
+            moved = read_facts(PLANAR, names, values | {name: values[name] * (1 + step)}, alternatives)
+            for quantity in names:
+                sums[quantity] += abs(moved[quantity] - base[quantity]) / step
+        return sums

@@ -1,0 +1,103 @@
+"""Elementary functions and sums: compiled and plain, against mpmath and IEEE 754."""
+
+from __future__ import annotations
+
+import itertools
+
+import mpmath as mp
+import numba
+import numpy as np
+import pytest
+from configurations import UNIT
+
+from fastlink import geometry, jit
+
+
+@numba.njit(error_model="numpy")
+def compiled_atan2(y, x, out):
+    for i in range(y.size):
+        out[i] = jit.atan2(y[i], x[i])
+
+
+def both_readings(y, x):
+    compiled = np.empty_like(y)
+    compiled_atan2(y, x, compiled)
+    with np.errstate(all="ignore"):
+        plain = jit.atan2(y, x)
+    np.testing.assert_array_equal(compiled.view(np.int64), plain.view(np.int64))
+    return compiled
+
+
+def test_atan2_is_within_two_units_in_the_last_place_in_all_quadrants():
+    rng = np.random.default_rng(1)
+    angle = rng.uniform(-np.pi, np.pi, 6000)
+    # The first third anywhere, the second near the axes and diagonals, the third over all exponents.
+    angle[2000:4000] = np.round(angle[2000:4000] / (np.pi / 4)) * (np.pi / 4) + rng.normal(0, 1e-3, 2000)
+    radius = np.exp(rng.uniform(-5, 5, 6000))
+    radius[4000:] = np.exp(rng.uniform(-600, 600, 2000))
+    y, x = radius * np.sin(angle), radius * np.cos(angle)
+    got = both_readings(y, x)
+    with mp.workdps(40):
+        for a, b, value in zip(y, x, got, strict=True):
+            exact = mp.atan2(mp.mpf(float(a)), mp.mpf(float(b)))
+            assert abs(mp.mpf(float(value)) - exact) <= 2 * np.spacing(abs(float(exact)))
+
+
+def test_atan2_has_signed_zeros_and_infinities_as_ieee():
+    special = [0.0, -0.0, 1.0, -1.0, np.inf, -np.inf, 5e-324, -1e-310, 1e308, -1.7e308]
+    y, x = (np.array(column) for column in zip(*itertools.product(special, special), strict=True))
+    got, expected = both_readings(y, x), np.arctan2(y, x)
+    np.testing.assert_array_equal(np.signbit(got), np.signbit(expected))
+    # 2 units of ours and 1 of the library's.
+    assert np.all((np.abs(got - expected) <= 3 * np.spacing(np.abs(expected))) | (got == expected))
+    exact = np.isin(expected, [0.0, np.pi, -np.pi, np.pi / 2, -np.pi / 2])
+    np.testing.assert_array_equal(got[exact], expected[exact])
+
+
+@pytest.mark.parametrize(("y", "x"), [(np.nan, 1.0), (1.0, np.nan), (np.nan, np.nan), (np.nan, -0.0)])
+def test_atan2_keeps_nan(y, x):
+    assert np.isnan(both_readings(np.array([y]), np.array([x]))[0])
+
+
+def test_gap_keeps_twice_the_working_precision():
+    rng = np.random.default_rng(2)
+    for _ in range(500):
+        a, b, c = (float(v) for v in rng.uniform(0.5, 2.0, 3))
+        d = float(-(a + b + c) + rng.choice([0.0, 1e-16, 1e-12, 1e-3]) * rng.normal())
+        high, low = geometry.gap(a, b, c, d)
+        with mp.workdps(60):
+            exact = mp.mpf(a) + b + c + d
+            # Three two-sums are exact; only the last additions of errors round, each below 2^-105 of the terms.
+            assert abs(mp.mpf(high) + low - exact) <= 8 * mp.mpf(UNIT) ** 2 * (abs(a) + abs(b) + abs(c) + abs(d)) * UNIT
+            assert abs(high - exact) <= abs(exact) * UNIT
+
+
+def test_two_product_is_exact():
+    rng = np.random.default_rng(3)
+    for a, b in rng.normal(size=(300, 2)) * np.exp(rng.uniform(-100, 100, (300, 1))):
+        p, e = geometry.two_product(float(a), float(b))
+        with mp.workdps(60):
+            assert mp.mpf(p) + mp.mpf(e) == mp.mpf(float(a)) * mp.mpf(float(b))
+
+
+def test_gap_product_quotient_has_thirty_digits():
+    rng = np.random.default_rng(4)
+    for _ in range(300):
+        f, g, x, y = (float(v) for v in rng.uniform(0.1, 2.0, 4))
+        f_low, g_low = f * UNIT * 0.3, -g * UNIT * 0.4
+        high, low = geometry.gap_product_quotient(f, f_low, g, g_low, x, y)
+        with mp.workdps(60):
+            exact = (mp.mpf(f) + f_low) * (mp.mpf(g) + g_low) / (4 * mp.mpf(x) * y)
+            # Each of the dropped terms is of second order in the rounding unit; there are fewer than 16.
+            assert abs(mp.mpf(high) + low - exact) <= 16 * mp.mpf(UNIT) ** 2 * abs(exact)
+
+
+def test_power_of_two_below():
+    for x in [1.0, 1.5, 1.9999999999999998, 2.0, 3e-150, 7e150, 0.4]:
+        assert geometry.power_of_two_below(x) == 2.0 ** np.floor(np.log2(x))
+
+
+def test_square_root_below_zero_is_nan_in_every_reading():
+    assert mp.isnan(jit.sqrt(mp.mpf(-1)))
+    with np.errstate(invalid="ignore"):
+        assert np.isnan(jit.sqrt(-1.0))
