@@ -62,7 +62,9 @@ def reference(names: list[str], inputs: dict[str, Any], alternatives: tuple[str,
         return {name: found[name] for name in names}
 
 
-def condition_sums(names: list[str], inputs: dict[str, Any], alternatives: tuple[str, ...] = ()) -> dict[str, Any]:
+def condition_sums(
+    names: list[str], inputs: dict[str, Any], alternatives: tuple[str, ...] = ()
+) -> dict[str, Any]:
     """Return sum over the inputs of |x df/dx|: what one rounding of each input does to each quantity."""
     with mp.workdps(DIGITS):
         values = {name: mp.mpf(float(value)) for name, value in inputs.items()}

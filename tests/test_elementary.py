@@ -8,8 +8,8 @@ import mpmath as mp
 import numba
 import numpy as np
 import pytest
-from configurations import UNIT
 
+from configurations import UNIT
 from fastlink import geometry, jit
 
 
@@ -68,7 +68,10 @@ def test_gap_keeps_twice_the_working_precision():
         with mp.workdps(60):
             exact = mp.mpf(a) + b + c + d
             # Three two-sums are exact; only the last additions of errors round, each below 2^-105 of the terms.
-            assert abs(mp.mpf(high) + low - exact) <= 8 * mp.mpf(UNIT) ** 2 * (abs(a) + abs(b) + abs(c) + abs(d)) * UNIT
+            assert (
+                abs(mp.mpf(high) + low - exact)
+                <= 8 * mp.mpf(UNIT) ** 2 * (abs(a) + abs(b) + abs(c) + abs(d)) * UNIT
+            )
             assert abs(high - exact) <= abs(exact) * UNIT
 
 

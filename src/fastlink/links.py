@@ -59,7 +59,8 @@ def links_from(model: str, values: Mapping[str, float]) -> Links:
             raise InputError(f"links: {model} has no {name!r}; {suggest(name, MODELS[model])}")
         if isinstance(value, bool) or not isinstance(value, Real):
             raise InputError(
-                f"links: {name} of {model} is {value!r}; write one number, or leave it out and give {name} in the design"
+                f"links: {name} of {model} is {value!r}; "
+                f"write one number, or leave it out and give {name} in the design"
             )
         if not math.isfinite(value) or value < 0:
             raise InputError(f"links: {name} of {model} is {value!r}; write a finite number of at least 0")

@@ -2,7 +2,7 @@
 
 A fact that depends on the design alone is computed once per design; what depends on the input angle
 alone, once per angle; what does not depend on the branch, once for both branches. The kernel's text is a
-straight-line loop over lanes (see `fastlink.kernel_text`), to be read with ``plan.source``.
+straight-line loop over lanes (see `fastlink.kernels`), to be read with ``plan.source``.
 """
 
 from __future__ import annotations
@@ -15,6 +15,8 @@ from typing import TYPE_CHECKING, Any, Literal
 from fastlink.catalogue import Catalogue, Fact, System
 from fastlink.cycle import Request, parse_request
 from fastlink.errors import InputError
+from fastlink.kernels import load_kernel, scratch_sizes, write_kernel
+from fastlink.tables import angle_tables
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -99,21 +101,20 @@ class Plan:
     @cached_property
     def source(self) -> str:
         """The text of the kernel."""
-        from fastlink.kernel_text import write_kernel
-
         return write_kernel(self)
 
     @cached_property
     def kernel(self) -> Any:
         """The compiled kernel (compiled, or loaded from the cache, on first use)."""
-        from fastlink.compiled import load_kernel
-
         return load_kernel(self)
+
+    @cached_property
+    def scratch(self) -> tuple[int, int]:
+        """Lengths of the kernel's two scratch arrays."""
+        return scratch_sizes(self)
 
     def angle_tables(self, theta: NDArray[Any]) -> NDArray[Any]:
         """Return the rows of the kernel's angle array for these input positions."""
-        from fastlink.tables import angle_tables
-
         return angle_tables(self.catalogue, self.tables, theta)
 
 
@@ -173,7 +174,9 @@ def make_plan(
     tile = min(TILES, key=lambda length: (-angles % length, -length)) if lanes == "angles" else 1
     # In the catalogue's order, so that one set of names has one kernel however the design is written.
     inputs = tuple(name for name in catalogue.known_inputs(alternatives) if name in read and name in leaves)
-    return Plan(catalogue, outputs, steps, inputs, read_tables, tuple(branches), lanes, tuple(alternatives), tile)
+    return Plan(
+        catalogue, outputs, steps, inputs, read_tables, tuple(branches), lanes, tuple(alternatives), tile
+    )
 
 
 def _output(request: Request, catalogue: Catalogue) -> Output:

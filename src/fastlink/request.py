@@ -58,7 +58,7 @@ def check_inputs(
 def _unknown_input(catalogue: Catalogue, name: str, known: dict[str, Input]) -> str:
     for model, inputs in catalogue.alternative_inputs.items():
         if name in inputs:
-            return f"design: {name!r} belongs to links of model {model!r}; choose that model of the links, or leave it out"
+            return f"design: {name!r} belongs to links of model {model!r}; choose that model, or leave it out"
     return f"design: input {name!r} is unknown to {catalogue.name}; {suggest(name, known)}"
 
 

@@ -41,7 +41,7 @@ def _values(axis: Angles) -> Any:
     with np.errstate(all="ignore"):  # what overflows is found with its index, as any infinite value
         if kind == "linspace":
             return np.linspace(low, high, n)
-        if low * high <= 0 and not (low and high and (low > 0) == (high > 0)):
+        if not (low and high and (low > 0) == (high > 0)):
             raise InputError(f"geomspace runs from {low} to {high}; write ends of one sign, neither 0")
         return np.geomspace(low, high, n)
 
@@ -68,7 +68,6 @@ def space_of(found: Problems, path: Path, design: Design) -> DesignSpace | None:
             return grid(**entries)
         return None
     (kind,) = kinds
-    space = None
     with found.at(f"design.{kind}"):
         if kind == "table":
             space = table(path.parent / str(design.table))

@@ -252,7 +252,8 @@ class Problems:
             fault = fault.replace(phrase, ours)
         place = f"{self.path}: {key}" if key else f"{self.path}:"
         # "a2 is 3" reads on after the key, a sentence of its own stands after a colon
-        self.lines.append(f"{place}{' ' if not key or fault.startswith('is ') else ': '}{fault}")
+        colon = ":" if key and not fault.startswith(("is ", "has ")) else ""
+        self.lines.append(f"{place}{colon} {fault}")
 
     @contextlib.contextmanager
     def at(self, key: str) -> Iterator[None]:

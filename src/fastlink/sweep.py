@@ -15,7 +15,6 @@ import numpy as np
 from fastlink import label, store
 from fastlink.catalogue import Catalogue
 from fastlink.errors import InputError
-from fastlink.kernel_text import scratch_sizes
 from fastlink.mechanisms import catalogue as find_catalogue
 from fastlink.plan import Output, Plan, make_plan
 from fastlink.request import alternatives_of, check_branches, check_inputs, check_positions, describe
@@ -128,7 +127,7 @@ def sweep(
     coords = _coordinates(plan, space, positions)
     job = Job(
         plan.kernel,
-        scratch_sizes(plan),
+        plan.scratch,
         len(plan.inputs),
         plan.angle_tables(positions),
         plan.tile,

@@ -75,7 +75,7 @@ def Z0(s1: Any, s2: Any, s3: Any, s4: Any, valid: Any) -> Any:
     """Squared half-angle sine at the inner toggle, -A1 B1/(4 a1 a4); negative if there is none."""
     A1, A1_low = gap(s1, -s2, s3, -s4)
     B1, B1_low = gap(-s1, -s2, s3, s4)
-    high, low = gap_product_quotient(A1, A1_low, B1, B1_low, s1, s4)
+    high, _low = gap_product_quotient(A1, A1_low, B1, B1_low, s1, s4)
     return high * valid
 
 
@@ -84,7 +84,7 @@ def Z0_low(s1: Any, s2: Any, s3: Any, s4: Any) -> Any:
     """What Z0 lost in rounding to double."""
     A1, A1_low = gap(s1, -s2, s3, -s4)
     B1, B1_low = gap(-s1, -s2, s3, s4)
-    high, low = gap_product_quotient(A1, A1_low, B1, B1_low, s1, s4)
+    _high, low = gap_product_quotient(A1, A1_low, B1, B1_low, s1, s4)
     return low
 
 
@@ -93,7 +93,7 @@ def C0(s1: Any, s2: Any, s3: Any, s4: Any, valid: Any) -> Any:
     """Squared half-angle cosine at the outer toggle, C1 D1/(4 a1 a4); negative if there is none."""
     C1, C1_low = gap(s1, -s2, -s3, s4)
     D1, D1_low = gap(s1, s2, s3, s4)
-    high, low = gap_product_quotient(C1, C1_low, D1, D1_low, s1, s4)
+    high, _low = gap_product_quotient(C1, C1_low, D1, D1_low, s1, s4)
     return high * valid
 
 
@@ -102,7 +102,7 @@ def C0_low(s1: Any, s2: Any, s3: Any, s4: Any) -> Any:
     """What C0 lost in rounding to double."""
     C1, C1_low = gap(s1, -s2, -s3, s4)
     D1, D1_low = gap(s1, s2, s3, s4)
-    high, low = gap_product_quotient(C1, C1_low, D1, D1_low, s1, s4)
+    _high, low = gap_product_quotient(C1, C1_low, D1, D1_low, s1, s4)
     return low
 
 
@@ -151,14 +151,14 @@ def output_offset(s2: Any, s3: Any, per_4_s1_s4: Any) -> Any:
 @planar_4r.quantity(units="1", symbol="status", source=f"{IO_FACTORS}; {NUMERICS}#status", flags=STATUS_FLAGS)
 def status(s1: Any, s2: Any, s3: Any, s4: Any, valid: Any) -> Any:
     """How the design assembles over a full turn of the input."""
-    A1, A1_low = gap(s1, -s2, s3, -s4)
-    A2, A2_low = gap(s1, s2, s3, -s4)
-    B1, B1_low = gap(s1, s2, -s3, -s4)
-    B2, B2_low = gap(s1, -s2, -s3, -s4)
-    C1, C1_low = gap(s1, -s2, -s3, s4)
-    C2, C2_low = gap(s1, s2, -s3, s4)
-    D1, D1_low = gap(s1, s2, s3, s4)
-    D2, D2_low = gap(s1, -s2, s3, s4)
+    A1, _A1_low = gap(s1, -s2, s3, -s4)
+    A2, _A2_low = gap(s1, s2, s3, -s4)
+    B1, _B1_low = gap(s1, s2, -s3, -s4)
+    B2, _B2_low = gap(s1, -s2, -s3, -s4)
+    C1, _C1_low = gap(s1, -s2, -s3, s4)
+    C2, _C2_low = gap(s1, s2, -s3, s4)
+    D1, _D1_low = gap(s1, s2, s3, s4)
+    D2, _D2_low = gap(s1, -s2, s3, s4)
     # Each length is known to half a unit in the last place at best: closer than that, a gap is zero.
     rounding = UNIT_ROUNDING * D1
     change_point = (abs(A1) <= rounding) | (abs(B1) <= rounding) | (abs(C1) <= rounding)

@@ -12,7 +12,7 @@ from typing import Any
 
 from fastlink.geometry import cross
 from fastlink.jit import sqrt
-from fastlink.mechanisms.planar_4r.declare import HAYES, NUMERICS, planar_4r
+from fastlink.mechanisms.planar_4r.declare import HAYES, planar_4r
 
 REACTIONS = f"{HAYES}, eq. (9)"
 CENTRES = f"{HAYES}, Fig. 2"

@@ -11,7 +11,7 @@ import math
 import textwrap
 from collections.abc import Callable, Mapping
 from copy import deepcopy
-from functools import lru_cache
+from functools import cache
 from typing import Any
 
 from fastlink.catalogue import CatalogueError, Fact, System
@@ -47,7 +47,7 @@ class Text:
         self.indent -= 1
 
 
-@lru_cache(maxsize=None)
+@cache
 def statements(function: Callable[..., Any]) -> tuple[ast.stmt, ...]:
     """Return the statements of a fact without its docstring, checked against the grammar.
 

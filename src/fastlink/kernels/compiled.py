@@ -30,7 +30,7 @@ if TYPE_CHECKING:
 
 __all__ = ["cache_folder", "load_kernel"]
 
-HELPERS = ("jit.py", "geometry.py", "dense.py")
+HELPERS = ("jit.py", "geometry.py", "kernels/dense.py")
 _lock = threading.Lock()
 
 
@@ -58,7 +58,7 @@ def _private_folder() -> Path:
 @lru_cache(maxsize=1)
 def _environment() -> bytes:
     """Return what every kernel depends on besides its text."""
-    here = Path(__file__).parent
+    here = Path(__file__).parents[1]
     digest = hashlib.sha256()
     for name in HELPERS:
         digest.update((here / name).read_bytes())

@@ -1,0 +1,209 @@
+"""The command line: ``fastlink run``, ``quantities``, ``info``, ``new``, ``plot``.
+
+Everything heavy is imported inside the commands, so that help comes at once.
+"""
+
+from __future__ import annotations
+
+import functools
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any, TypeVar
+
+import typer
+
+from fastlink.errors import InputError
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+__all__ = ["app", "main"]
+
+BAD_INPUT, INTERRUPTED = 2, 130
+C = TypeVar("C", bound=Callable[..., Any])
+
+app = typer.Typer(
+    add_completion=False,
+    no_args_is_help=True,
+    rich_markup_mode=None,
+    pretty_exceptions_enable=False,
+    context_settings={"help_option_names": ["-h", "--help"]},
+)
+
+
+def main() -> None:
+    """Run the command line of this process."""
+    app(prog_name="fastlink")
+
+
+def command(function: C) -> C:
+    """Make a function a command that ends with a line for each problem, never with a traceback."""
+
+    @functools.wraps(function)
+    def guarded(*args: Any, **options: Any) -> None:
+        try:
+            function(*args, **options)
+        except InputError as error:
+            for line in str(error).splitlines():
+                typer.echo(f"fastlink: {line}", err=True)
+            raise typer.Exit(BAD_INPUT) from None
+        except KeyboardInterrupt:
+            typer.echo("fastlink: interrupted", err=True)
+            raise typer.Exit(INTERRUPTED) from None
+
+    registered: C = app.command()(guarded)  # type: ignore[assignment]
+    return registered
+
+
+def _print_version(wanted: bool) -> None:
+    if wanted:
+        from importlib.metadata import PackageNotFoundError, version
+
+        try:
+            typer.echo(f"fastlink {version('fastlink-linkages')}")
+        except PackageNotFoundError:  # run from a source tree that is not installed
+            typer.echo("fastlink, not installed")
+        raise typer.Exit
+
+
+@app.callback()
+def options(
+    version: Annotated[
+        bool,
+        typer.Option("--version", help="Print the version.", callback=_print_version, is_eager=True),
+    ] = False,
+) -> None:
+    """Planar linkages by the million: a design space in, one labelled HDF5 map out."""
+
+
+@command
+def run(
+    study: Annotated[Path, typer.Argument(metavar="STUDY.toml", help="The study file.", show_default=False)],
+    to: Annotated[
+        Path | None,
+        typer.Option("--to", metavar="FILE", help="The HDF5 file to write, instead of what the study says."),
+    ] = None,
+    threads: Annotated[
+        int | None,
+        typer.Option("--threads", metavar="N", help="Number of threads; all processors if left out."),
+    ] = None,
+    overwrite: Annotated[bool, typer.Option("--overwrite", help="Replace an existing file.")] = False,
+    quiet: Annotated[bool, typer.Option("--quiet", help="Print neither progress nor summary.")] = False,
+) -> None:
+    """Run a study, and write its map."""
+    from fastlink.study import run_study
+    from fastlink.summary import summary
+
+    maps = run_study(study, to=to, threads=threads, overwrite=overwrite, progress=False if quiet else None)
+    with maps:
+        if not quiet:
+            typer.echo(summary(maps))
+
+
+@command
+def quantities(
+    mechanism: Annotated[
+        str, typer.Argument(metavar="MECHANISM", help="Such as planar_4r.", show_default=False)
+    ],
+    every: Annotated[
+        bool, typer.Option("--all", help="List the steps on the way too, which cannot be asked for by name.")
+    ] = False,
+) -> None:
+    """List what can be asked of a mechanism, and its inputs."""
+    from fastlink.listing import quantities as listed
+
+    typer.echo(str(listed(mechanism, internal=every)))
+
+
+@command
+def info(
+    file: Annotated[Path, typer.Argument(metavar="FILE", help="A map.", show_default=False)],
+) -> None:
+    """Tell what a map holds, and how it was made."""
+    from fastlink.summary import contents
+
+    with _opened(file) as maps:
+        typer.echo(contents(maps))
+
+
+@command
+def new(
+    mechanism: Annotated[
+        str, typer.Argument(metavar="MECHANISM", help="Such as planar_4r.", show_default=False)
+    ],
+) -> None:
+    """Print a commented study that runs as it is.
+
+    For instance: fastlink new planar_4r > study.toml
+    """
+    from importlib.resources import files
+
+    from fastlink.errors import suggest
+    from fastlink.mechanisms import NAMES
+
+    if mechanism not in NAMES:
+        raise InputError(f"mechanism {mechanism!r} is unknown; {suggest(mechanism, NAMES)}")
+    template = files("fastlink").joinpath("templates", f"{mechanism}.toml")
+    typer.echo(template.read_text(encoding="utf-8"), nl=False)
+
+
+@command
+def plot(
+    file: Annotated[Path, typer.Argument(metavar="FILE", help="A map.", show_default=False)],
+    name: Annotated[
+        str,
+        typer.Argument(metavar="NAME", help="The variable; `fastlink info` lists them.", show_default=False),
+    ],
+    branch: Annotated[
+        int | None, typer.Option("--branch", metavar="B", help="One assembly mode; all if left out.")
+    ] = None,
+    at: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--at", metavar="DIM=VALUE", help="Fix a dimension at its nearest value; may be repeated."
+        ),
+    ] = None,
+    to: Annotated[
+        Path | None,
+        typer.Option("--to", metavar="PICTURE", help="png, svg or pdf by its ending; NAME.png if left out."),
+    ] = None,
+) -> None:
+    """Draw a variable of a map."""
+    fixed = _fixed(at or [])
+    from fastlink.plot import plot_map
+
+    place = to if to is not None else Path(f"{name}.png")
+    with _opened(file) as maps:
+        plot_map(maps, name, branch=branch, at=fixed, to=place)
+    typer.echo(str(place))
+
+
+@contextmanager
+def _opened(file: Path) -> Iterator[xr.Dataset]:
+    from fastlink.store import open_map
+
+    with open_map(file) as maps:
+        yield maps
+
+
+def _fixed(texts: list[str]) -> dict[str, float]:
+    """Return the values of ``--at DIM=VALUE``."""
+    fixed: dict[str, float] = {}
+    for text in texts:
+        dim, equals, number = text.partition("=")
+        try:
+            value = float(number)
+        except ValueError:
+            value = float("nan")
+        dim = dim.strip()
+        if not (equals and dim) or value != value:
+            raise InputError(f"--at: {text!r} is not DIM=VALUE; write such as --at a4=1.0")
+        if dim in fixed:
+            raise InputError(f"--at: {dim} is fixed twice; write it once")
+        fixed[dim] = value
+    return fixed
+
+
+if __name__ == "__main__":
+    main()

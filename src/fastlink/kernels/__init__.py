@@ -1,0 +1,7 @@
+"""Kernels: from a plan's facts to text, to machine code."""
+
+from fastlink.kernels.compiled import load_kernel
+from fastlink.kernels.layout import LANES
+from fastlink.kernels.text import scratch_sizes, write_kernel
+
+__all__ = ["LANES", "load_kernel", "scratch_sizes", "write_kernel"]

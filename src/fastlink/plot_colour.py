@@ -1,0 +1,75 @@
+"""Colours of maps: ranges that a few far outliers do not use up, and the colours of codes."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import matplotlib
+import numpy as np
+from matplotlib.colors import CenteredNorm, ListedColormap, LogNorm, Normalize
+from matplotlib.patches import Patch
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+__all__ = ["colours_of", "flag_colours", "flag_handles", "limits_of"]
+
+FLAGS = ("#2a9d5c", "#e9c46a", "#b0b7c3", "#d1495b", "#333333", "#8a5fbf")
+
+
+def colours_of(values: Any, regular: Any, angle: bool) -> tuple[Any, Any, str]:
+    """Return norm, colour map and open ends, by the regular cells where there are any.
+
+    An angle that passes from pi to -pi has a cyclic map, values of both signs have zero in the middle.
+    """
+    kept = values[:, regular]
+    low, high, extend = limits_of(values, kept, 2.0)
+    if angle and low < -0.9 * np.pi and high > 0.9 * np.pi:
+        return Normalize(-np.pi, np.pi), matplotlib.colormaps["twilight_shifted"], "neither"
+    if low < 0 < high and min(-low, high) > 0.05 * max(-low, high):
+        return CenteredNorm(0.0, max(-low, high)), matplotlib.colormaps["RdBu_r"], extend
+    inner = (
+        np.percentile(kept[np.isfinite(kept)], (2, 98)) if low > 0 and np.isfinite(kept).any() else (1.0, 1.0)
+    )
+    if inner[1] > 30 * inner[0]:
+        return LogNorm(low, high), matplotlib.colormaps["viridis"], extend
+    return Normalize(low, high), matplotlib.colormaps["viridis"], extend
+
+
+def limits_of(values: Any, regular: Any, most: float) -> tuple[float, float, str]:
+    """Return a range, and at which ends values lie outside.
+
+    The range is that of the regular values; of their inner 96 % when that is `most` times shorter, for a few
+    far outliers must not use up a scale.
+    """
+    every = values[np.isfinite(values)]
+    finite = regular[np.isfinite(regular)]
+    finite = finite if finite.size else every
+    if not finite.size:
+        return 0.0, 1.0, "neither"
+    low, high = float(finite.min()), float(finite.max())
+    inner_low, inner_high = (float(value) for value in np.percentile(finite, (2, 98)))
+    if high - low > most * (inner_high - inner_low) > 0:
+        margin = 0.1 * (inner_high - inner_low)
+        low, high = max(low, inner_low - margin), min(high, inner_high + margin)
+    ends = (bool(every.min() < low), bool(every.max() > high))
+    if low == high:
+        low, high = low - 0.5 * (abs(low) or 1.0), high + 0.5 * (abs(high) or 1.0)
+    return low, high, {(True, True): "both", (True, False): "min", (False, True): "max"}.get(ends, "neither")
+
+
+def flag_colours(variable: xr.DataArray) -> tuple[Any, Any, str]:
+    """Return norm and colour map of a code, one colour for each of its values."""
+    codes = np.asarray(variable.attrs["flag_values"])
+    colours = ListedColormap([FLAGS[int(code) % len(FLAGS)] for code in range(int(codes.max()) + 1)])
+    return Normalize(-0.5, codes.max() + 0.5), colours, "neither"
+
+
+def flag_handles(variable: xr.DataArray, values: Any) -> list[Any]:
+    """Return the legend of a code: the values that are there."""
+    pairs = zip(variable.attrs["flag_values"], variable.attrs["flag_meanings"].split(), strict=True)
+    return [
+        Patch(facecolor=FLAGS[int(code) % len(FLAGS)], label=meaning.replace("_", " "))
+        for code, meaning in pairs
+        if (values == code).any()
+    ]

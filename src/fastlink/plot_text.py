@@ -1,0 +1,76 @@
+"""The text of pictures: titles, labels with symbols and units, values that are fixed."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+__all__ = ["constants_of", "label_of", "mathematical", "title_of"]
+
+GREEK = re.compile(
+    "alpha|beta|gamma|delta|epsilon|zeta|eta|theta|kappa|lambda|mu|nu|xi|rho|sigma|tau|phi|chi|psi|omega"
+)
+SYMBOL = re.compile(r"^(\|?)([A-Za-z]+)(?:_([A-Za-z0-9]+))?(\|?)$")
+CONSTANTS_PER_LINE = 8
+WORDS = frozenset({"max", "min", "rms", "at", "status"})
+
+
+def mathematical(symbol: str) -> str:
+    r"""Return a catalogue symbol as matplotlib sets it.
+
+    Examples
+    --------
+    >>> mathematical("max omega_4"), mathematical("F_32x"), mathematical("|F|")
+    ('max $\\omega_{4}$', '$F_{32x}$', '$|F|$')
+    """
+    words = []
+    for word in symbol.split():
+        match = SYMBOL.match(word)
+        if match is None or word in WORDS:
+            words.append(word)
+            continue
+        left, base, index, right = match.groups()
+        letter = f"\\{base}" if GREEK.fullmatch(base) else base if len(base) == 1 else f"\\mathrm{{{base}}}"
+        words.append(f"${left}{letter}{f'_{{{index}}}' if index else ''}{right}$")
+    return " ".join(words)
+
+
+def _units(units: str) -> str:
+    return re.sub(r"([A-Za-z]+)(-?\d+)", r"\1$^{\2}$", units)
+
+
+def label_of(array: xr.DataArray, name: bool = True) -> str:
+    """Return what stands at an axis: name, symbol and units."""
+    attrs = array.attrs
+    parts = [str(attrs.get("long_name", array.name))] if name else []
+    if "symbol" in attrs:
+        parts.append(mathematical(str(attrs["symbol"])))
+    units = str(attrs.get("units", "1"))
+    if units != "1":
+        parts.append(f"[{_units(units)}]")
+    return " ".join(parts) or str(array.name)
+
+
+def _valued(array: xr.DataArray, value: float) -> str:
+    symbol = mathematical(str(array.attrs.get("symbol", array.name)))
+    units = str(array.attrs.get("units", "1"))
+    return f"{symbol} = {value:g}{'' if units == '1' else f' {_units(units)}'}"
+
+
+def title_of(dataset: xr.Dataset, variable: xr.DataArray, fixed: Mapping[str, float]) -> str:
+    """Return the name of a variable, and the values at which dimensions are fixed."""
+    title = str(variable.attrs.get("long_name", variable.name))
+    places = ", ".join(_valued(dataset[dim], value) for dim, value in fixed.items())
+    return f"{title}\n{places}" if places else title
+
+
+def constants_of(dataset: xr.Dataset) -> str:
+    """Return the inputs that are the same for every design, a few to a line."""
+    scalars = [coord for coord in dataset.coords.values() if coord.ndim == 0 and "symbol" in coord.attrs]
+    parts = [_valued(coord, coord.item()) for coord in scalars]
+    lines = [", ".join(parts[k : k + CONSTANTS_PER_LINE]) for k in range(0, len(parts), CONSTANTS_PER_LINE)]
+    return ",\n".join(lines)

@@ -1,0 +1,155 @@
+"""Declarations: what a catalogue rejects, the grammar of facts, and the derivative check."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from configurations import PLANAR
+from fastlink.catalogue import Catalogue, CatalogueError, Fact, Input, System
+from fastlink.errors import InputError
+from fastlink.kernels.emit import statements
+from fastlink.reading import read_facts
+
+LABELS = {"units": "m", "symbol": "x", "source": "here"}
+
+
+@pytest.fixture
+def catalogue():
+    made = Catalogue("toy", "a toy", {1: "the only one"}, Input("theta", "rad", "theta", "input"))
+    made.input("a", units="m", symbol="a", meaning="a length")
+    return made
+
+
+def declare(catalogue, name, needs, doc="Something.", **labels):
+    namespace = {}
+    exec(f"def {name}({', '.join(needs)}):\n    '''{doc}'''\n    return 0.0\n", namespace)
+    return catalogue.quantity(**LABELS | labels)(namespace[name])
+
+
+@pytest.mark.parametrize("missing", ["units", "symbol", "source"])
+def test_a_fact_without_a_label_is_rejected(catalogue, missing):
+    with pytest.raises(CatalogueError, match=f"fact b has no {missing}"):
+        declare(catalogue, "b", ["a"], **{missing: ""})
+
+
+def test_a_fact_without_a_meaning_is_rejected(catalogue):
+    with pytest.raises(CatalogueError, match="fact b has no meaning"):
+        declare(catalogue, "b", ["a"], doc="")
+
+
+@pytest.mark.parametrize("name", ["a", "theta", "branch", "b"])
+def test_a_duplicate_is_rejected(catalogue, name):
+    declare(catalogue, "b", ["a"])
+    with pytest.raises(CatalogueError, match=f"{name} is declared twice"):
+        declare(catalogue, name, ["a"])
+
+
+def test_a_circle_is_rejected(catalogue):
+    declare(catalogue, "b", ["c"])
+    declare(catalogue, "c", ["b"])
+    with pytest.raises(CatalogueError, match="circular: b -> c -> b"):
+        catalogue.check()
+
+
+def test_an_undeclared_need_is_rejected(catalogue):
+    declare(catalogue, "b", ["z"])
+    with pytest.raises(CatalogueError, match="b depends on z, which is not declared"):
+        catalogue.check()
+
+
+def test_a_table_depends_on_the_position_alone(catalogue):
+    def sine(a):
+        """Sine."""
+        return a
+
+    with pytest.raises(CatalogueError, match="must depend on theta alone"):
+        catalogue.table(symbol="s", source="here")(sine)
+
+
+def test_a_missing_input_is_named_with_what_needs_it(catalogue):
+    declare(catalogue, "b", ["a"])
+    with pytest.raises(InputError, match=r"input 'a' is missing \(a length \[m\]\); b depends on it"):
+        list(catalogue.closure(["b"], []))
+
+
+def every_fact():
+    alternatives = [found for alternative in PLANAR.alternatives.values() for found in alternative.values()]
+    facts = [*PLANAR.facts.values(), *PLANAR.tables.values(), *alternatives]
+    return list({id(fact.function): fact for fact in facts}.values())
+
+
+@pytest.mark.parametrize("fact", every_fact(), ids=lambda fact: f"{fact.name}")
+def test_facts_keep_to_the_grammar(fact):
+    assert isinstance(fact, Fact | System)
+    assert statements(fact.function)
+
+
+def branching(x):
+    if x > 0:
+        return x
+    return -x
+
+
+def looping(x):
+    for _ in range(3):
+        x = x + 1
+    return x
+
+
+def powering(x):
+    return x**2
+
+
+def unfinished(x):
+    y = x  # noqa: F841
+
+
+@pytest.mark.parametrize("function", [branching, looping, powering, unfinished])
+def test_the_grammar_refuses(function):
+    with pytest.raises(CatalogueError):
+        statements(function)
+
+
+def test_facts_call_nothing_but_the_projects_own_functions():
+    import ast
+
+    for fact in every_fact():
+        for statement in statements(fact.function):
+            for node in ast.walk(statement):
+                if isinstance(node, ast.Call):
+                    called = fact.function.__globals__.get(node.func.id, node.func.id)
+                    name = getattr(called, "__module__", called)
+                    assert name in ("fastlink.jit", "fastlink.geometry", "abs", "builtins"), (
+                        fact.name,
+                        node.func.id,
+                    )
+
+
+# By the complex step, exact to rounding: d/dtheta1 through every table and fact at once.
+@pytest.mark.parametrize("branch", [1.0, 2.0])
+def test_rates_are_the_derivatives_of_positions_by_complex_step(branch):
+    rng = np.random.default_rng(5)
+    tested = 0
+    for _ in range(60):
+        given = dict(zip(["a1", "a2", "a3", "a4"], rng.uniform(0.3, 2.0, 4), strict=True))
+        given |= {"omega1": 1.0, "branch": branch}
+        theta = float(rng.uniform(-np.pi, np.pi))
+        with np.errstate(all="ignore"):
+            real = read_facts(
+                PLANAR,
+                ["B_x", "omega4", "omega2", "alpha2", "alpha4", "DB_y", "AB_y"],
+                given | {"theta1": theta},
+            )
+        if np.isnan(real["B_x"]) or real["sigma"] < 1e-2:
+            continue
+        stepped = read_facts(PLANAR, ["DB_x", "AB_x", "omega2", "omega4"], given | {"theta1": theta + 1e-30j})
+        slope = {name: stepped[name].imag / 1e-30 for name in ("DB_x", "AB_x", "omega2", "omega4")}
+        # d(DB_x) = -omega4 DB_y, d(AB_x) = -omega2 AB_y; sigma above 1e-2 bounds the condition by 1e2 per
+        # derivative: 1e4 roundings of the sizes here leave 1e-10.
+        assert slope["DB_x"] == pytest.approx(-real["omega4"] * real["DB_y"], rel=1e-9, abs=1e-10)
+        assert slope["AB_x"] == pytest.approx(-real["omega2"] * real["AB_y"], rel=1e-9, abs=1e-10)
+        assert slope["omega2"] == pytest.approx(real["alpha2"], rel=1e-9, abs=1e-10)
+        assert slope["omega4"] == pytest.approx(real["alpha4"], rel=1e-9, abs=1e-10)
+        tested += 1
+    assert tested > 20

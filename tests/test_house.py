@@ -1,0 +1,105 @@
+"""The house: layers, what may be imported where, style and types."""
+
+from __future__ import annotations
+
+import ast
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[1]
+SOURCE = ROOT / "src" / "fastlink"
+
+#: A file imports only from files above it.
+LAYERS = [
+    *("errors", "jit", "catalogue", "geometry", "mechanisms", "cycle", "kernels", "tables", "plan"),
+    *("space", "table", "design", "links", "request", "reading", "run"),
+    *("label", "target", "layout", "store", "sweep"),
+    *("listing", "summary", "study_schema", "study_design", "study"),
+    *("plot_colour", "plot_text", "plot_draw", "plot", "cli"),
+]
+#: Only these know of files and of labels.
+LABELLED = LAYERS[LAYERS.index("label") :]
+FILES = sorted(path for path in SOURCE.rglob("*.py"))
+
+
+def layer_of(path: Path) -> str:
+    return path.relative_to(SOURCE).parts[0].removesuffix(".py")
+
+
+def imports(path: Path):
+    """Yield every imported module and whether it stands at the top of the file."""
+    tree = ast.parse(path.read_text())
+    guarded = {
+        id(node)
+        for block in ast.walk(tree)
+        if isinstance(block, ast.If) and "TYPE_CHECKING" in ast.unparse(block.test)
+        for node in ast.walk(block)
+    }
+    for node in ast.walk(tree):
+        if id(node) in guarded:
+            continue
+        if isinstance(node, ast.Import):
+            for alias in node.names:
+                yield alias.name
+        elif isinstance(node, ast.ImportFrom):
+            yield node.module if node.module != "fastlink" else f"fastlink.{node.names[0].name}"
+
+
+def test_every_file_has_its_layer():
+    assert {layer_of(path) for path in FILES} - {"__init__", "templates"} == set(LAYERS)
+
+
+@pytest.mark.parametrize("path", FILES, ids=lambda path: str(path.relative_to(SOURCE)))
+def test_a_file_imports_only_from_above(path):
+    layer = layer_of(path)
+    if layer == "__init__":
+        return
+    for module in imports(path):
+        if module.startswith("fastlink."):
+            other = module.split(".")[1]
+            assert LAYERS.index(other) <= LAYERS.index(layer), f"{layer} imports {module}"
+            if layer == "mechanisms":
+                assert other in ("errors", "jit", "catalogue", "geometry", "mechanisms")
+
+
+@pytest.mark.parametrize("path", FILES, ids=lambda path: str(path.relative_to(SOURCE)))
+def test_labels_and_files_are_known_below_only(path):
+    if layer_of(path) not in LABELLED:
+        # `reading` wraps DataArrays that it was given, when it was given some.
+        allowed = {"xarray"} if layer_of(path) == "reading" else set()
+        assert not {module.split(".")[0] for module in imports(path)} & (
+            {"xarray", "h5py", "h5netcdf"} - allowed
+        )
+
+
+@pytest.mark.parametrize("path", FILES, ids=lambda path: str(path.relative_to(SOURCE)))
+def test_numba_options_stand_in_one_place(path):
+    if path.name not in ("jit.py", "compiled.py"):
+        assert "numba" not in {module.split(".")[0] for module in imports(path)}
+
+
+@pytest.mark.parametrize("path", FILES, ids=lambda path: str(path.relative_to(SOURCE)))
+def test_files_stay_small(path):
+    assert len(path.read_text().splitlines()) <= 330
+
+
+def test_ruff_check_passes():
+    run("ruff", "check", ".")
+
+
+def test_ruff_format_passes():
+    run("ruff", "format", "--check", ".")
+
+
+def test_mypy_passes():
+    run("mypy")
+
+
+def run(*command):
+    done = subprocess.run(
+        [sys.executable, "-m", *command], cwd=ROOT, capture_output=True, text=True, check=False
+    )
+    assert done.returncode == 0, done.stdout + done.stderr
