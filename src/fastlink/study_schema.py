@@ -250,6 +250,9 @@ class Problems:
         """Note what is wrong with a dotted key; with an empty one, of the study as a whole."""
         for phrase, ours in PHRASES.items():
             fault = fault.replace(phrase, ours)
+        name = re.escape(key.rpartition(".")[2])
+        if own := re.match(rf"{name}(\[\d+\])? (?=is )", fault):  # "a2[3] is 0": the key says that it is a2
+            key, fault = key + (own[1] or ""), fault[own.end() :]
         place = f"{self.path}: {key}" if key else f"{self.path}:"
         # "a2 is 3" reads on after the key, a sentence of its own stands after a colon
         colon = ":" if key and not fault.startswith(("is ", "has ")) else ""

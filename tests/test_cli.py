@@ -1,0 +1,290 @@
+"""The command line: what it prints, where, and how it ends."""
+
+import os
+import re
+import signal
+import subprocess
+import sys
+import time
+from importlib.metadata import version
+from pathlib import Path
+
+import pytest
+from typer.testing import CliRunner
+
+import fastlink as fl
+from fastlink import study as study_module
+from fastlink.cli import app
+from fastlink.mechanisms import NAMES
+
+HEAVY = (
+    "numba",
+    "xarray",
+    "h5py",
+    "h5netcdf",
+    "scipy",
+    "numpy",
+    "pydantic",
+    "matplotlib",
+    "pandas",
+    "mpmath",
+)
+MAIN = [sys.executable, "-c", "from fastlink.cli import main; main()"]
+STUDY = """
+mechanism = "planar_4r"
+quantities = ["omega4_max"]
+[design]
+a1 = 0.4
+a2 = {linspace = [1.0, 1.4, 5]}
+a3 = {linspace = [0.6, 1.0, 4]}
+a4 = 1.0
+omega1 = 25.0
+[cycle]
+theta1 = 36
+"""
+
+
+@pytest.fixture
+def folder(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    Path("study.toml").write_text(STUDY)
+    return tmp_path
+
+
+def called(*arguments):
+    return CliRunner().invoke(app, [str(argument) for argument in arguments], prog_name="fastlink")
+
+
+def refused(*arguments):
+    """Return the lines that a command ends with when its input is bad."""
+    done = called(*arguments)
+    assert done.exit_code == 2
+    assert done.stdout == ""
+    lines = done.stderr.splitlines()
+    assert all(line.startswith("fastlink: ") for line in lines)
+    return [line.removeprefix("fastlink: ") for line in lines]
+
+
+# -- run -------------------------------------------------------------------------------------------
+
+
+def test_run_writes_the_map_and_ends_with_the_summary(folder):
+    done = called("run", "study.toml")
+    assert (done.exit_code, done.stderr) == (0, "")
+    with fl.open("study.h5") as maps:
+        assert dict(maps.sizes) == {"a2": 5, "a3": 4, "branch": 2}
+        turning = maps.attrs["designs_rotates_fully"]
+    rows = done.stdout.splitlines()
+    assert rows[0].split() == ["designs", "20"]
+    assert rows[1].split() == [str(turning), "rotates", "fully", f"{5 * turning:.1f}", "%"]
+    assert [row.split("  ")[0] for row in rows[6:]] == ["configurations", "run time", "speed", "file"]
+    assert rows[6].split() == ["configurations", "1,440"]
+    assert rows[9].split()[1] == str(folder / "study.h5")
+
+
+def test_run_to_another_file_quietly(folder):
+    done = called("run", "study.toml", "--to", "other.h5", "--threads", "1", "--quiet")
+    assert (done.exit_code, done.output) == (0, "")
+    with fl.open("other.h5") as maps:
+        assert maps.attrs["threads"] == 1
+    assert not Path("study.h5").exists()
+
+
+def test_run_replaces_a_file_only_when_told(folder):
+    assert called("run", "study.toml").exit_code == 0
+    before = Path("study.h5").read_bytes()
+    (line,) = refused("run", "study.toml")
+    assert line.startswith("study.toml: output.file: ")
+    assert line.endswith("the file exists; choose another name or set overwrite")
+    assert Path("study.h5").read_bytes() == before
+    assert called("run", "study.toml", "--overwrite").exit_code == 0
+
+
+def test_several_problems_are_a_line_each(folder):
+    Path("study.toml").write_text(STUDY.replace("\na1", "\na9").replace("omega4_max", "omega9_max"))
+    assert [line.split(": ")[1] for line in refused("run", "study.toml")] == ["quantities[0]", "design.a9"]
+
+
+def test_a_study_that_is_not_there(folder):
+    assert refused("run", "no.toml") == [
+        "no.toml: cannot be read (No such file or directory); give the path of a study file"
+    ]
+
+
+def test_an_interrupt_is_one_line(folder, monkeypatch):
+    def interrupted(*args, **options):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(study_module, "sweep", interrupted)
+    done = called("run", "study.toml")
+    assert (done.exit_code, done.stdout, done.stderr) == (130, "", "fastlink: interrupted\n")
+
+
+@pytest.mark.skipif(os.name != "posix", reason="needs signals")
+def test_an_interrupted_run_leaves_nothing_behind(folder):
+    # 4 10^10 configurations: a minute at the least
+    Path("study.toml").write_text(
+        STUDY.replace("1.4, 5]", "1.4, 2000]")
+        .replace("1.0, 4]", "1.0, 10000]")
+        .replace("theta1 = 36", "theta1 = 1000")
+    )
+    process = subprocess.Popen([*MAIN, "run", "study.toml"], stderr=subprocess.PIPE, text=True)
+    try:
+        limit = time.monotonic() + 60
+        while not Path("study.h5.part").exists() and process.poll() is None and time.monotonic() < limit:
+            time.sleep(0.02)
+        assert Path("study.h5.part").exists()
+        time.sleep(0.3)
+        process.send_signal(signal.SIGINT)
+        _, errors = process.communicate(timeout=30)
+    finally:
+        process.kill()
+        process.wait()
+    assert process.returncode == 130
+    assert errors == "fastlink: interrupted\n"
+    assert sorted(path.name for path in folder.iterdir()) == ["study.toml"]
+
+
+# -- the other commands ----------------------------------------------------------------------------
+
+
+def test_quantities_prints_the_table():
+    done = called("quantities", "planar_4r")
+    assert done.exit_code == 0
+    assert done.stdout == f"{fl.quantities('planar_4r')}\n"
+    every = called("quantities", "planar_4r", "--all")
+    assert every.stdout == f"{fl.quantities('planar_4r', internal=True)}\n"
+    assert refused("quantities", "planar4r") == ["mechanism 'planar4r' is unknown; did you mean 'planar_4r'?"]
+
+
+def test_info_tells_what_a_map_holds(folder):
+    called("run", "study.toml", "--quiet")
+    done = called("info", "study.h5")
+    assert done.exit_code == 0
+    for line in (
+        "mechanism   planar_4r",
+        "study file  study.toml",
+        "  a2      5: 1 to 1.4 m  length of the coupler AB",
+        "  omega1  25 rad s-1  angular velocity of the crank, constant",
+        "  omega4_max  (a2, a3, branch)  [rad s-1]  Angular velocity of the output link, greatest over the cycle",
+        "designs         20",
+    ):
+        assert line in done.stdout.splitlines()
+
+
+def test_info_of_a_sample_tells_the_ranges(folder):
+    space = fl.sobol(16, seed=1, a1=(0.2, 0.4), a2=1.2, a3=0.8, a4=1.0)
+    fl.sweep("planar_4r", space, ["status"], to="sample.h5").close()
+    lines = called("info", "sample.h5").stdout.splitlines()
+    (line,) = [line for line in lines if line.startswith("  a1")]
+    assert re.fullmatch(r"  a1  0\.2\d* to 0\.3\d* m  length of the input crank OA", line)
+
+
+def test_info_of_something_else(folder):
+    assert refused("info", "no.h5") == ["no.h5: there is no such file; give the path of a written map"]
+    (line,) = refused("info", "study.toml")
+    assert line.startswith("study.toml: cannot be read as HDF5")
+
+
+@pytest.mark.parametrize("mechanism", NAMES)
+def test_a_new_study_runs_as_it_is(folder, mechanism):
+    done = called("new", mechanism)
+    assert done.exit_code == 0
+    assert sum(line.startswith("#") for line in done.stdout.splitlines()) > 5
+    Path("mine.toml").write_text(done.stdout)
+    assert called("run", "mine.toml", "--quiet").exit_code == 0
+    with fl.open("mine.h5") as maps:
+        assert maps.attrs["mechanism"] == mechanism
+        assert maps.attrs["study"] == done.stdout
+
+
+def test_a_new_study_of_an_unknown_mechanism():
+    assert refused("new", "planar4r") == ["mechanism 'planar4r' is unknown; did you mean 'planar_4r'?"]
+
+
+def test_plot_writes_a_picture(folder):
+    called("run", "study.toml", "--quiet")
+    done = called("plot", "study.h5", "omega4_max", "--branch", 2)
+    assert (done.exit_code, done.stdout) == (0, "omega4_max.png\n")
+    assert Path("omega4_max.png").read_bytes().startswith(b"\x89PNG")
+    assert called("plot", "study.h5", "omega4_max", "--at", "a3=0.7", "--to", "line.svg").exit_code == 0
+    assert Path("line.svg").read_text().startswith("<?xml")
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (["--at", "a3"], "--at: 'a3' is not DIM=VALUE; write such as --at a4=1.0"),
+        (["--at", "a3=x"], "--at: 'a3=x' is not DIM=VALUE; write such as --at a4=1.0"),
+        (["--at", "=1"], "--at: '=1' is not DIM=VALUE; write such as --at a4=1.0"),
+        (["--at", "a3=1", "--at", "a3=1"], "--at: a3 is fixed twice; write it once"),
+        (["--branch", "3"], "plot: branch 3 is not in the result; write one of 1, 2"),
+        (["--at", "a1=0.4"], "plot: 'a1' is no dimension of omega4_max that at can fix; did you mean 'a3'?"),
+    ],
+)
+def test_plot_refuses(folder, arguments, message):
+    called("run", "study.toml", "--quiet")
+    assert refused("plot", "study.h5", "omega4_max", *arguments) == [message]
+
+
+def test_usage_errors_end_with_2(folder):
+    for arguments in (
+        ["run"],
+        ["run", "study.toml", "--wrong"],
+        ["wrong"],
+        ["run", "study.toml", "--threads", "x"],
+    ):
+        done = called(*arguments)
+        assert done.exit_code == 2
+        assert "Usage: fastlink" in done.stderr
+        assert "Traceback" not in done.output
+
+
+# -- the process -----------------------------------------------------------------------------------
+
+
+def test_the_version():
+    assert called("--version").stdout == f"fastlink {version('fastlink-linkages')}\n"
+
+
+@pytest.mark.parametrize(
+    "arguments", [["--help"], *([name, "--help"] for name in ("run", "quantities", "info", "new", "plot"))]
+)
+def test_help_imports_nothing_heavy(arguments):
+    # typer itself takes pydantic for the arguments of a command
+    heavy = [name for name in HEAVY if name != "pydantic" or arguments == ["--help"]]
+    heavy += ["fastlink.study", "fastlink.mechanisms"]
+    script = (
+        "import sys\n"
+        "from fastlink.cli import app\n"
+        "try:\n"
+        f"    app({arguments!r}, prog_name='fastlink')\n"
+        "except SystemExit as done:\n"
+        "    assert done.code == 0\n"
+        f"print('loaded', [name for name in {heavy!r} if name in sys.modules])\n"
+    )
+    done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True)
+    assert "Usage: fastlink" in done.stdout
+    assert done.stdout.splitlines()[-1] == "loaded []"
+
+
+def test_a_real_process_runs_and_refuses(folder):
+    done = subprocess.run([*MAIN, "run", "study.toml"], capture_output=True, text=True, check=False)
+    assert (done.returncode, done.stderr) == (0, "")
+    assert done.stdout.startswith("designs ")
+    again = subprocess.run([*MAIN, "run", "study.toml"], capture_output=True, text=True, check=False)
+    assert again.returncode == 2
+    assert again.stderr.count("\n") == 1
+    assert again.stderr.startswith("fastlink: study.toml: output.file: ")
+    assert again.stdout == ""
+
+
+def test_the_names_of_the_package_are_functions_whatever_was_imported():
+    script = (
+        "import fastlink.sweep, fastlink.design, fastlink.summary\n"
+        "import fastlink as fl\n"
+        "assert all(callable(getattr(fl, name)) for name in fl.__all__)\n"
+        "print(fl.table({'a1': [1.0]}).size)\n"
+    )
+    done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True)
+    assert done.stdout == "1\n"
