@@ -15,8 +15,8 @@ INPUTS = (
 )
 TABLES = ("cos", "sin", "Z", "Z_low", "C", "C_low")
 
-#: What each case puts out, in order. A curve has the shape (design, branch, angle), A_x and A_y (design,
-#: angle), an extreme (design, branch); the branches are 1 and 2.
+#: What each case puts out, in order. A curve has the shape (design, branch, angle), an extreme (design,
+#: branch); the branches are 1 and 2.
 CASES = {
     "positions": ("A_x", "A_y", "B_x", "B_y"),
     "rates": ("B_x", "B_y", "omega2", "omega4", "alpha2", "alpha4"),
@@ -74,8 +74,7 @@ def aligned_copy(array):
 
 def outputs(case, n, K):
     """One array for each name of ``CASES[case]``."""
-    curve = (n, 2) if case == "extremes" else (n, 2, K)
-    return tuple(empty((n, K) if name in ("A_x", "A_y") else curve) for name in CASES[case])
+    return tuple(empty((n, 2) if case == "extremes" else (n, 2, K)) for _ in CASES[case])
 
 
 def best_time(call, seconds=0.3, least=5):
@@ -86,4 +85,13 @@ def best_time(call, seconds=0.3, least=5):
         start = time.perf_counter()
         call()
         best, runs = min(best, time.perf_counter() - start), runs + 1
+    return best
+
+
+def race(calls, rounds=12, seconds=0.05):
+    """Return the shortest run time in s of each named call, timed in turns so that all see the same machine."""
+    best = dict.fromkeys(calls, np.inf)
+    for _ in range(rounds):
+        for name, call in calls.items():
+            best[name] = min(best[name], best_time(call, seconds, least=1))
     return best

@@ -188,24 +188,23 @@ INLINE both_t reactions_both(design d, angle t, closure l, double r_sigma)
         if (prepare(&b, x, n, first, dynamics), 1)                                                                \
             for (long i = 0; i < LANES && first + i < n; i++)
 
-/* A: (2, n, K) A_x A_y; B: (2, n, 2, K) B_x B_y */
-void c_positions(long n, long K, const double *restrict x, const double *restrict tables, double *restrict A,
-                 double *restrict B)
+/* out: (4, n, 2, K) A_x A_y B_x B_y */
+void c_positions(long n, long K, const double *restrict x, const double *restrict tables, double *restrict out)
 {
     long size = 2 * n * K;
     FOR_DESIGNS(0)
     {
         design d = design_at(&b, i);
-        double *restrict A_x = A + (first + i) * K, *restrict A_y = A_x + n * K, *restrict y = B + (first + i) * 2 * K;
+        double *restrict y = out + (first + i) * 2 * K;
 #pragma GCC ivdep
         for (long k = 0; k < K; k++) {
             angle t = angle_at(tables, K, k);
             positions_t o = positions(d, t, close_loop(d, t));
             vec even = {o.A.x + o.AB_even.x, o.A.y + o.AB_even.y};
-            A_x[k] = o.A.x;
-            A_y[k] = o.A.y;
-            STORE(0, even.x - o.odd.x, even.x + o.odd.x);
-            STORE(1, even.y - o.odd.y, even.y + o.odd.y);
+            STORE(0, o.A.x, o.A.x);
+            STORE(1, o.A.y, o.A.y);
+            STORE(2, even.x - o.odd.x, even.x + o.odd.x);
+            STORE(3, even.y - o.odd.y, even.y + o.odd.y);
         }
     }
 }

@@ -227,7 +227,8 @@ def put_B(A, AB, odd, out):
 def piece_positions(o, tables, out):
     p, _, sigma, r_gamma = closure(o, tables)
     A, AB, _, odd = positions(o, tables, p, sigma, r_gamma, rocker=False)
-    out[0][...], out[1][...] = A
+    for axis in range(2):
+        out[axis][...] = A[axis][:, None]
     put_B(A, AB, odd, out[2:])
 
 

@@ -1,0 +1,97 @@
+"""Calls of fastlink on the benchmarks' inputs: the bare kernel, and the kernel handed out to threads."""
+
+import time
+from dataclasses import dataclass
+
+import numpy as np
+
+from benchmarks.inputs import CASES, INPUTS, aligned_copy, designs, empty
+from fastlink.mechanisms import catalogue
+from fastlink.plan import Plan, make_plan
+from fastlink.run import Job, pad_angles, run
+
+DENSE = ("dense",)
+
+
+def angles(K):
+    return np.arange(K) * (2 * np.pi / K)
+
+
+def plan_of(case, K=360, *, further=(), alternatives=()):
+    """Return the plan of ``CASES[case]`` and further names, of designs that give every input."""
+    names = (*CASES[case], *further)
+    return make_plan(catalogue("planar_4r"), names, given=INPUTS, alternatives=alternatives, angles=K)
+
+
+def rows_of(plan, x):
+    """Return the rows of the design array that the plan's kernel reads."""
+    return aligned_copy(x[[INPUTS.index(name) for name in plan.inputs]])
+
+
+def shapes(plan, K):
+    lengths = {"branch": 2, "theta1": K}
+    return [tuple(lengths[axis] for axis in output.axes) for output in plan.outputs]
+
+
+@dataclass(frozen=True)
+class Bound:
+    """A kernel bound to its arguments; calling it evaluates into ``arrays``."""
+
+    plan: Plan
+    arguments: tuple
+    arrays: list
+
+    def __call__(self):
+        self.plan.kernel(*self.arguments)
+
+
+def bind(case, x, K, **options):
+    """Return the kernel of a case bound to designs and K equally spaced angles; compiles it."""
+    plan = plan_of(case, K, **options)
+    n = x.shape[1]
+    scratch = [empty((size,)) for size in plan.scratch]
+    per_design = shapes(plan, K)
+    whole = empty((len(plan.outputs), n, *per_design[0]))  # as the C kernel has it
+    tables = aligned_copy(pad_angles(plan.angle_tables(angles(K)), plan.tile))
+    bound = Bound(plan, (rows_of(plan, x), tables, n, K, *scratch, *whole), list(whole))
+    bound()
+    return bound
+
+
+def job_of(plan, size, K, pool=4096):
+    """Return a job of ``size`` designs, which repeat those of a pool; no result is kept."""
+    rows = rows_of(plan, designs(pool))
+
+    def fill(start, stop, x):
+        np.take(rows, np.arange(start, stop), axis=1, mode="wrap", out=x[:, : stop - start])
+
+    outputs = [(shape, output.dtype) for shape, output in zip(shapes(plan, K), plan.outputs, strict=True)]
+    return Job(
+        plan.kernel,
+        plan.scratch,
+        len(plan.inputs),
+        plan.angle_tables(angles(K)),
+        plan.tile,
+        outputs,
+        size,
+        fill,
+    )
+
+
+def threads(case, seconds=1.2, repeats=3, K=360):
+    """Return the run time in s through `fastlink.run` with one thread and with two, and configurations."""
+    plan = plan_of(case, K)
+    size = 4096
+
+    def clock(count):
+        job = job_of(plan, size, K)
+        start = time.perf_counter()
+        run(job, threads=count)
+        return time.perf_counter() - start
+
+    clock(1)
+    size = max(size, round(size * seconds / clock(1)))
+    best = {1: np.inf, 2: np.inf}
+    for _ in range(repeats):
+        best = {count: min(known, clock(count)) for count, known in best.items()}
+    return best[1], best[2], size * 2 * K

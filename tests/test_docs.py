@@ -1,0 +1,130 @@
+"""README, docs and docstrings are true: their examples run."""
+
+from __future__ import annotations
+
+import doctest
+import importlib
+import os
+import pkgutil
+import re
+import shutil
+import subprocess
+import sys
+import tomllib
+from pathlib import Path
+
+import pytest
+
+import fastlink
+
+ROOT = Path(__file__).parents[1]
+README = (ROOT / "README.md").read_text()
+DOCUMENTS = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", *sorted((ROOT / "docs").glob("*.md"))]
+
+
+def code_blocks(text, language):
+    return re.findall(rf"^```{language}\n(.*?)^```", text, flags=re.MULTILINE | re.DOTALL)
+
+
+def modules():
+    found = pkgutil.walk_packages(fastlink.__path__, "fastlink.")
+    return sorted(module.name for module in found)
+
+
+@pytest.mark.parametrize("name", modules())
+def test_docstring_examples(name, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    result = doctest.testmod(importlib.import_module(name), optionflags=doctest.NORMALIZE_WHITESPACE)
+    assert result.failed == 0
+
+
+def test_the_public_functions_have_examples():
+    for name in fastlink.__all__:
+        thing = getattr(fastlink, name)
+        if callable(thing) and not isinstance(thing, type):
+            assert ">>>" in (thing.__doc__ or ""), name
+
+
+def test_the_python_example_of_the_readme(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    (example,) = code_blocks(README, "python")
+    exec(compile(example, "README.md", "exec"), {})
+    assert re.fullmatch(r"a2 = 1\.\d{3} m, a3 = \d\.\d{3} m\n", capsys.readouterr().out)
+    assert (tmp_path / "maps.h5").exists()
+
+
+def command(line, folder):
+    """Run a command line of the README with the fastlink that is installed here."""
+    scripts = str(Path(sys.executable).parent)
+    environment = os.environ | {"PATH": f"{scripts}{os.pathsep}{os.environ['PATH']}"}
+    done = subprocess.run(
+        line, shell=True, cwd=folder, env=environment, capture_output=True, text=True, check=False
+    )
+    assert done.returncode == 0, done.stderr
+    assert "Traceback" not in done.stderr
+    return done.stdout
+
+
+def test_the_main_job_of_the_readme(tmp_path):
+    shutil.copytree(ROOT / "data", tmp_path / "data")
+    (first, *_) = code_blocks(README, "sh")
+    install, run = first.strip().split(" && ")
+    assert install == "python -m pip install ."
+    assert "1,030,301" in command(run, tmp_path)
+    plot = re.search(r"`(fastlink plot [^`]*)`", README)
+    assert plot is not None
+    command(plot.group(1), tmp_path)
+    assert list(tmp_path.glob("*.png"))
+
+
+def test_the_command_lines_of_the_readme(tmp_path):
+    (lines,) = [block for block in code_blocks(README, "sh") if "fastlink new" in block]
+    for line in lines.strip().splitlines():
+        command(line.partition("#")[0], tmp_path)
+    assert (tmp_path / "study.h5").exists()
+
+
+def test_ci_calls_the_readmes_test_command():
+    (test_command,) = {block.strip() for block in code_blocks(README, "sh") if "pytest" in block}
+    assert test_command in (ROOT / ".ci" / "run").read_text().splitlines()
+
+
+@pytest.mark.parametrize("document", DOCUMENTS, ids=lambda path: path.name)
+def test_links_lead_somewhere(document):
+    for target in re.findall(r"\]\(([^)#]+)", document.read_text()):
+        if not target.startswith("http"):
+            assert (document.parent / target).exists(), target
+
+
+def test_every_section_that_a_source_names_exists():
+    from fastlink.mechanisms import catalogue
+
+    headings = re.findall(r"^## (.*)$", (ROOT / "docs" / "numerics.md").read_text(), flags=re.MULTILINE)
+    for fact in catalogue("planar_4r").facts.values():
+        for section in re.findall(r"docs/numerics\.md#(\w+)", fact.source):
+            assert section.capitalize() in headings
+
+
+def test_the_quantity_of_contributing_works():
+    (example,) = code_blocks((ROOT / "CONTRIBUTING.md").read_text(), "python")
+    script = (
+        "import sys; sys.path.insert(0, '.')\nfrom typing import Any\n"
+        "from fastlink.mechanisms.planar_4r.declare import HAYES, planar_4r\nimport fastlink.mechanisms.planar_4r\n"
+        + example
+        + "\nimport fastlink as fl\n"
+        "design = fl.grid(a1=0.4, a2=1.2, a3=0.8, a4=1.0, omega1=25.0)\n"
+        "result = fl.sweep('planar_4r', design, ['input_power', 'T41'], links=fl.round_bar(7750.0, 0.01), theta1=8)\n"
+        "assert (result.input_power == 25.0 * result.T41).all()\n"
+    )
+    # A fact's text is read from its file.
+    folder = Path(os.environ["FASTLINK_CACHE_DIR"])
+    path = folder / "contributing_example.py"
+    path.write_text(script)
+    done = subprocess.run([sys.executable, str(path)], capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
+
+
+def test_versions_agree():
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
+    changelog = (ROOT / "CHANGELOG.md").read_text()
+    assert f"## {project['version']}" in changelog
