@@ -100,6 +100,18 @@ def test_status_agrees_with_what_assembles():
     assert some.any(axis=1).mean() > 0.99
 
 
+def test_at_a_change_point_the_last_bit_of_a_length_decides_nothing():
+    """Along a2 = a3 + a1 + a4 the gap is zero or a rounding; rates vary smoothly, not by 1e8."""
+    a3 = np.linspace(0.4, 0.9, 51)
+    line = fl.table({"a1": 0.2, "a2": a3 + 0.4, "a3": a3, "a4": 0.6, "omega1": 25.0})
+    result = fl.sweep("planar_4r", line, ["alpha4_max", "omega4_max", "B_x"], theta1=360)
+    assert (result.status == 3).all()
+    assert np.isfinite(result.B_x).all()
+    neighbours = result.alpha4_max.values[1:] / result.alpha4_max.values[:-1]
+    # a3 changes by 1 to 2.5 % from one design to the next.
+    assert np.all(np.abs(neighbours - 1) < 0.1)
+
+
 def test_what_does_not_assemble_is_nan_and_alters_no_extreme():
     result = small_map()
     closes = np.isfinite(result.theta4)
@@ -107,7 +119,9 @@ def test_what_does_not_assemble_is_nan_and_alters_no_extreme():
     never = ~closes.any("theta1")
     assert int(partial.sum()) > 10
     assert int(never.sum()) > 10
-    np.testing.assert_array_equal(np.isfinite(result.T41), closes)
+    folded = (result.status == 3) & (result.theta1 == 0.0)
+    assert bool(folded.any())
+    np.testing.assert_array_equal(np.isfinite(result.T41), closes & ~folded)
     curves = fl.sweep(
         "planar_4r", MIXED, ["omega4", "transmission_angle", "shaking_force"], links=BARS, theta1=45
     )
@@ -250,6 +264,10 @@ def test_file_and_memory_hold_the_same(tmp_path):
         (
             {"space": {**TABLE_1, "omega1": 1.0, "radius": 0.1}},
             "design: 'radius' belongs to links of model 'round_bar'",
+        ),
+        (
+            {"quantities": ["T41"], "space": {**TABLE_1, "omega1": 1.0}, "links": fl.round_bar(7750.0)},
+            "input 'radius' is missing (radius of the round bars [m])",
         ),
         (
             {"space": {**TABLE_1, "omega1": 1.0, "a3": 0.0}},

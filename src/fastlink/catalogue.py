@@ -299,10 +299,11 @@ class Catalogue:
             yield from visit(name, None)
 
     def _missing(self, name: str, asked_by: str | None, given: set[str]) -> InputError:
-        if name in self.inputs:
-            meaning = f"{self.inputs[name].meaning} [{self.inputs[name].units}]"
+        declared = self.known_inputs(self.alternative_inputs).get(name)
+        if declared is not None:
+            about = f"({declared.meaning} [{declared.units}])"
             return InputError(
-                f"input {name!r} is missing ({meaning}); {asked_by} depends on it: add it to the design"
+                f"input {name!r} is missing {about}; {asked_by} depends on it: add it to the design"
             )
         if asked_by is not None:
             raise CatalogueError(f"{self.name}: {asked_by} depends on {name}, which is not declared")

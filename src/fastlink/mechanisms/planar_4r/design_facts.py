@@ -70,40 +70,46 @@ def s4(a4: Any, lift: Any, unit: Any) -> Any:
     return a4 * lift / unit
 
 
+@planar_4r.quantity(units="1", symbol="u P", source=f"{NUMERICS}#status", internal=True)
+def gap_rounding(s1: Any, s2: Any, s3: Any, s4: Any) -> Any:
+    """What half a unit in the last place of each length may do to a sum of them: less is zero."""
+    return UNIT_ROUNDING * ((s1 + s2) + (s3 + s4))
+
+
 @planar_4r.quantity(units="1", symbol="Z_0", source=f"{NUMERICS}#toggles", internal=True)
-def Z0(s1: Any, s2: Any, s3: Any, s4: Any, valid: Any) -> Any:
-    """Squared half-angle sine at the inner toggle, -A1 B1/(4 a1 a4); negative if there is none."""
+def Z0(s1: Any, s2: Any, s3: Any, s4: Any, gap_rounding: Any, valid: Any) -> Any:
+    """Squared half-angle sine at the inner toggle, -A1 B1/(4 a1 a4); negative if there is none, 0 at a change point."""
     A1, A1_low = gap(s1, -s2, s3, -s4)
     B1, B1_low = gap(-s1, -s2, s3, s4)
     high, _low = gap_product_quotient(A1, A1_low, B1, B1_low, s1, s4)
-    return high * valid
+    return select((abs(A1) <= gap_rounding) | (abs(B1) <= gap_rounding), 0.0, high) * valid
 
 
 @planar_4r.quantity(units="1", symbol="Z_0", source=f"{NUMERICS}#toggles", internal=True)
-def Z0_low(s1: Any, s2: Any, s3: Any, s4: Any) -> Any:
+def Z0_low(s1: Any, s2: Any, s3: Any, s4: Any, gap_rounding: Any) -> Any:
     """What Z0 lost in rounding to double."""
     A1, A1_low = gap(s1, -s2, s3, -s4)
     B1, B1_low = gap(-s1, -s2, s3, s4)
     _high, low = gap_product_quotient(A1, A1_low, B1, B1_low, s1, s4)
-    return low
+    return select((abs(A1) <= gap_rounding) | (abs(B1) <= gap_rounding), 0.0, low)
 
 
 @planar_4r.quantity(units="1", symbol="C_0", source=f"{NUMERICS}#toggles", internal=True)
-def C0(s1: Any, s2: Any, s3: Any, s4: Any, valid: Any) -> Any:
-    """Squared half-angle cosine at the outer toggle, C1 D1/(4 a1 a4); negative if there is none."""
+def C0(s1: Any, s2: Any, s3: Any, s4: Any, gap_rounding: Any, valid: Any) -> Any:
+    """Squared half-angle cosine at the outer toggle, C1 D1/(4 a1 a4); negative if there is none, 0 at a change point."""
     C1, C1_low = gap(s1, -s2, -s3, s4)
     D1, D1_low = gap(s1, s2, s3, s4)
     high, _low = gap_product_quotient(C1, C1_low, D1, D1_low, s1, s4)
-    return high * valid
+    return select(abs(C1) <= gap_rounding, 0.0, high) * valid
 
 
 @planar_4r.quantity(units="1", symbol="C_0", source=f"{NUMERICS}#toggles", internal=True)
-def C0_low(s1: Any, s2: Any, s3: Any, s4: Any) -> Any:
+def C0_low(s1: Any, s2: Any, s3: Any, s4: Any, gap_rounding: Any) -> Any:
     """What C0 lost in rounding to double."""
     C1, C1_low = gap(s1, -s2, -s3, s4)
     D1, D1_low = gap(s1, s2, s3, s4)
     _high, low = gap_product_quotient(C1, C1_low, D1, D1_low, s1, s4)
-    return low
+    return select(abs(C1) <= gap_rounding, 0.0, low)
 
 
 @planar_4r.quantity(units="1", symbol="1/(4 a_1 a_4)", source=f"{NUMERICS}#scaling", internal=True)
@@ -149,7 +155,7 @@ def output_offset(s2: Any, s3: Any, per_4_s1_s4: Any) -> Any:
 
 
 @planar_4r.quantity(units="1", symbol="status", source=f"{IO_FACTORS}; {NUMERICS}#status", flags=STATUS_FLAGS)
-def status(s1: Any, s2: Any, s3: Any, s4: Any, valid: Any) -> Any:
+def status(s1: Any, s2: Any, s3: Any, s4: Any, gap_rounding: Any, valid: Any) -> Any:
     """How the design assembles over a full turn of the input."""
     A1, _A1_low = gap(s1, -s2, s3, -s4)
     A2, _A2_low = gap(s1, s2, s3, -s4)
@@ -157,11 +163,8 @@ def status(s1: Any, s2: Any, s3: Any, s4: Any, valid: Any) -> Any:
     B2, _B2_low = gap(s1, -s2, -s3, -s4)
     C1, _C1_low = gap(s1, -s2, -s3, s4)
     C2, _C2_low = gap(s1, s2, -s3, s4)
-    D1, _D1_low = gap(s1, s2, s3, s4)
     D2, _D2_low = gap(s1, -s2, s3, s4)
-    # Each length is known to half a unit in the last place at best: closer than that, a gap is zero.
-    rounding = UNIT_ROUNDING * D1
-    change_point = (abs(A1) <= rounding) | (abs(B1) <= rounding) | (abs(C1) <= rounding)
+    change_point = (abs(A1) <= gap_rounding) | (abs(B1) <= gap_rounding) | (abs(C1) <= gap_rounding)
     one_too_long = (A2 < 0.0) | (B2 > 0.0) | (C2 < 0.0) | (D2 < 0.0)
     turns = (A1 * B1 >= 0.0) & (C1 <= 0.0)
     code = select(change_point, 3.0, select(turns, 0.0, 1.0))

@@ -1,0 +1,107 @@
+"""Other facts: angles, the start of a program, compilation. A fact is (what, value, unit, aim)."""
+
+import subprocess
+import sys
+import tempfile
+import time
+from pathlib import Path
+
+import numba
+import numpy as np
+
+from benchmarks import dense_baseline, engine, errors
+from benchmarks.inputs import CASES, angle_tables, designs, empty, race
+from fastlink.jit import KERNEL_OPTIONS, atan2
+
+ROOT = Path(__file__).parents[1]
+LIBRARIES = "import numba, xarray, h5netcdf"
+TIMED = "import time; start = time.perf_counter(); {}; print(time.perf_counter() - start)"
+COMPILED = (
+    "import time; from benchmarks.engine import plan_of; plan = plan_of({!r}); start = time.perf_counter(); "
+    "plan.kernel; print(time.perf_counter() - start)"
+)
+
+
+def python(code, **environment):
+    """Return the last number that a fresh Python prints."""
+    import os
+
+    done = subprocess.run(
+        [sys.executable, "-c", code],
+        cwd=ROOT,
+        env=os.environ | environment,
+        capture_output=True,
+        text=True,
+        check=True,
+    )
+    return float(done.stdout.split()[-1])
+
+
+def angles(n=64, K=360, rounds=12):
+    """What theta2 and theta4 add to a plan, and the arc tangent alone."""
+    x, facts = designs(n), []
+    for case in ("rates", "reactions"):
+        with_angles = engine.bind(case, x, K, further=("theta2", "theta4"))
+        best = race({"without": engine.bind(case, x, K), "with": with_angles}, rounds)
+        facts.append((f"{case} with theta2, theta4 / without", best["with"] / best["without"], "", "<= 2.3"))
+
+    @numba.njit(**KERNEL_OPTIONS)
+    def ours(y, x, out):
+        for i in range(out.size):
+            out[i] = atan2(y[i], x[i])
+
+    y, x, out = (empty((4096,)) for _ in range(3))
+    y[:], x[:] = np.random.default_rng(0).normal(size=(2, 4096))
+    calls = {"ours": lambda: ours(y, x, out), "NumPy": lambda: np.arctan2(y, x, out=out)}
+    best = {name: 1e9 * t / y.size for name, t in race(calls, rounds).items()}
+    facts.append(("atan2", best["ours"], "ns", ""))
+    facts.append(("np.arctan2", best["NumPy"], "ns", ""))
+    return facts
+
+
+def system(n=16, K=360, count=100):
+    """The stacked 9x9 with its assembly, and its error."""
+    x, tables = designs(n), angle_tables(K)
+    best = race(
+        {"ours": engine.bind("reactions", x, K), "9x9": lambda: dense_baseline.reactions(x, tables)}, 6
+    )
+    error = errors.worst(
+        "reactions", lambda x, K: dense_baseline.reactions(x, angle_tables(K)), K=K, count=count
+    )
+    return [
+        ("9x9 assembled and solved by NumPy / nine reactions", best["9x9"] / best["ours"], "times", ""),
+        ("max error of np.linalg.solve", error, "roundings", ""),
+    ]
+
+
+def compilation(cases=CASES):
+    """The first use of each plan, and its first use in a second process."""
+    facts = []
+    for case in cases:
+        with tempfile.TemporaryDirectory() as folder:
+            first, second = (python(COMPILED.format(case), FASTLINK_CACHE_DIR=folder) for _ in range(2))
+        facts.append((f"compile {case}, first time", first, "s", "< 3"))
+        facts.append((f"load {case} in a second process", second, "s", ""))
+    return facts
+
+
+def start(repeats=5):
+    """Imports in fresh processes, in turns; the shortest of each."""
+    codes = {
+        "libraries": TIMED.format(LIBRARIES),
+        "import fastlink": TIMED.format("import fastlink"),
+        "import fastlink; fastlink.sweep": TIMED.format("import fastlink; fastlink.sweep"),
+    }
+    best = dict.fromkeys(codes, np.inf)
+    help_time = np.inf
+    for _ in range(repeats):
+        best = {name: min(best[name], python(code)) for name, code in codes.items()}
+        begun = time.perf_counter()
+        main = "from fastlink.cli import main; main()"
+        subprocess.run([sys.executable, "-c", main, "--help"], check=True, capture_output=True)
+        help_time = min(help_time, time.perf_counter() - begun)
+    libraries = best.pop("libraries")
+    facts = [(LIBRARIES, libraries, "s", "")]
+    for name, seconds in best.items():
+        facts += [(name, seconds, "s", ""), (f"{name} / the libraries", seconds / libraries, "", "<= 1.3")]
+    return [*facts, ("fastlink --help, whole process", help_time, "s", "")]

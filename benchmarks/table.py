@@ -1,0 +1,101 @@
+"""The table of speed and error: one row for each case, every ratio of two things timed in turns."""
+
+import os
+import shutil
+from functools import partial
+
+import numpy as np
+
+from benchmarks import c_kernel, dense_baseline, engine, errors, jax_baseline, numpy_baseline
+from benchmarks.inputs import CASES, angle_tables, designs, outputs, race
+
+COLUMNS = ("case", "ns", "to_C", "NumPy", "JAX", "threads", "error")
+
+
+def has_compiler():
+    return shutil.which(os.environ.get("CC", "gcc")) is not None
+
+
+def case_row(case, n, K, rounds, seconds, repeats):
+    """Return the row of a case without JAX; times are ns per configuration, one thread."""
+    x, tables = designs(n), angle_tables(K)
+    calls = {"ours": engine.bind(case, x, K)}
+    if has_compiler():
+        calls["C"], _ = c_kernel.bind(case, x, tables)
+    calls["NumPy"] = partial(numpy_baseline.evaluate, case, x, tables, outputs(case, n, K))
+    best = race(calls, rounds)
+    one, two, count = engine.threads(case, seconds, repeats, K)
+    return {
+        "case": case,
+        "ns": 1e9 * best["ours"] / (2 * n * K),
+        "to_C": best["ours"] / best["C"] if "C" in best else None,
+        "NumPy": best["NumPy"] / best["ours"],
+        "JAX": None,
+        "threads": one / two,
+        "error": None,
+        "run_ns": 1e9 * one / count,
+    }
+
+
+def error_of(case, K, count, **options):
+    return errors.worst(case, lambda x, K: engine.bind(case, x, K, **options).arrays, K=K, count=count)
+
+
+def dense_rows(n, K, rounds, count):
+    """Return the rows of the nine reactions against the stacked 9x9, eliminated and by our own LU."""
+    x, tables = designs(n), angle_tables(K)
+    system = dense_baseline.system(x, tables)
+    calls = {
+        "eliminated": engine.bind("reactions", x, K),
+        "dense": engine.bind("reactions", x, K, alternatives=engine.DENSE),
+        "solve": partial(dense_baseline.reactions, x, tables, system),
+    }
+    best = race(calls, rounds)
+    empty = dict.fromkeys(COLUMNS)
+    rows = []
+    for label, name, options in (
+        ("reactions against np.linalg.solve", "eliminated", {}),
+        ('solver="dense" against np.linalg.solve', "dense", {"alternatives": engine.DENSE}),
+    ):
+        numbers = {"ns": 1e9 * best[name] / (2 * n * K), "NumPy": best["solve"] / best[name]}
+        rows.append(empty | {"case": label} | numbers | {"error": error_of("reactions", K, count, **options)})
+    return rows
+
+
+def add_jax(rows, n, K, turns=2):
+    """Put in how many times as long JAX takes: a fresh process each time, in turns with ours."""
+    kernels = {
+        row["case"]: engine.bind(row["case"], designs(n), K) for row in rows if row["case"] in JAX_CASES
+    }
+    ours, theirs = dict.fromkeys(kernels, np.inf), dict.fromkeys(kernels, np.inf)
+    for _ in range(turns):
+        for wide in (True, False):
+            found = jax_baseline.times(one_thread=True, wide=wide)
+            if found is None:
+                return
+            best = race(kernels, rounds=4)
+            for case in kernels:
+                theirs[case] = min(theirs[case], found[case])
+                ours[case] = min(ours[case], 1e9 * best[case] / (2 * n * K))
+    for row in rows:
+        if row["case"] in kernels:
+            row["JAX"] = theirs[row["case"]] / ours[row["case"]]
+
+
+JAX_CASES = ("rates", "reactions")
+
+
+def measure(quick=False, log=lambda text: None):
+    """Return the rows of the table; quick: small sizes, no JAX."""
+    n, K, rounds, seconds, repeats, count = (8, 64, 1, 0.01, 1, 3) if quick else (64, 360, 12, 1.2, 3, 100)
+    rows = []
+    for case in CASES:
+        log(case)
+        rows.append(case_row(case, n, K, rounds, seconds, repeats))
+        rows[-1]["error"] = error_of(case, K, count)
+    log("np.linalg.solve")
+    rows += dense_rows(2 if quick else 16, K, rounds, count)
+    if not quick:
+        log("JAX")
+        add_jax(rows, n, K)
+    return rows
