@@ -1,12 +1,11 @@
-"""``python -m benchmarks.agree``: agreement and speed of C, NumPy, the dense solve, JAX, and the paper."""
+"""``python -m benchmarks.agree``: agreement of fastlink, C, NumPy, the dense solve, JAX, and the paper."""
 
 import importlib.util
-from functools import partial
 
 import numpy as np
 
-from benchmarks import c_kernel, dense_baseline, jax_baseline, numpy_baseline
-from benchmarks.inputs import CASES, angle_tables, best_time, designs, outputs, round_bars
+from benchmarks import c_kernel, dense_baseline, engine, jax_baseline, numpy_baseline
+from benchmarks.inputs import CASES, angle_tables, designs, round_bars
 
 TABLE_1 = ([0.4], [1.2], [0.8], [1.0])
 #: Hayes, Hninn, Irani, Table 2 (one misprint corrected), branch 2: quantity, theta1, value there; and the
@@ -31,53 +30,34 @@ def difference(ours, reference):
     return float(worst)
 
 
+def reference(case, x, theta1):
+    return engine.bind(case, x, theta1).arrays
+
+
 def agree(n=100, K=90):
-    """Return the largest relative differences by (case, baseline): from C, and of C from the paper."""
+    """Return the largest relative differences by (case, baseline): from fastlink, and of fastlink from the paper."""
     x, tables = designs(n), angle_tables(K)
-    c = {case: c_kernel.evaluate(case, x, tables) for case in CASES}
-    found = {(case, "NumPy"): difference(numpy_baseline.evaluate(case, x, tables), c[case]) for case in CASES}
-    found["reactions", "9x9"] = difference(dense_baseline.reactions(x, tables), c["reactions"])
+    ours = {case: reference(case, x, K) for case in CASES}
+    others = [(case, "NumPy", numpy_baseline.evaluate) for case in CASES]
+    if c_kernel.available():
+        others += [(case, "C", c_kernel.evaluate) for case in CASES]
     if importlib.util.find_spec("jax"):
-        for case in ("rates", "reactions"):
-            found[case, "JAX"] = difference(jax_baseline.evaluate(case, x, tables), c[case])
-    hayes = round_bars(TABLE_1)
-    tables = angle_tables([theta1 for _, theta1, _ in TABLE_2])
-    at = {case: dict(zip(CASES[case], c_kernel.evaluate(case, hayes, tables), strict=True)) for case in CASES}
-    force = at["reactions"]
-    curves = {
-        **at["rates"],
-        "shaking force": np.hypot(force["F41_x"] + force["F43_x"], force["F41_y"] + force["F43_y"]),
+        others += [(case, "JAX", jax_baseline.evaluate) for case in ("rates", "reactions")]
+    found = {
+        (case, name): difference(evaluate(case, x, tables), ours[case]) for case, name, evaluate in others
     }
+    found["reactions", "9x9"] = difference(dense_baseline.reactions(x, tables), ours["reactions"])
+    hayes, theta1 = round_bars(TABLE_1), [theta1 for _, theta1, _ in TABLE_2]
+    curves = {}
+    for case in ("rates", "reactions"):
+        curves |= dict(zip(CASES[case], reference(case, hayes, theta1), strict=True))
+    force = [curves[f"F41_{axis}"] + curves[f"F43_{axis}"] for axis in "xy"]
+    curves["shaking force"] = np.hypot(*force)
     for k, (name, theta1, value) in enumerate(TABLE_2):
         found[f"{name} at {theta1}", "paper"] = abs(curves[name][0, 1, k] / value - 1)
-    return found
-
-
-def times(n=64, K=360):
-    """Return ns per configuration by (case, baseline), one thread unless the name says otherwise."""
-    x, tables = designs(n), angle_tables(K)
-    found = {}
-    for case in CASES:
-        call, _ = c_kernel.bind(case, x, tables)
-        found[case, "C"] = best_time(call)
-        run = partial(numpy_baseline.evaluate, case, x, tables, outputs(case, n, K))
-        found[case, "NumPy"] = best_time(run)
-    few = designs(n // 4)
-    system = dense_baseline.system(few, tables)
-    found["reactions", "9x9"] = 4 * best_time(partial(dense_baseline.reactions, few, tables, system))
-    found["reactions", "9x9 assembled"] = 4 * best_time(partial(dense_baseline.reactions, few, tables))
-    found = {key: 1e9 * t / (2 * n * K) for key, t in found.items()}
-    for name, options in (
-        ("JAX", {"one_thread": True}),
-        ("JAX, 256 bits", {"one_thread": True, "wide": False}),
-        ("JAX, all threads", {"one_thread": False}),
-    ):
-        found |= {(case, name): t for case, t in (jax_baseline.times(**options) or {}).items()}
     return found
 
 
 if __name__ == "__main__":
     for key, value in agree().items():
         print("{:28}{:20}".format(*key), f"{value:9.1e}")
-    for key, value in times().items():
-        print("{:28}{:20}".format(*key), f"{value:9.3f} ns")

@@ -18,17 +18,25 @@ FLAGS = ("-O3", "-march=native", "-ffp-contract=off", "-fno-math-errno", "-fno-t
 ADDRESS = ctypes.POINTER(ctypes.c_double)
 
 
+def compiler():
+    """Return the C compiler's path, or None."""
+    return shutil.which(os.environ.get("CC", "gcc"))
+
+
+def available():
+    return compiler() is not None
+
+
 @functools.cache
 def library():
     """Return the compiled and loaded ``kernels.c``."""
-    compiler = shutil.which(os.environ.get("CC", "gcc"))
-    if compiler is None:
+    if not available():
         raise RuntimeError("the C limit kernels need gcc: install it, or name another C compiler in CC")
     source = Path(__file__).with_name("kernels.c")
     width = ["-mprefer-vector-width=512"] if platform.machine().lower() in ("x86_64", "amd64") else []
     with tempfile.TemporaryDirectory() as folder:
         target = Path(folder, "kernels.so")
-        command = [compiler, *FLAGS, *width, "-std=c11", "-fPIC", "-shared", source, "-o", target, "-lm"]
+        command = [compiler(), *FLAGS, *width, "-std=c11", "-fPIC", "-shared", source, "-o", target, "-lm"]
         subprocess.run(command, check=True)
         return ctypes.CDLL(str(target))  # stays loaded when the file goes
 

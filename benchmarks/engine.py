@@ -13,8 +13,9 @@ from fastlink.run import Job, pad_angles, run
 DENSE = ("dense",)
 
 
-def angles(K):
-    return np.arange(K) * (2 * np.pi / K)
+def angles(theta1):
+    """Return the input angles: so many equally spaced ones, or those given."""
+    return np.arange(theta1) * (2 * np.pi / theta1) if np.ndim(theta1) == 0 else np.asarray(theta1)
 
 
 def plan_of(case, K=360, *, further=(), alternatives=()):
@@ -42,17 +43,19 @@ class Bound:
     arrays: list
 
     def __call__(self):
+        """Evaluate."""
         self.plan.kernel(*self.arguments)
 
 
-def bind(case, x, K, **options):
-    """Return the kernel of a case bound to designs and K equally spaced angles; compiles it."""
+def bind(case, x, theta1, **options):
+    """Return the kernel of a case bound to designs and angles; compiles it."""
+    theta = angles(theta1)
+    n, K = x.shape[1], theta.size
     plan = plan_of(case, K, **options)
-    n = x.shape[1]
     scratch = [empty((size,)) for size in plan.scratch]
     per_design = shapes(plan, K)
     whole = empty((len(plan.outputs), n, *per_design[0]))  # as the C kernel has it
-    tables = aligned_copy(pad_angles(plan.angle_tables(angles(K)), plan.tile))
+    tables = aligned_copy(pad_angles(plan.angle_tables(theta), plan.tile))
     bound = Bound(plan, (rows_of(plan, x), tables, n, K, *scratch, *whole), list(whole))
     bound()
     return bound

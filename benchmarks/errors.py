@@ -48,9 +48,13 @@ def configurations(case, arrays, x, K, count):
         branch = rng.integers(2)
         if case != "extremes":
             closed = np.flatnonzero(np.isfinite(arrays[-1][i, branch]))
+            if closed.size == 0:
+                continue
             k = rng.choice(closed)
             values = {name: a[i, branch, k] for name, a in zip(CASES[case], arrays, strict=True)}
             yield i, branch, k, values
+            continue
+        if np.isnan(arrays[0][i, branch]):
             continue
         one = x[:, i : i + 1]
         curves = {}

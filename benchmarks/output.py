@@ -14,6 +14,7 @@ from benchmarks.facts import python
 CURVES = ("B_x", "B_y", "omega4", "alpha4")
 EXTREMES = ("omega4_max", "omega4_min", "alpha4_max", "alpha4_min", "T41_max", "F32_x_max")
 RAW_BLOCK = 4 << 20
+NEED = 6_000_000_000  # two files of 2 GB, and room to spare
 PEAK = (
     "from benchmarks import output; output.{call}; "
     "import resource; status = '/proc/self/status'; import os; "
@@ -110,11 +111,10 @@ def memory(folder, curves_side=295, map_side=126):
 
 def measure(folder=None, log=lambda text: None):
     """Return the facts about output; in a folder of its own, which is removed."""
-    need = 3 * 2_010_000_000
     with tempfile.TemporaryDirectory(dir=folder or Path.cwd(), prefix="fastlink-benchmark-") as place:
         free = shutil.disk_usage(place).free
-        if free < need:
-            log(f"output skipped: {place} has {free / 1e9:.1f} GB free, {need / 1e9:.1f} GB are needed")
+        if free < NEED:
+            log(f"output skipped: {place} has {free / 1e9:.1f} GB free, {NEED / 1e9:.1f} GB are needed")
             return []
         facts = []
         for part in (disk, map_overhead, memory):

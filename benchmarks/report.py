@@ -4,11 +4,12 @@ import json
 import os
 import platform
 import re
-import shutil
 import subprocess
 from datetime import date
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
+
+from benchmarks import c_kernel
 
 ROOT = Path(__file__).parents[1]
 FOLDER = ROOT / "data" / "benchmarks"
@@ -48,7 +49,7 @@ def _processor():
 
 def machine():
     """Return what the numbers depend on."""
-    compiler = shutil.which(os.environ.get("CC", "gcc"))
+    compiler = c_kernel.compiler()
     if compiler is not None:
         done = subprocess.run([compiler, "-dumpfullversion"], capture_output=True, text=True, check=False)
         compiler = done.stdout.strip() or None
@@ -106,7 +107,7 @@ def text_of(rows, about):
 
 def in_readme():
     """Return what the README has between the markers, or None without markers."""
-    found = re.search(f"{re.escape(BEGIN)}\n(.*)\n{re.escape(END)}", README.read_text(), re.S)
+    found = re.search(f"{re.escape(BEGIN)}\n(.*){re.escape(END)}", README.read_text(), re.S)
     return found.group(1).strip() if found else None
 
 

@@ -52,6 +52,17 @@ def test_a_circle_is_rejected(catalogue):
         catalogue.check()
 
 
+def test_one_law_serves_several_quantities(catalogue):
+    def double(x):
+        """Twice a number."""
+        return 2.0 * x
+
+    for name, of in (("b", "a"), ("c", "b")):
+        catalogue.quantity(**LABELS, name=name, meaning=f"twice {of}", given={"x": of})(double)
+    assert catalogue.facts["c"].needs == ("b",)
+    assert read_facts(catalogue, ["c"], {"a": 3.0})["c"] == 12.0
+
+
 def test_an_undeclared_need_is_rejected(catalogue):
     declare(catalogue, "b", ["z"])
     with pytest.raises(CatalogueError, match="b depends on z, which is not declared"):

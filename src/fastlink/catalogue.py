@@ -15,7 +15,7 @@ from typing import Any, Literal, TypeVar
 
 from fastlink.errors import InputError, suggest
 
-__all__ = ["Catalogue", "CatalogueError", "Fact", "Input", "System"]
+__all__ = ["Catalogue", "CatalogueError", "Fact", "Input", "System", "parameters"]
 
 Rule = Literal["positive", "non-negative", "any"]
 F = TypeVar("F", bound=Callable[..., Any])
@@ -61,7 +61,8 @@ class System:
     needs: tuple[str, ...]
 
 
-def _needs(function: Callable[..., Any]) -> tuple[str, ...]:
+def parameters(function: Callable[..., Any]) -> tuple[str, ...]:
+    """Return the names of a function's parameters."""
     return tuple(inspect.signature(function).parameters)
 
 
@@ -121,6 +122,9 @@ class Catalogue:
         internal: bool = False,
         flags: Mapping[int, str] | None = None,
         alternative: str | None = None,
+        name: str | None = None,
+        meaning: str | None = None,
+        given: Mapping[str, str] | None = None,
     ) -> Callable[[F], F]:
         """Declare a fact.
 
@@ -134,10 +138,16 @@ class Catalogue:
             For a quantity that is a code: the CF flag meanings of its values.
         alternative : str, optional
             The name of the set of facts it belongs to, which replaces or adds facts when asked for.
+        name, meaning : str, optional
+            Instead of the function's name and the first line of its docstring: where one law holds for
+            several links, it is written once and declared for each.
+        given : mapping of str to str, optional
+            With them: what stands for the law's parameters.
         """
 
         def declare(function: F) -> F:
-            fact = self._fact(function, units, symbol, source, internal, flags)
+            labels = (units, symbol, source, internal, flags)
+            fact = self._fact(function, *labels, name, meaning, given or {})
             self._check_new(fact.name, alternative)
             if alternative is None:
                 self.facts[fact.name] = fact
@@ -172,7 +182,7 @@ class Catalogue:
         """Declare a linear system that determines `unknowns`, as part of a named set of facts."""
 
         def declare(function: F) -> F:
-            declared = System(name, tuple(unknowns), function, _needs(function))
+            declared = System(name, tuple(unknowns), function, parameters(function))
             for unknown in unknowns:
                 self._check_new(unknown, alternative)
                 self.alternatives.setdefault(alternative, {})[unknown] = declared
@@ -188,15 +198,17 @@ class Catalogue:
         source: str,
         internal: bool,
         flags: Mapping[int, str] | None,
+        name: str | None = None,
+        meaning: str | None = None,
+        given: Mapping[str, str] | None = None,
     ) -> Fact:
-        name = function.__name__
-        meaning = (function.__doc__ or "").strip().split("\n", 1)[0].rstrip(".")
+        name = name or function.__name__
+        meaning = meaning or (function.__doc__ or "").strip().split("\n", 1)[0].rstrip(".")
         for what, value in (("units", units), ("symbol", symbol), ("source", source), ("meaning", meaning)):
             if not value:
                 raise CatalogueError(f"{self.name}: fact {name} has no {what}")
-        return Fact(
-            name, function, _needs(function), units, symbol, meaning, source, internal, dict(flags or {})
-        )
+        needs = tuple((given or {}).get(parameter, parameter) for parameter in parameters(function))
+        return Fact(name, function, needs, units, symbol, meaning, source, internal, dict(flags or {}))
 
     def _check_new(self, name: str, alternative: str | None) -> None:
         if alternative is None:

@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING
 
-from fastlink.catalogue import Fact, System
+from fastlink.catalogue import Fact, System, parameters
 from fastlink.kernels.emit import Text, paste_fact, paste_system
 from fastlink.kernels.layout import LANES, KernelLayout, Step, names_of
 
@@ -73,7 +73,8 @@ class _Writer(KernelLayout):
             groups += [(own, f"__{branch}", k) for k, branch in enumerate(self.plan.branches)]
         for group, suffix, k in groups:
             for step in group:
-                values = {need: self.copy_for(need, k) for need in step.needs}
+                copies = (self.copy_for(need, k) for need in step.needs)
+                values = dict(zip(parameters(step.function), copies, strict=True))
                 if isinstance(step, System):
                     self.paste_entries(step, values, suffix, k)
                 else:

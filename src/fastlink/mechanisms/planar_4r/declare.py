@@ -7,6 +7,10 @@ from fastlink.catalogue import Catalogue, Input
 HAYES = "Hayes, Hninn, Irani"
 NUMERICS = "docs/numerics.md"
 
+#: The moving links by number.
+LINKS = {1: "crank OA", 2: "coupler AB", 3: "output link DB"}
+LINK_FRAMES = {1: "from O along OA", 2: "from A along AB", 3: "from D along DB"}
+
 planar_4r = Catalogue(
     "planar_4r",
     "Euclidean planar four-bar linkage with four revolute joints, driven at O",
@@ -32,11 +36,7 @@ planar_4r.input(
 for _axis, _where in (("u", "along AB from A"), ("v", "to the left of AB")):
     planar_4r.input(f"P_{_axis}", units="m", symbol=f"P_{_axis}", meaning=f"coupler point, {_where}")
 
-for _i, _link, _frame in (
-    (1, "crank OA", "from O along OA"),
-    (2, "coupler AB", "from A along AB"),
-    (3, "output link DB", "from D along DB"),
-):
+for _i, _link in LINKS.items():
     planar_4r.input(
         f"m{_i}", units="kg", symbol=f"m_{_i}", meaning=f"mass of the {_link}", rule="non-negative"
     )
@@ -47,7 +47,9 @@ for _i, _link, _frame in (
         meaning=f"moment of inertia of the {_link} about its mass centre",
         rule="non-negative",
     )
-    planar_4r.input(f"G{_i}_u", units="m", symbol=f"G_{_i}u", meaning=f"mass centre of the {_link}, {_frame}")
+    planar_4r.input(
+        f"G{_i}_u", units="m", symbol=f"G_{_i}u", meaning=f"mass centre of the {_link}, {LINK_FRAMES[_i]}"
+    )
     planar_4r.input(
         f"G{_i}_v",
         units="m",

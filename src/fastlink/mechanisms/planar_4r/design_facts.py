@@ -10,7 +10,7 @@ from typing import Any
 
 from fastlink.geometry import UNIT_ROUNDING, gap, gap_product_quotient, largest, power_of_two_below
 from fastlink.jit import INFINITY, NOT_A_NUMBER, select
-from fastlink.mechanisms.planar_4r.declare import HAYES, NUMERICS, planar_4r
+from fastlink.mechanisms.planar_4r.declare import HAYES, LINKS, NUMERICS, planar_4r
 
 IO_FACTORS = f"{HAYES}, eq. (1)"
 # Powers of two: beyond SMALL and LARGE the products of lengths need a lift.
@@ -46,28 +46,21 @@ def unit(a1: Any, a2: Any, a3: Any, a4: Any, lift: Any) -> Any:
     return power_of_two_below(largest(a1, a2, a3, a4) * lift)
 
 
-@planar_4r.quantity(units="1", symbol="s_1", source=f"{NUMERICS}#scaling", internal=True)
-def s1(a1: Any, lift: Any, unit: Any) -> Any:
-    """Scaled length of the crank."""
-    return a1 * lift / unit
+def scaled(length: Any, lift: Any, unit: Any) -> Any:
+    """Length over the power of two near the longest."""
+    return length * lift / unit
 
 
-@planar_4r.quantity(units="1", symbol="s_2", source=f"{NUMERICS}#scaling", internal=True)
-def s2(a2: Any, lift: Any, unit: Any) -> Any:
-    """Scaled length of the coupler."""
-    return a2 * lift / unit
-
-
-@planar_4r.quantity(units="1", symbol="s_3", source=f"{NUMERICS}#scaling", internal=True)
-def s3(a3: Any, lift: Any, unit: Any) -> Any:
-    """Scaled length of the output link."""
-    return a3 * lift / unit
-
-
-@planar_4r.quantity(units="1", symbol="s_4", source=f"{NUMERICS}#scaling", internal=True)
-def s4(a4: Any, lift: Any, unit: Any) -> Any:
-    """Scaled length of the ground link."""
-    return a4 * lift / unit
+for _i, _link in (LINKS | {4: "ground link OD"}).items():
+    planar_4r.quantity(
+        units="1",
+        symbol=f"s_{_i}",
+        source=f"{NUMERICS}#scaling",
+        internal=True,
+        name=f"s{_i}",
+        meaning=f"scaled length of the {_link}",
+        given={"length": f"a{_i}"},
+    )(scaled)
 
 
 @planar_4r.quantity(units="1", symbol="u P", source=f"{NUMERICS}#status", internal=True)
@@ -78,7 +71,7 @@ def gap_rounding(s1: Any, s2: Any, s3: Any, s4: Any) -> Any:
 
 @planar_4r.quantity(units="1", symbol="Z_0", source=f"{NUMERICS}#toggles", internal=True)
 def Z0(s1: Any, s2: Any, s3: Any, s4: Any, gap_rounding: Any, valid: Any) -> Any:
-    """Squared half-angle sine at the inner toggle, -A1 B1/(4 a1 a4); negative if there is none, 0 at a change point."""
+    """Squared half-angle sine at the inner toggle, -A1 B1/(4 a1 a4); negative if none."""
     A1, A1_low = gap(s1, -s2, s3, -s4)
     B1, B1_low = gap(-s1, -s2, s3, s4)
     high, _low = gap_product_quotient(A1, A1_low, B1, B1_low, s1, s4)
@@ -96,7 +89,7 @@ def Z0_low(s1: Any, s2: Any, s3: Any, s4: Any, gap_rounding: Any) -> Any:
 
 @planar_4r.quantity(units="1", symbol="C_0", source=f"{NUMERICS}#toggles", internal=True)
 def C0(s1: Any, s2: Any, s3: Any, s4: Any, gap_rounding: Any, valid: Any) -> Any:
-    """Squared half-angle cosine at the outer toggle, C1 D1/(4 a1 a4); negative if there is none, 0 at a change point."""
+    """Squared half-angle cosine at the outer toggle, C1 D1/(4 a1 a4); negative if none."""
     C1, C1_low = gap(s1, -s2, -s3, s4)
     D1, D1_low = gap(s1, s2, s3, s4)
     high, _low = gap_product_quotient(C1, C1_low, D1, D1_low, s1, s4)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from fastlink.mechanisms.planar_4r.declare import HAYES, planar_4r
+from fastlink.mechanisms.planar_4r.declare import HAYES, LINKS, planar_4r
 
 ROUND_BAR = "round_bar"
 SOURCE = f"{HAYES}, Table 1"
@@ -39,73 +39,46 @@ def bar_section(radius: Any) -> Any:
     return 0.25 * (radius * radius)
 
 
-@planar_4r.quantity(units="kg", symbol="m_1", source=SOURCE, alternative=ROUND_BAR)
-def m1(a1: Any, bar_mass_per_length: Any) -> Any:
-    """Mass of the crank, a solid cylinder."""
-    return bar_mass_per_length * a1
+def bar_mass(length: Any, bar_mass_per_length: Any) -> Any:
+    """Mass of a solid cylinder."""
+    return bar_mass_per_length * length
 
 
-@planar_4r.quantity(units="kg m2", symbol="I_1", source=SOURCE, alternative=ROUND_BAR)
-def I1(m1: Any, a1: Any, bar_section: Any) -> Any:
-    """Moment of inertia of the crank, a solid cylinder, about its mass centre."""
-    return m1 * (a1 * a1 / 12.0 + bar_section)
+def bar_inertia(mass: Any, length: Any, bar_section: Any) -> Any:
+    """Moment of inertia of a solid cylinder about a transverse axis through its centre."""
+    return mass * (length * length / 12.0 + bar_section)
 
 
-@planar_4r.quantity(units="m", symbol="G_1u", source=SOURCE, alternative=ROUND_BAR)
-def G1_u(a1: Any) -> Any:
-    """Mass centre of the crank at mid-length."""
-    return 0.5 * a1
+def mid_length(length: Any) -> Any:
+    """Half the length."""
+    return 0.5 * length
 
 
-@planar_4r.quantity(units="m", symbol="G_1v", source=SOURCE, alternative=ROUND_BAR)
-def G1_v(a1: Any) -> Any:
-    """Mass centre of the crank on its axis."""
-    return 0.0 * a1
+def on_axis(length: Any) -> Any:
+    """Zero, in the length's unit and reading."""
+    return 0.0 * length
 
 
-@planar_4r.quantity(units="kg", symbol="m_2", source=SOURCE, alternative=ROUND_BAR)
-def m2(a2: Any, bar_mass_per_length: Any) -> Any:
-    """Mass of the coupler, a solid cylinder."""
-    return bar_mass_per_length * a2
-
-
-@planar_4r.quantity(units="kg m2", symbol="I_2", source=SOURCE, alternative=ROUND_BAR)
-def I2(m2: Any, a2: Any, bar_section: Any) -> Any:
-    """Moment of inertia of the coupler, a solid cylinder, about its mass centre."""
-    return m2 * (a2 * a2 / 12.0 + bar_section)
-
-
-@planar_4r.quantity(units="m", symbol="G_2u", source=SOURCE, alternative=ROUND_BAR)
-def G2_u(a2: Any) -> Any:
-    """Mass centre of the coupler at mid-length."""
-    return 0.5 * a2
-
-
-@planar_4r.quantity(units="m", symbol="G_2v", source=SOURCE, alternative=ROUND_BAR)
-def G2_v(a2: Any) -> Any:
-    """Mass centre of the coupler on its axis."""
-    return 0.0 * a2
-
-
-@planar_4r.quantity(units="kg", symbol="m_3", source=SOURCE, alternative=ROUND_BAR)
-def m3(a3: Any, bar_mass_per_length: Any) -> Any:
-    """Mass of the output link, a solid cylinder."""
-    return bar_mass_per_length * a3
-
-
-@planar_4r.quantity(units="kg m2", symbol="I_3", source=SOURCE, alternative=ROUND_BAR)
-def I3(m3: Any, a3: Any, bar_section: Any) -> Any:
-    """Moment of inertia of the output link, a solid cylinder, about its mass centre."""
-    return m3 * (a3 * a3 / 12.0 + bar_section)
-
-
-@planar_4r.quantity(units="m", symbol="G_3u", source=SOURCE, alternative=ROUND_BAR)
-def G3_u(a3: Any) -> Any:
-    """Mass centre of the output link at mid-length."""
-    return 0.5 * a3
-
-
-@planar_4r.quantity(units="m", symbol="G_3v", source=SOURCE, alternative=ROUND_BAR)
-def G3_v(a3: Any) -> Any:
-    """Mass centre of the output link on its axis."""
-    return 0.0 * a3
+for _i, _link in LINKS.items():
+    for _name, _units, _symbol, _meaning, _law, _given in (
+        (f"m{_i}", "kg", f"m_{_i}", f"mass of the {_link}", bar_mass, {}),
+        (
+            f"I{_i}",
+            "kg m2",
+            f"I_{_i}",
+            f"moment of inertia of the {_link} about its centre",
+            bar_inertia,
+            {"mass": f"m{_i}"},
+        ),
+        (f"G{_i}_u", "m", f"G_{_i}u", f"mass centre of the {_link} at mid-length", mid_length, {}),
+        (f"G{_i}_v", "m", f"G_{_i}v", f"mass centre of the {_link} on its axis", on_axis, {}),
+    ):
+        planar_4r.quantity(
+            units=_units,
+            symbol=_symbol,
+            source=SOURCE,
+            alternative=ROUND_BAR,
+            name=_name,
+            meaning=_meaning,
+            given={"length": f"a{_i}"} | _given,
+        )(_law)
