@@ -14,7 +14,7 @@ SOURCE = ROOT / "src" / "fastlink"
 
 #: A file imports only from files above it.
 LAYERS = [
-    *("errors", "jit", "catalogue", "geometry", "mechanisms", "cycle", "kernels", "tables", "plan"),
+    *("errors", "jit", "catalogue", "geometry", "mechanisms", "cycle", "closure", "kernels", "tables", "plan"),
     *("space", "table", "design", "links", "request", "reading", "run"),
     *("label", "target", "layout", "store", "sweep"),
     *("listing", "summary", "study_schema", "study_design", "study"),

@@ -8,11 +8,11 @@ straight-line loop over lanes (see `fastlink.kernels`), to be read with ``plan.s
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Any
 
-from fastlink.catalogue import Catalogue, Fact, System
+from fastlink.catalogue import Catalogue, System
+from fastlink.closure import Closure, Lanes, Output
 from fastlink.cycle import Request, parse_request
 from fastlink.errors import InputError
 from fastlink.kernels import load_kernel, scratch_sizes, write_kernel
@@ -23,80 +23,14 @@ if TYPE_CHECKING:
 
 __all__ = ["Output", "Plan", "make_plan"]
 
-Lanes = Literal["designs", "angles"]
 # Fewer angles than this leave vector lanes idle when lanes are angles.
 ANGLES_FOR_LANES = 32
 # Tiles are whole vectors long, and fit their curves into the first-level cache.
 TILES = range(64, 129, 8)
 
 
-@dataclass(frozen=True)
-class Output:
-    """One result of a kernel: the request and the axes it has besides the design."""
-
-    request: Request
-    axes: tuple[str, ...]
-    dtype: str
-
-    @property
-    def name(self) -> str:
-        """Name of the result."""
-        return self.request.name
-
-
-@dataclass(frozen=True)
-class Plan:
-    """What is computed for a set of names, and the text of the kernel that does it.
-
-    Attributes
-    ----------
-    catalogue : Catalogue
-        The mechanism.
-    outputs : tuple of Output
-        The results, in the order asked.
-    steps : tuple of Fact or System
-        The closure: everything computed, in order.
-    inputs : tuple of str
-        The inputs that the closure reads, the rows of the kernel's design array.
-    tables : tuple of str
-        The functions of the input position that it reads, the rows of the kernel's angle array.
-    branches : tuple of int
-        The assembly modes.
-    lanes : {"designs", "angles"}
-        What stands side by side in the vector lanes.
-    alternatives : tuple of str
-        The chosen sets of facts.
-    tile : int
-        Angles side by side where lanes are angles; the angle array is padded to a multiple of it.
-    """
-
-    catalogue: Catalogue
-    outputs: tuple[Output, ...]
-    steps: tuple[Fact | System, ...]
-    inputs: tuple[str, ...]
-    tables: tuple[str, ...]
-    branches: tuple[int, ...]
-    lanes: Lanes
-    alternatives: tuple[str, ...]
-    tile: int
-
-    @cached_property
-    def axes(self) -> dict[str, frozenset[str]]:
-        """The axes on which each value of the closure depends."""
-        position = self.catalogue.position.name
-        axes = {name: frozenset({"design"}) for name in self.inputs}
-        axes |= {name: frozenset({position}) for name in self.tables}
-        axes["branch"] = frozenset({"branch"})
-        for step in self.steps:
-            joint = frozenset[str]().union(*(axes[need] for need in step.needs))
-            for name in step.unknowns if isinstance(step, System) else (step.name,):
-                axes[name] = joint
-        return axes
-
-    @property
-    def uses_position(self) -> bool:
-        """Whether anything depends on the input position; a map of design facts touches none."""
-        return bool(self.tables)
+class Plan(Closure):
+    """A closure with its kernel: the text, and the machine code."""
 
     @cached_property
     def source(self) -> str:
@@ -106,7 +40,7 @@ class Plan:
     @cached_property
     def kernel(self) -> Any:
         """The compiled kernel (compiled, or loaded from the cache, on first use)."""
-        return load_kernel(self)
+        return load_kernel(self, self.source)
 
     @cached_property
     def scratch(self) -> tuple[int, int]:

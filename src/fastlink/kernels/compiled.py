@@ -26,7 +26,7 @@ from fastlink.jit import compile_kernel
 if TYPE_CHECKING:
     from types import ModuleType
 
-    from fastlink.plan import Plan
+    from fastlink.closure import Closure
 
 __all__ = ["cache_folder", "load_kernel"]
 
@@ -88,7 +88,7 @@ def _load_module(text: str) -> ModuleType:
     return module
 
 
-def signature(plan: Plan) -> tuple[Any, ...]:
+def signature(plan: Closure) -> tuple[Any, ...]:
     """Return numba's types of the kernel's arguments."""
     vector, matrix = types.float64[::1], types.float64[:, ::1]
     outputs = []
@@ -98,10 +98,10 @@ def signature(plan: Plan) -> tuple[Any, ...]:
     return (matrix, matrix, types.int64, types.int64, vector, vector, *outputs)
 
 
-def load_kernel(plan: Plan) -> Any:
-    """Return the plan's kernel, compiled now or taken from the cache."""
+def load_kernel(plan: Closure, text: str) -> Any:
+    """Return the kernel of a plan with this text, compiled now or taken from the cache."""
     with _lock:
-        module = _load_module(plan.source)
+        module = _load_module(text)
         if not hasattr(module, "compiled"):
             module.compiled = compile_kernel(module.kernel, signature(plan))  # type: ignore[attr-defined]
         return module.compiled

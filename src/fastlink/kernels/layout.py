@@ -15,7 +15,7 @@ from fastlink.catalogue import Fact, System
 from fastlink.kernels.emit import statements
 
 if TYPE_CHECKING:
-    from fastlink.plan import Output, Plan
+    from fastlink.closure import Closure, Output
 
 __all__ = ["LANES", "KernelLayout", "Step", "names_of"]
 
@@ -29,7 +29,7 @@ FEW_STEPS = 24
 class KernelLayout:
     """The steps of a plan by loop, and the places of lane values."""
 
-    def __init__(self, plan: Plan) -> None:
+    def __init__(self, plan: Closure) -> None:
         self.plan = plan
         self.rows: dict[str, int] = {}
         self.position = plan.catalogue.position.name

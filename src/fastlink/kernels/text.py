@@ -15,7 +15,7 @@ from fastlink.kernels.emit import Text, paste_fact, paste_system
 from fastlink.kernels.layout import LANES, KernelLayout, Step, names_of
 
 if TYPE_CHECKING:
-    from fastlink.plan import Output, Plan
+    from fastlink.closure import Closure, Output
 
 __all__ = ["scratch_sizes", "write_kernel"]
 
@@ -30,7 +30,7 @@ from numpy import inf, nan, sqrt
 class _Writer(KernelLayout):
     """One kernel while it is written."""
 
-    def __init__(self, plan: Plan) -> None:
+    def __init__(self, plan: Closure) -> None:
         super().__init__(plan)
         self.text = Text()
 
@@ -246,7 +246,7 @@ def _slots(output: Output, suffix: str, position: str, initial: str) -> list[tup
     return slots
 
 
-def scratch_sizes(plan: Plan) -> tuple[int, int]:
+def scratch_sizes(plan: Closure) -> tuple[int, int]:
     """Return the lengths of the kernel's two scratch arrays."""
     writer = _Writer(plan)
     writer.write()
@@ -254,7 +254,7 @@ def scratch_sizes(plan: Plan) -> tuple[int, int]:
     return max(len(writer.rows), 1) * LANES, max(systems, 1) * LANES
 
 
-def write_kernel(plan: Plan) -> str:
+def write_kernel(plan: Closure) -> str:
     """Return the text of the plan's kernel.
 
     The kernel takes the design array (inputs, padded designs), the angle array (tables, padded angles), the
