@@ -6,6 +6,9 @@ import difflib
 from collections.abc import Iterable
 
 
+MOST_SHOWN = 12
+
+
 class InputError(ValueError):
     """Bad input; the message names the place, what was found and the remedy."""
 
@@ -29,4 +32,5 @@ def suggest(name: str, known: Iterable[str]) -> str:
     near = difflib.get_close_matches(name, options, n=1, cutoff=0.5)
     if near:
         return f"did you mean {near[0]!r}?"
-    return f"known: {', '.join(options)}"
+    more = f", ... ({len(options)} in all)" if len(options) > MOST_SHOWN else ""
+    return f"known: {', '.join(options[:MOST_SHOWN])}{more}"

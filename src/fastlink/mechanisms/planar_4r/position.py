@@ -204,13 +204,14 @@ def P_y(A_y: Any, AB_x: Any, AB_y: Any, P_along: Any, P_across: Any) -> Any:
 @planar_4r.quantity(units="rad", symbol="theta_2", source=f"{HAYES}, eq. (2)")
 def theta2(AB_x: Any, AB_y: Any) -> Any:
     """Direction of the coupler AB in the ground frame."""
-    return atan2(AB_y, AB_x)
+    # + 0.0 turns -0.0 into 0.0, so that the straight angle is pi and never -pi.
+    return atan2(AB_y + 0.0, AB_x)
 
 
 @planar_4r.quantity(units="rad", symbol="theta_4", source=f"{HAYES}, eq. (1)")
 def theta4(DB_x: Any, DB_y: Any) -> Any:
     """Direction of the output link DB in the ground frame."""
-    return atan2(DB_y, DB_x)
+    return atan2(DB_y + 0.0, DB_x)
 
 
 @planar_4r.quantity(units="rad", symbol="mu", source=POSITION)
