@@ -8,7 +8,7 @@ import numpy as np
 from benchmarks.inputs import CASES, INPUTS, aligned_copy, designs, empty
 from fastlink.mechanisms import catalogue
 from fastlink.plan import Plan, make_plan
-from fastlink.run import Job, pad_angles, run
+from fastlink.run import BLOCK_DESIGNS, Job, pad_angles, run
 
 DENSE = ("dense",)
 
@@ -61,12 +61,13 @@ def bind(case, x, theta1, **options):
     return bound
 
 
-def job_of(plan, size, K, pool=4096):
+def job_of(plan, size, K, pool=BLOCK_DESIGNS):
     """Return a job of ``size`` designs, which repeat those of a pool; no result is kept."""
-    rows = rows_of(plan, designs(pool))
+    rows = np.tile(rows_of(plan, designs(pool)), 2)  # a block is a slice, wherever it begins
 
     def fill(start, stop, x):
-        np.take(rows, np.arange(start, stop), axis=1, mode="wrap", out=x[:, : stop - start])
+        first = start % pool
+        x[:, : stop - start] = rows[:, first : first + stop - start]
 
     outputs = [(shape, output.dtype) for shape, output in zip(shapes(plan, K), plan.outputs, strict=True)]
     return Job(
