@@ -8,7 +8,7 @@ import numpy as np
 from benchmarks.inputs import CASES, INPUTS, aligned_copy, designs, empty
 from fastlink.mechanisms import catalogue
 from fastlink.plan import Plan, make_plan
-from fastlink.run import BLOCK_DESIGNS, Job, pad_angles, run
+from fastlink.run import BLOCK_DESIGNS, Job, run
 
 DENSE = ("dense",)
 
@@ -55,7 +55,7 @@ def bind(case, x, theta1, **options):
     scratch = [empty((size,)) for size in plan.scratch]
     per_design = shapes(plan, K)
     whole = empty((len(plan.outputs), n, *per_design[0]))  # as the C kernel has it
-    tables = aligned_copy(pad_angles(plan.angle_tables(theta), plan.tile))
+    tables = aligned_copy(plan.angle_tables(theta))
     bound = Bound(plan, (rows_of(plan, x), tables, n, K, *scratch, *whole), list(whole))
     bound()
     return bound
@@ -75,7 +75,6 @@ def job_of(plan, size, K, pool=BLOCK_DESIGNS):
         plan.scratch,
         len(plan.inputs),
         plan.angle_tables(angles(K)),
-        plan.tile,
         outputs,
         size,
         fill,

@@ -4,7 +4,6 @@ import os
 import shutil
 import tempfile
 import time
-from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -35,11 +34,13 @@ def sweep_curves(side, to, threads=2):
     fl.sweep("planar_4r", lengths(side), CURVES, to=to, threads=threads, overwrite=True).close()
 
 
-def sweep_map(side, to=None, threads=2):
+def sweep_map(side, to=None, threads=2, theta1=360):
     """Take six extremes of side^3 designs."""
     space = lengths(side, a4=np.linspace(0.8, 1.2, side))
     bars = fl.round_bar(density=7750.0, radius=0.01)
-    fl.sweep("planar_4r", space, EXTREMES, links=bars, to=to, threads=threads, overwrite=True).close()
+    fl.sweep(
+        "planar_4r", space, EXTREMES, links=bars, to=to, theta1=theta1, threads=threads, overwrite=True
+    ).close()
 
 
 def write_raw(path, size):
@@ -81,20 +82,29 @@ def disk(folder, side=295, repeats=3):
     ]
 
 
-def map_overhead(folder, side=59, repeats=5):
-    """A compute-bound sweep with its file against without, in turns."""
+def map_overhead(folder, side, theta1, repeats=5):
+    """A sweep with its file against without, in turns: both times in s."""
     path = Path(folder, "map.h5")
-    sweep_map(2, path)
     kept, written = np.inf, np.inf
-    for _ in range(repeats):
-        kept = min(kept, clock(sweep_map, side))
-        path.unlink()
-        written = min(written, clock(sweep_map, side, path))
+    for _ in range(repeats + 1):  # the first compiles, or loads
+        kept = min(kept, clock(sweep_map, side, None, 2, theta1))
+        path.unlink(missing_ok=True)
+        written = min(written, clock(sweep_map, side, path, 2, theta1))
     path.unlink()
-    return [
-        (f"map of {side**3:,} designs in memory, 2 threads", kept, "s", ""),
-        (f"map of {side**3:,} designs to file costs more", 100 * (written / kept - 1), "%", "< 10"),
-    ]
+    return kept, written
+
+
+def maps(folder):
+    """What a file costs a sweep that mostly computes, and one that does not."""
+    facts = []
+    kept, written = map_overhead(folder, 2, 360)
+    facts.append(("any file, whatever its size, costs", written - kept, "s", ""))
+    for side, theta1, aim in ((59, 3600, "< 10"), (126, 360, "")):
+        kept, written = map_overhead(folder, side, theta1, repeats=3)
+        name = f"map of {side**3:,} designs, {theta1} angles"
+        facts.append((f"{name}, in memory, 2 threads", kept, "s", ""))
+        facts.append((f"{name}, to file costs more", 100 * (written / kept - 1), "%", aim))
+    return facts
 
 
 def memory(folder, curves_side=295, map_side=126):
@@ -118,7 +128,7 @@ def measure(folder=None, log=lambda text: None):
             log(f"output skipped: {place} has {free / 1e9:.1f} GB free, {NEED / 1e9:.1f} GB are needed")
             return []
         facts = []
-        for part in (disk, map_overhead, partial(map_overhead, side=126, repeats=3), memory):
-            log(getattr(part, "__name__", "map_overhead of a larger map"))
+        for part in (disk, maps, memory):
+            log(part.__name__)
             facts += part(place)
         return facts

@@ -14,9 +14,20 @@ SOURCE = ROOT / "src" / "fastlink"
 
 #: A file imports only from files above it.
 LAYERS = [
-    *("errors", "jit", "catalogue", "geometry", "mechanisms", "cycle", "closure", "kernels", "tables", "plan"),
+    *(
+        "errors",
+        "jit",
+        "catalogue",
+        "geometry",
+        "mechanisms",
+        "cycle",
+        "closure",
+        "kernels",
+        "tables",
+        "plan",
+    ),
     *("space", "table", "design", "links", "request", "reading", "run"),
-    *("label", "target", "layout", "store", "sweep"),
+    *("label", "target", "layout", "write_back", "store", "sweep"),
     *("listing", "summary", "study_schema", "study_design", "study"),
     *("plot_colour", "plot_text", "plot_draw", "plot", "cli"),
 ]

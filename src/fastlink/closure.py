@@ -50,8 +50,6 @@ class Closure:
         What stands side by side in the vector lanes.
     alternatives : tuple of str
         The chosen sets of facts.
-    tile : int
-        Angles side by side where lanes are angles; the angle array is padded to a multiple of it.
     """
 
     catalogue: Catalogue
@@ -62,7 +60,6 @@ class Closure:
     branches: tuple[int, ...]
     lanes: Lanes
     alternatives: tuple[str, ...]
-    tile: int
 
     @cached_property
     def axes(self) -> dict[str, frozenset[str]]:

@@ -15,7 +15,7 @@ from fastlink.catalogue import Catalogue, System
 from fastlink.closure import Closure, Lanes, Output
 from fastlink.cycle import Request, parse_request
 from fastlink.errors import InputError
-from fastlink.kernels import load_kernel, scratch_sizes, write_kernel
+from fastlink.kernels import load_kernel, write_kernel
 from fastlink.tables import angle_tables
 
 if TYPE_CHECKING:
@@ -25,27 +25,29 @@ __all__ = ["Output", "Plan", "make_plan"]
 
 # Fewer angles than this leave vector lanes idle when lanes are angles.
 ANGLES_FOR_LANES = 32
-# Tiles are whole vectors long, and fit their curves into the first-level cache.
-TILES = range(64, 129, 8)
 
 
 class Plan(Closure):
     """A closure with its kernel: the text, and the machine code."""
 
     @cached_property
+    def _written(self) -> tuple[str, tuple[int, int]]:
+        return write_kernel(self)
+
+    @property
     def source(self) -> str:
         """The text of the kernel."""
-        return write_kernel(self)
+        return self._written[0]
+
+    @property
+    def scratch(self) -> tuple[int, int]:
+        """Lengths of the kernel's two scratch arrays."""
+        return self._written[1]
 
     @cached_property
     def kernel(self) -> Any:
         """The compiled kernel (compiled, or loaded from the cache, on first use)."""
         return load_kernel(self, self.source)
-
-    @cached_property
-    def scratch(self) -> tuple[int, int]:
-        """Lengths of the kernel's two scratch arrays."""
-        return scratch_sizes(self)
 
     def angle_tables(self, theta: NDArray[Any]) -> NDArray[Any]:
         """Return the rows of the kernel's angle array for these input positions."""
@@ -105,12 +107,9 @@ def make_plan(
         lanes = (
             "designs" if has_cycle or has_system or angles < ANGLES_FOR_LANES or not read_tables else "angles"
         )
-    tile = min(TILES, key=lambda length: (-angles % length, -length)) if lanes == "angles" else 1
     # In the catalogue's order, so that one set of names has one kernel however the design is written.
     inputs = tuple(name for name in catalogue.known_inputs(alternatives) if name in read and name in leaves)
-    return Plan(
-        catalogue, outputs, steps, inputs, read_tables, tuple(branches), lanes, tuple(alternatives), tile
-    )
+    return Plan(catalogue, outputs, steps, inputs, read_tables, tuple(branches), lanes, tuple(alternatives))
 
 
 def _output(request: Request, catalogue: Catalogue) -> Output:

@@ -25,6 +25,7 @@ from fastlink.errors import InputError
 from fastlink.label import FORMAT, FORMAT_VERSION, Variable, check_dims, plain_attrs
 from fastlink.layout import lay_out, set_attrs
 from fastlink.target import check_target
+from fastlink.write_back import WriteBack
 
 __all__ = ["Writer", "check_target", "open_map"]
 
@@ -76,6 +77,7 @@ class Writer:
                 self._offsets, self._fd = self._start(coords, variables, attrs)
         except (OSError, RuntimeError) as error:  # HDF5 reports a full disk as either
             raise self._failure(error) from error
+        self._write_back = WriteBack(self._fd)
 
     def __enter__(self) -> Writer:
         return self
@@ -108,6 +110,7 @@ class Writer:
         except OSError as error:
             raise self._failure(error) from error
         else:
+            self._write_back.add(block.nbytes)
             with self._idle:
                 self._written[name] += block.size
         finally:
@@ -191,6 +194,7 @@ class Writer:
                 raise ValueError(f"{self.path}: the file is closed")
             self._closed = True
             self._idle.wait_for(lambda: self._writing == 0)
+        self._write_back.close()
 
     def _discard(self) -> None:
         self._close_to_writers()

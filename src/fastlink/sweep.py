@@ -130,7 +130,6 @@ def sweep(
         plan.scratch,
         len(plan.inputs),
         plan.angle_tables(positions),
-        plan.tile,
         [(_trailing(output, plan, positions.size), output.dtype) for output in plan.outputs],
         space.size,
         lambda start, stop, x: space.fill(plan.inputs, start, stop, x),

@@ -2,6 +2,6 @@
 
 from fastlink.kernels.compiled import load_kernel
 from fastlink.kernels.layout import LANES
-from fastlink.kernels.text import scratch_sizes, write_kernel
+from fastlink.kernels.text import write_kernel
 
-__all__ = ["LANES", "load_kernel", "scratch_sizes", "write_kernel"]
+__all__ = ["LANES", "load_kernel", "write_kernel"]

@@ -17,7 +17,7 @@ from fastlink.kernels.layout import LANES, KernelLayout, Step, names_of
 if TYPE_CHECKING:
     from fastlink.closure import Closure, Output
 
-__all__ = ["scratch_sizes", "write_kernel"]
+__all__ = ["write_kernel"]
 
 HEADER = '''"""Kernel of {mechanism}, written by fastlink: {names}."""
 
@@ -246,18 +246,13 @@ def _slots(output: Output, suffix: str, position: str, initial: str) -> list[tup
     return slots
 
 
-def scratch_sizes(plan: Closure) -> tuple[int, int]:
-    """Return the lengths of the kernel's two scratch arrays."""
-    writer = _Writer(plan)
-    writer.write()
-    systems = sum(writer.system_size(s) * len(writer.suffixes(s.unknowns[0])) for s in writer.systems)
-    return max(len(writer.rows), 1) * LANES, max(systems, 1) * LANES
+def write_kernel(plan: Closure) -> tuple[str, tuple[int, int]]:
+    """Return the text of the plan's kernel and the lengths of its two scratch arrays.
 
-
-def write_kernel(plan: Closure) -> str:
-    """Return the text of the plan's kernel.
-
-    The kernel takes the design array (inputs, padded designs), the angle array (tables, padded angles), the
-    numbers of designs and angles, two scratch arrays, and one output array for each result.
+    The kernel takes the design array (inputs, designs padded to whole lanes), the angle array (tables, angles),
+    the numbers of designs and angles, two scratch arrays, and one output array for each result.
     """
-    return _Writer(plan).write()
+    writer = _Writer(plan)
+    text = writer.write()
+    systems = sum(writer.system_size(s) * len(writer.suffixes(s.unknowns[0])) for s in writer.systems)
+    return text, (max(len(writer.rows), 1) * LANES, max(systems, 1) * LANES)
