@@ -61,27 +61,33 @@ class _Writer(KernelLayout):
         return header + "\n".join(text.lines) + "\n"
 
     def paste(self, steps: Sequence[Step], stores: Mapping[str, list[str]] | None = None) -> None:
-        """Append steps: what both branches share first, then branch by branch.
+        """Append steps branch by branch, and each value's lines of `stores` as soon as it is known.
 
-        Branch by branch fewer values wait in registers than fact by fact (5 % on the nine reactions). For the
-        same reason a value is stored as soon as it is known: `stores` has the lines, by the value's name.
+        Either way fewer values wait in registers than fact by fact. For the same reason curves (`stores`) compute
+        what both branches share where branch 1 first needs it; with all that first they take 5 % longer,
+        while extremes take 5 % less.
         """
         shared = [step for step in steps if "branch" not in self.axes(step)]
-        groups = [(shared, "", 0)]
-        if len(shared) < len(steps):
-            own = [step for step in steps if "branch" in self.axes(step)]
-            groups += [(own, f"__{branch}", k) for k, branch in enumerate(self.plan.branches)]
-        for group, suffix, k in groups:
-            for step in group:
-                copies = (self.copy_for(need, k) for need in step.needs)
-                values = dict(zip(parameters(step.function), copies, strict=True))
-                if isinstance(step, System):
-                    self.paste_entries(step, values, suffix, k)
-                else:
-                    paste_fact(step, values, suffix, self.text)
-                for name in names_of(step):
-                    for line in (stores or {}).get(name + suffix, ()):
-                        self.text.add(line)
+        own = [step for step in steps if "branch" in self.axes(step)]
+        first = list(steps) if stores and own else shared
+        self.paste_for(first, 0, stores or {})
+        for k in range(len(self.plan.branches) if own else 0):
+            if k or first is shared:
+                self.paste_for(own, k, stores or {})
+
+    def paste_for(self, steps: Sequence[Step], k: int, stores: Mapping[str, list[str]]) -> None:
+        """Append steps for branch number k."""
+        for step in steps:
+            suffix = f"__{self.plan.branches[k]}" if "branch" in self.axes(step) else ""
+            copies = (self.copy_for(need, k) for need in step.needs)
+            values = dict(zip(parameters(step.function), copies, strict=True))
+            if isinstance(step, System):
+                self.paste_entries(step, values, suffix, k)
+            else:
+                paste_fact(step, values, suffix, self.text)
+            for name in names_of(step):
+                for line in stores.get(name + suffix, ()):
+                    self.text.add(line)
 
     def paste_entries(self, system: System, values: Mapping[str, str], suffix: str, k: int) -> None:
         """Append the entries of a linear system, into its place for branch number k."""
