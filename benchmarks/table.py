@@ -5,28 +5,19 @@ from functools import partial
 import numpy as np
 
 from benchmarks import c_kernel, dense_baseline, engine, errors, jax_baseline, numpy_baseline
-from benchmarks.inputs import CASES, angle_tables, designs, empty, outputs, race
+from benchmarks.inputs import CASES, angle_tables, designs, outputs, race
 
-PLACES = 5
 COLUMNS = ("case", "ns", "to_C", "NumPy", "JAX", "threads", "error")
 
 
 def case_row(case, n, K, rounds, seconds, repeats):
     """Return the row of a case without JAX; times are ns per configuration, one thread."""
-    best: dict[str, float] = {}
-    # Arrays elsewhere in memory make a kernel up to 15 % faster or slower (loads that resemble stores under way wait
-    # for them): every contender gets as many places, and its best counts.
-    kept = []
-    for place in range(PLACES):
-        kept.append(empty((1000 * place + 1,)))  # what follows is allocated elsewhere
-        x, tables = designs(n), angle_tables(K)
-        calls = {"ours": engine.bind(case, x, K)}
-        if c_kernel.available():
-            calls["C"], _ = c_kernel.bind(case, x, tables)
-        calls["NumPy"] = partial(numpy_baseline.evaluate, case, x, tables, outputs(case, n, K))
-        kept.append(calls)
-        found = race(calls, rounds)
-        best = {name: min(time, best.get(name, time)) for name, time in found.items()}
+    x, tables = designs(n), angle_tables(K)
+    calls = {"ours": engine.bind(case, x, K)}
+    if c_kernel.available():
+        calls["C"], _ = c_kernel.bind(case, x, tables)
+    calls["NumPy"] = partial(numpy_baseline.evaluate, case, x, tables, outputs(case, n, K))
+    best = race(calls, rounds)
     one, two, count = engine.threads(case, seconds, repeats, K)
     return {
         "case": case,
@@ -91,7 +82,7 @@ JAX_CASES = ("rates", "reactions")
 
 def measure(quick=False, log=lambda text: None):
     """Return the rows of the table; quick: small sizes, no JAX."""
-    n, K, rounds, seconds, repeats, count = (8, 64, 1, 0.01, 1, 3) if quick else (64, 360, 4, 1.2, 3, 100)
+    n, K, rounds, seconds, repeats, count = (8, 64, 1, 0.01, 1, 3) if quick else (64, 360, 12, 1.2, 3, 100)
     rows = []
     for case in CASES:
         log(case)
