@@ -149,18 +149,22 @@ def test_rates_are_the_derivatives_of_positions_by_complex_step(branch):
         with np.errstate(all="ignore"):
             real = read_facts(
                 PLANAR,
-                ["B_x", "omega4", "omega2", "alpha2", "alpha4", "DB_y", "AB_y"],
+                ["B_x", "omega4", "omega2", "alpha2", "alpha4", "jerk2", "jerk4", "DB_y", "AB_y"],
                 given | {"theta1": theta},
             )
         if np.isnan(real["B_x"]) or real["sigma"] < 1e-2:
             continue
-        stepped = read_facts(PLANAR, ["DB_x", "AB_x", "omega2", "omega4"], given | {"theta1": theta + 1e-30j})
-        slope = {name: stepped[name].imag / 1e-30 for name in ("DB_x", "AB_x", "omega2", "omega4")}
+        names = ["DB_x", "AB_x", "omega2", "omega4", "alpha2", "alpha4"]
+        stepped = read_facts(PLANAR, names, given | {"theta1": theta + 1e-30j})
+        slope = {name: stepped[name].imag / 1e-30 for name in names}
         # d(DB_x) = -omega4 DB_y, d(AB_x) = -omega2 AB_y; sigma above 1e-2 bounds the condition by 1e2 per
         # derivative: 1e4 roundings of the sizes here leave 1e-10.
         assert slope["DB_x"] == pytest.approx(-real["omega4"] * real["DB_y"], rel=1e-9, abs=1e-10)
         assert slope["AB_x"] == pytest.approx(-real["omega2"] * real["AB_y"], rel=1e-9, abs=1e-10)
         assert slope["omega2"] == pytest.approx(real["alpha2"], rel=1e-9, abs=1e-10)
         assert slope["omega4"] == pytest.approx(real["alpha4"], rel=1e-9, abs=1e-10)
+        # One derivative more: sigma to one more power, 1e6 roundings.
+        assert slope["alpha2"] == pytest.approx(real["jerk2"], rel=1e-8, abs=1e-8)
+        assert slope["alpha4"] == pytest.approx(real["jerk4"], rel=1e-8, abs=1e-8)
         tested += 1
     assert tested > 20

@@ -138,3 +138,64 @@ def alpha4(mean_acceleration: Any, H_rate: Any, output_share: Any, kappa_rate: A
 def alpha2(mean_acceleration: Any, H_rate: Any, coupler_share: Any, kappa_rate: Any, branch_sign: Any) -> Any:
     """Angular acceleration of the coupler."""
     return mean_acceleration + branch_sign * (H_rate * coupler_share - kappa_rate)
+
+
+@planar_4r.quantity(units="rad3 s-3", symbol="omega_1^3/2", source=RATES, internal=True)
+def half_omega1_cubed(half_omega1_squared: Any, omega1: Any) -> Any:
+    """Half the cubed input speed."""
+    return half_omega1_squared * omega1
+
+
+@planar_4r.quantity(units="1", symbol="gamma'/gamma", source=RATES, internal=True)
+def log_rate(half_sine: Any, per_gamma: Any) -> Any:
+    """Logarithmic derivative of gamma."""
+    return half_sine * per_gamma
+
+
+@planar_4r.quantity(units="1", symbol="-(1/gamma)'' gamma", source=RATES, internal=True)
+def gamma_bend(cos_theta1: Any, half_sine: Any, log_rate: Any, per_gamma: Any) -> Any:
+    """Second derivative of -1/gamma, times gamma."""
+    return (0.5 * cos_theta1 - 2.0 * (half_sine * log_rate)) * per_gamma
+
+
+@planar_4r.quantity(units="rad s-3", symbol="omega_1^3 T''/2", source=RATES, internal=True)
+def mean_jerk(half_omega1_cubed: Any, epsilon: Any, per_gamma: Any, gamma_bend: Any) -> Any:
+    """Mean of the angular jerk over both branches."""
+    return -(half_omega1_cubed * ((epsilon * per_gamma) * gamma_bend))
+
+
+@planar_4r.quantity(units="rad s-3", symbol="omega_1^3 H''/2", source=RATES, internal=True)
+def H_bend(
+    half_omega1_cubed: Any, half_sine: Any, C0: Any, Z0: Any, Z: Any, C: Any, p: Any, q: Any, per_sigma: Any
+) -> Any:
+    """Second derivative of H times half the cubed input speed."""
+    slope = C0 * (p + Z) + Z0 * (q + C)
+    factor = C0 * Z * p - Z0 * C * q
+    bend = slope - (1.5 * (q - p)) * (factor * (per_sigma * per_sigma))
+    return ((0.5 * half_omega1_cubed) * half_sine) * (bend * (per_sigma * per_sigma * per_sigma))
+
+
+@planar_4r.quantity(units="rad s-3", symbol="-omega_1^3 (2 H' k' + H k'')/2", source=RATES, internal=True)
+def kappa_bend(
+    omega1: Any,
+    half_omega1_cubed: Any,
+    H: Any,
+    H_rate: Any,
+    kappa_per_gamma: Any,
+    log_rate: Any,
+    gamma_bend: Any,
+) -> Any:
+    """What the second derivative of kappa/gamma takes from the jerk."""
+    return kappa_per_gamma * (2.0 * omega1 * H_rate * log_rate + half_omega1_cubed * H * gamma_bend)
+
+
+@planar_4r.quantity(units="rad s-3", symbol="jerk_4", source=f"{HAYES}, eq. (8), differentiated")
+def jerk4(mean_jerk: Any, H_bend: Any, output_share: Any, kappa_bend: Any, branch_sign: Any) -> Any:
+    """Angular jerk of the output link."""
+    return mean_jerk + branch_sign * (H_bend * output_share - kappa_bend)
+
+
+@planar_4r.quantity(units="rad s-3", symbol="jerk_2", source=f"{HAYES}, eq. (8) for the pair 1-2, differentiated")
+def jerk2(mean_jerk: Any, H_bend: Any, coupler_share: Any, kappa_bend: Any, branch_sign: Any) -> Any:
+    """Angular jerk of the coupler."""
+    return mean_jerk + branch_sign * (H_bend * coupler_share - kappa_bend)
