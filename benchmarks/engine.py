@@ -8,7 +8,7 @@ import numpy as np
 from benchmarks.inputs import CASES, INPUTS, aligned_copy, designs, empty
 from fastlink.mechanisms import catalogue
 from fastlink.plan import Plan, make_plan
-from fastlink.run import BLOCK_DESIGNS, Job, run
+from fastlink.run import BLOCK_DESIGNS, Job, Part, run
 
 DENSE = ("dense",)
 
@@ -70,15 +70,10 @@ def job_of(plan, size, K, pool=BLOCK_DESIGNS):
         x[:, : stop - start] = rows[:, first : first + stop - start]
 
     outputs = [(shape, output.dtype) for shape, output in zip(shapes(plan, K), plan.outputs, strict=True)]
-    return Job(
-        plan.kernel,
-        plan.scratch,
-        len(plan.inputs),
-        plan.angle_tables(angles(K)),
-        outputs,
-        size,
-        fill,
+    part = Part(
+        plan.kernel, plan.scratch, len(plan.inputs), plan.angle_tables(angles(K)), range(len(outputs)), fill
     )
+    return Job([part], outputs, size)
 
 
 def threads(case, seconds=1.2, repeats=3, K=360):

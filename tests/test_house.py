@@ -27,7 +27,7 @@ LAYERS = [
         "plan",
     ),
     *("space", "table", "design", "links", "request", "reading", "run"),
-    *("label", "target", "layout", "write_back", "store", "sweep"),
+    *("label", "target", "layout", "write_back", "store", "labelling", "sweep"),
     *("listing", "summary", "study_schema", "study_design", "study"),
     *("plot_colour", "plot_text", "plot_draw", "plot", "cli"),
 ]

@@ -21,7 +21,7 @@ from fastlink.tables import angle_tables
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-__all__ = ["Output", "Plan", "make_plan"]
+__all__ = ["Output", "Plan", "make_plan", "split"]
 
 # Fewer angles than this leave vector lanes idle when lanes are angles.
 ANGLES_FOR_LANES = 32
@@ -110,6 +110,24 @@ def make_plan(
     # In the catalogue's order, so that one set of names has one kernel however the design is written.
     inputs = tuple(name for name in catalogue.known_inputs(alternatives) if name in read and name in leaves)
     return Plan(catalogue, outputs, steps, inputs, read_tables, tuple(branches), lanes, tuple(alternatives))
+
+
+def split(plan: Plan, angles: int) -> list[Plan]:
+    """Return the plans that together give a plan's results fastest: curves apart from the rest.
+
+    With lanes that are designs a curve is stored across the lines of its array, 1 ns a value; with lanes that are
+    angles it costs less to compute what both need again.
+    """
+    position = plan.catalogue.position.name
+    curves = [output.name for output in plan.outputs if position in output.axes]
+    rest = [output.name for output in plan.outputs if position not in output.axes]
+    whole = (
+        plan.lanes == "angles" or angles < ANGLES_FOR_LANES or any(isinstance(s, System) for s in plan.steps)
+    )
+    if whole or not curves or not rest:
+        return [plan]
+    options: dict[str, Any] = {"branches": plan.branches, "alternatives": plan.alternatives, "angles": angles}
+    return [make_plan(plan.catalogue, names, given=plan.inputs, **options) for names in (curves, rest)]
 
 
 def _output(request: Request, catalogue: Catalogue) -> Output:

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
     from fastlink.space import DesignSpace
 
-__all__ = ["SOLVERS", "alternatives_of", "check_branches", "check_inputs", "check_positions", "describe"]
+__all__ = ["SOLVERS", "alternatives_of", "check_branches", "check_inputs", "check_positions"]
 
 # "eliminated" is the closed form; it is what the facts say unless "dense" is chosen.
 SOLVERS = ("eliminated", "dense")
@@ -134,8 +134,3 @@ def check_positions(catalogue: Catalogue, given: int | ArrayLike) -> NDArray[Any
             f"{name}: {values[first]} stands twice (at {first} and {second}); give each angle once"
         )
     return np.array(values)
-
-
-def describe(declared: Input) -> dict[str, Any]:
-    """Return the labels of an input."""
-    return {"units": declared.units, "long_name": declared.meaning, "symbol": declared.symbol}

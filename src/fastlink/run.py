@@ -21,7 +21,7 @@ from fastlink.kernels import LANES
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-__all__ = ["Job", "aligned", "block_length", "default_threads", "run"]
+__all__ = ["Job", "Part", "aligned", "block_length", "default_threads", "run"]
 
 # Larger blocks leave the caches (two threads gain 1.2 instead of 1.9 at 16 MB), smaller ones pay for being handed out.
 BLOCK_BYTES = 4 << 20
@@ -33,7 +33,7 @@ Deliver = Callable[[int, int, "list[NDArray[Any]]"], None]
 
 
 @dataclass(frozen=True)
-class Job:
+class Part:
     """One kernel and what it runs on.
 
     Attributes
@@ -46,10 +46,8 @@ class Job:
         Rows of its design array.
     angles : array (tables, angles)
         Its angle array.
-    outputs : sequence of (shape, dtype)
-        What each design has of each result.
-    size : int
-        Number of designs.
+    results : tuple of int
+        Which results of the job it gives, in the order of its arguments.
     fill : callable
         ``fill(start, stop, x)`` writes the inputs of designs start to stop into ``x[:, :stop - start]``.
     """
@@ -58,9 +56,47 @@ class Job:
     scratch: tuple[int, int]
     inputs: int
     angles: NDArray[Any]
+    results: tuple[int, ...]
+    fill: Fill
+
+
+@dataclass(frozen=True)
+class Job:
+    """Kernels that together give all results of all designs.
+
+    Attributes
+    ----------
+    parts : sequence of Part
+        They run one after the other on each block.
+    outputs : sequence of (shape, dtype)
+        What each design has of each result.
+    size : int
+        Number of designs.
+    """
+
+    parts: Sequence[Part]
     outputs: Sequence[tuple[tuple[int, ...], str]]
     size: int
-    fill: Fill
+
+
+class _Bound:
+    """A part with one thread's buffers."""
+
+    def __init__(self, part: Part, length: int) -> None:
+        self.part = part
+        self.x = aligned((part.inputs, -(-length // LANES) * LANES))
+        self.angles = aligned(part.angles.shape)
+        self.angles[...] = part.angles
+        self.scratch = [aligned((size,)) for size in part.scratch]
+
+    def __call__(self, start: int, end: int, arrays: Sequence[NDArray[Any]]) -> None:
+        """Evaluate designs start to end into the arrays of the job."""
+        count = end - start
+        self.part.fill(start, end, self.x)
+        # Lanes beyond the last design repeat it; their results are not stored.
+        self.x[:, count:] = self.x[:, count - 1 : count]
+        results = [arrays[k] for k in self.part.results]
+        self.part.kernel(self.x, self.angles, count, self.angles.shape[1], *self.scratch, *results)
 
 
 def default_threads() -> int:
@@ -98,7 +134,7 @@ def run(
     Parameters
     ----------
     job : Job
-        The kernel and its data.
+        The kernels and their data.
     targets : sequence of array, optional
         Whole result arrays, designs first; results go straight into them. Without, each block has
         buffers of its own.
@@ -113,13 +149,9 @@ def run(
     length = block or block_length(job, threads)
     starts = iter(range(0, job.size, length))
     lock, stop = threading.Lock(), threading.Event()
-    angles = aligned(job.angles.shape)
-    angles[...] = job.angles
 
     def work() -> None:
-        padded = -(-length // LANES) * LANES
-        x = aligned((job.inputs, padded))
-        scratch = [aligned((size,)) for size in job.scratch]
+        parts = [_Bound(part, length) for part in job.parts]
         own = (
             [] if targets is not None else [aligned((length, *shape), dtype) for shape, dtype in job.outputs]
         )
@@ -129,11 +161,9 @@ def run(
             if start is None:
                 return
             end = min(start + length, job.size)
-            job.fill(start, end, x)
-            # Lanes beyond the last design repeat it; their results are not stored.
-            x[:, end - start :] = x[:, end - start - 1 : end - start]
             arrays = [a[: end - start] for a in own] if targets is None else [a[start:end] for a in targets]
-            job.kernel(x, angles, end - start, angles.shape[1], *scratch, *arrays)
+            for part in parts:
+                part(start, end, arrays)
             if deliver is not None:
                 deliver(start, end, arrays)
 

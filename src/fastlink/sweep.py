@@ -6,19 +6,17 @@ import sys
 import threading
 import time
 from collections.abc import Callable, Mapping, Sequence
-from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from fastlink import label, store
-from fastlink.catalogue import Catalogue
+from fastlink import label, labelling, store
 from fastlink.errors import InputError
 from fastlink.mechanisms import catalogue as find_catalogue
-from fastlink.plan import Output, Plan, make_plan
-from fastlink.request import alternatives_of, check_branches, check_inputs, check_positions, describe
-from fastlink.run import Job, default_threads, run
+from fastlink.plan import Plan, make_plan, split
+from fastlink.request import alternatives_of, check_branches, check_inputs, check_positions
+from fastlink.run import Job, Part, default_threads, run
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -121,22 +119,17 @@ def sweep(
         alternatives=alternatives,
         angles=positions.size,
     )
-    variables = [_variable(output, plan, space, positions.size) for output in plan.outputs]
+    variables = [labelling.variable(output, plan, space, positions.size) for output in plan.outputs]
     nbytes = sum(variable.nbytes for variable in variables)
     target = None if to is None else store.check_target(to, nbytes, overwrite)
-    coords = _coordinates(plan, space, positions)
+    coords = labelling.coordinates(plan, space, positions)
+    shapes = [(labelling.trailing(output, plan, positions.size), output.dtype) for output in plan.outputs]
     job = Job(
-        plan.kernel,
-        plan.scratch,
-        len(plan.inputs),
-        plan.angle_tables(positions),
-        [(_trailing(output, plan, positions.size), output.dtype) for output in plan.outputs],
-        space.size,
-        lambda start, stop, x: space.fill(plan.inputs, start, stop, x),
+        [_part(part, plan, space, positions) for part in split(plan, positions.size)], shapes, space.size
     )
     counts = _StatusCounts(plan)
     bar = _progress_bar(space.size, progress)
-    about = _about(plan, solver, positions.size, count) | dict(attrs or {})
+    about = labelling.about(plan, solver, positions.size, count) | dict(attrs or {})
     before = time.perf_counter()
 
     def report() -> dict[str, Any]:
@@ -166,6 +159,18 @@ def sweep(
             run(job, deliver=_all(write, counts.take, bar.take), threads=count, block=block)
             writer.finish(report())
     return store.open_map(target)
+
+
+def _part(part: Plan, whole: Plan, space: DesignSpace, positions: NDArray[Any]) -> Part:
+    places = {output.name: place for place, output in enumerate(whole.outputs)}
+    return Part(
+        part.kernel,
+        part.scratch,
+        len(part.inputs),
+        part.angle_tables(positions),
+        tuple(places[output.name] for output in part.outputs),
+        lambda start, stop, x: space.fill(part.inputs, start, stop, x),
+    )
 
 
 def _names(quantities: Sequence[str]) -> list[str]:
@@ -235,74 +240,3 @@ class _Bar:
 
 def _progress_bar(total: int, progress: bool | None) -> _Bar:
     return _Bar(total, sys.stderr.isatty() if progress is None else progress)
-
-
-def _trailing(output: Output, plan: Plan, positions: int) -> tuple[int, ...]:
-    lengths = {"branch": len(plan.branches), plan.catalogue.position.name: positions}
-    return tuple(lengths[axis] for axis in output.axes)
-
-
-def _variable(output: Output, plan: Plan, space: DesignSpace, positions: int) -> label.Variable:
-    fact = plan.catalogue.facts[output.request.quantity]
-    position = plan.catalogue.position
-    reduction, place = output.request.reduction, output.request.place
-    attrs: dict[str, Any] = {"units": fact.units, "long_name": fact.meaning, "symbol": fact.symbol}
-    if reduction is not None:
-        attrs["long_name"] = f"{fact.meaning}, {reduction.phrase}"
-        attrs["symbol"] = f"{reduction.suffix} {fact.symbol}"
-        if place:
-            attrs = {
-                "units": position.units,
-                "long_name": f"{position.meaning}, where {fact.symbol} is {reduction.phrase}",
-                "symbol": f"{position.symbol} at {reduction.suffix} {fact.symbol}",
-            }
-    attrs["references"] = fact.source
-    if fact.flags:
-        del attrs["units"]
-        attrs["flag_values"] = np.array(list(fact.flags), dtype=output.dtype)
-        attrs["flag_meanings"] = " ".join(fact.flags.values())
-    return label.Variable(
-        output.name,
-        (*space.dims, *output.axes),
-        (*space.shape, *_trailing(output, plan, positions)),
-        np.dtype(output.dtype),
-        attrs,
-    )
-
-
-def _coordinates(plan: Plan, space: DesignSpace, positions: NDArray[Any]) -> xr.Dataset:
-    catalogue: Catalogue = plan.catalogue
-    used = {axis for output in plan.outputs for axis in output.axes}
-    further: dict[str, Any] = {}
-    if "branch" in used:
-        meanings = "; ".join(f"{branch}: {meaning}" for branch, meaning in catalogue.branches.items())
-        labels = {"long_name": "assembly mode", "comment": meanings}
-        further["branch"] = (("branch",), np.array(plan.branches, dtype=np.int32), labels)
-    position = catalogue.position
-    if position.name in used:
-        further[position.name] = ((position.name,), positions, describe(position))
-    known = catalogue.known_inputs(plan.alternatives)
-    return label.coordinates(space, {name: describe(known[name]) for name in space.names}, further)
-
-
-def _about(plan: Plan, solver: str, positions: int, threads: int) -> dict[str, Any]:
-    catalogue = plan.catalogue
-    about: dict[str, Any] = {
-        "Conventions": "CF-1.11",
-        "title": f"{catalogue.title}: {', '.join(output.name for output in plan.outputs)}",
-        "mechanism": catalogue.name,
-        "source": f"fastlink {_version('fastlink-linkages')}, numba {_version('numba')}, numpy {np.__version__}",
-        "solver": solver,
-        "threads": threads,
-    }
-    if plan.uses_position:
-        about[f"{catalogue.position.name}_count"] = positions
-        about["extrema"] = "sampled"
-    return about
-
-
-def _version(distribution: str) -> str:
-    try:
-        return version(distribution)
-    except PackageNotFoundError:
-        return "unknown"
