@@ -24,6 +24,7 @@ __all__ = ["REDUCTIONS", "Reduction", "Request", "parse_request"]
 class Reduction:
     """One way to take a number from a quantity's cycle.
 
+    Choices are by `select`: numba compiles a conditional expression as branches, 58 extremes in 10 s instead of 5.
     `update` and `finish` are kernel text over ``{value}`` (the quantity here), ``{acc}`` (the accumulator),
     ``{place}`` (that of the input position) and ``{count}`` (that of the configurations that assemble).
     """
@@ -43,8 +44,8 @@ def _extreme(suffix: str, phrase: str, sign: str, initial: str) -> Reduction:
         suffix,
         phrase,
         initial,
-        update="{value} if {better} else {acc}",
-        finish=f"{{acc}} if {{acc}} {sign} {initial} else nan",
+        update="select({better}, {value}, {acc})",
+        finish=f"select({{acc}} {sign} {initial}, {{acc}}, nan)",
         has_place=True,
         better=f"{{value}} {sign} {{acc}}",
     )
@@ -57,9 +58,9 @@ REDUCTIONS: dict[str, Reduction] = {
         "rms",
         "root mean square over the cycle",
         "0.0",
-        update="{acc} + ({value} * {value} if {value} == {value} else 0.0)",
+        update="{acc} + select({value} == {value}, {value} * {value}, 0.0)",
         finish="sqrt({acc} / {count})",
-        count_update="{count} + (1.0 if {value} == {value} else 0.0)",
+        count_update="{count} + select({value} == {value}, 1.0, 0.0)",
     ),
 }
 

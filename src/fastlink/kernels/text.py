@@ -21,7 +21,7 @@ __all__ = ["write_kernel"]
 
 HEADER = '''"""Kernel of {mechanism}, written by fastlink: {names}."""
 
-from numpy import inf, nan, sqrt
+from numpy import inf, nan
 {imports}
 
 '''
@@ -168,6 +168,7 @@ class _Writer(KernelLayout):
 
     def write_updates(self) -> None:
         """Take the values of this angle into the accumulators."""
+        self.text.imports.setdefault("fastlink.jit", set()).update(("select", "sqrt"))
         done: set[str] = set()
         for output, suffix, _ in self.accumulators():
             reduction = output.request.reduction
@@ -183,7 +184,7 @@ class _Writer(KernelLayout):
                 self.text.add(f"{self.row(acc)} = {update}")
                 done.add(acc)
             if wants_place:
-                self.text.add(f"{self.row(place)} = {self.position} if {better} else {self.row(place)}")
+                self.text.add(f"{self.row(place)} = select({better}, {self.position}, {self.row(place)})")
             if reduction.count_update and count not in done:
                 update = reduction.count_update.format(value=value, count=self.row(count))
                 self.text.add(f"{self.row(count)} = {update}")
