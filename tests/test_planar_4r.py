@@ -301,7 +301,10 @@ def test_scale_by_a_power_of_two_changes_no_bit_of_angles_and_rates(lengths, the
 @given(st.tuples(*[st.floats(0.1, 10.0)] * 4), st.floats(-3.1, 3.1))
 def test_mirror_exchanges_the_branches(lengths, theta):
     given_lengths = dict(zip(LENGTHS, lengths, strict=True))
-    even, odd = ["omega2", "omega4", "jerk2", "jerk4", "B_x", "transmission_angle"], ["alpha2", "alpha4", "B_y"]
+    even, odd = (
+        ["omega2", "omega4", "jerk2", "jerk4", "B_x", "transmission_angle"],
+        ["alpha2", "alpha4", "B_y"],
+    )
     one = fl.evaluate("planar_4r", even + odd, theta1=theta, omega1=3.0, branch=1, **given_lengths)
     two = fl.evaluate("planar_4r", even + odd, theta1=-theta, omega1=3.0, branch=2, **given_lengths)
     np.testing.assert_array_equal([one[n] for n in even], [two[n] for n in even])

@@ -74,20 +74,10 @@ def family(kind, rng, n):
 FAMILIES = ["random", "gap 1e-4", "gap 1e-8", "gap 1e-13", "toggle 1e-3", "toggle 1e-6", "toggle 1e-9"]
 
 
+@pytest.mark.parametrize("n", [30, pytest.param(600, marks=pytest.mark.stress)])
 @pytest.mark.parametrize("kind", FAMILIES)
-def test_every_quantity_is_a_few_roundings_off(kind):
-    rng = np.random.default_rng(21)
-    n = 30
-    lengths, theta = family(kind, rng, n)
-    inputs = dict(zip(LENGTHS, lengths, strict=True)) | masses_and_points(rng, n)
-    assert assert_within(QUANTITIES, inputs, theta, MULTIPLE) > n
-
-
-@pytest.mark.stress
-@pytest.mark.parametrize("kind", FAMILIES)
-def test_every_quantity_is_a_few_roundings_off_at_length(kind):
-    rng = np.random.default_rng(22)
-    n = 600
+def test_every_quantity_is_a_few_roundings_off(kind, n):
+    rng = np.random.default_rng(n)
     lengths, theta = family(kind, rng, n)
     inputs = dict(zip(LENGTHS, lengths, strict=True)) | masses_and_points(rng, n)
     assert assert_within(QUANTITIES, inputs, theta, MULTIPLE) > n
