@@ -189,16 +189,28 @@ def P_across(P_v: Any, a2: Any) -> Any:
     return P_v / a2
 
 
+@planar_4r.quantity(units="m", symbol="AP_x", source=POSITION, internal=True)
+def AP_x(AB_x: Any, AB_y: Any, P_along: Any, P_across: Any) -> Any:
+    """Vector from A to the coupler point, x."""
+    return P_along * AB_x - P_across * AB_y
+
+
+@planar_4r.quantity(units="m", symbol="AP_y", source=POSITION, internal=True)
+def AP_y(AB_x: Any, AB_y: Any, P_along: Any, P_across: Any) -> Any:
+    """Vector from A to the coupler point, y."""
+    return P_along * AB_y + P_across * AB_x
+
+
 @planar_4r.quantity(units="m", symbol="P_x", source=f"{HAYES}, Fig. 2")
-def P_x(A_x: Any, AB_x: Any, AB_y: Any, P_along: Any, P_across: Any) -> Any:
+def P_x(A_x: Any, AP_x: Any) -> Any:
     """Coupler point P, x."""
-    return A_x + (P_along * AB_x - P_across * AB_y)
+    return A_x + AP_x
 
 
 @planar_4r.quantity(units="m", symbol="P_y", source=f"{HAYES}, Fig. 2")
-def P_y(A_y: Any, AB_x: Any, AB_y: Any, P_along: Any, P_across: Any) -> Any:
+def P_y(A_y: Any, AP_y: Any) -> Any:
     """Coupler point P, y."""
-    return A_y + (P_along * AB_y + P_across * AB_x)
+    return A_y + AP_y
 
 
 @planar_4r.quantity(units="rad", symbol="theta_2", source=f"{HAYES}, eq. (2)")
