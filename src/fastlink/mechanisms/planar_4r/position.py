@@ -165,16 +165,28 @@ def DB_y(along_DB_y: Any, across_y: Any, branch_sign: Any) -> Any:
     return along_DB_y + branch_sign * across_y
 
 
+@planar_4r.quantity(units="m", symbol="F_x", source=POSITION, internal=True)
+def foot_x(A_x: Any, along_AB_x: Any) -> Any:
+    """Foot of B on AD, the same in both branches, x."""
+    return A_x + along_AB_x
+
+
+@planar_4r.quantity(units="m", symbol="F_y", source=POSITION, internal=True)
+def foot_y(A_y: Any, along_AB_y: Any) -> Any:
+    """Foot of B on AD, the same in both branches, y."""
+    return A_y + along_AB_y
+
+
 @planar_4r.quantity(units="m", symbol="B_x", source=f"{HAYES}, Fig. 2")
-def B_x(A_x: Any, AB_x: Any) -> Any:
+def B_x(foot_x: Any, across_x: Any, branch_sign: Any) -> Any:
     """Moving pivot B, x."""
-    return A_x + AB_x
+    return foot_x + branch_sign * across_x
 
 
 @planar_4r.quantity(units="m", symbol="B_y", source=f"{HAYES}, Fig. 2")
-def B_y(A_y: Any, AB_y: Any) -> Any:
+def B_y(foot_y: Any, across_y: Any, branch_sign: Any) -> Any:
     """Moving pivot B, y."""
-    return A_y + AB_y
+    return foot_y + branch_sign * across_y
 
 
 @planar_4r.quantity(units="1", symbol="P_u/a_2", source=POSITION, internal=True)

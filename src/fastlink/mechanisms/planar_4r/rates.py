@@ -195,7 +195,9 @@ def jerk4(mean_jerk: Any, H_bend: Any, output_share: Any, kappa_bend: Any, branc
     return mean_jerk + branch_sign * (H_bend * output_share - kappa_bend)
 
 
-@planar_4r.quantity(units="rad s-3", symbol="jerk_2", source=f"{HAYES}, eq. (8) for the pair 1-2, differentiated")
+@planar_4r.quantity(
+    units="rad s-3", symbol="jerk_2", source=f"{HAYES}, eq. (8) for the pair 1-2, differentiated"
+)
 def jerk2(mean_jerk: Any, H_bend: Any, coupler_share: Any, kappa_bend: Any, branch_sign: Any) -> Any:
     """Angular jerk of the coupler."""
     return mean_jerk + branch_sign * (H_bend * coupler_share - kappa_bend)
