@@ -158,9 +158,7 @@ class Cognate:
         return self.O_x + (cosine * x - sine * y), self.O_y + (sine * x + cosine * y)
 
 
-def cognates(
-    a1: Any, a2: Any, a3: Any, a4: Any, P_u: Any, P_v: Any
-) -> tuple[Cognate, Cognate, Cognate]:
+def cognates(a1: Any, a2: Any, a3: Any, a4: Any, P_u: Any, P_v: Any) -> tuple[Cognate, Cognate, Cognate]:
     """Return the three linkages that trace one coupler curve (theorem of Roberts and Chebyshev).
 
     Parameters
