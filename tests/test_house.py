@@ -26,7 +26,7 @@ LAYERS = [
         "tables",
         "plan",
     ),
-    *("space", "table", "design", "links", "request", "reading", "run"),
+    *("space", "table", "design", "links", "request", "reading", "planar", "run"),
     *("label", "target", "layout", "write_back", "store", "labelling", "sweep"),
     *("listing", "summary", "study_schema", "study_design", "study"),
     *("plot_colour", "plot_text", "plot_draw", "plot", "cli"),

@@ -29,7 +29,10 @@ MULTIPLE = 4
 # By LU of the 9x9 (of growth factor below 4) the worst seen is 4.6.
 MULTIPLE_DENSE = 16
 
-QUANTITIES = [name for name in PLANAR.public if name not in ("status", "loop_residual")]
+# Residuals are nothing but errors; facts of the design alone have their own tests (test_classes.py).
+QUANTITIES = [name for name in PLANAR.public if PLANAR.varies(name) and "residual" not in name]
+# What the crank alone determines is there though the loop does not close.
+OF_THE_CRANK = ("A_x", "A_y", "joint_angle_1", "v1")
 REACTIONS = ["F41_x", "F41_y", "F21_x", "F21_y", "F32_x", "F32_y", "F43_x", "F43_y", "T41", "shaking_moment"]
 
 
@@ -54,7 +57,7 @@ def assert_within(names, inputs, theta, multiple, alternatives=(), **options):
             }
             exact = reference(["sigma", *names], one, alternatives)
             if mp.isnan(exact["sigma"]):
-                assert all(np.isnan(row[name][k]) for name in names if name not in ("A_x", "A_y"))
+                assert all(np.isnan(row[name][k]) for name in names if name not in OF_THE_CRANK)
                 continue
             sums = condition_sums(names, one, alternatives)
             for name in names:

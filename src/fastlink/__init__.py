@@ -10,6 +10,7 @@ from types import ModuleType
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from fastlink import planar
     from fastlink.design import DesignSpace, grid, latin_hypercube, sobol, table
     from fastlink.errors import InputError
     from fastlink.links import round_bar
@@ -38,6 +39,9 @@ _PLACES = {
     "table": ("fastlink.design", "table"),
 }
 
+#: Packages that are imported when first named.
+_PACKAGES = ("planar",)
+
 __all__ = [
     "DesignSpace",
     "InputError",
@@ -45,6 +49,7 @@ __all__ = [
     "grid",
     "latin_hypercube",
     "open",
+    "planar",
     "plot_map",
     "quantities",
     "round_bar",
@@ -71,10 +76,12 @@ sys.modules[__name__].__class__ = _Package
 
 
 def __getattr__(name: str) -> Any:
-    if name not in _PLACES:
-        raise AttributeError(f"module 'fastlink' has no attribute {name!r}")
     from importlib import import_module
 
+    if name in _PACKAGES:
+        return import_module(f"fastlink.{name}")
+    if name not in _PLACES:
+        raise AttributeError(f"module 'fastlink' has no attribute {name!r}")
     module, attribute = _PLACES[name]
     value = getattr(import_module(module), attribute)
     globals()[name] = value
@@ -82,4 +89,4 @@ def __getattr__(name: str) -> Any:
 
 
 def __dir__() -> list[str]:
-    return sorted({*globals(), *_PLACES})
+    return sorted({*globals(), *_PLACES, *_PACKAGES})

@@ -1,0 +1,223 @@
+"""Facts of one design of the planar 4R, without any angle: class, ranges, swing, transmission angle, time ratio.
+
+The signs of A1, B1, C1 of eq. (1) tell the eight types apart; a factor within the rounding of the lengths is
+zero, as for `status`. NaN is selected, never computed: of two NaNs in a product the compiler keeps either, and their
+bits differ. Every angle is twice an arctangent of square roots of products of two factors, which are
+sums of four lengths without loss: nothing cancels near a change point.
+
+The ranges are those of one turn in [0, pi]; the lower half is their mirror. Where the range has two limits
+(low > 0, high < pi) the two halves are circuits that cannot be reached from each other.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+from fastlink.jit import NOT_A_NUMBER, atan2, select, sqrt
+from fastlink.mechanisms.planar_4r.declare import HAYES, NUMERICS, planar_4r
+
+STATUS = f"{HAYES}, eq. (1); {NUMERICS}#status"
+TOGGLES = f"{NUMERICS}#toggles"
+CLASS_FLAGS = {
+    0: "crank_rocker",
+    1: "double_crank",
+    2: "double_rocker",
+    3: "rocker_crank",
+    4: "triple_rocker_longest_crank",
+    5: "triple_rocker_longest_coupler",
+    6: "triple_rocker_longest_output_link",
+    7: "triple_rocker_longest_ground",
+    8: "change_point",
+    9: "change_point_parallelogram",
+    10: "change_point_kite_a1_a4",
+    11: "change_point_kite_a1_a2",
+    12: "change_point_rhombus",
+    13: "never_assembles",
+    14: "invalid_input",
+}
+
+
+def unless_rounding(factor: Any, gap_rounding: Any) -> Any:
+    """Return a factor, zero where it is no more than the rounding of the lengths."""
+    return select(abs(factor) <= gap_rounding, 0.0, factor)
+
+
+for _name in ("A1", "B1", "C1"):
+    planar_4r.quantity(
+        units="1",
+        symbol=f"{_name[0]}_{_name[1]}",
+        source=STATUS,
+        internal=True,
+        name=f"sure_{_name}",
+        meaning=f"{_name}, zero within the rounding of the lengths",
+        given={"factor": f"factor_{_name}"},
+    )(unless_rounding)
+
+
+@planar_4r.quantity(units="1", symbol="assembles", source=STATUS, internal=True)
+def assembles(factor_A2: Any, factor_B2: Any, factor_C2: Any, factor_D2: Any, valid: Any) -> Any:
+    """1 where the design assembles at some angle, else 0."""
+    one_too_long = (factor_A2 < 0.0) | (factor_B2 > 0.0) | (factor_C2 < 0.0) | (factor_D2 < 0.0)
+    return select(one_too_long, 0.0, select(valid == 1.0, 1.0, 0.0))
+
+
+@planar_4r.quantity(units="1", symbol="class", source=STATUS, flags=CLASS_FLAGS)
+def grashof_class(sure_A1: Any, sure_B1: Any, sure_C1: Any, assembles: Any, valid: Any) -> Any:
+    """Type of the linkage: what turns fully, which link is the longest, which change point."""
+    a = sure_A1 > 0.0
+    b = sure_B1 > 0.0
+    c = sure_C1 > 0.0
+    # One sign differs, or none: the link that it names is the shortest (Grashof) or the longest (not).
+    with_a = select(b, select(c, 4.0, 1.0), select(c, 2.0, 6.0))
+    without_a = select(b, select(c, 3.0, 5.0), select(c, 7.0, 0.0))
+    code = select(a, with_a, without_a)
+    A_zero, B_zero, C_zero = sure_A1 == 0.0, sure_B1 == 0.0, sure_C1 == 0.0
+    code = select(A_zero | B_zero | C_zero, 8.0, code)
+    code = select(B_zero & C_zero, 9.0, code)
+    code = select(A_zero & B_zero, 10.0, code)
+    code = select(A_zero & C_zero, 11.0, code)
+    code = select(A_zero & B_zero & C_zero, 12.0, code)
+    code = select(assembles == 1.0, code, 13.0)
+    return select(valid == 1.0, code, 14.0)
+
+
+@planar_4r.quantity(units="m", symbol="l + s - p - q", source=STATUS)
+def grashof_excess(sure_A1: Any, sure_B1: Any, sure_C1: Any, lift: Any, unit: Any, valid: Any) -> Any:
+    """Longest plus shortest link minus the other two: negative in Grashof's linkages, 0 at a change point."""
+    # It is the least of |A1|, |B1|, |C1|, with the sign of their product.
+    size = select(abs(sure_A1) < abs(sure_B1), abs(sure_A1), abs(sure_B1))
+    size = select(size < abs(sure_C1), size, abs(sure_C1))
+    sign = select(sure_A1 < 0.0, -1.0, 1.0) * select(sure_B1 < 0.0, -1.0, 1.0)
+    sign = select(sure_C1 < 0.0, -sign, sign)
+    return select(valid == 1.0, (sign * size + 0.0) * unit / lift, NOT_A_NUMBER)
+
+
+# -- square roots of squared half-angle sines and cosines at the limits, over common factors -----------------
+
+
+def limit_root(x: Any, y: Any) -> Any:
+    """Return the square root of a product of two factors, 0 where there is no such limit."""
+    product = x * y
+    return select(product > 0.0, sqrt(product), 0.0)
+
+
+def opposite_limit_root(x: Any, y: Any) -> Any:
+    """Return the square root of minus a product of two factors, 0 where there is no such limit."""
+    product = -(x * y)
+    return select(product > 0.0, sqrt(product), 0.0)
+
+
+def product_root(x: Any, y: Any) -> Any:
+    """Return the square root of a product of factors that are both positive where the design assembles."""
+    return sqrt(x) * sqrt(y)
+
+
+def opposite_product_root(x: Any, y: Any) -> Any:
+    """Return the square root of a product of a positive and a negative factor, the second."""
+    return sqrt(x) * sqrt(-y)
+
+
+for _name, _symbol, _law, _x, _y in (
+    ("sine_low_1", "sqrt(-A_1 B_1)", opposite_limit_root, "sure_A1", "sure_B1"),
+    ("cosine_low_1", "sqrt(C_2 D_2)", product_root, "factor_C2", "factor_D2"),
+    ("sine_high_1", "sqrt(-A_2 B_2)", opposite_product_root, "factor_A2", "factor_B2"),
+    ("cosine_high_1", "sqrt(C_1 D_1)", limit_root, "sure_C1", "factor_D1"),
+    ("sine_low_4", "sqrt(-B_1 D_1)", opposite_limit_root, "sure_B1", "factor_D1"),
+    ("cosine_low_4", "sqrt(A_2 C_2)", product_root, "factor_A2", "factor_C2"),
+    ("sine_high_4", "sqrt(-B_2 D_2)", opposite_product_root, "factor_D2", "factor_B2"),
+    ("cosine_high_4", "sqrt(A_1 C_1)", limit_root, "sure_A1", "sure_C1"),
+    ("sine_least_mu", "sqrt(A_1 B_1)", limit_root, "sure_A1", "sure_B1"),
+    ("cosine_greatest_mu", "sqrt(-C_1 D_1)", opposite_limit_root, "sure_C1", "factor_D1"),
+):
+    planar_4r.quantity(
+        units="1",
+        symbol=_symbol,
+        source=TOGGLES,
+        internal=True,
+        name=_name,
+        meaning=f"{_symbol}, which a half-angle's sine or cosine is in proportion to",
+        given={"x": _x, "y": _y},
+    )(_law)
+
+
+def twice_arctangent(sine: Any, cosine: Any, assembles: Any) -> Any:
+    """Angle in [0, pi] from what its half-angle's sine and cosine are in proportion to."""
+    return select(assembles == 1.0, 2.0 * atan2(sine, cosine), NOT_A_NUMBER)
+
+
+for _name, _symbol, _source, _sine, _cosine, _meaning in (
+    ("theta1_low", "theta_1", TOGGLES, "sine_low_1", "cosine_low_1", "least reachable |theta1|, 0 if none"),
+    (
+        *("theta1_high", "theta_1", TOGGLES, "sine_high_1", "cosine_high_1"),
+        "greatest reachable |theta1|, pi if none",
+    ),
+    ("theta4_low", "theta_4", TOGGLES, "sine_low_4", "cosine_low_4", "least reachable |theta4|, 0 if none"),
+    (
+        *("theta4_high", "theta_4", TOGGLES, "sine_high_4", "cosine_high_4"),
+        "greatest reachable |theta4|, pi if none",
+    ),
+    (
+        *("transmission_angle_least", "mu", TOGGLES, "sine_least_mu", "sine_high_1"),
+        "least transmission angle over the reachable range: at theta1 = 0, or 0 at a toggle",
+    ),
+    (
+        *("transmission_angle_greatest", "mu", TOGGLES, "cosine_low_1", "cosine_greatest_mu"),
+        "greatest transmission angle over the reachable range: at theta1 = pi, or pi at a toggle",
+    ),
+):
+    planar_4r.quantity(
+        units="rad",
+        symbol=_symbol,
+        source=_source,
+        name=_name,
+        meaning=_meaning,
+        given={"sine": _sine, "cosine": _cosine},
+    )(twice_arctangent)
+
+
+@planar_4r.quantity(units="rad", symbol="Delta theta_4", source=TOGGLES)
+def swing(
+    sine_low_4: Any,
+    cosine_low_4: Any,
+    sine_high_4: Any,
+    cosine_high_4: Any,
+    theta4_high: Any,
+    s1: Any,
+    s2: Any,
+    s3: Any,
+    s4: Any,
+    assembles: Any,
+) -> Any:
+    """Angle that the output link sweeps in one circuit; 2 pi where it turns fully."""
+    # sin^2(high/2) - sin^2(low/2) = a1 a2/(a3 a4): the difference of the limits does not cancel.
+    sine = 16.0 * ((s1 * s2) * (s3 * s4)) / (sine_high_4 * cosine_low_4 + cosine_high_4 * sine_low_4)
+    cosine = cosine_high_4 * cosine_low_4 + sine_high_4 * sine_low_4
+    between = 2.0 * atan2(sine, cosine)
+    about_pi = 4.0 * atan2(cosine_low_4, sine_low_4)
+    limited = select(cosine_high_4 > 0.0, between, about_pi)
+    angle = select(sine_low_4 > 0.0, limited, 2.0 * theta4_high)
+    return select(assembles == 1.0, angle, NOT_A_NUMBER)
+
+
+@planar_4r.quantity(units="1", symbol="Q", source=f"{HAYES}, eq. (1); output at rest where OA and AB align")
+def time_ratio(
+    sure_A1: Any,
+    sure_B1: Any,
+    sure_C1: Any,
+    factor_A2: Any,
+    factor_B2: Any,
+    factor_C2: Any,
+    factor_D1: Any,
+    factor_D2: Any,
+    assembles: Any,
+) -> Any:
+    """Slow over quick stroke of a crank-rocker at constant input speed, at least 1; else NaN."""
+    # Half the angles at O in the triangles OBD with OB = a1 + a2 (stretched) and a2 - a1 (folded).
+    sine_stretched, cosine_stretched = sqrt(-sure_B1 * factor_A2), sqrt(factor_C2 * factor_D1)
+    sine_folded, cosine_folded = sqrt(-sure_C1 * factor_D2), sqrt(sure_A1 * factor_B2)
+    sine = abs(sine_folded * cosine_stretched - cosine_folded * sine_stretched)
+    cosine = cosine_folded * cosine_stretched + sine_folded * sine_stretched
+    # The strokes take pi + 2 x and pi - 2 x of the crank's turn, tan x = sine/cosine; pi/2 - x has the inverse.
+    ratio = 1.0 + 2.0 * atan2(sine, cosine) / atan2(cosine, sine)
+    crank_rocker = (sure_A1 < 0.0) & (sure_B1 < 0.0) & (sure_C1 < 0.0)
+    return select(crank_rocker & (assembles == 1.0), ratio, NOT_A_NUMBER)

@@ -1,0 +1,260 @@
+"""Facts of the four joints of the planar 4R, in the convention of the six input-output equations.
+
+Equations (1) to (6) hold for the closed polygon traversed a1, a2, a3, a4: with link directions phi_i (OA, AB,
+BD, DO; phi_0 = phi_4 = pi) the joint angles are phi_i - phi_(i-1). In terms of the ground-frame angles:
+
+    joint_angle_1 = theta1 - pi,       joint_angle_2 = theta2 - theta1,
+    joint_angle_3 = theta4 + pi - theta2,    joint_angle_4 = -theta4,    all in (-pi, pi].
+
+Each comes from its own cosine and sine, never from a difference of angles.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+from fastlink.jit import INFINITY, NOT_A_NUMBER, atan2, select, sqrt
+from fastlink.mechanisms.planar_4r.declare import HAYES, planar_4r
+
+JOINTS = f"{HAYES}, eqs. (1) to (6)"
+JOINT_RATES = f"{HAYES}, eq. (7) for all pairs"
+JOINT_ACCELERATIONS = f"{HAYES}, eq. (8) for all pairs"
+
+# -- vectors: cosine and sine of each joint angle times a length ---------------------------------------
+
+
+@planar_4r.quantity(units="m", symbol="AD_u", source=JOINTS, internal=True)
+def AD_u(a1: Any, a4: Any, Z: Any) -> Any:
+    """Vector from A to D, along OA."""
+    return (a4 - a1) - 2.0 * a4 * Z
+
+
+@planar_4r.quantity(units="m", symbol="AD_v", source=JOINTS, internal=True)
+def AD_v(a4: Any, sin_theta1: Any) -> Any:
+    """Vector from A to D, to the left of OA."""
+    return -(a4 * sin_theta1)
+
+
+@planar_4r.quantity(units="m", symbol="AB_u", source=JOINTS, internal=True)
+def AB_u(coupler_along: Any, height: Any, AD_u: Any, AD_v: Any, branch_sign: Any) -> Any:
+    """Vector from A to B, along OA."""
+    return coupler_along * AD_u - branch_sign * (height * AD_v)
+
+
+@planar_4r.quantity(units="m", symbol="AB_v", source=JOINTS, internal=True)
+def AB_v(coupler_along: Any, height: Any, AD_u: Any, AD_v: Any, branch_sign: Any) -> Any:
+    """Vector from A to B, to the left of OA."""
+    # + 0.0 turns -0.0 into 0.0, so that the straight angle is pi and never -pi.
+    return (coupler_along * AD_v + branch_sign * (height * AD_u)) + 0.0
+
+
+@planar_4r.quantity(units="1", symbol="sqrt p", source=JOINTS, internal=True)
+def root_p(p: Any) -> Any:
+    """Cosine of half the third joint angle, times sqrt(p + q)."""
+    return sqrt(p)
+
+
+@planar_4r.quantity(units="1", symbol="sqrt q", source=JOINTS, internal=True)
+def root_q(q: Any) -> Any:
+    """Sine of half the third joint angle, times sqrt(p + q), without its sign."""
+    return sqrt(q)
+
+
+@planar_4r.quantity(units="1", symbol="sign theta_3", source=JOINTS, internal=True)
+def joint_sign_3(root_p: Any, branch_sign: Any) -> Any:
+    """Sign of the third joint angle; the straight angle is pi in both branches."""
+    return select(root_p == 0.0, 1.0, -branch_sign)
+
+
+# -- angles and half-angle tangents ------------------------------------------------------------------
+
+
+@planar_4r.quantity(units="rad", symbol="theta_1 (eqs. 1-6)", source=JOINTS)
+def joint_angle_1(cos_theta1: Any, sin_theta1: Any) -> Any:
+    """Joint angle at O: from the ground link DO to the crank OA, theta1 - pi."""
+    return atan2(0.0 - sin_theta1, -cos_theta1)
+
+
+@planar_4r.quantity(units="rad", symbol="theta_2 (eqs. 1-6)", source=JOINTS)
+def joint_angle_2(AB_u: Any, AB_v: Any) -> Any:
+    """Joint angle at A: from the crank OA to the coupler AB, theta2 - theta1."""
+    return atan2(AB_v, AB_u)
+
+
+@planar_4r.quantity(units="rad", symbol="theta_3 (eqs. 1-6)", source=JOINTS)
+def joint_angle_3(root_p: Any, root_q: Any, joint_sign_3: Any, sigma: Any) -> Any:
+    """Joint angle at B: from the coupler AB to the output link BD, theta4 + pi - theta2."""
+    angle = joint_sign_3 * (2.0 * atan2(root_q, root_p))
+    # Times -1 the compiler may or may not turn the sign of a NaN; selected, its bits are always the same.
+    return select(sigma >= 0.0, angle, NOT_A_NUMBER)
+
+
+@planar_4r.quantity(units="rad", symbol="theta_4 (eqs. 1-6)", source=JOINTS)
+def joint_angle_4(DB_x: Any, DB_y: Any) -> Any:
+    """Joint angle at D: from the output link BD to the ground link DO, -theta4."""
+    return atan2(0.0 - DB_y, DB_x)
+
+
+@planar_4r.quantity(units="1", symbol="v_1", source=JOINTS)
+def v1(half_sine: Any, Z: Any) -> Any:
+    """Tangent of half the first joint angle, -cot(theta1/2)."""
+    return select(Z == 0.0, INFINITY, -half_sine / Z)
+
+
+@planar_4r.quantity(units="1", symbol="v_2", source=JOINTS)
+def v2(AB_u: Any, AB_v: Any, a2: Any) -> Any:
+    """Tangent of half the second joint angle."""
+    return select(AB_u < 0.0, (a2 - AB_u) / AB_v, AB_v / (a2 + abs(AB_u)))
+
+
+@planar_4r.quantity(units="1", symbol="v_3", source=JOINTS)
+def v3(root_p: Any, root_q: Any, joint_sign_3: Any, sigma: Any) -> Any:
+    """Tangent of half the third joint angle."""
+    return select(sigma >= 0.0, joint_sign_3 * (root_q / root_p), NOT_A_NUMBER)
+
+
+@planar_4r.quantity(units="1", symbol="v_4", source=JOINTS)
+def v4(DB_x: Any, DB_y: Any, a3: Any) -> Any:
+    """Tangent of half the fourth joint angle, -tan(theta4/2)."""
+    y = 0.0 - DB_y
+    return select(DB_x < 0.0, (a3 - DB_x) / y, y / (a3 + abs(DB_x)))
+
+
+# -- rates at constant input speed ---------------------------------------------------------------------
+
+
+@planar_4r.quantity(units="1", symbol="(a_4 - a_1)/(2 a_1)", source=JOINT_RATES, internal=True)
+def ground_excess(s1: Any, s4: Any) -> Any:
+    """(a4 - a1)/(2 a1)."""
+    return 0.5 * (s4 - s1) / s1
+
+
+@planar_4r.quantity(units="rad s-1", symbol="d theta_2/dt (eqs. 1-6)", source=JOINT_RATES)
+def joint_omega_2(
+    half_omega1: Any,
+    ground_excess: Any,
+    Z: Any,
+    per_gamma: Any,
+    odd_rate: Any,
+    coupler_share: Any,
+    branch_sign: Any,
+) -> Any:
+    """Rate of the second joint angle, omega2 - omega1."""
+    return branch_sign * (odd_rate * coupler_share) - half_omega1 * ((ground_excess + Z) * per_gamma)
+
+
+@planar_4r.quantity(units="rad s-1", symbol="d theta_3/dt (eqs. 1-6)", source=JOINT_RATES)
+def joint_omega_3(odd_rate: Any, branch_sign: Any) -> Any:
+    """Rate of the third joint angle, omega4 - omega2."""
+    return branch_sign * (2.0 * odd_rate)
+
+
+@planar_4r.quantity(units="rad s-1", symbol="d theta_4/dt (eqs. 1-6)", source=JOINT_RATES)
+def joint_omega_4(omega4: Any) -> Any:
+    """Rate of the fourth joint angle, -omega4."""
+    return 0.0 - omega4
+
+
+@planar_4r.quantity(units="rad s-2", symbol="d2 theta_3/dt2 (eqs. 1-6)", source=JOINT_ACCELERATIONS)
+def joint_alpha_3(H_rate: Any, branch_sign: Any) -> Any:
+    """Second derivative of the third joint angle, alpha4 - alpha2."""
+    return branch_sign * (2.0 * H_rate)
+
+
+@planar_4r.quantity(units="rad s-2", symbol="d2 theta_2/dt2 (eqs. 1-6)", source=JOINT_ACCELERATIONS)
+def joint_alpha_2(alpha2: Any) -> Any:
+    """Second derivative of the second joint angle, alpha2 at constant input speed."""
+    return alpha2
+
+
+@planar_4r.quantity(units="rad s-2", symbol="d2 theta_4/dt2 (eqs. 1-6)", source=JOINT_ACCELERATIONS)
+def joint_alpha_4(alpha4: Any) -> Any:
+    """Second derivative of the fourth joint angle, -alpha4."""
+    return 0.0 - alpha4
+
+
+# -- for the residuals (factors.py) ------------------------------------------------------------------
+
+
+@planar_4r.quantity(units="1", symbol="sin^2(theta_1/2)", source=JOINTS, internal=True)
+def joint_S1(C: Any) -> Any:
+    """Squared sine of half the first joint angle."""
+    return C
+
+
+@planar_4r.quantity(units="1", symbol="cos^2(theta_1/2)", source=JOINTS, internal=True)
+def joint_C1(Z: Any) -> Any:
+    """Squared cosine of half the first joint angle."""
+    return Z
+
+
+@planar_4r.quantity(units="1", symbol="sin(theta_1)/2", source=JOINTS, internal=True)
+def joint_Y1(half_sine: Any) -> Any:
+    """Half the sine of the first joint angle."""
+    return -half_sine
+
+
+@planar_4r.quantity(units="1", symbol="a_1 a_4/(a_2 a_3)", source=JOINTS, internal=True)
+def per_p_plus_q(s1: Any, s2: Any, s3: Any, s4: Any) -> Any:
+    """a1 a4/(a2 a3), which is 1/(p + q)."""
+    return (s1 / s2) * (s4 / s3)
+
+
+@planar_4r.quantity(units="1", symbol="sin^2(theta_3/2)", source=JOINTS, internal=True)
+def joint_S3(root_q: Any, per_p_plus_q: Any) -> Any:
+    """Squared sine of half the third joint angle."""
+    return root_q * root_q * per_p_plus_q
+
+
+@planar_4r.quantity(units="1", symbol="cos^2(theta_3/2)", source=JOINTS, internal=True)
+def joint_C3(root_p: Any, per_p_plus_q: Any) -> Any:
+    """Squared cosine of half the third joint angle."""
+    return root_p * root_p * per_p_plus_q
+
+
+@planar_4r.quantity(units="1", symbol="sin(theta_3)/2", source=JOINTS, internal=True)
+def joint_Y3(root_p: Any, root_q: Any, per_p_plus_q: Any, branch_sign: Any) -> Any:
+    """Half the sine of the third joint angle."""
+    return -branch_sign * (root_p * root_q * per_p_plus_q)
+
+
+def squared_half_sine(x: Any, length: Any) -> Any:
+    """Return the squared sine of half the angle of a vector of known length."""
+    return 0.5 - 0.5 * (x / length)
+
+
+def squared_half_cosine(x: Any, length: Any) -> Any:
+    """Return the squared cosine of half the angle of a vector of known length."""
+    return 0.5 + 0.5 * (x / length)
+
+
+def half_of_sine(y: Any, length: Any) -> Any:
+    """Return half the sine of the angle of a vector of known length."""
+    return 0.5 * (y / length)
+
+
+def minus_half_of_sine(y: Any, length: Any) -> Any:
+    """Return minus half the sine of the angle of a vector of known length."""
+    return -0.5 * (y / length)
+
+
+for _i, _name, _law, _symbol, _meaning, _component in (
+    (2, "S", squared_half_sine, "sin^2(theta_2/2)", "squared sine of half", "x"),
+    (2, "C", squared_half_cosine, "cos^2(theta_2/2)", "squared cosine of half", "x"),
+    (2, "Y", half_of_sine, "sin(theta_2)/2", "half the sine of", "y"),
+    (4, "S", squared_half_sine, "sin^2(theta_4/2)", "squared sine of half", "x"),
+    (4, "C", squared_half_cosine, "cos^2(theta_4/2)", "squared cosine of half", "x"),
+    (4, "Y", minus_half_of_sine, "sin(theta_4)/2", "half the sine of", "y"),
+):
+    planar_4r.quantity(
+        units="1",
+        symbol=_symbol,
+        source=JOINTS,
+        internal=True,
+        name=f"joint_{_name}{_i}",
+        meaning=f"{_meaning} joint angle {_i}",
+        given={
+            _component: {"2x": "AB_u", "2y": "AB_v", "4x": "DB_x", "4y": "DB_y"}[f"{_i}{_component}"],
+            "length": f"a{_i if _i == 2 else 3}",
+        },
+    )(_law)

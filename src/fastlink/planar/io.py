@@ -1,0 +1,90 @@
+"""Coefficients of the six algebraic input-output equations of the planar 4R."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+
+from fastlink.errors import InputError, suggest
+from fastlink.geometry import gap
+from fastlink.mechanisms.planar_4r.factors import IO_CROSS, IO_PRODUCTS
+
+__all__ = ["io_coefficients"]
+
+#: a1 ... a4 as the terms of each factor of eq. (1).
+TERMS: dict[str, Callable[[Any, Any, Any, Any], tuple[Any, Any, Any, Any]]] = {
+    "A1": lambda a, b, c, d: (a, -b, c, -d),
+    "A2": lambda a, b, c, d: (a, b, c, -d),
+    "B1": lambda a, b, c, d: (a, b, -c, -d),
+    "B2": lambda a, b, c, d: (a, -b, -c, -d),
+    "C1": lambda a, b, c, d: (a, -b, -c, d),
+    "C2": lambda a, b, c, d: (a, b, -c, d),
+    "D1": lambda a, b, c, d: (a, b, c, d),
+    "D2": lambda a, b, c, d: (a, -b, c, d),
+}
+
+
+def io_coefficients(a1: Any, a2: Any, a3: Any, a4: Any, pair: str = "14") -> Any:
+    """Return the coefficients of an algebraic input-output equation of Hayes et al., eqs. (1) to (6).
+
+    With v_i = tan(joint_angle_i/2) for the joint angles of the closed polygon a1, a2, a3, a4 (quantities ``v1``
+    ... ``v4``), the equation of joints i and j is::
+
+        c[0] v_i^2 v_j^2 + c[1] v_i^2 + c[2] v_j^2 + c[3] v_i v_j + c[4] = 0
+
+    In terms of the ground-frame angles, joint_angle_1 = theta1 - pi and joint_angle_4 = -theta4. Each
+    coefficient is the product of two factors that are summed without loss, and right to three roundings, near change
+    points too; a factor is zero only where the lengths as given are at a change point exactly.
+
+    Parameters
+    ----------
+    a1, a2, a3, a4 : array_like
+        Lengths of crank, coupler, output link and ground link in m, positive; broadcast against each other.
+    pair : {"12", "13", "14", "23", "24", "34"}
+        The two joints: eqs. (2), (3), (1), (4), (5), (6).
+
+    Returns
+    -------
+    ndarray
+        The five coefficients in m2, shape (..., 5).
+
+    Raises
+    ------
+    InputError
+        A length is not positive and finite, the lengths do not broadcast, or there is no such pair.
+
+    Examples
+    --------
+    >>> import fastlink as fl
+    >>> fl.planar.io_coefficients(4.0, 12.0, 8.0, 10.0, pair="14")
+    array([-140.,   52., -108., -256.,  340.])
+    """
+    if pair not in IO_PRODUCTS:
+        raise InputError(f"io_coefficients: pair {pair!r} is unknown; {suggest(str(pair), IO_PRODUCTS)}")
+    lengths = []
+    for name, value in (("a1", a1), ("a2", a2), ("a3", a3), ("a4", a4)):
+        try:
+            length = np.asarray(value, dtype=float)
+        except (TypeError, ValueError) as error:
+            raise InputError(f"io_coefficients: {name} is not a number or an array of numbers") from error
+        if not np.all((length > 0.0) & np.isfinite(length)):
+            raise InputError(f"io_coefficients: {name} must be positive and finite")
+        lengths.append(length)
+    try:
+        a, b, c, d = np.broadcast_arrays(*lengths)
+    except ValueError as error:
+        shapes = ", ".join(str(length.shape) for length in lengths)
+        raise InputError(f"io_coefficients: lengths of shapes {shapes} do not broadcast") from error
+
+    def factor(name: str) -> Any:
+        return gap(*TERMS[name](a, b, c, d))[0]
+
+    _equation, *products = IO_PRODUCTS[pair]
+    vivj, vi, vj, one = (factor(x) * factor(y) for x, y in (str(product).split() for product in products))
+    cross = np.zeros_like(a)
+    if pair in IO_CROSS:
+        number, x, y = IO_CROSS[pair]
+        cross = number * (lengths[int(x) - 1] * lengths[int(y) - 1])
+    return np.stack(np.broadcast_arrays(vivj, vi, vj, cross, one), axis=-1)
