@@ -39,10 +39,9 @@ class _Writer(KernelLayout):
         outputs = ", ".join(f"out_{o.name}" for o in self.plan.outputs)
         text.open(f"def kernel(x, angles, n, n_angles, w, m, {outputs}):")
         for step in self.constant_steps:
-            for k, branch in enumerate(self.plan.branches):
+            for branch in self.plan.branches:
                 assert isinstance(step, Fact)
                 paste_fact(step, {"branch": f"{branch}.0"}, f"__{branch}", text)
-                del k
         text.open(f"for i0 in range(0, n, {LANES}):")
         text.add(f"lanes = min({LANES}, n - i0)")
         self.write_design_loop()

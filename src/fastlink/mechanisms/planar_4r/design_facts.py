@@ -148,18 +148,23 @@ def output_offset(s2: Any, s3: Any, per_4_s1_s4: Any) -> Any:
 
 
 @planar_4r.quantity(units="1", symbol="status", source=f"{IO_FACTORS}; {NUMERICS}#status", flags=STATUS_FLAGS)
-def status(s1: Any, s2: Any, s3: Any, s4: Any, gap_rounding: Any, valid: Any) -> Any:
+def status(
+    factor_A1: Any,
+    factor_A2: Any,
+    factor_B1: Any,
+    factor_B2: Any,
+    factor_C1: Any,
+    factor_C2: Any,
+    factor_D2: Any,
+    gap_rounding: Any,
+    valid: Any,
+) -> Any:
     """How the design assembles over a full turn of the input."""
-    A1, _A1_low = gap(s1, -s2, s3, -s4)
-    A2, _A2_low = gap(s1, s2, s3, -s4)
-    B1, _B1_low = gap(s1, s2, -s3, -s4)
-    B2, _B2_low = gap(s1, -s2, -s3, -s4)
-    C1, _C1_low = gap(s1, -s2, -s3, s4)
-    C2, _C2_low = gap(s1, s2, -s3, s4)
-    D2, _D2_low = gap(s1, -s2, s3, s4)
-    change_point = (abs(A1) <= gap_rounding) | (abs(B1) <= gap_rounding) | (abs(C1) <= gap_rounding)
-    one_too_long = (A2 < 0.0) | (B2 > 0.0) | (C2 < 0.0) | (D2 < 0.0)
-    turns = (A1 * B1 >= 0.0) & (C1 <= 0.0)
+    change_point = (
+        (abs(factor_A1) <= gap_rounding) | (abs(factor_B1) <= gap_rounding) | (abs(factor_C1) <= gap_rounding)
+    )
+    one_too_long = (factor_A2 < 0.0) | (factor_B2 > 0.0) | (factor_C2 < 0.0) | (factor_D2 < 0.0)
+    turns = (factor_A1 * factor_B1 >= 0.0) & (factor_C1 <= 0.0)
     code = select(change_point, 3.0, select(turns, 0.0, 1.0))
     code = select(one_too_long, 2.0, code)
     return select(valid == 1.0, code, 4.0)
