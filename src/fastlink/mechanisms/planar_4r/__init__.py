@@ -1,12 +1,15 @@
 """The Euclidean planar 4R of Hayes, Hninn and Irani."""
 
 from fastlink.mechanisms.planar_4r import (
+    circuits,
     classes,
     coupler,
     dense,
     design_facts,
+    driven,
     factors,
     forces,
+    graded,
     joints,
     links,
     position,
@@ -15,12 +18,16 @@ from fastlink.mechanisms.planar_4r import (
 from fastlink.mechanisms.planar_4r.declare import planar_4r
 
 __all__ = [
+    "DRIVEN",
+    "circuits",
     "classes",
     "coupler",
     "dense",
     "design_facts",
+    "driven",
     "factors",
     "forces",
+    "graded",
     "joints",
     "links",
     "planar_4r",
@@ -29,3 +36,5 @@ __all__ = [
 ]
 
 planar_4r.check()
+#: The same linkage by its other inputs.
+DRIVEN = driven.driven_catalogues()

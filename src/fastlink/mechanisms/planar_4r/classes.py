@@ -6,7 +6,7 @@ bits differ. Every angle is twice an arctangent of square roots of products of t
 sums of four lengths without loss: nothing cancels near a change point.
 
 The ranges are those of one turn in [0, pi]; the lower half is their mirror. Where the range has two limits
-(low > 0, high < pi) the two halves are circuits that cannot be reached from each other.
+(low > 0, high < pi) the two halves are the circuits of `circuits`.
 """
 
 from __future__ import annotations
@@ -52,13 +52,6 @@ for _name in ("A1", "B1", "C1"):
         meaning=f"{_name}, zero within the rounding of the lengths",
         given={"factor": f"factor_{_name}"},
     )(unless_rounding)
-
-
-@planar_4r.quantity(units="1", symbol="assembles", source=STATUS, internal=True)
-def assembles(factor_A2: Any, factor_B2: Any, factor_C2: Any, factor_D2: Any, valid: Any) -> Any:
-    """1 where the design assembles at some angle, else 0."""
-    one_too_long = (factor_A2 < 0.0) | (factor_B2 > 0.0) | (factor_C2 < 0.0) | (factor_D2 < 0.0)
-    return select(one_too_long, 0.0, select(valid == 1.0, 1.0, 0.0))
 
 
 @planar_4r.quantity(units="1", symbol="class", source=STATUS, flags=CLASS_FLAGS)

@@ -147,24 +147,22 @@ def output_offset(s2: Any, s3: Any, per_4_s1_s4: Any) -> Any:
     return s3 * (s3 - s2) * per_4_s1_s4
 
 
+@planar_4r.quantity(units="1", symbol="assembles", source=f"{IO_FACTORS}; {NUMERICS}#status", internal=True)
+def assembles(factor_A2: Any, factor_B2: Any, factor_C2: Any, factor_D2: Any, valid: Any) -> Any:
+    """1 where the design assembles at some angle, else 0."""
+    one_too_long = (factor_A2 < 0.0) | (factor_B2 > 0.0) | (factor_C2 < 0.0) | (factor_D2 < 0.0)
+    return select(one_too_long, 0.0, select(valid == 1.0, 1.0, 0.0))
+
+
 @planar_4r.quantity(units="1", symbol="status", source=f"{IO_FACTORS}; {NUMERICS}#status", flags=STATUS_FLAGS)
 def status(
-    factor_A1: Any,
-    factor_A2: Any,
-    factor_B1: Any,
-    factor_B2: Any,
-    factor_C1: Any,
-    factor_C2: Any,
-    factor_D2: Any,
-    gap_rounding: Any,
-    valid: Any,
+    factor_A1: Any, factor_B1: Any, factor_C1: Any, gap_rounding: Any, assembles: Any, valid: Any
 ) -> Any:
     """How the design assembles over a full turn of the input."""
     change_point = (
         (abs(factor_A1) <= gap_rounding) | (abs(factor_B1) <= gap_rounding) | (abs(factor_C1) <= gap_rounding)
     )
-    one_too_long = (factor_A2 < 0.0) | (factor_B2 > 0.0) | (factor_C2 < 0.0) | (factor_D2 < 0.0)
     turns = (factor_A1 * factor_B1 >= 0.0) & (factor_C1 <= 0.0)
     code = select(change_point, 3.0, select(turns, 0.0, 1.0))
-    code = select(one_too_long, 2.0, code)
+    code = select(assembles == 1.0, code, 2.0)
     return select(valid == 1.0, code, 4.0)
