@@ -279,7 +279,11 @@ class Catalogue:
     def require(self, name: str) -> None:
         """Raise InputError unless `name` is a quantity that users may ask for."""
         if name not in self.public:
-            raise InputError(f"quantity {name!r} is unknown to {self.name}; {suggest(name, self.public)}")
+            raise InputError(self.unknown(name, self.public))
+
+    def unknown(self, name: str, known: Iterable[str]) -> str:
+        """Return what to say of a name that is none of the known ones."""
+        return f"quantity {name!r} is unknown to {self.name}; {suggest(name, known)}"
 
     def closure(
         self, names: Iterable[str], leaves: Iterable[str], alternatives: Iterable[str] = ()

@@ -10,7 +10,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from fastlink.errors import InputError, suggest
+from fastlink.errors import InputError
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -94,7 +94,7 @@ def parse_request(name: str, catalogue: Catalogue) -> Request:
     if reduction is not None and quantity in cyclic and (reduction.has_place or not place):
         return Request(name, quantity, reduction, place)
     known = [*public, *reduced_names(catalogue)]
-    raise InputError(f"quantity {name!r} is unknown to {catalogue.name}; {suggest(name, known)}")
+    raise InputError(catalogue.unknown(name, known))
 
 
 def _cyclic(catalogue: Catalogue) -> dict[str, Fact]:

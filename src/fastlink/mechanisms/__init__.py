@@ -12,17 +12,21 @@ if TYPE_CHECKING:
 NAMES = ("planar_4r",)
 
 
-def catalogue(mechanism: str) -> Catalogue:
-    """Return the catalogue of a mechanism by its name.
+def catalogue(mechanism: str, input: str | None = None) -> Catalogue:
+    """Return the catalogue of a mechanism by its name, driven by the named input or else by its first.
 
     Raises
     ------
     InputError
-        The name is unknown.
+        The mechanism or the input is unknown.
     """
     if mechanism not in NAMES:
         raise InputError(f"mechanism {mechanism!r} is unknown; {suggest(str(mechanism), NAMES)}")
     from importlib import import_module
 
-    found: Catalogue = getattr(import_module(f"fastlink.mechanisms.{mechanism}"), mechanism)
-    return found
+    package = import_module(f"fastlink.mechanisms.{mechanism}")
+    found: Catalogue = getattr(package, mechanism)
+    inputs: dict[str, Catalogue] = {found.position.name: found} | package.DRIVEN
+    if input is not None and input not in inputs:
+        raise InputError(f"input {input!r} is unknown to {mechanism}; {suggest(str(input), inputs)}")
+    return inputs[input or found.position.name]

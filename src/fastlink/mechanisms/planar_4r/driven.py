@@ -1,0 +1,173 @@
+"""The planar 4R driven by any of its four joints.
+
+Joint k stands between links k - 1 and k: O, A, B, D between links 4 and 1, 1 and 2, 2 and 3, 3 and 4. Seen from
+link k - 1 and driven at joint k, the linkage is again a planar 4R, with crank a_k and the other lengths in cyclic
+order; how the links move relative to each other does not depend on which of them is held. So every fact of the joints
+is the same law under another name: what `planar_4r` says of joint i and length i holds of joint and length
+i + k - 1, with joint_angle_k + pi for theta1.
+
+Steps on the way are told in the frame of link k - 1 and keep the names that they have in `planar_4r`. What belongs to
+the linkage whichever joint is driven (its class, the input-output equations) is taken over as it is. What is told in
+the ground frame is not offered.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable
+from dataclasses import replace
+from typing import Any
+
+from fastlink.catalogue import Catalogue, Fact, Input
+from fastlink.jit import cos, sin
+from fastlink.mechanisms.planar_4r.declare import planar_4r
+
+__all__ = ["driven_by", "driven_catalogues"]
+
+#: Names that carry the number of a joint or a length.
+NUMBERED = re.compile(r"(a|s|v|joint_angle_|joint_omega_|joint_alpha_|joint_[SCY])([1-4])")
+ORDINALS = ("first", "second", "third", "fourth")
+POINTS = ("O", "A", "B", "D")
+LINKS = ("OA", "AB", "DB", "OD")
+
+#: What is offered: told of the driven joint and the others (moved), and of the linkage (kept).
+MOVED = (
+    *(f"joint_angle_{i}" for i in (2, 3, 4)),
+    *(f"v{i}" for i in (1, 2, 3, 4)),
+    *(f"joint_omega_{i}" for i in (2, 3, 4)),
+    *(f"joint_alpha_{i}" for i in (2, 3, 4)),
+    "transmission_angle",
+    "loop_residual",
+    "status",
+)
+#: What the residuals of the equations are made of.
+HALF_ANGLES = tuple(f"joint_{letter}{i}" for letter in "SCY" for i in (1, 2, 3, 4))
+KEPT = (
+    "grashof_class",
+    "grashof_excess",
+    *(f"io_residual_{pair}" for pair in ("12", "13", "14", "23", "24", "34")),
+)
+
+
+class _Driven(Catalogue):
+    """A mechanism by another of its inputs: fewer quantities, each with its own reason to be missing."""
+
+    def unknown(self, name: str, known: Iterable[str]) -> str:
+        of_quantity = (name == other or name.startswith(f"{other}_") for other in planar_4r.public)
+        if name == self.position.name:
+            return f"quantity {name!r} is the input, a coordinate of the result; leave it out"
+        if name.startswith(f"{planar_4r.position.name}_at_") or any(of_quantity):
+            return (
+                f"quantity {name!r} is told of input {planar_4r.position.name!r} only; with "
+                f"input={self.position.name!r} ask for {', '.join(sorted(self.public))}, or leave input out"
+            )
+        return super().unknown(name, known)
+
+
+def minus_cosine(angle: Any) -> Any:
+    """Cosine of the angle plus pi."""
+    return -cos(angle)
+
+
+def minus_sine(angle: Any) -> Any:
+    """Sine of the angle plus pi."""
+    return -sin(angle)
+
+
+def moved_number(number: int, joint: int) -> int:
+    """Return the joint or length of the linkage that is called `number` where `joint` is called 1.
+
+    Examples
+    --------
+    >>> [moved_number(i, joint=3) for i in (1, 2, 3, 4)]
+    [3, 4, 1, 2]
+    """
+    return (number + joint - 2) % 4 + 1
+
+
+def moved_name(name: str, joint: int) -> str:
+    """Return what a fact of `planar_4r` is called where `joint` is driven.
+
+    Examples
+    --------
+    >>> moved_name("a4", joint=2), moved_name("omega1", joint=2), moved_name("height", joint=2)
+    ('a1', 'joint_omega_2', 'height')
+    """
+    if numbered := NUMBERED.fullmatch("joint_omega_1" if name == "omega1" else name):
+        return f"{numbered[1]}{moved_number(int(numbered[2]), joint)}"
+    # the factors of the equations are kept; those of the cyclic order, which tell the status, stand beside them
+    return f"driven_{name}" if name.startswith(("factor_", "sure_")) else name
+
+
+def driven_by(joint: int) -> Catalogue:
+    """Return the catalogue of the planar 4R with this joint's angle as input."""
+    point, left, opposite, right = (POINTS[moved_number(i, joint) - 1] for i in (1, 2, 3, 4))
+    angle = planar_4r.facts[f"joint_angle_{joint}"]
+    far = f"joint_angle_{moved_number(3, joint)}"
+    line = f"of the directed line from {left} to {right}"
+    driven = _Driven(
+        f"{planar_4r.name} driven by {angle.name}",
+        f"{planar_4r.title.removesuffix(POINTS[0])}{point}",
+        branches={
+            1: f"{far} from 0 to pi: {opposite} to the right {line}",
+            2: f"{far} from -pi to 0: {opposite} to the left {line}",
+        },
+        position=Input(angle.name, angle.units, angle.symbol, angle.meaning),
+    )
+    for i, link in enumerate(LINKS, 1):
+        driven.inputs[f"a{i}"] = replace(planar_4r.inputs[f"a{i}"], meaning=f"length of the link {link}")
+    speed = f"joint_omega_{joint}"
+    driven.input(
+        speed,
+        units="rad s-1",
+        symbol=f"d theta_{joint}/dt (eqs. 1-6)",
+        meaning="rate of the driven joint angle, constant",
+    )
+    turned = {
+        "cos_theta1": minus_cosine,
+        "sin_theta1": minus_sine,
+        "Z": planar_4r.tables["C"].function,
+        "C": planar_4r.tables["Z"].function,
+    }
+    for name, table in planar_4r.tables.items():
+        driven.tables[name] = replace(table, function=turned[name], needs=(angle.name,))
+    driven.table_low_parts = dict(planar_4r.table_low_parts)
+    leaves = {*planar_4r.inputs, *planar_4r.tables, *planar_4r.table_low_parts, "branch"}
+    offered = {*KEPT, *(moved_name(name, joint) for name in MOVED)}
+    for fact in _facts((*MOVED, *HALF_ANGLES), leaves):
+        name = moved_name(fact.name, joint)
+        needs = tuple(moved_name(need, joint) for need in fact.needs)
+        labelled = _labels(name, fact, (opposite, left, right))
+        driven.facts[name] = replace(labelled, needs=needs, internal=name not in offered)
+    for fact in _facts(KEPT, {*leaves, *driven.facts}):
+        driven.facts[fact.name] = fact
+    driven.check()
+    return driven
+
+
+def driven_catalogues() -> dict[str, Catalogue]:
+    """Return the catalogue of each joint angle that may be the input, by its name."""
+    return {f"joint_angle_{joint}": driven_by(joint) for joint in (1, 2, 3, 4)}
+
+
+def _facts(names: Iterable[str], leaves: Iterable[str]) -> list[Fact]:
+    return [step for step in planar_4r.closure(names, leaves) if isinstance(step, Fact)]
+
+
+def _labels(name: str, law: Fact, triangle: tuple[str, str, str]) -> Fact:
+    """Return a law under another name, with what is said of that name."""
+    if name == "transmission_angle":
+        far, left, right = triangle
+        return replace(law, meaning=f"Transmission angle: between {far}{left} and {far}{right}")
+    numbered = NUMBERED.fullmatch(name)
+    if numbered is None:
+        return replace(law, name=name)
+    family, number = numbered[1], int(numbered[2])
+    if family not in ("joint_omega_", "joint_alpha_"):
+        said = planar_4r.facts[name]
+        return replace(law, name=name, symbol=said.symbol, meaning=said.meaning, source=said.source)
+    what, symbol = {
+        "joint_omega_": ("Rate", f"d theta_{number}/dt (eqs. 1-6)"),
+        "joint_alpha_": ("Second derivative", f"d2 theta_{number}/dt2 (eqs. 1-6)"),
+    }[family]
+    return replace(law, name=name, symbol=symbol, meaning=f"{what} of the {ORDINALS[number - 1]} joint angle")
