@@ -8,7 +8,7 @@ import pytest
 from configurations import PLANAR
 from fastlink.catalogue import Catalogue, CatalogueError, Fact, Input, System
 from fastlink.errors import InputError
-from fastlink.kernels.emit import statements
+from fastlink.fact import statements
 from fastlink.reading import read_facts
 
 LABELS = {"units": "m", "symbol": "x", "source": "here"}

@@ -17,8 +17,9 @@ LAYERS = [
     *(
         "errors",
         "jit",
-        "catalogue",
         "geometry",
+        "fact",
+        "catalogue",
         "mechanisms",
         "cycle",
         "closure",

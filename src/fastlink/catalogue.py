@@ -1,69 +1,21 @@
 """Declare physical facts once; everything else is read off the declaration.
 
-A *fact* is a straight-line function that states one physical statement for one design at one input
-position. Its parameters are the names of the facts and inputs it depends on, its name is the name of the
-quantity, the first line of its docstring is its meaning.
+A *fact* (see `fastlink.fact`) is a straight-line function; its parameters are the names of what it
+depends on, its name is the name of the quantity, the first line of its docstring is its meaning.
 """
 
 from __future__ import annotations
 
-import inspect
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Any, Literal, TypeVar
+from typing import Any, TypeVar
 
 from fastlink.errors import InputError, suggest
+from fastlink.fact import CatalogueError, Fact, GradedRange, Input, Rule, System, parameters
 
-__all__ = ["Catalogue", "CatalogueError", "Fact", "Input", "System", "parameters"]
+__all__ = ["Catalogue", "CatalogueError", "Fact", "GradedRange", "Input", "System", "parameters"]
 
-Rule = Literal["positive", "non-negative", "any"]
 F = TypeVar("F", bound=Callable[..., Any])
-
-
-class CatalogueError(Exception):
-    """A mechanism is declared wrongly: the fault is in the package, not in its use."""
-
-
-@dataclass(frozen=True)
-class Input:
-    """A number that the user gives for each design."""
-
-    name: str
-    units: str
-    symbol: str
-    meaning: str
-    rule: Rule = "any"
-
-
-@dataclass(frozen=True)
-class Fact:
-    """One physical statement, with what the file and the documentation say of it."""
-
-    name: str
-    function: Callable[..., Any]
-    needs: tuple[str, ...]
-    units: str
-    symbol: str
-    meaning: str
-    source: str
-    internal: bool = False
-    flags: Mapping[int, str] = field(default_factory=dict)
-
-
-@dataclass(frozen=True)
-class System:
-    """Unknowns that a linear system determines; `function` returns its rows, then its right-hand side."""
-
-    name: str
-    unknowns: tuple[str, ...]
-    function: Callable[..., Any]
-    needs: tuple[str, ...]
-
-
-def parameters(function: Callable[..., Any]) -> tuple[str, ...]:
-    """Return the names of a function's parameters."""
-    return tuple(inspect.signature(function).parameters)
 
 
 class Catalogue:
@@ -92,6 +44,7 @@ class Catalogue:
         self.table_low_parts: dict[str, str] = {}
         self.alternatives: dict[str, dict[str, Fact | System]] = {}
         self.alternative_inputs: dict[str, dict[str, Input]] = {}
+        self.graded: GradedRange | None = None
 
     # -- declaring -------------------------------------------------------------------------------
 
@@ -270,6 +223,8 @@ class Catalogue:
                 if isinstance(fact, System) or not fact.internal:
                     raise CatalogueError(f"{self.name}: {chosen} gives {name}, which is no quantity or input")
         leaves = {"branch", self.position.name, *self.tables, *self.table_low_parts}
+        if self.graded is not None:
+            leaves |= set(self.graded.leaves)
         for option in ((), *((name,) for name in {*self.alternatives, *self.alternative_inputs})):
             replaced = {name for key in option for name in self.alternatives.get(key, {})}
             known = leaves | (set(self.known_inputs(option)) - replaced)

@@ -1,28 +1,19 @@
 """Facts to kernel text: each fact's statements are pasted once, with its names made unique.
 
-The grammar of facts is assignments and one return; anything else is refused here and by a test.
+The grammar of facts (`fastlink.fact`) is assignments and one return.
 """
 
 from __future__ import annotations
 
 import ast
-import inspect
 import math
-import textwrap
 from collections.abc import Callable, Mapping
 from copy import deepcopy
-from functools import cache
 from typing import Any
 
-from fastlink.catalogue import CatalogueError, Fact, System
+from fastlink.fact import Fact, System, statements
 
 __all__ = ["Text", "paste_fact", "paste_system"]
-
-ALLOWED_NODES = (
-    ast.Assign, ast.Return, ast.Name, ast.Load, ast.Store, ast.Tuple, ast.Constant, ast.Call,
-    ast.BinOp, ast.Add, ast.Sub, ast.Mult, ast.Div, ast.BitAnd, ast.BitOr, ast.UnaryOp, ast.USub,
-    ast.Compare, ast.Lt, ast.LtE, ast.Gt, ast.GtE, ast.Eq, ast.NotEq,
-)  # fmt: skip
 
 
 class Text:
@@ -45,32 +36,6 @@ class Text:
     def close(self) -> None:
         """Leave a block."""
         self.indent -= 1
-
-
-@cache
-def statements(function: Callable[..., Any]) -> tuple[ast.stmt, ...]:
-    """Return the statements of a fact without its docstring, checked against the grammar.
-
-    Raises
-    ------
-    CatalogueError
-        It is not straight-line code: assignments and one return at the end.
-    """
-    tree = ast.parse(textwrap.dedent(inspect.getsource(function))).body[0]
-    assert isinstance(tree, ast.FunctionDef)
-    body = tree.body[1:] if ast.get_docstring(tree) is not None else tree.body
-    name = function.__name__
-    if not body or not isinstance(body[-1], ast.Return):
-        raise CatalogueError(f"fact {name} must end in its one return")
-    for statement in body:
-        for node in ast.walk(statement):
-            if not isinstance(node, ALLOWED_NODES):
-                raise CatalogueError(
-                    f"fact {name}, line {ast.unparse(statement)!r}: {type(node).__name__} is not allowed"
-                )
-    if any(isinstance(statement, ast.Return) for statement in body[:-1]):
-        raise CatalogueError(f"fact {name} must have one return")
-    return tuple(body)
 
 
 class _Rename(ast.NodeTransformer):

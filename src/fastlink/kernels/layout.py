@@ -11,8 +11,7 @@ import ast
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
-from fastlink.catalogue import Fact, System
-from fastlink.kernels.emit import statements
+from fastlink.fact import Fact, System, statements
 
 if TYPE_CHECKING:
     from fastlink.closure import Closure, Output

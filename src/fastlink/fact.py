@@ -1,0 +1,124 @@
+"""What is declared: inputs, facts and linear systems, and the grammar that the text of facts keeps to.
+
+A *fact* is a straight-line function that states one physical statement for one design at one input
+position. Its parameters are the names of the facts and inputs it depends on, its name is the name of the
+quantity, the first line of its docstring is its meaning.
+"""
+
+from __future__ import annotations
+
+import ast
+import inspect
+import textwrap
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from functools import cache
+from typing import Any, Literal
+
+__all__ = ["CatalogueError", "Fact", "GradedRange", "Input", "Rule", "System", "parameters", "statements"]
+
+Rule = Literal["positive", "non-negative", "any"]
+
+ALLOWED_NODES = (
+    ast.Assign, ast.Return, ast.Name, ast.Load, ast.Store, ast.Tuple, ast.Constant, ast.Call,
+    ast.BinOp, ast.Add, ast.Sub, ast.Mult, ast.Div, ast.BitAnd, ast.BitOr, ast.UnaryOp, ast.USub,
+    ast.Compare, ast.Lt, ast.LtE, ast.Gt, ast.GtE, ast.Eq, ast.NotEq,
+)  # fmt: skip
+
+
+class CatalogueError(Exception):
+    """A mechanism is declared wrongly: the fault is in the package, not in its use."""
+
+
+@dataclass(frozen=True)
+class Input:
+    """A number that the user gives for each design."""
+
+    name: str
+    units: str
+    symbol: str
+    meaning: str
+    rule: Rule = "any"
+
+
+@dataclass(frozen=True)
+class Fact:
+    """One physical statement, with what the file and the documentation say of it."""
+
+    name: str
+    function: Callable[..., Any]
+    needs: tuple[str, ...]
+    units: str
+    symbol: str
+    meaning: str
+    source: str
+    internal: bool = False
+    flags: Mapping[int, str] = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
+class System:
+    """Unknowns that a linear system determines; `function` returns its rows, then its right-hand side."""
+
+    name: str
+    unknowns: tuple[str, ...]
+    function: Callable[..., Any]
+    needs: tuple[str, ...]
+
+
+@dataclass(frozen=True)
+class GradedRange:
+    """Where a mechanism's extremes are looked for: samples that are dense where its curves are steep.
+
+    Attributes
+    ----------
+    name : str
+        The set of facts that give the position from a place in the range.
+    ends : tuple of (scale, start, toggle)
+        For the lower and the upper end the facts of the design that grade the samples: with rho the ratio of the
+        distances to both ends, samples stand at ``sqrt(rho) = scale sinh(j h)``, the first one at ``start``;
+        ``toggle`` is 1 where the branches meet there.
+    leaves : tuple of str
+        A place: the distances from the ends over the width, and the side of the ground line (1 or -1).
+    odd : tuple of str
+        What changes sign in the mirror that exchanges the sides and the branches.
+    vanishing : str
+        A fact that vanishes at toggles like the root of the distance.
+    """
+
+    name: str
+    ends: tuple[tuple[str, str, str], tuple[str, str, str]]
+    leaves: tuple[str, str, str]
+    odd: tuple[str, ...]
+    vanishing: str
+
+
+def parameters(function: Callable[..., Any]) -> tuple[str, ...]:
+    """Return the names of a function's parameters."""
+    return tuple(inspect.signature(function).parameters)
+
+
+@cache
+def statements(function: Callable[..., Any]) -> tuple[ast.stmt, ...]:
+    """Return the statements of a fact without its docstring, checked against the grammar.
+
+    Raises
+    ------
+    CatalogueError
+        It is not straight-line code: assignments and one return at the end.
+    """
+    tree = ast.parse(textwrap.dedent(inspect.getsource(function))).body[0]
+    assert isinstance(tree, ast.FunctionDef)
+    body = tree.body[1:] if ast.get_docstring(tree) is not None else tree.body
+    name = function.__name__
+    if not body or not isinstance(body[-1], ast.Return):
+        raise CatalogueError(f"fact {name} must end in its one return")
+    for statement in body:
+        for node in ast.walk(statement):
+            if not isinstance(node, ALLOWED_NODES):
+                raise CatalogueError(
+                    f"fact {name}, line {ast.unparse(statement)!r}: {type(node).__name__} is not allowed"
+                )
+    if any(isinstance(statement, ast.Return) for statement in body[:-1]):
+        raise CatalogueError(f"fact {name} must have one return")
+    return tuple(body)
