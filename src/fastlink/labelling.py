@@ -72,13 +72,14 @@ def coordinates(plan: Closure, space: DesignSpace, positions: NDArray[Any]) -> x
     return dataset_coordinates(space, {name: _describe(known[name]) for name in space.names}, further)
 
 
-def about(plan: Closure, solver: str, positions: int, threads: int) -> dict[str, Any]:
+def about(mechanism: str, plan: Closure, solver: str, positions: int, threads: int) -> dict[str, Any]:
     """Return the global attributes that are known before a sweep."""
     catalogue = plan.catalogue
     attrs: dict[str, Any] = {
         "Conventions": "CF-1.11",
         "title": f"{catalogue.title}: {', '.join(output.name for output in plan.outputs)}",
-        "mechanism": catalogue.name,
+        "mechanism": mechanism,
+        "input": catalogue.position.name,
         "source": f"fastlink {_version('fastlink-linkages')}, numba {_version('numba')}, numpy {np.__version__}",
         "solver": solver,
         "threads": threads,

@@ -86,6 +86,7 @@ def evaluate(
     *,
     branch: Any = 1,
     links: Links | None = None,
+    input: str | None = None,
     solver: str = "eliminated",
     **inputs: Any,
 ) -> dict[str, Any]:
@@ -104,6 +105,8 @@ def evaluate(
         Assembly mode.
     links : Links, optional
         Where mass data come from.
+    input : str, optional
+        What drives, as in `fastlink.sweep`.
     solver : {"eliminated", "dense"}
         As in `fastlink.sweep`.
     **inputs : float, array_like or xarray.DataArray
@@ -125,7 +128,7 @@ def evaluate(
     >>> fl.evaluate("planar_4r", ["B_y"], a1=3.0, a2=4.0, a3=5.0, a4=6.0, theta1=0.0, branch=2)["B_y"]
     4.0
     """
-    catalogue = find_catalogue(mechanism)
+    catalogue = find_catalogue(mechanism, input)
     alternatives = alternatives_of(links, solver)
     names = [quantities] if isinstance(quantities, str) else list(quantities)
     for name in names:

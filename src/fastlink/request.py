@@ -16,10 +16,11 @@ if TYPE_CHECKING:
 
     from fastlink.space import DesignSpace
 
-__all__ = ["SOLVERS", "alternatives_of", "check_branches", "check_inputs", "check_positions"]
+__all__ = ["SOLVERS", "alternatives_of", "check_branches", "check_inputs", "check_positions", "given_angles"]
 
 # "eliminated" is the closed form; it is what the facts say unless "dense" is chosen.
 SOLVERS = ("eliminated", "dense")
+ANGLES = 360
 RULES = {"positive": "greater than 0", "non-negative": "at least 0"}
 
 
@@ -98,6 +99,25 @@ def check_branches(catalogue: Catalogue, branch: Any) -> tuple[int, ...]:
     if not given:
         raise InputError(f"branch: none is given; write some of {allowed}")
     return tuple(int(value) for value in given)
+
+
+def given_angles(
+    catalogue: Catalogue, angles: int | ArrayLike | None, theta1: int | ArrayLike | None
+) -> int | ArrayLike:
+    """Return what was given of the input angles, of which theta1 is a name where theta1 is the input.
+
+    Raises
+    ------
+    InputError
+        They are given twice, or theta1 is not the input.
+    """
+    if theta1 is None:
+        return ANGLES if angles is None else angles
+    if catalogue.position.name != "theta1":
+        raise InputError(f"theta1: the input is {catalogue.position.name}; write its angles as angles")
+    if angles is not None:
+        raise InputError("theta1: angles are given too; write one of them")
+    return theta1
 
 
 def check_positions(catalogue: Catalogue, given: int | ArrayLike) -> NDArray[Any]:

@@ -15,7 +15,13 @@ from fastlink import label, labelling, store
 from fastlink.errors import InputError
 from fastlink.mechanisms import catalogue as find_catalogue
 from fastlink.plan import Plan, make_plan, split
-from fastlink.request import alternatives_of, check_branches, check_inputs, check_positions
+from fastlink.request import (
+    alternatives_of,
+    check_branches,
+    check_inputs,
+    check_positions,
+    given_angles,
+)
 from fastlink.run import Job, Part, default_threads, run
 
 if TYPE_CHECKING:
@@ -34,7 +40,9 @@ def sweep(
     quantities: Sequence[str],
     *,
     links: Links | None = None,
-    theta1: int | ArrayLike = 360,
+    input: str | None = None,
+    angles: int | ArrayLike | None = None,
+    theta1: int | ArrayLike | None = None,
     branch: int | Sequence[int] = (1, 2),
     solver: str = "eliminated",
     to: str | Path | None = None,
@@ -58,8 +66,14 @@ def sweep(
         ``theta1_at_NAME_max``, ``theta1_at_NAME_min``. `fastlink.quantities` lists them. ``status`` comes along.
     links : Links, optional
         Where mass data come from, such as ``fastlink.round_bar(density=7750.0, radius=0.01)``.
-    theta1 : int or array_like, default 360
+    input : str, optional
+        What drives: ``"theta1"`` unless given, or one of ``"joint_angle_1"`` ... ``"joint_angle_4"`` of the
+        planar 4R (see docs/conventions.md); ``fastlink.quantities(mechanism, input=...)`` lists what there is then.
+        The input takes the place of theta1: as dimension, in ``INPUT_at_NAME_max``, in the design its rate.
+    angles : int or array_like, default 360
         Number of equally spaced input angles over one turn, or the angles themselves in rad.
+    theta1 : int or array_like, optional
+        The same as `angles`, where theta1 is the input.
     branch : int or sequence of int, default (1, 2)
         Assembly modes.
     solver : {"eliminated", "dense"}
@@ -82,7 +96,7 @@ def sweep(
     Returns
     -------
     xarray.Dataset
-        In memory, or opened lazily from the file. Dimensions: the swept ones, then ``branch``, then ``theta1``.
+        In memory, or opened lazily from the file. Dimensions: the swept ones, then ``branch``, then the input.
         A configuration that does not assemble is NaN; ``status`` tells why.
 
     Raises
@@ -102,14 +116,14 @@ def sweep(
     ('a2', 'branch')
     """
     started = time.perf_counter()
-    catalogue = find_catalogue(mechanism)
+    catalogue = find_catalogue(mechanism, input)
     names = _names(quantities)
     alternatives = alternatives_of(links, solver)
     check_inputs(catalogue, space, alternatives, allow_invalid)
     if links is not None:
         space = space.with_constants(links.values)
     branches = check_branches(catalogue, branch)
-    positions = check_positions(catalogue, theta1)
+    positions = check_positions(catalogue, given_angles(catalogue, angles, theta1))
     count = _check_threads(threads)
     plan = make_plan(
         catalogue,
@@ -129,7 +143,7 @@ def sweep(
     )
     counts = _StatusCounts(plan)
     bar = _progress_bar(space.size, progress)
-    about = labelling.about(plan, solver, positions.size, count) | dict(attrs or {})
+    about = labelling.about(mechanism, plan, solver, positions.size, count) | dict(attrs or {})
     before = time.perf_counter()
 
     def report() -> dict[str, Any]:
