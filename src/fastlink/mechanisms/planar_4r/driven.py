@@ -50,16 +50,19 @@ KEPT = (
 
 
 class _Driven(Catalogue):
-    """A mechanism by another of its inputs: fewer quantities, each with its own reason to be missing."""
+    """A mechanism by another of its inputs: fewer quantities, and why others are missing."""
 
     def unknown(self, name: str, known: Iterable[str]) -> str:
-        of_quantity = (name == other or name.startswith(f"{other}_") for other in planar_4r.public)
-        if name == self.position.name:
-            return f"quantity {name!r} is the input, a coordinate of the result; leave it out"
-        if name.startswith(f"{planar_4r.position.name}_at_") or any(of_quantity):
+        first = planar_4r.position.name
+        if name in (self.position.name, *self.inputs):
+            return f"quantity {name!r} is given, and a coordinate of the result: leave it out"
+        known_there = (name == other or name.startswith(f"{other}_") for other in planar_4r.public)
+        if name.startswith(f"{first}_at_") or any(known_there):
+            other = f"joint_angle_{moved_number(2, int(self.position.name[-1]))}"
+            rates = ", ".join(repr(other.replace("angle", rate)) for rate in ("omega", "alpha"))
             return (
-                f"quantity {name!r} is told of input {planar_4r.position.name!r} only; with "
-                f"input={self.position.name!r} ask for {', '.join(sorted(self.public))}, or leave input out"
+                f"quantity {name!r} is told of input {first!r} alone; with input={self.position.name!r} "
+                f"ask for such as {other!r}, {rates}, or leave input out"
             )
         return super().unknown(name, known)
 
