@@ -7,6 +7,7 @@ depends on, its name is the name of the quantity, the first line of its docstrin
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import replace
 from functools import cached_property
 from typing import Any, TypeVar
 
@@ -16,6 +17,8 @@ from fastlink.fact import CatalogueError, Fact, GradedRange, Input, Rule, System
 __all__ = ["Catalogue", "CatalogueError", "Fact", "GradedRange", "Input", "System", "parameters"]
 
 F = TypeVar("F", bound=Callable[..., Any])
+# NAME__below_SET: what the fact NAME of that set replaces.
+BELOW = "__below_"
 
 
 class Catalogue:
@@ -57,10 +60,14 @@ class Catalogue:
         meaning: str,
         rule: Rule = "any",
         alternative: str | None = None,
+        default: float | None = None,
     ) -> None:
-        """Declare a number that the user gives; `alternative` restricts it to a named set of facts."""
+        """Declare a number that the user gives; `alternative` restricts it to a named set of facts.
+
+        Giving an input of a set that has one with a default chooses the set: see `chosen_by`.
+        """
         self._check_new(name, alternative)
-        declared = Input(name, units, symbol, meaning, rule)
+        declared = Input(name, units, symbol, meaning, rule, default)
         if alternative is None:
             self.inputs[name] = declared
         else:
@@ -192,13 +199,35 @@ class Catalogue:
             known.update(self.alternative_inputs.get(alternative, {}))
         return known
 
+    def chosen_by(self, given: Iterable[str]) -> tuple[str, ...]:
+        """Return the sets of facts that giving these inputs chooses: those with an input that may be left out."""
+        names = set(given)
+        return tuple(
+            alternative
+            for alternative, inputs in self.alternative_inputs.items()
+            if names & set(inputs) and any(i.default is not None for i in inputs.values())
+        )
+
     def lookup(self, name: str, alternatives: Iterable[str] = ()) -> Fact | System | None:
-        """Return what determines `name`, or None for an input, a table or an unknown name."""
-        for alternative in alternatives:
-            found = self.alternatives.get(alternative, {}).get(name)
+        """Return what determines `name`, or None for an input, a table or an unknown name.
+
+        The first of the chosen sets that has it, else the mechanism itself. A fact of a set that needs its own
+        name builds on what it replaces (in a later set, or the mechanism), there called NAME__below_SET: loads
+        add themselves so, in any combination.
+        """
+        chosen = tuple(alternatives)
+        plain, _, above = name.partition(BELOW)
+        start = chosen.index(above) + 1 if above else 0
+        for alternative in chosen[start:]:
+            found = self.alternatives.get(alternative, {}).get(plain)
+            if isinstance(found, Fact):
+                below = f"{plain}{BELOW}{alternative}"
+                needs = tuple(below if need == plain else need for need in found.needs)
+                return found if needs == found.needs and not above else replace(found, name=name, needs=needs)
             if found is not None:
                 return found
-        return self.facts.get(name)
+        fact = self.facts.get(plain)
+        return replace(fact, name=name) if fact is not None and above else fact
 
     @cached_property
     def _axes(self) -> dict[str, frozenset[str]]:

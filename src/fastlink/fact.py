@@ -32,13 +32,14 @@ class CatalogueError(Exception):
 
 @dataclass(frozen=True)
 class Input:
-    """A number that the user gives for each design."""
+    """A number that the user gives for each design; one with a default may be left out."""
 
     name: str
     units: str
     symbol: str
     meaning: str
     rule: Rule = "any"
+    default: float | None = None
 
 
 @dataclass(frozen=True)

@@ -15,7 +15,7 @@ from fastlink.catalogue import Catalogue, System
 from fastlink.errors import InputError
 from fastlink.links import Links
 from fastlink.mechanisms import catalogue as find_catalogue
-from fastlink.request import alternatives_of
+from fastlink.request import alternatives_of, constants_of
 from fastlink.tables import angle_tables
 
 __all__ = ["evaluate", "read_facts"]
@@ -129,11 +129,11 @@ def evaluate(
     4.0
     """
     catalogue = find_catalogue(mechanism, input)
-    alternatives = alternatives_of(links, solver)
+    alternatives = alternatives_of(catalogue, links, solver, inputs)
     names = [quantities] if isinstance(quantities, str) else list(quantities)
     for name in names:
         catalogue.require(name)
-    values = dict(links.values if links is not None else {}) | inputs | {"branch": branch}
+    values = constants_of(catalogue, links, alternatives) | inputs | {"branch": branch}
     position = catalogue.position.name
     if position not in values:
         raise InputError(f"evaluate: {position} is missing ({catalogue.position.meaning}); give it in rad")

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any
+from collections.abc import Iterable, Sequence
+from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
 
@@ -16,26 +16,48 @@ if TYPE_CHECKING:
 
     from fastlink.space import DesignSpace
 
-__all__ = ["SOLVERS", "alternatives_of", "check_branches", "check_inputs", "check_positions", "given_angles"]
+__all__ = [
+    "SOLVERS",
+    "alternatives_of",
+    "check_branches",
+    "check_inputs",
+    "check_positions",
+    "constants_of",
+    "given_angles",
+]
 
 # "eliminated" is the closed form; it is what the facts say unless "dense" is chosen.
 SOLVERS = ("eliminated", "dense")
 ANGLES = 360
+T = TypeVar("T")
 RULES = {"positive": "greater than 0", "non-negative": "at least 0"}
 
 
-def alternatives_of(links: Links | None, solver: str) -> tuple[str, ...]:
-    """Return the chosen sets of facts.
+def alternatives_of(
+    catalogue: Catalogue, links: Links | None, solver: str, given: Iterable[str] = ()
+) -> tuple[str, ...]:
+    """Return the chosen sets of facts, what replaces before what is replaced.
+
+    Giving an input of a load (see `Catalogue.chosen_by`) chooses its facts.
 
     Raises
     ------
     InputError
-        The solver is unknown.
+        The solver is unknown, or nothing depends on links.
     """
     if solver not in SOLVERS:
         raise InputError(f"solver {solver!r} is unknown; {suggest(str(solver), SOLVERS)}")
-    chosen = () if links is None else (links.model,)
-    return (*chosen, "dense") if solver == "dense" else chosen
+    if links is not None and links.model not in catalogue.alternative_inputs:
+        raise InputError(f"links: nothing of {catalogue.name} depends on mass; leave them out")
+    solved = ("dense",) if solver == "dense" else ()
+    return (*solved, *catalogue.chosen_by(given), *(() if links is None else (links.model,)))
+
+
+def constants_of(catalogue: Catalogue, links: Links | None, alternatives: Iterable[str]) -> dict[str, float]:
+    """Return the inputs that a design need not give: those of the links, and the defaults of the chosen sets."""
+    inputs = catalogue.known_inputs(alternatives).values()
+    defaults = {known.name: known.default for known in inputs if known.default is not None}
+    return defaults | dict(links.values if links is not None else {})
 
 
 def check_inputs(
@@ -101,9 +123,7 @@ def check_branches(catalogue: Catalogue, branch: Any) -> tuple[int, ...]:
     return tuple(int(value) for value in given)
 
 
-def given_angles(
-    catalogue: Catalogue, angles: int | ArrayLike | None, theta1: int | ArrayLike | None
-) -> int | ArrayLike:
+def given_angles(catalogue: Catalogue, angles: T | None, theta1: T | None) -> T | int:
     """Return what was given of the input angles, of which theta1 is a name where theta1 is the input.
 
     Raises

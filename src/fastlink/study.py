@@ -15,7 +15,14 @@ from fastlink.cycle import Request, parse_request
 from fastlink.errors import InputError
 from fastlink.links import Links, links_from
 from fastlink.mechanisms import catalogue as find_catalogue
-from fastlink.request import alternatives_of, check_branches, check_positions
+from fastlink.request import (
+    SOLVERS,
+    alternatives_of,
+    check_branches,
+    check_positions,
+    constants_of,
+    given_angles,
+)
 from fastlink.space import DesignSpace
 from fastlink.store import check_target
 from fastlink.study_design import angles_of, check_values, missing_inputs, space_of
@@ -45,7 +52,7 @@ class Study:
         The designs.
     links : Links or None
         The model of the links.
-    theta1 : int or array
+    angles : int or array
         Number of input angles, or the angles in rad.
     sources : tuple of Path
         The files that it was read from: itself, and a table of designs.
@@ -56,7 +63,7 @@ class Study:
     shape: StudyFile
     space: DesignSpace
     links: Links | None
-    theta1: int | NDArray[Any]
+    angles: int | NDArray[Any]
     sources: tuple[Path, ...]
 
 
@@ -130,7 +137,8 @@ def run_study(
             study.space,
             shape.quantities,
             links=study.links,
-            theta1=study.theta1,
+            input=shape.cycle.input,
+            angles=study.angles,
             branch=shape.cycle.branch,
             solver=shape.cycle.solver,
             to=place,
@@ -165,26 +173,27 @@ def read_study(path: str | Path) -> Study:
         if isinstance(raw.get("mechanism"), str):
             _catalogue(found, raw["mechanism"])
         raise found.error() from None
-    catalogue = _catalogue(found, shape.mechanism)
+    catalogue = _catalogue(found, shape.mechanism, shape.cycle.input)
     links = _links(found, shape.links)
-    alternatives: tuple[str, ...] = ()
-    with found.at("cycle.solver"):
-        alternatives = alternatives_of(links, shape.cycle.solver)
     requests = _requests(found, catalogue, shape.quantities)
     with found.at("cycle.branch"):
         check_branches(catalogue, shape.cycle.branch)
     angles: int | NDArray[Any] = 0
-    with found.at("cycle.theta1"):
-        angles = angles_of(shape.cycle.theta1)
+    with found.at("cycle.angles" if shape.cycle.theta1 is None else "cycle.theta1"):
+        angles = angles_of(given_angles(catalogue, shape.cycle.angles, shape.cycle.theta1))
         check_positions(catalogue, angles)
     space = space_of(found, path, shape.design)
+    alternatives: tuple[str, ...] = ()
+    with found.at("links" if shape.cycle.solver in SOLVERS else "cycle.solver"):
+        names = () if space is None else space.names
+        alternatives = alternatives_of(catalogue, links, shape.cycle.solver, names)
     if space is not None:
         check_values(found, catalogue, shape.design, space, alternatives)
-        given = {*space.names, *(links.values if links else ())}
+        given = {*space.names, *constants_of(catalogue, links, alternatives)}
         if not found.lines:
             for name, fault in missing_inputs(catalogue, requests, alternatives, given):
-                table_name = "design" if name in catalogue.inputs else "links"
-                found.add(f"{table_name}.{name}", fault)
+                of_links = links is not None and name in catalogue.alternative_inputs[links.model]
+                found.add(f"{'links' if of_links else 'design'}.{name}", fault)
     found.stop()
     assert space is not None
     sources = (path, *([path.parent / shape.design.table] if shape.design.table else ()))
@@ -201,10 +210,13 @@ def _text_of(path: Path) -> str:
         raise InputError(f"{path}: cannot be read ({why}); give the path of a study file") from None
 
 
-def _catalogue(found: Problems, mechanism: str) -> Catalogue:
+def _catalogue(found: Problems, mechanism: str, input: str | None = None) -> Catalogue:
     """Return the mechanism; without it nothing else can be checked."""
     with found.at("mechanism"):
-        return find_catalogue(mechanism)
+        find_catalogue(mechanism)
+    found.stop()
+    with found.at("cycle.input"):
+        return find_catalogue(mechanism, input)
     raise found.error()
 
 

@@ -20,6 +20,7 @@ from fastlink.request import (
     check_branches,
     check_inputs,
     check_positions,
+    constants_of,
     given_angles,
 )
 from fastlink.run import Job, Part, default_threads, run
@@ -118,10 +119,9 @@ def sweep(
     started = time.perf_counter()
     catalogue = find_catalogue(mechanism, input)
     names = _names(quantities)
-    alternatives = alternatives_of(links, solver)
+    alternatives = alternatives_of(catalogue, links, solver, space.names)
     check_inputs(catalogue, space, alternatives, allow_invalid)
-    if links is not None:
-        space = space.with_constants(links.values)
+    space = space.with_constants(constants_of(catalogue, links, alternatives))
     branches = check_branches(catalogue, branch)
     positions = check_positions(catalogue, given_angles(catalogue, angles, theta1))
     count = _check_threads(threads)
