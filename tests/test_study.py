@@ -62,7 +62,7 @@ file = "torque.h5"
 
 def test_theta1_and_branch_by_default(folder):
     study = read_study(written(BARE + "[design]\n" + LENGTHS))
-    assert study.theta1 == 360
+    assert study.angles == 360
     assert study.shape.cycle.branch == [1, 2]
 
 

@@ -19,7 +19,7 @@ __all__ = ["LONGEST_AXIS", "Angles", "Design", "LinkModel", "Problems", "StudyFi
 LONGEST_AXIS = 10_000_000  # 80 MB: axes are held in memory
 
 MOST_LINES = 20
-WHERE = re.compile(r"^(grid|table|sobol|latin_hypercube|design|links|branch|theta1): ")
+WHERE = re.compile(r"^(grid|table|sobol|latin_hypercube|design|links|branch|theta1|joint_angle_\d): ")
 # what the functions say to who calls them in Python, and how a study file has it
 PHRASES = {"(lo, hi)": "[lo, hi]", ", or pass allow_invalid=True to keep such designs": ""}
 
@@ -134,21 +134,26 @@ class LinkModel(BaseModel):
     model: Text
 
 
-class Cycle(_Table):
-    """Input angles, assembly modes and solver."""
+InputAngles = Annotated[
+    Annotated[
+        Count,
+        _or_say(
+            f"a number of angles from 1 to {LONGEST_AXIS}, {{linspace = [lo, hi, n]}} or "
+            "{values = [...]} in rad"
+        ),
+        Tag("<number>"),
+    ]
+    | Annotated[Angles, Tag("<axis>")],
+    Discriminator(_kind),
+]
 
-    theta1: Annotated[
-        Annotated[
-            Count,
-            _or_say(
-                f"a number of angles from 1 to {LONGEST_AXIS}, {{linspace = [lo, hi, n]}} or "
-                "{values = [...]} in rad"
-            ),
-            Tag("<number>"),
-        ]
-        | Annotated[Angles, Tag("<axis>")],
-        Discriminator(_kind),
-    ] = 360
+
+class Cycle(_Table):
+    """What drives, its angles, assembly modes and solver."""
+
+    input: Text | None = None
+    angles: InputAngles | None = None
+    theta1: InputAngles | None = None
     branch: Annotated[Whole | list[Whole], _or_say("assembly modes, such as [1, 2]")] = [1, 2]
     solver: Annotated[str, Field(strict=True), _or_say('"eliminated" or "dense"')] = "eliminated"
 
