@@ -83,8 +83,13 @@ class GradedRange:
         A place: the distances from the ends over the width, and the side of the ground line (1 or -1).
     odd : tuple of str
         What changes sign in the mirror that exchanges the sides and the branches.
-    vanishing : str
-        A fact that vanishes at toggles like the root of the distance.
+    vanishing, inverse : str
+        A fact that vanishes at toggles like the root of the distance, and the one that is its reciprocal.
+    cells, most : mapping of str to int
+        For some quantities half the number of cells that find every extreme, a power of two, and how many
+        extremes there are at most; `cells_otherwise` and `most_otherwise` for all others.
+    rough : tuple of str
+        What no derivative describes: residuals, and what jumps.
     """
 
     name: str
@@ -92,6 +97,12 @@ class GradedRange:
     leaves: tuple[str, str, str]
     odd: tuple[str, ...]
     vanishing: str
+    inverse: str
+    cells: Mapping[str, int]
+    most: Mapping[str, int]
+    rough: tuple[str, ...] = ()
+    cells_otherwise: int = 32
+    most_otherwise: int = 12
 
 
 def parameters(function: Callable[..., Any]) -> tuple[str, ...]:

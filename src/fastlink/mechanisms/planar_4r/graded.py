@@ -1,0 +1,172 @@
+"""The reachable range of the input, graded: where to look for extremes, and the position from there.
+
+In Z the singularities lie at 0 and Z0 below, at 1 and 1 - C0 above; the reachable range runs from the upper of the
+lower two to the lower of the upper two. A place in it is two fractions of its width, `from_low` and
+`from_high`, and the side of the ground line. Everything that the position facts need is then a sum of
+positive terms, without any trigonometric function and without the second word of Z and C.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+from fastlink.fact import GradedRange
+from fastlink.jit import NOT_A_NUMBER, atan2, select, sqrt
+from fastlink.mechanisms.planar_4r.declare import NUMERICS, planar_4r
+from fastlink.mechanisms.planar_4r.factors import IO_PRODUCTS
+
+EXTREMES = f"{NUMERICS}#extremes"
+TWO_PI = 6.283185307179586
+#: Of the first sample's distance from a toggle: so close that the power of 1/sigma leads by ten digits.
+NEAR_TOGGLE = 2.0**-40
+
+# Between extremes of a rate its derivative has the sign of a polynomial of degree 6 in tan^2(theta1/2): never more
+# than one maximum and one minimum by branch; that of an acceleration is of degree 11: 5 at most were ever found.
+MONOTONE = ("omega2", "omega4", "theta2", "theta4", "transmission_angle")
+ACCELERATIONS = ("alpha2", "alpha4")
+
+
+@planar_4r.quantity(units="1", symbol="w", source=EXTREMES, internal=True)
+def range_width(
+    s1: Any,
+    s2: Any,
+    s3: Any,
+    s4: Any,
+    factor_A2: Any,
+    factor_B2: Any,
+    factor_C2: Any,
+    factor_D2: Any,
+    Z0: Any,
+    C0: Any,
+    per_4_s1_s4: Any,
+    assembles: Any,
+) -> Any:
+    """Width of the reachable range in Z; NaN where the design never assembles."""
+    low = Z0 > 0.0
+    high = C0 > 0.0
+    both = 4.0 * (s2 * s3)
+    width = select(
+        low, select(high, both, factor_C2 * factor_D2), select(high, -(factor_A2 * factor_B2), 4.0 * (s1 * s4))
+    )
+    return select(assembles == 1.0, width * per_4_s1_s4, NOT_A_NUMBER)
+
+
+def above_zero(x: Any) -> Any:
+    """Return x where it is positive, else 0."""
+    return select(x > 0.0, x, 0.0)
+
+
+def below_zero(x: Any) -> Any:
+    """Return -x where x is negative, else 0."""
+    return select(x < 0.0, -x, 0.0)
+
+
+for _name, _symbol, _law, _given in (
+    ("Z_least", "max(Z_0, 0)", above_zero, "Z0"),
+    ("p_least", "max(-Z_0, 0)", below_zero, "Z0"),
+    ("C_least", "max(C_0, 0)", above_zero, "C0"),
+    ("q_least", "max(-C_0, 0)", below_zero, "C0"),
+):
+    planar_4r.quantity(
+        units="1",
+        symbol=_symbol,
+        source=EXTREMES,
+        internal=True,
+        name=_name,
+        meaning=f"least {_name[0]} of the reachable range",
+        given={"x": _given},
+    )(_law)
+
+
+def grade(near: Any, width: Any) -> Any:
+    """Root of the distance to the next singularity beyond the end over that to the other end; 1 if none."""
+    return select(near > 0.0, sqrt(near / (width + near)), 1.0)
+
+
+@planar_4r.quantity(units="1", symbol="near", source=EXTREMES, internal=True)
+def near_low(Z0: Any, gamma0: Any) -> Any:
+    """Distance in Z from the lower end of the range to the next singularity below it."""
+    return select(Z0 == 0.0, gamma0, abs(Z0))
+
+
+@planar_4r.quantity(units="1", symbol="near", source=EXTREMES, internal=True)
+def near_high(C0: Any) -> Any:
+    """Distance in Z from the upper end of the range to the next singularity above it."""
+    return abs(C0)
+
+
+def first_place(limit: Any, scale: Any) -> Any:
+    """Where samples begin: at the end of the range, or just before a toggle or fold."""
+    return select(limit >= 0.0, NEAR_TOGGLE * scale, 0.0)
+
+
+def is_toggle(limit: Any) -> Any:
+    """1 where the range ends at a toggle, else 0."""
+    return select(limit > 0.0, 1.0, 0.0)
+
+
+for _end, _limit in (("low", "Z0"), ("high", "C0")):
+    for _name, _law, _meaning, _given in (
+        ("scale", grade, "scale of the graded samples", {"near": f"near_{_end}", "width": "range_width"}),
+        ("start", first_place, "place of the first sample", {"limit": _limit, "scale": f"scale_{_end}"}),
+        ("toggle", is_toggle, "1 for a toggle", {"limit": _limit}),
+    ):
+        planar_4r.quantity(
+            units="1",
+            symbol=_name,
+            source=EXTREMES,
+            internal=True,
+            name=f"{_name}_{_end}",
+            meaning=f"{_meaning}, at the {'lower' if _end == 'low' else 'upper'} end of the range",
+            given=_given,
+        )(_law)
+
+planar_4r.graded = GradedRange(
+    name="graded",
+    ends=(("scale_low", "start_low", "toggle_low"), ("scale_high", "start_high", "toggle_high")),
+    leaves=("from_low", "from_high", "side"),
+    odd=("side", "branch_sign"),
+    vanishing="sigma",
+    inverse="per_sigma",
+    cells=dict.fromkeys(MONOTONE, 4) | dict.fromkeys(ACCELERATIONS, 16),
+    most=dict.fromkeys(MONOTONE, 2) | dict.fromkeys(ACCELERATIONS, 5),
+    rough=("loop_residual", *(f"io_residual_{pair}" for pair in IO_PRODUCTS), *(f"v{k}" for k in range(1, 5))),
+)
+
+
+def from_end(least: Any, range_width: Any, fraction: Any) -> Any:
+    """Least value and the part of the width."""
+    return least + range_width * fraction
+
+
+for _name, _fraction in (("Z", "from_low"), ("p", "from_low"), ("C", "from_high"), ("q", "from_high")):
+    planar_4r.quantity(
+        units="1",
+        symbol=_name,
+        source=EXTREMES,
+        internal=True,
+        alternative="graded",
+        name=_name,
+        meaning=f"{_name} at a place of the graded range",
+        given={"least": f"{_name}_least", "fraction": _fraction},
+    )(from_end)
+
+
+@planar_4r.quantity(units="1", symbol="sin theta_1", source=EXTREMES, internal=True, alternative="graded")
+def sin_theta1(side: Any, Z: Any, C: Any) -> Any:
+    """Sine of the input angle."""
+    return side * (2.0 * sqrt(Z * C))
+
+
+@planar_4r.quantity(units="1", symbol="cos theta_1", source=EXTREMES, internal=True, alternative="graded")
+def cos_theta1(Z: Any, C: Any) -> Any:
+    """Cosine of the input angle."""
+    return C - Z
+
+
+@planar_4r.quantity(units="rad", symbol="theta_1", source=EXTREMES, internal=True, alternative="graded")
+def theta1(side: Any, Z: Any, C: Any) -> Any:
+    """Input angle in [0, 2 pi)."""
+    half_turn = 2.0 * atan2(sqrt(Z), sqrt(C))
+    mirrored = TWO_PI - half_turn
+    return select(side > 0.0, half_turn, select(mirrored < TWO_PI, mirrored, 0.0))
