@@ -109,11 +109,14 @@ def quantities(
     every: Annotated[
         bool, typer.Option("--all", help="List the steps on the way too, which cannot be asked for by name.")
     ] = False,
+    input: Annotated[
+        str | None, typer.Option("--input", metavar="INPUT", help="What drives, such as joint_angle_2.")
+    ] = None,
 ) -> None:
     """List what can be asked of a mechanism, and its inputs."""
     from fastlink.listing import quantities as listed
 
-    typer.echo(str(listed(mechanism, internal=every)))
+    typer.echo(str(listed(mechanism, internal=every, input=input)))
 
 
 @command

@@ -130,7 +130,7 @@ class QuantityList(list[Quantity]):
         )
 
 
-def quantities(mechanism: str, internal: bool = False) -> QuantityList:
+def quantities(mechanism: str, internal: bool = False, input: str | None = None) -> QuantityList:
     """List what can be asked of a mechanism.
 
     Parameters
@@ -139,6 +139,8 @@ def quantities(mechanism: str, internal: bool = False) -> QuantityList:
         Its name, such as ``"planar_4r"``.
     internal : bool, default False
         List the steps on the way too, which cannot be asked for by name.
+    input : str, optional
+        What drives, as in `fastlink.sweep`.
 
     Returns
     -------
@@ -148,7 +150,7 @@ def quantities(mechanism: str, internal: bool = False) -> QuantityList:
     Raises
     ------
     InputError
-        The mechanism is unknown.
+        The mechanism or the input is unknown.
 
     Examples
     --------
@@ -156,7 +158,7 @@ def quantities(mechanism: str, internal: bool = False) -> QuantityList:
     >>> [(row.name, row.units, row.dims) for row in listed if row.name == "omega4"]
     [('omega4', 'rad s-1', ('design', 'branch', 'theta1'))]
     """
-    catalogue = find_catalogue(mechanism)
+    catalogue = find_catalogue(mechanism, input)
     every = (DESIGN, BRANCH, catalogue.position.name)
     public = _ordered(catalogue)
     rows = [_quantity(fact, every if catalogue.varies(fact.name) else (DESIGN,)) for fact in public]

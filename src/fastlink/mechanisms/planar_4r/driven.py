@@ -133,7 +133,8 @@ def driven_by(joint: int) -> Catalogue:
         "C": planar_4r.tables["Z"].function,
     }
     for name, table in planar_4r.tables.items():
-        driven.tables[name] = replace(table, function=turned[name], needs=(angle.name,))
+        meaning = f"{table.meaning} plus pi"
+        driven.tables[name] = replace(table, function=turned[name], needs=(angle.name,), meaning=meaning)
     driven.table_low_parts = dict(planar_4r.table_low_parts)
     leaves = {*planar_4r.inputs, *planar_4r.tables, *planar_4r.table_low_parts, "branch"}
     offered = {*KEPT, *(moved_name(name, joint) for name in MOVED)}
