@@ -92,14 +92,24 @@ def factor_D2(s1: Any, s2: Any, s3: Any, s4: Any) -> Any:
     return total
 
 
+def cross_name(number: float, x: str, y: str) -> str:
+    """Return the name of a coefficient of v_i v_j."""
+    return f"io_{'cross' if number > 0.0 else 'minus_cross'}_{x}{y}"
+
+
 def io_product(first: Any, second: Any, per_sum_squared: Any) -> Any:
     """Product of two factors over the squared sum of the lengths."""
     return first * second * per_sum_squared
 
 
 def io_cross(x: Any, y: Any, per_sum_squared: Any) -> Any:
-    """Eight times the product of two lengths over their squared sum."""
+    """Eight times the product of two lengths over the squared sum of all."""
     return 8.0 * (x * y) * per_sum_squared
+
+
+def io_minus_cross(x: Any, y: Any, per_sum_squared: Any) -> Any:
+    """Minus eight times the product of two lengths over the squared sum of all."""
+    return -8.0 * (x * y) * per_sum_squared
 
 
 def residual(vivj: Any, vi: Any, vj: Any, one: Any, S_i: Any, C_i: Any, S_j: Any, C_j: Any) -> Any:
@@ -107,52 +117,21 @@ def residual(vivj: Any, vi: Any, vj: Any, one: Any, S_i: Any, C_i: Any, S_j: Any
     return (vivj * S_i * S_j + one * C_i * C_j) + (vi * S_i * C_j + vj * C_i * S_j)
 
 
-def residual_minus(
-    vivj: Any,
-    vi: Any,
-    vj: Any,
-    cross: Any,
-    one: Any,
-    S_i: Any,
-    C_i: Any,
-    Y_i: Any,
-    S_j: Any,
-    C_j: Any,
-    Y_j: Any,
-) -> Any:
-    """Residual of an equation with a negative coefficient of v_i v_j."""
-    squares = (vivj * S_i * S_j + one * C_i * C_j) + (vi * S_i * C_j + vj * C_i * S_j)
-    return squares - cross * Y_i * Y_j
-
-
-def residual_plus(
-    vivj: Any,
-    vi: Any,
-    vj: Any,
-    cross: Any,
-    one: Any,
-    S_i: Any,
-    C_i: Any,
-    Y_i: Any,
-    S_j: Any,
-    C_j: Any,
-    Y_j: Any,
-) -> Any:
-    """Residual of an equation with a positive coefficient of v_i v_j."""
-    squares = (vivj * S_i * S_j + one * C_i * C_j) + (vi * S_i * C_j + vj * C_i * S_j)
+def residual_with_cross(squares: Any, cross: Any, Y_i: Any, Y_j: Any) -> Any:
+    """Residual of an equation with a term in v_i v_j."""
     return squares + cross * Y_i * Y_j
 
 
-for _x, _y in (("1", "3"), ("2", "4")):
+for _number, _x, _y in sorted(set(IO_CROSS.values())):
     planar_4r.quantity(
         units="1",
-        symbol=f"8 a_{_x} a_{_y}",
+        symbol=f"{_number:.0f} a_{_x} a_{_y}",
         source=f"{HAYES}, eqs. (1) to (6)",
         internal=True,
-        name=f"io_cross_{_x}{_y}",
-        meaning=f"eight a{_x} a{_y} over the squared sum of the lengths",
+        name=cross_name(_number, _x, _y),
+        meaning=f"{_number:.0f} a{_x} a{_y} over the squared sum of the lengths",
         given={"x": f"s{_x}", "y": f"s{_y}"},
-    )(io_cross)
+    )(io_cross if _number > 0.0 else io_minus_cross)
 
 for _pair, (_equation, *_products) in IO_PRODUCTS.items():
     _i, _j = _pair[0], _pair[1]
@@ -172,16 +151,22 @@ for _pair, (_equation, *_products) in IO_PRODUCTS.items():
             meaning=f"{_first} {_second} over the squared sum of the lengths",
             given={"first": f"factor_{_first}", "second": f"factor_{_second}"},
         )(io_product)
-    _law: Any = residual
+    _labels: Any = {
+        "units": "1",
+        "symbol": f"r_{_pair}",
+        "source": _source,
+        "name": f"io_residual_{_pair}",
+        "meaning": f"residual of the input-output equation of joints {_i} and {_j}, over the squared sum of lengths",
+    }
     if _pair in IO_CROSS:
-        _number, _x, _y = IO_CROSS[_pair]
-        _law = residual_plus if _number > 0.0 else residual_minus
-        _given |= {"cross": f"io_cross_{_x}{_y}", "Y_i": f"joint_Y{_i}", "Y_j": f"joint_Y{_j}"}
-    planar_4r.quantity(
-        units="1",
-        symbol=f"r_{_pair}",
-        source=_source,
-        name=f"io_residual_{_pair}",
-        meaning=f"residual of the input-output equation of joints {_i} and {_j}, over the squared sum of lengths",
-        given=_given,
-    )(_law)
+        _squares = {"name": f"io_{_pair}_squares", "meaning": f"{_labels['meaning']}, but for v_i v_j"}
+        planar_4r.quantity(**_labels | _squares, internal=True, given=_given)(residual)
+        _given = {
+            "squares": _squares["name"],
+            "cross": cross_name(*IO_CROSS[_pair]),
+            "Y_i": f"joint_Y{_i}",
+            "Y_j": f"joint_Y{_j}",
+        }
+        planar_4r.quantity(**_labels, given=_given)(residual_with_cross)
+    else:
+        planar_4r.quantity(**_labels, given=_given)(residual)
