@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Any
 
 import mpmath as mp
 import numpy as np
 
-from fastlink.catalogue import Catalogue
+from fastlink.catalogue import Catalogue, Input
 from fastlink.mechanisms import catalogue
 from fastlink.reading import read_facts
 
@@ -15,16 +16,31 @@ DIGITS = 50
 UNIT = 2.0**-53
 PLANAR: Catalogue = catalogue("planar_4r")
 LENGTHS = ("a1", "a2", "a3", "a4")
+#: The sets of facts that giving one of their inputs chooses.
+LOADS = tuple(
+    name
+    for name, inputs in PLANAR.alternative_inputs.items()
+    if any(declared.default is not None for declared in inputs.values())
+)
+
+
+def draw(declared: Mapping[str, Input], rng: np.random.Generator, n: int) -> dict[str, np.ndarray]:
+    """Values for inputs, of either sign where they may."""
+    inputs = {}
+    for name, one in declared.items():
+        size = rng.uniform(0.2, 2.0, n)
+        inputs[name] = size if one.rule != "any" else size * rng.choice([-1.0, 1.0], n)
+    return inputs
 
 
 def masses_and_points(rng: np.random.Generator, n: int) -> dict[str, np.ndarray]:
     """Every input but the lengths: mass centres anywhere, coupler point anywhere."""
-    inputs = {}
-    for name, declared in PLANAR.inputs.items():
-        if name not in LENGTHS:
-            size = rng.uniform(0.2, 2.0, n)
-            inputs[name] = size if declared.rule != "any" else size * rng.choice([-1.0, 1.0], n)
-    return inputs
+    return draw({name: one for name, one in PLANAR.inputs.items() if name not in LENGTHS}, rng, n)
+
+
+def all_loads(rng: np.random.Generator, n: int) -> dict[str, np.ndarray]:
+    """Every input of every load."""
+    return {name: v for load in LOADS for name, v in draw(PLANAR.alternative_inputs[load], rng, n).items()}
 
 
 def random_lengths(rng: np.random.Generator, n: int) -> np.ndarray:
@@ -54,27 +70,35 @@ def near_toggle(rng: np.random.Generator, n: int, offset: float) -> tuple[np.nda
     return np.array(lengths).T, np.array(theta)
 
 
-def reference(names: list[str], inputs: dict[str, Any], alternatives: tuple[str, ...] = ()) -> dict[str, Any]:
+def reference(
+    names: list[str],
+    inputs: dict[str, Any],
+    alternatives: tuple[str, ...] = (),
+    catalogue: Catalogue = PLANAR,
+) -> dict[str, Any]:
     """Return the facts of one configuration with 50 digits."""
     with mp.workdps(DIGITS):
         values = {name: mp.mpf(float(value)) for name, value in inputs.items()}
-        found = read_facts(PLANAR, names, values, alternatives)
+        found = read_facts(catalogue, names, values, alternatives)
         return {name: found[name] for name in names}
 
 
 def condition_sums(
-    names: list[str], inputs: dict[str, Any], alternatives: tuple[str, ...] = ()
+    names: list[str],
+    inputs: dict[str, Any],
+    alternatives: tuple[str, ...] = (),
+    catalogue: Catalogue = PLANAR,
 ) -> dict[str, Any]:
     """Return sum over the inputs of |x df/dx|: what one rounding of each input does to each quantity."""
     with mp.workdps(DIGITS):
         values = {name: mp.mpf(float(value)) for name, value in inputs.items()}
-        base = read_facts(PLANAR, names, values, alternatives)
+        base = read_facts(catalogue, names, values, alternatives)
         step = mp.mpf(10) ** -20
         sums = dict.fromkeys(names, mp.mpf(0))
         for name in inputs:
             if name == "branch":
                 continue
-            moved = read_facts(PLANAR, names, values | {name: values[name] * (1 + step)}, alternatives)
+            moved = read_facts(catalogue, names, values | {name: values[name] * (1 + step)}, alternatives)
             for quantity in names:
                 sums[quantity] += abs(moved[quantity] - base[quantity]) / step
         return sums

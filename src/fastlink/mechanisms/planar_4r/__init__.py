@@ -1,8 +1,10 @@
 """The Euclidean planar 4R of Hayes, Hninn and Irani."""
 
 from fastlink.mechanisms.planar_4r import (
+    acceleration,
     circuits,
     classes,
+    counterweights,
     coupler,
     dense,
     design_facts,
@@ -12,15 +14,19 @@ from fastlink.mechanisms.planar_4r import (
     graded,
     joints,
     links,
+    loads,
     position,
     rates,
+    slopes,
 )
 from fastlink.mechanisms.planar_4r.declare import planar_4r
 
 __all__ = [
     "DRIVEN",
+    "acceleration",
     "circuits",
     "classes",
+    "counterweights",
     "coupler",
     "dense",
     "design_facts",
@@ -30,9 +36,11 @@ __all__ = [
     "graded",
     "joints",
     "links",
+    "loads",
     "planar_4r",
     "position",
     "rates",
+    "slopes",
 ]
 
 planar_4r.check()

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from typing import Any
+
 from fastlink.catalogue import Catalogue, Input
 
 HAYES = "Hayes, Hninn, Irani"
@@ -56,3 +59,28 @@ for _i, _link in LINKS.items():
         symbol=f"G_{_i}v",
         meaning=f"mass centre of the {_link}, to the left of its axis",
     )
+
+
+def build_on(chosen: str, name: str, law: Callable[..., Any], **given: str) -> None:
+    """Let a set of facts replace `name` by a law of what it replaces (the parameter `replaced`), labels kept."""
+    base = planar_4r.facts[name]
+    planar_4r.quantity(
+        units=base.units,
+        symbol=base.symbol,
+        source=base.source,
+        internal=True,
+        alternative=chosen,
+        name=name,
+        meaning=base.meaning,
+        given={"replaced": name, **given},
+    )(law)
+
+
+def plus(replaced: Any, further: Any) -> Any:
+    """Add a further term."""
+    return replaced + further
+
+
+def less(replaced: Any, further: Any) -> Any:
+    """Take a further term away."""
+    return replaced - further

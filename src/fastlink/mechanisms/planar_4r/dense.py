@@ -8,44 +8,98 @@ from __future__ import annotations
 
 from typing import Any
 
+from fastlink.geometry import cross
 from fastlink.mechanisms.planar_4r.declare import HAYES, planar_4r
 
+EQUATION_9 = f"{HAYES}, eq. (9)"
 UNKNOWNS = ("F41_x", "F41_y", "F21_x", "F21_y", "F32_x", "F32_y", "F43_x", "F43_y", "T41")
 SHAKING = f"{HAYES}, section 5"
 
 
+@planar_4r.quantity(units="m", symbol="OG_1x", source=EQUATION_9, internal=True)
+def OG_x(G1_u: Any, G1_v: Any, cos_theta1: Any, sin_theta1: Any) -> Any:
+    """Mass centre of the crank from O, x."""
+    return G1_u * cos_theta1 - G1_v * sin_theta1
+
+
+@planar_4r.quantity(units="m", symbol="OG_1y", source=EQUATION_9, internal=True)
+def OG_y(G1_u: Any, G1_v: Any, cos_theta1: Any, sin_theta1: Any) -> Any:
+    """Mass centre of the crank from O, y."""
+    return G1_u * sin_theta1 + G1_v * cos_theta1
+
+
+@planar_4r.quantity(units="N", symbol="m_2 a_CG2x", source=EQUATION_9, internal=True)
+def joint_force2_x(p2_x: Any) -> Any:
+    """What the joints' forces on the coupler add up to, x."""
+    return p2_x
+
+
+@planar_4r.quantity(units="N", symbol="m_2 a_CG2y", source=EQUATION_9, internal=True)
+def joint_force2_y(p2_y: Any) -> Any:
+    """What the joints' forces on the coupler add up to, y."""
+    return p2_y
+
+
+@planar_4r.quantity(units="N m", symbol="I_CG1 alpha_1", source=EQUATION_9, internal=True)
+def couple1(a1: Any) -> Any:
+    """Moment of the joints on the crank about its mass centre: zero at constant speed."""
+    return 0.0 * a1
+
+
+@planar_4r.quantity(units="N m", symbol="I_CG2 alpha_2", source=EQUATION_9, internal=True)
+def couple2(I2: Any, alpha2: Any) -> Any:
+    """Moment of the joints on the coupler about its mass centre."""
+    return I2 * alpha2
+
+
+def about_centre(inertia: Any) -> Any:
+    """Moment of inertia of a link about its mass centre."""
+    return inertia
+
+
+for _i, _link in (("1", "crank"), ("3", "output link")):
+    planar_4r.quantity(
+        units="kg m2",
+        symbol=f"I_CG{_i}",
+        source=EQUATION_9,
+        internal=True,
+        name=f"I{_i}_G",
+        meaning=f"Moment of inertia of the {_link} about its mass centre",
+        given={"inertia": f"I{_i}"},
+    )(about_centre)
+
+
+@planar_4r.quantity(units="N m", symbol="I_CG3 alpha_3", source=EQUATION_9, internal=True)
+def couple3(I3_G: Any, alpha4: Any) -> Any:
+    """Moment of the joints on the output link about its mass centre."""
+    return I3_G * alpha4
+
+
 @planar_4r.system("reactions", UNKNOWNS, alternative="dense")
 def reactions(
-    G1_u: Any,
-    G1_v: Any,
-    cos_theta1: Any,
-    sin_theta1: Any,
+    OG_x: Any,
+    OG_y: Any,
     A_x: Any,
     A_y: Any,
     AG_x: Any,
     AG_y: Any,
     AB_x: Any,
     AB_y: Any,
-    G3_along: Any,
-    G3_across: Any,
+    DG_x: Any,
+    DG_y: Any,
     DB_x: Any,
     DB_y: Any,
     p1_x: Any,
     p1_y: Any,
-    p2_x: Any,
-    p2_y: Any,
+    joint_force2_x: Any,
+    joint_force2_y: Any,
     p3_x: Any,
     p3_y: Any,
-    I2: Any,
-    I3: Any,
-    alpha2: Any,
-    alpha4: Any,
+    couple1: Any,
+    couple2: Any,
+    couple3: Any,
 ) -> Any:
-    """Rows and right-hand side of eq. (9); the crank turns at constant speed, so I1 drops out."""
-    OG_x = G1_u * cos_theta1 - G1_v * sin_theta1
-    OG_y = G1_u * sin_theta1 + G1_v * cos_theta1
-    DG_x = G3_along * DB_x - G3_across * DB_y
-    DG_y = G3_along * DB_y + G3_across * DB_x
+    """Rows and right-hand side of eq. (9)."""
     r11_x = -OG_x
     r11_y = -OG_y
     r12_x = A_x - OG_x
@@ -61,13 +115,13 @@ def reactions(
     return (
         (1.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, p1_x),
         (0.0, 1.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0, p1_y),
-        (-r11_y, r11_x, -r12_y, r12_x, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0),
-        (0.0, 0.0, -1.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, p2_x),
-        (0.0, 0.0, 0.0, -1.0, 0.0, 1.0, 0.0, 0.0, 0.0, p2_y),
-        (0.0, 0.0, r22_y, -r22_x, -r23_y, r23_x, 0.0, 0.0, 0.0, I2 * alpha2),
+        (-r11_y, r11_x, -r12_y, r12_x, 0.0, 0.0, 0.0, 0.0, 1.0, couple1),
+        (0.0, 0.0, -1.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, joint_force2_x),
+        (0.0, 0.0, 0.0, -1.0, 0.0, 1.0, 0.0, 0.0, 0.0, joint_force2_y),
+        (0.0, 0.0, r22_y, -r22_x, -r23_y, r23_x, 0.0, 0.0, 0.0, couple2),
         (0.0, 0.0, 0.0, 0.0, -1.0, 0.0, 1.0, 0.0, 0.0, p3_x),
         (0.0, 0.0, 0.0, 0.0, 0.0, -1.0, 0.0, 1.0, 0.0, p3_y),
-        (0.0, 0.0, 0.0, 0.0, r33_y, -r33_x, -r34_y, r34_x, 0.0, I3 * alpha4),
+        (0.0, 0.0, 0.0, 0.0, r33_y, -r33_x, -r34_y, r34_x, 0.0, couple3),
     )
 
 
@@ -87,3 +141,9 @@ def shaking_force_y(F41_y: Any, F43_y: Any) -> Any:
 def shaking_moment(T41: Any, F43_y: Any, a4: Any) -> Any:
     """Shaking moment T14 + (a4, 0) x F34 on the ground about O."""
     return -T41 - a4 * F43_y
+
+
+@planar_4r.quantity(units="N m", symbol="T_14 + r_34 x F_34", source=SHAKING, alternative="dense")
+def shaking_moment_printed(T41: Any, F43_x: Any, F43_y: Any, DG_x: Any, DG_y: Any) -> Any:
+    """Shaking moment as printed, T14 + r34 x F34 with r34 from the output link's mass centre to D."""
+    return cross(DG_x, DG_y, F43_x, F43_y) - T41

@@ -157,10 +157,21 @@ def p3_y(alpha4: Any, omega4_squared: Any, m3_DG_x: Any, m3_DG_y: Any) -> Any:
     return alpha4 * m3_DG_x - omega4_squared * m3_DG_y
 
 
-@planar_4r.quantity(units="kg m2", symbol="I_3D", source=CENTRES, internal=True)
-def I3_D(I3: Any, m3: Any, G3_u: Any, G3_v: Any) -> Any:
-    """Moment of inertia of the output link about D."""
-    return I3 + m3 * (G3_u * G3_u + G3_v * G3_v)
+def about_pivot(inertia: Any, mass: Any, G_u: Any, G_v: Any) -> Any:
+    """Moment of inertia of a link about its fixed pivot."""
+    return inertia + mass * (G_u * G_u + G_v * G_v)
+
+
+for _i, _pivot, _link in (("1", "O", "crank"), ("3", "D", "output link")):
+    planar_4r.quantity(
+        units="kg m2",
+        symbol=f"I_{_i}{_pivot}",
+        source=CENTRES,
+        internal=True,
+        name=f"I{_i}_{_pivot}",
+        meaning=f"Moment of inertia of the {_link} about {_pivot}",
+        given={"inertia": f"I{_i}", "mass": f"m{_i}", "G_u": f"G{_i}_u", "G_v": f"G{_i}_v"},
+    )(about_pivot)
 
 
 @planar_4r.quantity(units="N m", symbol="M_2", source=REACTIONS, internal=True)
@@ -259,10 +270,32 @@ def shaking_force_y(p1_y: Any, p2_y: Any, p3_y: Any) -> Any:
     return -(p1_y + p2_y + p3_y)
 
 
-@planar_4r.quantity(units="N", symbol="|F|", source=SHAKING)
-def shaking_force(shaking_force_x: Any, shaking_force_y: Any) -> Any:
-    """Shaking force on the ground, magnitude."""
-    return sqrt(shaking_force_x * shaking_force_x + shaking_force_y * shaking_force_y)
+def magnitude(x: Any, y: Any) -> Any:
+    """Length of a vector."""
+    return sqrt(x * x + y * y)
+
+
+for _name, _symbol, _source, _meaning in (
+    ("F41", "F_41", REACTIONS, "Force of the ground on the crank at O"),
+    ("F21", "F_21", REACTIONS, "Force of the coupler on the crank at A"),
+    ("F32", "F_32", REACTIONS, "Force of the output link on the coupler at B"),
+    ("F43", "F_43", REACTIONS, "Force of the ground on the output link at D"),
+    ("shaking_force", "F", SHAKING, "Shaking force on the ground"),
+):
+    planar_4r.quantity(
+        units="N",
+        symbol=f"|{_symbol}|",
+        source=_source,
+        name=_name,
+        meaning=f"{_meaning}, magnitude",
+        given={"x": f"{_name}_x", "y": f"{_name}_y"},
+    )(magnitude)
+
+
+@planar_4r.quantity(units="W", symbol="P_in", source=f"{REACTIONS}, T_41 omega_1")
+def input_power(T41: Any, omega1: Any) -> Any:
+    """Power of the driving torque."""
+    return T41 * omega1
 
 
 @planar_4r.quantity(units="N m", symbol="dL_2/dt", source=SHAKING, internal=True)
@@ -281,3 +314,45 @@ def spin_rate3(I3_D: Any, alpha4: Any, a4: Any, p3_y: Any) -> Any:
 def shaking_moment(spin_rate2: Any, spin_rate3: Any) -> Any:
     """Shaking moment T14 + (a4, 0) x F34 on the ground about O."""
     return -(spin_rate2 + spin_rate3)
+
+
+@planar_4r.quantity(units="N m", symbol="M", source=SHAKING)
+def shaking_moment_at(shaking_moment: Any) -> Any:
+    """Shaking moment on the ground about the point (M_x, M_y), O unless given."""
+    return shaking_moment
+
+
+@planar_4r.quantity(units="m", symbol="DG_3x", source=CENTRES, internal=True)
+def DG_x(G3_along: Any, G3_across: Any, DB_x: Any, DB_y: Any) -> Any:
+    """Mass centre of the output link from D, x."""
+    return G3_along * DB_x - G3_across * DB_y
+
+
+@planar_4r.quantity(units="m", symbol="DG_3y", source=CENTRES, internal=True)
+def DG_y(G3_along: Any, G3_across: Any, DB_x: Any, DB_y: Any) -> Any:
+    """Mass centre of the output link from D, y."""
+    return G3_along * DB_y + G3_across * DB_x
+
+
+@planar_4r.quantity(units="m2", symbol="DG_3 x DB", source=CENTRES, internal=True)
+def DG_cross_DB(G3_v: Any, a3: Any) -> Any:
+    """Cross product of the output link's mass centre and B, both from D."""
+    return -(G3_v * a3)
+
+
+@planar_4r.quantity(units="N m", symbol="T_14 + r_34 x F_34", source=SHAKING)
+def shaking_moment_printed(
+    T41: Any,
+    pull_along_DB: Any,
+    pull_along_AB: Any,
+    DG_cross_DB: Any,
+    DG_x: Any,
+    DG_y: Any,
+    AB_x: Any,
+    AB_y: Any,
+    p3_x: Any,
+    p3_y: Any,
+) -> Any:
+    """Shaking moment as printed, T14 + r34 x F34 with r34 from the output link's mass centre to D."""
+    joint_B = pull_along_DB * DG_cross_DB + pull_along_AB * cross(DG_x, DG_y, AB_x, AB_y)
+    return (joint_B + cross(DG_x, DG_y, p3_x, p3_y)) - T41

@@ -1,0 +1,194 @@
+"""Loads of the planar 4R: gravity, a force on the coupler point, a torque on the output link.
+
+Each load is a set of facts that giving one of its inputs chooses; what is not given is left out, not zero.
+Its facts build on what they replace, so that loads add up in any combination. A weight is part of the rate of
+momentum, p_i = m_i (a_Gi - g): then every equation of `forces` holds as it stands but for the moments about the
+fixed pivots.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+from fastlink.geometry import cross
+from fastlink.mechanisms.planar_4r import dense, forces  # noqa: F401 (declare what is replaced)
+from fastlink.mechanisms.planar_4r.declare import HAYES, build_on, less, planar_4r, plus
+
+LOADS = f"{HAYES}, eq. (9), with loads"
+GRAVITY, COUPLER_FORCE, OUTPUT_TORQUE, MOMENT_POINT = (
+    "gravity",
+    "coupler_force",
+    "output_torque",
+    "moment_point",
+)
+
+for _set, _name, _units, _symbol, _meaning in (
+    (GRAVITY, "gravity_x", "m s-2", "g_x", "acceleration of gravity, x"),
+    (GRAVITY, "gravity_y", "m s-2", "g_y", "acceleration of gravity, y"),
+    (COUPLER_FORCE, "FP_x", "N", "F_Px", "load on the coupler point P, x"),
+    (COUPLER_FORCE, "FP_y", "N", "F_Py", "load on the coupler point P, y"),
+    (OUTPUT_TORQUE, "T_load", "N m", "T_0", "load torque on the output link, constant part"),
+    (OUTPUT_TORQUE, "T_load_linear", "N m s", "T_1", "load torque on the output link over omega4"),
+    (
+        OUTPUT_TORQUE,
+        "T_load_quadratic",
+        "N m s2",
+        "T_2",
+        "load torque on the output link over omega4 |omega4|",
+    ),
+    (MOMENT_POINT, "M_x", "m", "M_x", "point that shaking_moment_at is taken about, x"),
+    (MOMENT_POINT, "M_y", "m", "M_y", "point that shaking_moment_at is taken about, y"),
+):
+    planar_4r.input(_name, units=_units, symbol=_symbol, meaning=_meaning, alternative=_set, default=0.0)
+
+
+# -- whole links ----------------------------------------------------------------------------------
+
+
+def as_given(value: Any) -> Any:
+    """Return a link's own value, to which counterweights add theirs."""
+    return value
+
+
+def first_moment(mass: Any, centre: Any) -> Any:
+    """Mass times centre."""
+    return mass * centre
+
+
+for _name, _units, _symbol, _meaning, _law, _given in (
+    ("mass1", "kg", "m_1", "whole mass of the crank", as_given, {"value": "m1"}),
+    ("mass3", "kg", "m_3", "whole mass of the output link", as_given, {"value": "m3"}),
+    (
+        "m1_G1_u",
+        "kg m",
+        "m_1 G_1u",
+        "mass times centre of the crank, along",
+        first_moment,
+        {"mass": "m1", "centre": "G1_u"},
+    ),
+    (
+        "m1_G1_v",
+        "kg m",
+        "m_1 G_1v",
+        "mass times centre of the crank, across",
+        first_moment,
+        {"mass": "m1", "centre": "G1_v"},
+    ),
+):
+    planar_4r.quantity(
+        units=_units, symbol=_symbol, source=LOADS, internal=True, name=_name, meaning=_meaning, given=_given
+    )(_law)
+
+
+@planar_4r.quantity(units="kg m", symbol="m_1 OG_1x", source=LOADS, internal=True)
+def m1_OG_x(m1_G1_u: Any, m1_G1_v: Any, cos_theta1: Any, sin_theta1: Any) -> Any:
+    """Mass times centre of the crank from O, x."""
+    return m1_G1_u * cos_theta1 - m1_G1_v * sin_theta1
+
+
+@planar_4r.quantity(units="kg m", symbol="m_1 OG_1y", source=LOADS, internal=True)
+def m1_OG_y(m1_G1_u: Any, m1_G1_v: Any, cos_theta1: Any, sin_theta1: Any) -> Any:
+    """Mass times centre of the crank from O, y."""
+    return m1_G1_u * sin_theta1 + m1_G1_v * cos_theta1
+
+
+# -- gravity --------------------------------------------------------------------------------------
+
+
+def less_weight(replaced: Any, mass: Any, gravity: Any) -> Any:
+    """Rate of momentum less the weight."""
+    return replaced - mass * gravity
+
+
+for _link, _mass in (("1", "mass1"), ("2", "m2"), ("3", "mass3")):
+    for _axis in "xy":
+        build_on(GRAVITY, f"p{_link}_{_axis}", less_weight, mass=_mass, gravity=f"gravity_{_axis}")
+
+
+def weight_moment(x: Any, y: Any, gravity_x: Any, gravity_y: Any) -> Any:
+    """Moment of a link's weight about its fixed pivot."""
+    return cross(x, y, gravity_x, gravity_y)
+
+
+def pull_less(replaced: Any, further: Any, per_2_a1_a4: Any, per_sigma: Any, branch_sign: Any) -> Any:
+    """What the moments about D ask of the joint B, along AB, less a moment on the output link."""
+    return replaced - further * (branch_sign * (per_2_a1_a4 * per_sigma))
+
+
+for _name, _symbol, _meaning, _first in (
+    ("weight_moment1", "OG_1 x m_1 g", "Moment of the crank's weight about O", "m1_OG"),
+    ("weight_moment3", "DG_3 x m_3 g", "Moment of the output link's weight about D", "m3_DG"),
+):
+    planar_4r.quantity(
+        units="N m",
+        symbol=_symbol,
+        source=LOADS,
+        internal=True,
+        alternative=GRAVITY,
+        name=_name,
+        meaning=_meaning,
+        given={"x": f"{_first}_x", "y": f"{_first}_y"},
+    )(weight_moment)
+
+build_on(GRAVITY, "pull_along_AB", pull_less, further="weight_moment3")
+build_on(GRAVITY, "spin_rate3", less, further="weight_moment3")
+build_on(GRAVITY, "T41", less, further="weight_moment1")
+build_on(GRAVITY, "shaking_moment", plus, further="weight_moment1")
+
+
+# -- force on the coupler point -------------------------------------------------------------------
+
+
+@planar_4r.quantity(units="N m", symbol="AP x F_P", source=LOADS, internal=True, alternative=COUPLER_FORCE)
+def load_moment_A(AP_x: Any, AP_y: Any, FP_x: Any, FP_y: Any) -> Any:
+    """Moment of the load on the coupler point about A."""
+    return cross(AP_x, AP_y, FP_x, FP_y)
+
+
+@planar_4r.quantity(units="N m", symbol="A x F_P", source=LOADS, internal=True, alternative=COUPLER_FORCE)
+def load_moment_of_A(A_x: Any, A_y: Any, FP_x: Any, FP_y: Any) -> Any:
+    """Moment about O of the load on the coupler point, were it to act in A."""
+    return cross(A_x, A_y, FP_x, FP_y)
+
+
+@planar_4r.quantity(units="N m", symbol="G_2P x F_P", source=LOADS, internal=True, alternative=COUPLER_FORCE)
+def load_moment_G(AP_x: Any, AP_y: Any, AG_x: Any, AG_y: Any, FP_x: Any, FP_y: Any) -> Any:
+    """Moment of the load on the coupler point about the coupler's mass centre."""
+    return cross(AP_x - AG_x, AP_y - AG_y, FP_x, FP_y)
+
+
+build_on(COUPLER_FORCE, "moment2_A", less, further="load_moment_A")
+build_on(COUPLER_FORCE, "spin_rate2", less, further="load_moment_of_A")
+build_on(COUPLER_FORCE, "couple2", less, further="load_moment_G")
+for _axis in "xy":
+    for _name, _law in (
+        (f"F21_{_axis}", plus),
+        (f"shaking_force_{_axis}", plus),
+        (f"joint_force2_{_axis}", less),
+    ):
+        build_on(COUPLER_FORCE, _name, _law, further=f"FP_{_axis}")
+
+
+# -- torque on the output link --------------------------------------------------------------------
+
+
+@planar_4r.quantity(units="N m", symbol="T_load", source=LOADS, internal=True, alternative=OUTPUT_TORQUE)
+def load_torque(T_load: Any, T_load_linear: Any, T_load_quadratic: Any, omega4: Any) -> Any:
+    """Load torque on the output link; its quadratic part changes sign with omega4."""
+    return T_load + (T_load_linear + T_load_quadratic * abs(omega4)) * omega4
+
+
+build_on(OUTPUT_TORQUE, "pull_along_AB", pull_less, further="load_torque")
+build_on(OUTPUT_TORQUE, "spin_rate3", less, further="load_torque")
+build_on(OUTPUT_TORQUE, "couple3", less, further="load_torque")
+
+
+# -- moment about any point -----------------------------------------------------------------------
+
+
+def moved(replaced: Any, M_x: Any, M_y: Any, shaking_force_x: Any, shaking_force_y: Any) -> Any:
+    """Shaking moment about M."""
+    return replaced - cross(M_x, M_y, shaking_force_x, shaking_force_y)
+
+
+build_on(MOMENT_POINT, "shaking_moment_at", moved)

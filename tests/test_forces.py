@@ -1,0 +1,139 @@
+"""Forces with loads against Newton's and Euler's laws, both solvers, and what loads leave alone."""
+
+from __future__ import annotations
+
+import mpmath as mp
+import numpy as np
+import pytest
+
+import fastlink as fl
+from configurations import LENGTHS, LOADS, PLANAR, draw, masses_and_points, random_lengths
+from fastlink.reading import read_facts
+from fastlink.request import alternatives_of, constants_of
+
+FORCES = ("F41", "F21", "F32", "F43")
+REACTIONS = [f"{force}_{axis}" for force in FORCES for axis in "xy"] + ["T41"]
+SHAKING = [
+    "shaking_force_x",
+    "shaking_force_y",
+    "shaking_moment",
+    "shaking_moment_at",
+    "shaking_moment_printed",
+]
+COMBINATIONS = [(), *((load,) for load in LOADS), ("gravity", "counterweight3"), tuple(LOADS)]
+
+
+def configuration(seed, loads):
+    """One random design with these loads, at an angle where it assembles, as numbers."""
+    rng = np.random.default_rng(seed)
+    while True:
+        inputs = dict(zip(LENGTHS, random_lengths(rng, 1), strict=True)) | masses_and_points(rng, 1)
+        for load in loads:
+            inputs |= draw(PLANAR.alternative_inputs[load], rng, 1)
+        one = {name: float(value[0]) for name, value in inputs.items()}
+        one |= {"theta1": rng.uniform(-np.pi, np.pi), "branch": int(rng.integers(1, 3))}
+        if fl.evaluate("planar_4r", ["transmission_angle"], **one)["transmission_angle"] > 0.2:
+            return one
+
+
+def facts(names, values, solver="eliminated"):
+    """The facts on 50-digit numbers, with the sets of facts that the given inputs choose."""
+    alternatives = alternatives_of(PLANAR, None, solver, values)
+    values = {
+        name: mp.mpf(value) for name, value in (constants_of(PLANAR, None, alternatives) | values).items()
+    }
+    return read_facts(PLANAR, names, values, alternatives)
+
+
+class Bodies:
+    """The three links as point masses and spins, positions from the facts alone: what Newton would write down."""
+
+    def __init__(self, one):
+        self.one = {name: mp.mpf(value) for name, value in one.items()}
+
+    def __getitem__(self, name):
+        return self.one.get(name, mp.mpf(0))
+
+    def at(self, time):
+        """Positions of everything at a time, the crank being driven from theta1 by omega1 and alpha1."""
+        theta = self["theta1"] + self["omega1"] * time + self["alpha1"] * time**2 / 2
+        found = facts(["A_x", "A_y", "B_x", "B_y"], {**self.one, "theta1": theta})
+        a, b = mp.mpc(found["A_x"], found["A_y"]), mp.mpc(found["B_x"], found["B_y"])
+        d = mp.mpc(self["a4"], 0)
+        frames = {1: (0, a / abs(a)), 2: (a, (b - a) / abs(b - a)), 3: (d, (b - d) / abs(b - d))}
+        return a, b, d, frames
+
+    def points(self, link, frames):
+        """Mass and place of the link's own mass centre and of its counterweight."""
+        origin, axis = frames[link]
+        yield self[f"m{link}"], origin + mp.mpc(self[f"G{link}_u"], self[f"G{link}_v"]) * axis
+        if link != 2:
+            direction = self.one.get(f"counterweight{link}_direction", mp.pi)
+            arm = self[f"counterweight{link}_radius"] * mp.expj(direction)
+            yield self[f"counterweight{link}_mass"], origin + arm * axis
+
+
+def cross(a, b):
+    return a.real * b.imag - a.imag * b.real
+
+
+def newton_euler(one):
+    """What Newton's and Euler's laws say of each link: force and moment about O that the joints must supply."""
+    bodies = Bodies(one)
+    step = mp.mpf(10) ** -12
+    before, now, after = (bodies.at(t) for t in (-step, mp.mpf(0), step))
+    gravity = mp.mpc(bodies["gravity_x"], bodies["gravity_y"])
+    force, moment = {}, {}
+    speed = {}
+    for link in (1, 2, 3):
+        angles = [mp.arg(frames[link][1] / now[3][link][1]) for *_, frames in (before, now, after)]
+        speed[link] = (angles[2] - angles[0]) / (2 * step)
+        moment[link] = bodies[f"I{link}"] * (angles[2] - 2 * angles[1] + angles[0]) / step**2
+        force[link] = mp.mpc(0)
+        places = zip(*(bodies.points(link, frames) for *_, frames in (before, now, after)), strict=True)
+        for (mass, past), (_, place), (_, future) in places:
+            supplied = mass * ((past - 2 * place + future) / step**2 - gravity)
+            force[link] += supplied
+            moment[link] += cross(place, supplied)
+    origin, axis = now[3][2]
+    load = mp.mpc(bodies["FP_x"], bodies["FP_y"])
+    force[2] -= load
+    moment[2] -= cross(origin + mp.mpc(bodies["P_u"], bodies["P_v"]) * axis, load)
+    moment[3] -= bodies["T_load"] + bodies["T_load_linear"] * speed[3]
+    moment[3] -= bodies["T_load_quadratic"] * speed[3] * abs(speed[3])
+    return force, moment, now
+
+
+# Central differences: step^2 = 1e-24 times fourth derivatives over second ones, of the order 1e6 at most here.
+RELATIVE = mp.mpf(10) ** -15
+
+
+@pytest.mark.parametrize("solver", ["eliminated", "dense"])
+@pytest.mark.parametrize("loads", COMBINATIONS, ids="+".join)
+def test_reactions_and_shaking_loads_are_newtons(loads, solver):
+    with mp.workdps(50):
+        for seed in range(3):
+            one = configuration(seed, loads)
+            force, moment, (a, b, d, frames) = newton_euler(one)
+            got = facts([*REACTIONS, *SHAKING, *FORCES, "shaking_force", "input_power"], one, solver)
+            f41, f21, f32, f43 = (mp.mpc(got[f"{name}_x"], got[f"{name}_y"]) for name in FORCES)
+            size = max(map(abs, (f41, f21, f32, f43, *force.values()))) * 10
+            assert abs(f41 + f21 - force[1]) <= RELATIVE * size
+            assert abs(f32 - f21 - force[2]) <= RELATIVE * size
+            assert abs(f43 - f32 - force[3]) <= RELATIVE * size
+            assert abs(got["T41"] + cross(a, f21) - moment[1]) <= RELATIVE * size
+            assert abs(cross(b, f32) - cross(a, f21) - moment[2]) <= RELATIVE * size
+            assert abs(cross(d, f43) - cross(b, f32) - moment[3]) <= RELATIVE * size
+            shaking = mp.mpc(got["shaking_force_x"], got["shaking_force_y"])
+            assert abs(shaking + f41 + f43) <= RELATIVE * size
+            assert abs(got["shaking_moment"] + got["T41"] + cross(d, f43)) <= RELATIVE * size
+            m = mp.mpc(one.get("M_x", 0.0), one.get("M_y", 0.0))
+            about_m = got["shaking_moment"] - cross(m, shaking)
+            assert abs(got["shaking_moment_at"] - about_m) <= RELATIVE * size
+            masses = list(Bodies(one).points(3, frames))
+            centre = sum(mass * place for mass, place in masses) / sum(mass for mass, _ in masses)
+            printed = -got["T41"] + cross(d - centre, -f43)
+            assert abs(got["shaking_moment_printed"] - printed) <= RELATIVE * size
+            for name, value in zip((*FORCES, "shaking_force"), (f41, f21, f32, f43, shaking), strict=True):
+                assert mp.almosteq(got[name], abs(value), rel_eps=RELATIVE)
+            assert mp.almosteq(got["input_power"], got["T41"] * mp.mpf(one["omega1"]), rel_eps=RELATIVE)
