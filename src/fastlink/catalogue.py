@@ -1,4 +1,4 @@
-"""Declare physical facts once; everything else is read off the declaration.
+"""Read a mechanism off its declarations: what there is, what it depends on, what must be computed for it.
 
 A *fact* (see `fastlink.fact`) is a straight-line function; its parameters are the names of what it
 depends on, its name is the name of the quantity, the first line of its docstring is its meaning.
@@ -6,22 +6,22 @@ depends on, its name is the name of the quantity, the first line of its docstrin
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator
 from dataclasses import replace
 from functools import cached_property
-from typing import Any, TypeVar
 
+from fastlink.declaration import Declarations
+from fastlink.derivative import Derivation, derivative_name, labelled
 from fastlink.errors import InputError, suggest
-from fastlink.fact import CatalogueError, Fact, GradedRange, Input, Rule, System, parameters
+from fastlink.fact import CatalogueError, Fact, GradedRange, Input, System, parameters
 
 __all__ = ["Catalogue", "CatalogueError", "Fact", "GradedRange", "Input", "System", "parameters"]
 
-F = TypeVar("F", bound=Callable[..., Any])
 # NAME__below_SET: what the fact NAME of that set replaces.
 BELOW = "__below_"
 
 
-class Catalogue:
+class Catalogue(Declarations):
     """The inputs and facts of one mechanism.
 
     Parameters
@@ -35,157 +35,6 @@ class Catalogue:
     position : Input
         The input position over which a cycle is taken.
     """
-
-    def __init__(self, name: str, title: str, branches: Mapping[int, str], position: Input) -> None:
-        self.name = name
-        self.title = title
-        self.branches = dict(branches)
-        self.position = position
-        self.inputs: dict[str, Input] = {}
-        self.facts: dict[str, Fact] = {}
-        self.tables: dict[str, Fact] = {}
-        self.table_low_parts: dict[str, str] = {}
-        self.alternatives: dict[str, dict[str, Fact | System]] = {}
-        self.alternative_inputs: dict[str, dict[str, Input]] = {}
-        self.graded: GradedRange | None = None
-
-    # -- declaring -------------------------------------------------------------------------------
-
-    def input(
-        self,
-        name: str,
-        *,
-        units: str,
-        symbol: str,
-        meaning: str,
-        rule: Rule = "any",
-        alternative: str | None = None,
-        default: float | None = None,
-    ) -> None:
-        """Declare a number that the user gives; `alternative` restricts it to a named set of facts.
-
-        Giving an input of a set that has one with a default chooses the set: see `chosen_by`.
-        """
-        self._check_new(name, alternative)
-        declared = Input(name, units, symbol, meaning, rule, default)
-        if alternative is None:
-            self.inputs[name] = declared
-        else:
-            self.alternative_inputs.setdefault(alternative, {})[name] = declared
-
-    def quantity(
-        self,
-        *,
-        units: str,
-        symbol: str,
-        source: str,
-        internal: bool = False,
-        flags: Mapping[int, str] | None = None,
-        alternative: str | None = None,
-        name: str | None = None,
-        meaning: str | None = None,
-        given: Mapping[str, str] | None = None,
-    ) -> Callable[[F], F]:
-        """Declare a fact.
-
-        Parameters
-        ----------
-        units, symbol, source : str
-            UDUNITS text, the paper's symbol, and where it stands (paper and equation number).
-        internal : bool
-            A step on the way: not offered to users by name.
-        flags : mapping of int to str, optional
-            For a quantity that is a code: the CF flag meanings of its values.
-        alternative : str, optional
-            The name of the set of facts it belongs to, which replaces or adds facts when asked for.
-        name, meaning : str, optional
-            Instead of the function's name and the first line of its docstring: where one law holds for
-            several links, it is written once and declared for each.
-        given : mapping of str to str, optional
-            With them: what stands for the law's parameters.
-        """
-
-        def declare(function: F) -> F:
-            labels = (units, symbol, source, internal, flags)
-            fact = self._fact(function, *labels, name, meaning, given or {})
-            self._check_new(fact.name, alternative)
-            if alternative is None:
-                self.facts[fact.name] = fact
-            else:
-                self.alternatives.setdefault(alternative, {})[fact.name] = fact
-            return function
-
-        return declare
-
-    def table(self, *, symbol: str, source: str, low: str | None = None) -> Callable[[F], F]:
-        """Declare a function of the input position alone, tabled once per sweep from 40 digits.
-
-        `low` names a second table: what rounding to double lost.
-        """
-
-        def declare(function: F) -> F:
-            fact = self._fact(function, "1", symbol, source, True, None)
-            self._check_new(fact.name, None)
-            if fact.needs != (self.position.name,):
-                raise CatalogueError(
-                    f"{self.name}: table {fact.name} must depend on {self.position.name} alone"
-                )
-            self.tables[fact.name] = fact
-            if low is not None:
-                self._check_new(low, None)
-                self.table_low_parts[low] = fact.name
-            return function
-
-        return declare
-
-    def system(self, name: str, unknowns: Sequence[str], *, alternative: str) -> Callable[[F], F]:
-        """Declare a linear system that determines `unknowns`, as part of a named set of facts."""
-
-        def declare(function: F) -> F:
-            declared = System(name, tuple(unknowns), function, parameters(function))
-            for unknown in unknowns:
-                self._check_new(unknown, alternative)
-                self.alternatives.setdefault(alternative, {})[unknown] = declared
-            return function
-
-        return declare
-
-    def _fact(
-        self,
-        function: Callable[..., Any],
-        units: str,
-        symbol: str,
-        source: str,
-        internal: bool,
-        flags: Mapping[int, str] | None,
-        name: str | None = None,
-        meaning: str | None = None,
-        given: Mapping[str, str] | None = None,
-    ) -> Fact:
-        name = name or function.__name__
-        meaning = meaning or (function.__doc__ or "").strip().split("\n", 1)[0].rstrip(".")
-        for what, value in (("units", units), ("symbol", symbol), ("source", source), ("meaning", meaning)):
-            if not value:
-                raise CatalogueError(f"{self.name}: fact {name} has no {what}")
-        needs = tuple((given or {}).get(parameter, parameter) for parameter in parameters(function))
-        return Fact(name, function, needs, units, symbol, meaning, source, internal, dict(flags or {}))
-
-    def _check_new(self, name: str, alternative: str | None) -> None:
-        if alternative is None:
-            taken = (
-                name in self.inputs
-                or name in self.facts
-                or name in self.tables
-                or name in self.table_low_parts
-            )
-            taken = taken or name in (self.position.name, "branch")
-        else:
-            taken = name in self.alternatives.get(alternative, {})
-            taken = taken or name in self.alternative_inputs.get(alternative, {})
-        if taken:
-            raise CatalogueError(f"{self.name}: {name} is declared twice")
-
-    # -- reading ---------------------------------------------------------------------------------
 
     @property
     def public(self) -> dict[str, Fact]:
@@ -208,14 +57,19 @@ class Catalogue:
             if names & set(inputs) and any(i.default is not None for i in inputs.values())
         )
 
-    def lookup(self, name: str, alternatives: Iterable[str] = ()) -> Fact | System | None:
+    def lookup(
+        self, name: str, alternatives: Iterable[str] = (), given: Iterable[str] = ()
+    ) -> Fact | System | None:
         """Return what determines `name`, or None for an input, a table or an unknown name.
 
         The first of the chosen sets that has it, else the mechanism itself. A fact of a set that needs its own
         name builds on what it replaces (in a later set, or the mechanism), there called NAME__below_SET: loads
-        add themselves so, in any combination.
+        add themselves so, in any combination. A derivative is by what is given: facts among `given` count as inputs.
         """
         chosen = tuple(alternatives)
+        if derivative := self._derivative_in(name):
+            of, by = derivative
+            return self._derivation(by, chosen, given).fact(of)
         plain, _, above = name.partition(BELOW)
         start = chosen.index(above) + 1 if above else 0
         for alternative in chosen[start:]:
@@ -228,6 +82,39 @@ class Catalogue:
                 return found
         fact = self.facts.get(plain)
         return replace(fact, name=name) if fact is not None and above else fact
+
+    def _derivative_in(self, name: str) -> tuple[str, str] | None:
+        """Return NAME and PARAM of a name such as d_NAME_d_PARAM."""
+        of, sign, by = name.removeprefix("d_").rpartition("_d_")
+        return (of, by) if name.startswith("d_") and sign and by in self.variables else None
+
+    def _derivation(self, by: str, chosen: tuple[str, ...], given: Iterable[str]) -> Derivation:
+        replaced = {*self.facts, *(name for key in chosen for name in self.alternatives.get(key, {}))}
+        fixed = replaced.intersection(given)
+        key = by, chosen, frozenset(fixed)
+
+        def find(name: str) -> Fact | System | None:
+            return None if name in fixed else self.lookup(name, chosen, fixed)
+
+        def declared(name: str) -> Fact | None:
+            if name in fixed:
+                return None
+            plain, _, above = name.partition(BELOW)
+            sets = [
+                self.alternatives.get(key, {}) for key in chosen[chosen.index(above) + 1 if above else 0 :]
+            ]
+            # a derivative that is declared of a fact is not that of what replaces it
+            within = next((facts for facts in sets if plain in facts), self.facts)
+            found = within.get(derivative_name(plain, by))
+            return found if isinstance(found, Fact) else None
+
+        if key not in self._derivations:
+            self._derivations[key] = Derivation(self.variables[by], find, declared)
+        return self._derivations[key]
+
+    @cached_property
+    def _derivations(self) -> dict[tuple[str, tuple[str, ...], frozenset[str]], Derivation]:
+        return {}
 
     @cached_property
     def _axes(self) -> dict[str, frozenset[str]]:
@@ -242,6 +129,8 @@ class Catalogue:
 
     def varies(self, name: str) -> bool:
         """Tell whether a fact changes over the input cycle."""
+        if derivative := self._derivative_in(name):
+            return self.varies(derivative[0])
         return self.position.name in self._axes[name]
 
     def check(self) -> None:
@@ -251,22 +140,53 @@ class Catalogue:
                 fact = found[name]
                 if isinstance(fact, System) or not fact.internal:
                     raise CatalogueError(f"{self.name}: {chosen} gives {name}, which is no quantity or input")
+        derivatives = {name for name in self.facts if self._derivative_in(name)}
+        names = {
+            *self.facts,
+            *(need for name in derivatives for need in self.facts[name].needs),
+        } - derivatives
         leaves = {"branch", self.position.name, *self.tables, *self.table_low_parts}
         if self.graded is not None:
             leaves |= set(self.graded.leaves)
         for option in ((), *((name,) for name in {*self.alternatives, *self.alternative_inputs})):
             replaced = {name for key in option for name in self.alternatives.get(key, {})}
             known = leaves | (set(self.known_inputs(option)) - replaced)
-            for _ in self.closure([*self.facts], known, option):
+            for _ in self.closure(names, known, option):
                 pass
 
-    def require(self, name: str) -> None:
-        """Raise InputError unless `name` is a quantity that users may ask for."""
-        if name not in self.public:
+    def is_quantity(self, name: str) -> bool:
+        """Tell whether users may ask for a name: a public fact, or the derivative of one by an input."""
+        derivative = self._derivative_in(name)
+        return name in self.public if derivative is None else self.is_quantity(derivative[0])
+
+    def is_cyclic(self, name: str) -> bool:
+        """Tell whether users may ask for what is taken of a name over the cycle."""
+        return self.is_quantity(name) and self.varies(name)
+
+    def require(self, name: str) -> Fact:
+        """Return the labels of a quantity that users may ask for.
+
+        Raises
+        ------
+        InputError
+            There is no such quantity.
+        """
+        if not self.is_quantity(name):
             raise InputError(self.unknown(name, self.public))
+        derivative = self._derivative_in(name)
+        if derivative is None:
+            return self.facts[name]
+        of = self.require(derivative[0])
+        if of.flags:
+            raise InputError(f"quantity {name!r}: {of.name} is a code, which has no derivative; leave it out")
+        return labelled(of, self.variables[derivative[1]])
 
     def unknown(self, name: str, known: Iterable[str]) -> str:
         """Return what to say of a name that is none of the known ones."""
+        of, sign, by = name.removeprefix("d_").rpartition("_d_")
+        if name.startswith("d_") and sign:
+            wrong, options = (by, self.variables) if self.is_quantity(of) else (of, self.public)
+            return f"quantity {name!r}: {wrong!r} is unknown to {self.name}; {suggest(wrong, options)}"
         return f"quantity {name!r} is unknown to {self.name}; {suggest(name, known)}"
 
     def closure(
@@ -285,7 +205,7 @@ class Catalogue:
                 return
             if name in pending:
                 raise CatalogueError(f"{self.name}: circular: {' -> '.join([*pending, name])}")
-            found = self.lookup(name, chosen)
+            found = self.lookup(name, chosen, given)
             if found is None:
                 raise self._missing(name, asked_by, given)
             pending.append(name)

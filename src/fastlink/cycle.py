@@ -83,17 +83,15 @@ def parse_request(name: str, catalogue: Catalogue) -> Request:
     InputError
         Neither the name nor the quantity in it is known.
     """
-    public = catalogue.public
-    if name in public:
+    if catalogue.is_quantity(name):
         return Request(name, name)
     prefix = f"{catalogue.position.name}_at_"
     place = name.startswith(prefix)
     quantity, _, suffix = name.removeprefix(prefix).rpartition("_")
     reduction = REDUCTIONS.get(suffix)
-    cyclic = _cyclic(catalogue)
-    if reduction is not None and quantity in cyclic and (reduction.has_place or not place):
+    if reduction is not None and catalogue.is_cyclic(quantity) and (reduction.has_place or not place):
         return Request(name, quantity, reduction, place)
-    known = [*public, *reduced_names(catalogue)]
+    known = [*catalogue.public, *reduced_names(catalogue)]
     raise InputError(catalogue.unknown(name, known))
 
 

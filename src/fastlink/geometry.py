@@ -17,8 +17,10 @@ __all__ = [
     "largest",
     "pair_product",
     "power_of_two_below",
+    "turn_rate",
     "two_product",
     "two_sum",
+    "zero_where",
 ]
 
 # Veltkamp's constant splits a double into two halves of 26 bits, whose products are exact.
@@ -103,3 +105,18 @@ def largest(a: Any, b: Any, c: Any, d: Any) -> Any:
     e = select(a > b, a, b)
     f = select(c > d, c, d)
     return select(e > f, e, f)
+
+
+@inlined
+def zero_where(condition: Any, x: Any) -> Any:
+    """Return x, 0 where the condition says that it is zero within rounding; its derivative is that of x."""
+    return select(condition, 0.0, x)
+
+
+@inlined
+def turn_rate(y: Any, x: Any, dy: Any, dx: Any) -> Any:
+    """Return the derivative of atan2(y, x); the squares of the ratios do not overflow."""
+    size = select(abs(x) < abs(y), abs(y), abs(x))
+    v = y / size
+    u = x / size
+    return (u * dy - v * dx) / (size * (u * u + v * v))

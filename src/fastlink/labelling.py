@@ -29,7 +29,7 @@ def trailing(output: Output, plan: Closure, positions: int) -> tuple[int, ...]:
 
 def variable(output: Output, plan: Closure, space: DesignSpace, positions: int) -> Variable:
     """Return a result with its dimensions and attributes."""
-    fact = plan.catalogue.facts[output.request.quantity]
+    fact = plan.catalogue.require(output.request.quantity)
     position = plan.catalogue.position
     reduction, place = output.request.reduction, output.request.place
     attrs: dict[str, Any] = {"units": fact.units, "long_name": fact.meaning, "symbol": fact.symbol}

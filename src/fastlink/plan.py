@@ -131,7 +131,7 @@ def split(plan: Plan, angles: int) -> list[Plan]:
 
 
 def _output(request: Request, catalogue: Catalogue) -> Output:
-    fact = catalogue.facts[request.quantity]
+    fact = catalogue.require(request.quantity)
     position = catalogue.position.name
     if not catalogue.varies(fact.name):
         axes: tuple[str, ...] = ()

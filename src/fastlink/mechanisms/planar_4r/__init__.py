@@ -18,6 +18,7 @@ from fastlink.mechanisms.planar_4r import (
     position,
     rates,
     slopes,
+    slopes,
 )
 from fastlink.mechanisms.planar_4r.declare import planar_4r
 
@@ -40,6 +41,7 @@ __all__ = [
     "planar_4r",
     "position",
     "rates",
+    "slopes",
     "slopes",
 ]
 

@@ -13,6 +13,7 @@ from __future__ import annotations
 
 from typing import Any
 
+from fastlink.geometry import zero_where
 from fastlink.jit import NOT_A_NUMBER, atan2, select, sqrt
 from fastlink.mechanisms.planar_4r.declare import HAYES, NUMERICS, planar_4r
 
@@ -39,7 +40,7 @@ CLASS_FLAGS = {
 
 def unless_rounding(factor: Any, gap_rounding: Any) -> Any:
     """Return a factor, zero where it is no more than the rounding of the lengths."""
-    return select(abs(factor) <= gap_rounding, 0.0, factor)
+    return zero_where(abs(factor) <= gap_rounding, factor)
 
 
 for _name in ("A1", "B1", "C1"):

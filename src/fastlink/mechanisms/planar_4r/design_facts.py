@@ -8,7 +8,14 @@ from __future__ import annotations
 
 from typing import Any
 
-from fastlink.geometry import UNIT_ROUNDING, gap, gap_product_quotient, largest, power_of_two_below
+from fastlink.geometry import (
+    UNIT_ROUNDING,
+    gap,
+    gap_product_quotient,
+    largest,
+    power_of_two_below,
+    zero_where,
+)
 from fastlink.jit import INFINITY, NOT_A_NUMBER, select
 from fastlink.mechanisms.planar_4r.declare import HAYES, LINKS, NUMERICS, planar_4r
 
@@ -75,7 +82,7 @@ def Z0(s1: Any, s2: Any, s3: Any, s4: Any, gap_rounding: Any, valid: Any) -> Any
     A1, A1_low = gap(s1, -s2, s3, -s4)
     B1, B1_low = gap(-s1, -s2, s3, s4)
     high, _low = gap_product_quotient(A1, A1_low, B1, B1_low, s1, s4)
-    return select((abs(A1) <= gap_rounding) | (abs(B1) <= gap_rounding), 0.0, high) * valid
+    return zero_where((abs(A1) <= gap_rounding) | (abs(B1) <= gap_rounding), high) * valid
 
 
 @planar_4r.quantity(units="1", symbol="Z_0", source=f"{NUMERICS}#toggles", internal=True)
@@ -84,7 +91,7 @@ def Z0_low(s1: Any, s2: Any, s3: Any, s4: Any, gap_rounding: Any) -> Any:
     A1, A1_low = gap(s1, -s2, s3, -s4)
     B1, B1_low = gap(-s1, -s2, s3, s4)
     _high, low = gap_product_quotient(A1, A1_low, B1, B1_low, s1, s4)
-    return select((abs(A1) <= gap_rounding) | (abs(B1) <= gap_rounding), 0.0, low)
+    return zero_where((abs(A1) <= gap_rounding) | (abs(B1) <= gap_rounding), low)
 
 
 @planar_4r.quantity(units="1", symbol="C_0", source=f"{NUMERICS}#toggles", internal=True)
@@ -93,7 +100,7 @@ def C0(s1: Any, s2: Any, s3: Any, s4: Any, gap_rounding: Any, valid: Any) -> Any
     C1, C1_low = gap(s1, -s2, -s3, s4)
     D1, D1_low = gap(s1, s2, s3, s4)
     high, _low = gap_product_quotient(C1, C1_low, D1, D1_low, s1, s4)
-    return select(abs(C1) <= gap_rounding, 0.0, high) * valid
+    return zero_where(abs(C1) <= gap_rounding, high) * valid
 
 
 @planar_4r.quantity(units="1", symbol="C_0", source=f"{NUMERICS}#toggles", internal=True)
@@ -102,7 +109,7 @@ def C0_low(s1: Any, s2: Any, s3: Any, s4: Any, gap_rounding: Any) -> Any:
     C1, C1_low = gap(s1, -s2, -s3, s4)
     D1, D1_low = gap(s1, s2, s3, s4)
     _high, low = gap_product_quotient(C1, C1_low, D1, D1_low, s1, s4)
-    return select(abs(C1) <= gap_rounding, 0.0, low)
+    return zero_where(abs(C1) <= gap_rounding, low)
 
 
 @planar_4r.quantity(units="1", symbol="1/(4 a_1 a_4)", source=f"{NUMERICS}#scaling", internal=True)

@@ -140,12 +140,6 @@ def alpha2(mean_acceleration: Any, H_rate: Any, coupler_share: Any, kappa_rate: 
     return mean_acceleration + branch_sign * (H_rate * coupler_share - kappa_rate)
 
 
-@planar_4r.quantity(units="rad3 s-3", symbol="omega_1^3/2", source=RATES, internal=True)
-def half_omega1_cubed(half_omega1_squared: Any, omega1: Any) -> Any:
-    """Half the cubed input speed."""
-    return half_omega1_squared * omega1
-
-
 @planar_4r.quantity(units="1", symbol="gamma'/gamma", source=RATES, internal=True)
 def log_rate(half_sine: Any, per_gamma: Any) -> Any:
     """Logarithmic derivative of gamma."""
@@ -158,46 +152,67 @@ def gamma_bend(cos_theta1: Any, half_sine: Any, log_rate: Any, per_gamma: Any) -
     return (0.5 * cos_theta1 - 2.0 * (half_sine * log_rate)) * per_gamma
 
 
-@planar_4r.quantity(units="rad s-3", symbol="omega_1^3 T''/2", source=RATES, internal=True)
-def mean_jerk(half_omega1_cubed: Any, epsilon: Any, per_gamma: Any, gamma_bend: Any) -> Any:
-    """Mean of the angular jerk over both branches."""
-    return -(half_omega1_cubed * ((epsilon * per_gamma) * gamma_bend))
+@planar_4r.quantity(units="1", symbol="T''/2", source=RATES, internal=True)
+def mean_bend(epsilon: Any, per_gamma: Any, gamma_bend: Any) -> Any:
+    """Second derivative of the mean of the ratios."""
+    return -(0.5 * ((epsilon * per_gamma) * gamma_bend))
 
 
-@planar_4r.quantity(units="rad s-3", symbol="omega_1^3 H''/2", source=RATES, internal=True)
-def H_bend(
-    half_omega1_cubed: Any, half_sine: Any, C0: Any, Z0: Any, Z: Any, C: Any, p: Any, q: Any, per_sigma: Any
-) -> Any:
-    """Second derivative of H times half the cubed input speed."""
+@planar_4r.quantity(units="1", symbol="H''/2", source=RATES, internal=True)
+def H_bend(half_sine: Any, C0: Any, Z0: Any, Z: Any, C: Any, p: Any, q: Any, per_sigma: Any) -> Any:
+    """Half the second derivative of H."""
     slope = C0 * (p + Z) + Z0 * (q + C)
     factor = C0 * Z * p - Z0 * C * q
     bend = slope - (1.5 * (q - p)) * (factor * (per_sigma * per_sigma))
-    return ((0.5 * half_omega1_cubed) * half_sine) * (bend * (per_sigma * per_sigma * per_sigma))
+    return (0.25 * half_sine) * (bend * (per_sigma * per_sigma * per_sigma))
 
 
-@planar_4r.quantity(units="rad s-3", symbol="-omega_1^3 (2 H' k' + H k'')/2", source=RATES, internal=True)
-def kappa_bend(
-    omega1: Any,
-    half_omega1_cubed: Any,
-    H: Any,
-    H_rate: Any,
-    kappa_per_gamma: Any,
-    log_rate: Any,
-    gamma_bend: Any,
-) -> Any:
-    """What the second derivative of kappa/gamma takes from the jerk."""
-    return kappa_per_gamma * (2.0 * omega1 * H_rate * log_rate + half_omega1_cubed * H * gamma_bend)
+@planar_4r.quantity(units="1", symbol="-(2 H' k' + H k'')/2", source=RATES, internal=True)
+def kappa_bend(H: Any, H_slope: Any, kappa_per_gamma: Any, log_rate: Any, gamma_bend: Any) -> Any:
+    """What the second derivative of kappa/gamma takes from that of the ratios."""
+    return kappa_per_gamma * (2.0 * (H_slope * log_rate) + 0.5 * (H * gamma_bend))
 
 
-@planar_4r.quantity(units="rad s-3", symbol="jerk_4", source=f"{HAYES}, eq. (8), differentiated")
-def jerk4(mean_jerk: Any, H_bend: Any, output_share: Any, kappa_bend: Any, branch_sign: Any) -> Any:
-    """Angular jerk of the output link."""
-    return mean_jerk + branch_sign * (H_bend * output_share - kappa_bend)
+def bend(mean_bend: Any, H_bend: Any, share: Any, kappa_bend: Any, branch_sign: Any) -> Any:
+    """Second derivative of a ratio."""
+    return mean_bend + branch_sign * (H_bend * share - kappa_bend)
 
 
-@planar_4r.quantity(
-    units="rad s-3", symbol="jerk_2", source=f"{HAYES}, eq. (8) for the pair 1-2, differentiated"
-)
-def jerk2(mean_jerk: Any, H_bend: Any, coupler_share: Any, kappa_bend: Any, branch_sign: Any) -> Any:
-    """Angular jerk of the coupler."""
-    return mean_jerk + branch_sign * (H_bend * coupler_share - kappa_bend)
+for _name, _share, _symbol, _of in (
+    ("output_bend", "output_share", "n_4''", "omega4/omega1"),
+    ("coupler_bend", "coupler_share", "n''", "omega2/omega1"),
+):
+    planar_4r.quantity(
+        units="1",
+        symbol=_symbol,
+        source=RATES,
+        internal=True,
+        name=_name,
+        meaning=f"second derivative of {_of} by the input angle",
+        given={"share": _share},
+    )(bend)
+
+
+@planar_4r.quantity(units="rad3 s-3", symbol="omega_1^3", source=RATES, internal=True)
+def omega1_cubed(omega1_squared: Any, omega1: Any) -> Any:
+    """Cube of the input speed."""
+    return omega1_squared * omega1
+
+
+def product(x: Any, y: Any) -> Any:
+    """Return a product."""
+    return x * y
+
+
+for _name, _link, _bend, _source in (
+    ("jerk4", "output link", "output_bend", f"{HAYES}, eq. (8), differentiated"),
+    ("jerk2", "coupler", "coupler_bend", f"{HAYES}, eq. (8) for the pair 1-2, differentiated"),
+):
+    planar_4r.quantity(
+        units="rad s-3",
+        symbol=f"jerk_{_name[-1]}",
+        source=_source,
+        name=_name,
+        meaning=f"Angular jerk of the {_link}",
+        given={"x": "omega1_cubed", "y": _bend},
+    )(product)

@@ -1,0 +1,192 @@
+"""Declare physical facts once: inputs, quantities, tables, linear systems, derivatives."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
+from typing import Any, TypeVar
+
+from fastlink.derivative import labelled
+from fastlink.fact import CatalogueError, Fact, GradedRange, Input, Rule, System, parameters
+
+__all__ = ["Declarations"]
+
+F = TypeVar("F", bound=Callable[..., Any])
+
+
+class Declarations:
+    """What is declared of one mechanism; `fastlink.catalogue.Catalogue` reads it."""
+
+    def __init__(self, name: str, title: str, branches: Mapping[int, str], position: Input) -> None:
+        self.name = name
+        self.title = title
+        self.branches = dict(branches)
+        self.position = position
+        self.inputs: dict[str, Input] = {}
+        self.facts: dict[str, Fact] = {}
+        self.tables: dict[str, Fact] = {}
+        self.table_low_parts: dict[str, str] = {}
+        self.alternatives: dict[str, dict[str, Fact | System]] = {}
+        self.alternative_inputs: dict[str, dict[str, Input]] = {}
+        self.graded: GradedRange | None = None
+
+    def input(
+        self,
+        name: str,
+        *,
+        units: str,
+        symbol: str,
+        meaning: str,
+        rule: Rule = "any",
+        alternative: str | None = None,
+        default: float | None = None,
+    ) -> None:
+        """Declare a number that the user gives; `alternative` restricts it to a named set of facts.
+
+        Giving an input of a set that has one with a default chooses the set: see `chosen_by`.
+        """
+        self._check_new(name, alternative)
+        declared = Input(name, units, symbol, meaning, rule, default)
+        if alternative is None:
+            self.inputs[name] = declared
+        else:
+            self.alternative_inputs.setdefault(alternative, {})[name] = declared
+
+    def quantity(
+        self,
+        *,
+        units: str,
+        symbol: str,
+        source: str,
+        internal: bool = False,
+        flags: Mapping[int, str] | None = None,
+        alternative: str | None = None,
+        name: str | None = None,
+        meaning: str | None = None,
+        given: Mapping[str, str] | None = None,
+    ) -> Callable[[F], F]:
+        """Declare a fact.
+
+        Parameters
+        ----------
+        units, symbol, source : str
+            UDUNITS text, the paper's symbol, and where it stands (paper and equation number).
+        internal : bool
+            A step on the way: not offered to users by name.
+        flags : mapping of int to str, optional
+            For a quantity that is a code: the CF flag meanings of its values.
+        alternative : str, optional
+            The name of the set of facts it belongs to, which replaces or adds facts when asked for.
+        name, meaning : str, optional
+            Instead of the function's name and the first line of its docstring: where one law holds for
+            several links, it is written once and declared for each.
+        given : mapping of str to str, optional
+            With them: what stands for the law's parameters.
+        """
+
+        def declare(function: F) -> F:
+            labels = (units, symbol, source, internal, flags)
+            fact = self._fact(function, *labels, name, meaning, given or {})
+            self._check_new(fact.name, alternative)
+            if alternative is None:
+                self.facts[fact.name] = fact
+            else:
+                self.alternatives.setdefault(alternative, {})[fact.name] = fact
+            return function
+
+        return declare
+
+    def table(self, *, symbol: str, source: str, low: str | None = None) -> Callable[[F], F]:
+        """Declare a function of the input position alone, tabled once per sweep from 40 digits.
+
+        `low` names a second table: what rounding to double lost.
+        """
+
+        def declare(function: F) -> F:
+            fact = self._fact(function, "1", symbol, source, True, None)
+            self._check_new(fact.name, None)
+            if fact.needs != (self.position.name,):
+                raise CatalogueError(
+                    f"{self.name}: table {fact.name} must depend on {self.position.name} alone"
+                )
+            self.tables[fact.name] = fact
+            if low is not None:
+                self._check_new(low, None)
+                self.table_low_parts[low] = fact.name
+            return function
+
+        return declare
+
+    def system(self, name: str, unknowns: Sequence[str], *, alternative: str) -> Callable[[F], F]:
+        """Declare a linear system that determines `unknowns`, as part of a named set of facts."""
+
+        def declare(function: F) -> F:
+            declared = System(name, tuple(unknowns), function, parameters(function))
+            for unknown in unknowns:
+                self._check_new(unknown, alternative)
+                self.alternatives.setdefault(alternative, {})[unknown] = declared
+            return function
+
+        return declare
+
+    def derivative(
+        self, name: str, by: str, *, given: Mapping[str, str] | None = None, alternative: str | None = None
+    ) -> Callable[[F], F]:
+        """Declare the derivative of a fact or table by an input or the position, where a closed form is better.
+
+        All others are generated, see `fastlink.derivative`. It holds of the fact of that set (`alternative`), not of
+        what replaces it.
+        """
+
+        def declare(function: F) -> F:
+            fact = self.facts.get(name) or self.tables[name]
+            needs = tuple((given or {}).get(parameter, parameter) for parameter in parameters(function))
+            found = replace(labelled(fact, self.variables[by]), function=function, needs=needs, internal=True)
+            self._check_new(found.name, alternative)
+            within = self.facts if alternative is None else self.alternatives.setdefault(alternative, {})
+            within[found.name] = found
+            return function
+
+        return declare
+
+    @property
+    def variables(self) -> dict[str, Input]:
+        """What there are derivatives by: every input that a design may give, and the position."""
+        sets = self.alternative_inputs.values()
+        known = {name: given for inputs in (self.inputs, *sets) for name, given in inputs.items()}
+        return {**known, self.position.name: self.position}
+
+    def _fact(
+        self,
+        function: Callable[..., Any],
+        units: str,
+        symbol: str,
+        source: str,
+        internal: bool,
+        flags: Mapping[int, str] | None,
+        name: str | None = None,
+        meaning: str | None = None,
+        given: Mapping[str, str] | None = None,
+    ) -> Fact:
+        name = name or function.__name__
+        meaning = meaning or (function.__doc__ or "").strip().split("\n", 1)[0].rstrip(".")
+        for what, value in (("units", units), ("symbol", symbol), ("source", source), ("meaning", meaning)):
+            if not value:
+                raise CatalogueError(f"{self.name}: fact {name} has no {what}")
+        needs = tuple((given or {}).get(parameter, parameter) for parameter in parameters(function))
+        return Fact(name, function, needs, units, symbol, meaning, source, internal, dict(flags or {}))
+
+    def _check_new(self, name: str, alternative: str | None) -> None:
+        if alternative is None:
+            taken = (
+                name in self.inputs
+                or name in self.facts
+                or name in self.tables
+                or name in self.table_low_parts
+            )
+            taken = taken or name in (self.position.name, "branch")
+        else:
+            taken = name in self.alternatives.get(alternative, {})
+            taken = taken or name in self.alternative_inputs.get(alternative, {})
+        if taken:
+            raise CatalogueError(f"{self.name}: {name} is declared twice")
