@@ -104,3 +104,28 @@ def test_square_root_below_zero_is_nan_in_every_reading():
     assert mp.isnan(jit.sqrt(mp.mpf(-1)))
     with np.errstate(invalid="ignore"):
         assert np.isnan(jit.sqrt(-1.0))
+
+
+@numba.njit(error_model="numpy")
+def compiled_direction(x, cosines, sines):
+    for i in range(x.size):
+        cosines[i], sines[i] = jit.cosine(x[i]), jit.sine(x[i])
+
+
+def test_cosine_and_sine_are_within_two_units_in_the_last_place_and_one_text():
+    rng = np.random.default_rng(4)
+    x = np.concatenate(
+        [rng.uniform(-7, 7, 3000), np.arange(-32, 33) * (np.pi / 4), rng.uniform(-1e6, 1e6, 500)]
+    )
+    beyond = np.array([1.1e6, np.inf, -np.inf, np.nan])
+    cosines, sines = np.empty(x.size + 4), np.empty(x.size + 4)
+    compiled_direction(np.append(x, beyond), cosines, sines)
+    assert np.isnan([*cosines[-4:], *sines[-4:]]).all()
+    np.testing.assert_array_equal(cosines[:-4], jit.cosine(x))
+    np.testing.assert_array_equal(sines[:-4], jit.sine(x))
+    with mp.workdps(40):
+        for angle, c, s in zip(x, cosines, sines, strict=False):
+            exact = mp.mpf(float(angle))
+            # Near a zero the last part of pi/2, of 2^-101 pi, bounds the error: far below a rounding of 1e-16.
+            assert abs(mp.mpf(float(c)) - mp.cos(exact)) <= 2 * np.spacing(abs(c) + 1e-16)
+            assert abs(mp.mpf(float(s)) - mp.sin(exact)) <= 2 * np.spacing(abs(s) + 1e-16)

@@ -7,9 +7,10 @@ import numpy as np
 import pytest
 
 import fastlink as fl
-from configurations import LENGTHS, LOADS, PLANAR, draw, masses_and_points, random_lengths
+from configurations import LENGTHS, LOADS, PLANAR, all_loads, draw, masses_and_points, random_lengths
 from fastlink.reading import read_facts
 from fastlink.request import alternatives_of, constants_of
+from test_precision import MULTIPLE, assert_within, family
 
 FORCES = ("F41", "F21", "F32", "F43")
 REACTIONS = [f"{force}_{axis}" for force in FORCES for axis in "xy"] + ["T41"]
@@ -137,3 +138,19 @@ def test_reactions_and_shaking_loads_are_newtons(loads, solver):
             for name, value in zip((*FORCES, "shaking_force"), (f41, f21, f32, f43, shaking), strict=True):
                 assert mp.almosteq(got[name], abs(value), rel_eps=RELATIVE)
             assert mp.almosteq(got["input_power"], got["T41"] * mp.mpf(one["omega1"]), rel_eps=RELATIVE)
+
+
+QUANTITIES = [
+    *(*REACTIONS, *FORCES, *SHAKING, "shaking_force", "input_power"),
+    *("alpha2", "alpha4", "jerk2", "jerk4", "joint_alpha_2", "joint_alpha_3", "joint_alpha_4", "P_ax", "P_ay"),
+]
+
+
+@pytest.mark.parametrize("n", [4, pytest.param(300, marks=pytest.mark.stress)])
+@pytest.mark.parametrize("kind", ["random", "gap 1e-8", "toggle 1e-6"])
+def test_every_quantity_under_all_loads_is_a_few_roundings_off(kind, n):
+    rng = np.random.default_rng(n)
+    lengths, theta = family(kind, rng, n)
+    inputs = dict(zip(LENGTHS, lengths, strict=True)) | masses_and_points(rng, n) | all_loads(rng, n)
+    alternatives = alternatives_of(PLANAR, None, "eliminated", inputs)
+    assert assert_within(QUANTITIES, inputs, theta, MULTIPLE, alternatives) > n // 2

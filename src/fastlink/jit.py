@@ -17,7 +17,7 @@ import numpy as np
 from numba.core.compiler import Compiler
 from numba.extending import overload, register_jitable
 
-__all__ = ["KERNEL_OPTIONS", "atan2", "called", "cos", "cos_sin", "inlined", "select", "sin", "sqrt"]
+__all__ = ["KERNEL_OPTIONS", "atan2", "called", "cos", "cosine", "inlined", "select", "sin", "sine", "sqrt"]
 
 INFINITY = float("inf")
 NOT_A_NUMBER = float("nan")
@@ -198,23 +198,32 @@ def _polynomial_cos_sin(x: Any) -> Any:
     return c, s
 
 
-def cos_sin(x: Any) -> Any:
-    """Cosine and sine of a direction that a design gives, within 2 roundings; NaN beyond a million rad.
+def cosine(x: Any) -> Any:
+    """Cosine of a direction that a design gives, within 2 roundings; NaN beyond a million rad.
 
     The same polynomials in every reading, for the same bits on every machine.
     """
     context = _context(x)
-    if context is not None:
-        return context.cos(x), context.sin(x)
-    return _polynomial_cos_sin(x)
+    return _polynomial_cos_sin(np.asarray(x, dtype=float))[0][()] if context is None else context.cos(x)
+
+
+def sine(x: Any) -> Any:
+    """Sine of a direction that a design gives: see `cosine`."""
+    context = _context(x)
+    return _polynomial_cos_sin(np.asarray(x, dtype=float))[1][()] if context is None else context.sin(x)
 
 
 inlined(_polynomial_cos_sin)
 
 
-@overload(cos_sin, jit_options=INLINE_OPTIONS, strict=False)
-def _cos_sin(x: Any) -> Any:
-    return lambda x: _polynomial_cos_sin(x)
+@overload(cosine, jit_options=INLINE_OPTIONS, strict=False)
+def _cosine(x: Any) -> Any:
+    return lambda x: _polynomial_cos_sin(x)[0]
+
+
+@overload(sine, jit_options=INLINE_OPTIONS, strict=False)
+def _sine(x: Any) -> Any:
+    return lambda x: _polynomial_cos_sin(x)[1]
 
 
 class _Restrict(Compiler):  # type: ignore[misc]

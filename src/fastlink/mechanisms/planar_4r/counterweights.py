@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from fastlink.jit import cos_sin, select
+from fastlink.jit import cosine, select, sine
 from fastlink.mechanisms.planar_4r import loads  # noqa: F401 (declares what is replaced)
 from fastlink.mechanisms.planar_4r.declare import HAYES, LINKS, build_on, planar_4r, plus
 
@@ -18,14 +18,12 @@ PI = 3.141592653589793
 
 def along(mass: Any, radius: Any, direction: Any) -> Any:
     """Mass times radius of a counterweight, along the link."""
-    cosine, _sine = cos_sin(direction)
-    return (mass * radius) * cosine
+    return (mass * radius) * cosine(direction)
 
 
 def across(mass: Any, radius: Any, direction: Any) -> Any:
     """Mass times radius of a counterweight, to the left of the link."""
-    _cosine, sine = cos_sin(direction)
-    return (mass * radius) * sine
+    return (mass * radius) * sine(direction)
 
 
 def spin(mass: Any, radius: Any) -> Any:
@@ -115,9 +113,8 @@ def about_centre(
     replaced: Any, own: Any, mass: Any, whole: Any, radius: Any, direction: Any, G_u: Any, G_v: Any
 ) -> Any:
     """Moment of inertia of a link with its counterweight about their mass centre."""
-    cosine, sine = cos_sin(direction)
-    u = G_u - radius * cosine
-    v = G_v - radius * sine
+    u = G_u - radius * cosine(direction)
+    v = G_v - radius * sine(direction)
     reduced = select(whole > 0.0, own / select(whole > 0.0, whole, 1.0), 0.0) * mass
     return replaced + reduced * (u * u + v * v)
 
