@@ -2,32 +2,15 @@
 
 from __future__ import annotations
 
-import doctest
-import importlib
-
 import mpmath as mp
 import numpy as np
 import pytest
 
 import fastlink as fl
-from configurations import LENGTHS, PLANAR, UNIT, random_lengths
-from fastlink.planar import cognates, crunodes, curve_area, curve_length, sextic, straightness
+from configurations import LENGTHS, PLANAR, UNIT
+from curve_designs import CURVE, evaluate, random_designs
+from fastlink.planar import cognates, curve_area, curve_length, curve_straightness, sextic, straightness
 from fastlink.reading import read_facts
-
-CURVE = (*LENGTHS, "P_u", "P_v")
-
-
-def random_designs(seed, n):
-    """Lengths of all classes and coupler points anywhere."""
-    rng = np.random.default_rng(seed)
-    inputs = dict(zip(LENGTHS, random_lengths(rng, n), strict=True))
-    inputs |= {name: rng.uniform(-2.0, 2.0, n) for name in ("P_u", "P_v")}
-    return inputs, rng.uniform(-np.pi, np.pi, n)
-
-
-def evaluate(names, inputs, theta, branch):
-    return fl.evaluate("planar_4r", names, branch=branch, theta1=theta, **inputs)
-
 
 # -- derivatives -------------------------------------------------------------------------------------
 
@@ -205,10 +188,10 @@ def test_cognates_trace_the_same_points(branch):
     reach = lengths.sum(axis=0) + np.hypot(inputs["P_u"], inputs["P_v"])
     sine = np.abs(np.sin(got["theta4"] - got["theta2"]))
     sine_cognate = np.abs(np.sin(got["theta4"] - theta))
-    for cognate in cognates(*(inputs[name] for name in CURVE)):
+    for cognate in cognates(inputs):
         angle, side = cognate.configuration(theta, got["theta2"], got["theta4"])
         np.testing.assert_array_equal(side[closes & (cognate.number == 1)], branch)
-        own = {name: getattr(cognate, name) for name in CURVE}
+        own = cognate.design
         traced = evaluate(["P_x", "P_y"], own, angle, side)
         X, Y = cognate.to_ground(traced["P_x"], traced["P_y"])
         # Each closure amplifies the roundings of lengths and angles by 1/sine of its own transmission angle and
@@ -223,19 +206,25 @@ def test_cognates_trace_the_same_points(branch):
 
 def test_cognates_share_the_sextic_and_the_third_pivot():
     inputs, _ = random_designs(36, 200)
-    first, second, third = cognates(*(inputs[name] for name in CURVE))
+    first, second, third = cognates(inputs)
     np.testing.assert_array_equal([second.O_x, second.O_y], np.zeros((2, 200)))
     np.testing.assert_array_equal([second.D_x, second.D_y], [third.D_x, third.D_y])
     # Each of the ground triangle's sides is the ground link of one linkage, up to roundings of its coordinates.
     for cognate in (first, second, third):
         side = np.hypot(cognate.D_x - cognate.O_x, cognate.D_y - cognate.O_y)
         scale = np.abs(cognate.D_x) + np.abs(cognate.O_x) + np.abs(cognate.D_y)
-        assert np.all(np.abs(side - cognate.a4) <= 16 * UNIT * scale)
+        assert np.all(np.abs(side - cognate.design["a4"]) <= 16 * UNIT * scale)
+    # The cognates of a cognate are the same three.
+    again = cognates(second.design)
+    for name in CURVE:
+        # Its own second is similar by the inverse ratio: a dozen roundings of what is divided by |P|/a2.
+        size = 1.0 + np.abs(inputs["P_u"]) + np.abs(inputs["P_v"])
+        assert np.all(np.abs(again[1].design[name] - inputs[name]) <= 64 * UNIT * size * inputs["a2"]), name
     # A circle is traced by P = A: the second linkage has shrunk to nothing there.
-    _, shrunk, whole = cognates(0.4, 1.2, 0.8, 1.0, 0.0, 0.0)
-    assert shrunk.a1 == shrunk.a4 == 0.0
-    assert np.isnan(shrunk.P_u)
-    assert np.isfinite(whole.P_u)
+    _, shrunk, whole = cognates(dict(zip(CURVE, (0.4, 1.2, 0.8, 1.0, 0.0, 0.0), strict=True)))
+    assert shrunk.design["a1"] == shrunk.design["a4"] == 0.0
+    assert np.isnan(shrunk.design["P_u"])
+    assert np.isfinite(whole.design["P_u"])
 
 
 # -- length, area, straightness ----------------------------------------------------------------------
@@ -276,117 +265,26 @@ def test_straightness():
     lambda_linkage = {"a1": 1.0, "a2": 2.5, "a3": 2.5, "a4": 2.0, "P_u": 5.0, "P_v": 0.0}
     got = evaluate(["P_x", "P_y"], lambda_linkage, theta, 2)
     length = np.hypot(np.ptp(got["P_x"]), np.ptp(got["P_y"]))
-    assert straightness(got["P_x"], got["P_y"]) < 0.01 * length
+    part = straightness(got["P_x"], got["P_y"])
+    assert part < 0.01 * length
+    ends = {"theta1": (np.pi - 1.2, np.pi + 1.2), "branch": 2}
+    assert curve_straightness(**lambda_linkage, **ends, samples=201) == part
+    assert curve_straightness(**lambda_linkage, branch=2) > 50 * part
 
 
-# -- crunodes ----------------------------------------------------------------------------------------
-
-
-def test_two_configurations_of_the_linkage_meet_at_a_crunode():
-    """Place A on its circles around O and the point, B beside it: B is on its circle both times."""
-    inputs, _ = random_designs(37, 5000)
-    a1, a2, a3, a4, u, v = (inputs[name][:, None] for name in CURVE)
-    X, Y, count = crunodes(**inputs)
-    assert X.shape == Y.shape == (5000, 3)
-    np.testing.assert_array_equal(np.isfinite(X).sum(axis=-1), count)
-    assert min(np.bincount(count, minlength=4)) > 300
-    z, p = X + 1j * Y, u + 1j * v
-    square, length = np.abs(z) ** 2, np.abs(p)
-    along = (square + a1**2 - length**2) / (2 * square)
-    height = np.sqrt(a1**2 / square - along**2)
-    flat = height * np.sqrt(square) / a1
-    size = np.abs(z) + a1 + a2 + a3 + a4 + length
-    # Roundings of z: of a cubic's root (by its companion: 1/distance to the other roots) and of the triangles.
-    good = (flat > 1e-2) & (length > 1e-2) & (np.abs(z) > 1e-2)
-    assert good.sum() > 0.9 * count.sum()
-    for side in (-1, 1):
-        A = z * (along + 1j * side * height)
-        B = A + a2 * (z - A) / p
-        error = np.abs(np.abs(B - a4) - a3)
-        # |A P| = |p| holds by construction; what is left is the third side, 1e4 for the three divisors above.
-        assert np.all((error <= 1e4 * UNIT * size / flat)[good])
-
-
-def closed_arcs(lengths, samples):
-    """Return the motions of one design, each a list of (branch, input angles) that closes on itself."""
-    a, b, c, d = lengths
-    Z0, C0 = (x / (4 * a * d) for x in ((b - c) ** 2 - (a - d) ** 2, (a + d) ** 2 - (b + c) ** 2))
-    if Z0 >= 1 or C0 >= 1 or Z0 + C0 >= 1:
-        return []
-    low = 2 * np.arcsin(np.sqrt(max(Z0, 0.0)))
-    high = 2 * np.arccos(np.sqrt(max(C0, 0.0)))
-    if Z0 <= 0 and C0 <= 0:
-        # Denser at theta1 = 0 and pi, where a linkage near a change point moves fast.
-        even = np.linspace(0.0, 2 * np.pi, samples + 1)
-        turn = even - 0.497 * np.sin(2 * even)
-        return [[(1, turn)], [(2, turn)]]
-    ranges = [(low, high), (-high, -low)]
-    if Z0 <= 0:
-        ranges = [(-high, high)]
-    elif C0 <= 0:
-        ranges = [(low, 2 * np.pi - low)]
-    arcs = []
-    for start, end in ranges:
-        # Equal steps of the arcsine are near equal steps of arc at the toggles, which stay 1e-9 outside.
-        s = np.sin(np.linspace(-np.pi / 2, np.pi / 2, samples)) * (1 - 1e-9)
-        there = (start + end) / 2 + (end - start) / 2 * s
-        arcs.append([(1, there), (2, there[::-1]), (1, there[:1])])
-    return arcs
-
-
-def crossings(parts):
-    """Return every crossing of the segments of polylines with another segment not beside it."""
-    start = np.concatenate([part[:-1] for part in parts])
-    step = np.concatenate([np.diff(part) for part in parts])
-    first, second = np.triu_indices(start.size, 2)
-    ends = np.cumsum([part.size - 1 for part in parts])
-    last = {int(end) - 1: int(end) - part.size + 1 for end, part in zip(ends, parts, strict=True)}
-    between, d1, d2 = start[second] - start[first], step[first], step[second]
-
-    def cross(f, g):
-        return f.real * g.imag - f.imag * g.real
-
-    with np.errstate(all="ignore"):
-        s, t = cross(between, d2) / cross(d1, d2), cross(between, d1) / cross(d1, d2)
-    hit = np.flatnonzero((s >= 0) & (s < 1) & (t >= 0) & (t < 1))
-    closing = np.array([last.get(int(second[k])) == first[k] for k in hit], dtype=bool)
-    hit = hit[~closing]
-    return start[first[hit]] + s[hit] * d1[hit]
-
-
-@pytest.mark.parametrize("n", [60, pytest.param(1000, marks=pytest.mark.stress)])
-def test_crunodes_against_crossings_of_polylines(n):
-    inputs, _ = random_designs(38, n)
-    X, Y, count = crunodes(**inputs)
-    same = coarse = 0
-    for i in range(n):
-        one = {name: float(values[i]) for name, values in inputs.items()}
-        parts = []
-        for motion in closed_arcs([one[name] for name in LENGTHS], 300):
-            points = []
-            for branch, theta in motion:
-                got = evaluate(["P_x", "P_y"], one, theta, branch)
-                points.append(got["P_x"] + 1j * got["P_y"])
-            parts.append(np.concatenate(points))
-        if not parts:
-            assert count[i] == 0
-            same += 1
-            continue
-        found = crossings(parts)
-        nodes = (X[i] + 1j * Y[i])[: count[i]]
-        # A chord is off its curve by an eighth of its length times the angle it turns through: less than a
-        # quarter of its length below a half turn, so that its crossings are off by less than it is long.
-        allowed = max(np.abs(np.diff(part)).max() for part in parts)
-        for point in found:
-            assert nodes.size, (i, point)
-            assert np.abs(nodes - point).min() <= allowed, (i, point)
-        coarse += allowed > 0.05 * sum(one[name] for name in CURVE[:4])
-        same += found.size == count[i]
-    # A polyline misses loops smaller than its steps and may double crossings of nearly tangent arcs (none seen).
-    assert same >= 0.99 * n
-    assert coarse <= 0.05 * n
-
-
-@pytest.mark.parametrize("name", ["curves", "crunodes"])
-def test_the_examples_run(name):
-    assert doctest.testmod(importlib.import_module(f"fastlink.planar.{name}")).failed == 0
+def test_what_is_of_no_use_is_said_in_one_line():
+    design = dict(zip(CURVE, (0.4, 1.2, 0.8, 1.0, 0.3, 0.2), strict=True))
+    for given, message in (
+        ({"a2": -1.0}, "sextic: a2 must be positive and finite"),
+        ({"P_v": "high"}, "sextic: P_v is not a number"),
+        ({"a1": [0.4, 0.5], "P_u": [1.0, 2.0, 3.0]}, r"do not broadcast: a1 \(2,\), P_u \(3,\)"),
+    ):
+        with pytest.raises(fl.InputError, match=message):
+            sextic(**design | given)
+    with pytest.raises(fl.InputError, match="the design lacks a4, P_v; give a1, a2, a3, a4, P_u, P_v"):
+        cognates({name: design[name] for name in ("a1", "a2", "a3", "P_u")})
+    for part in ((2.0, 1.0), (0.0, np.inf)):
+        with pytest.raises(fl.InputError, match="give \\(least, greatest\\) in rad"):
+            curve_straightness(**design, theta1=part)
+    with pytest.raises(fl.InputError, match="samples is 0"):
+        curve_length(**design, samples=0)

@@ -1,15 +1,20 @@
 """What belongs to planar linkages alone: algebraic equations and constructions."""
 
-from fastlink.planar.crunodes import crunodes
-from fastlink.planar.curves import Cognate, cognates, curve_area, curve_length, sextic, straightness
+from fastlink.planar.cognates import Cognate, cognates
+from fastlink.planar.curves import curve_area, curve_length, curve_straightness, sextic, straightness
+from fastlink.planar.double_points import crunode_count, crunodes, cusp_count, cusps
 from fastlink.planar.io import io_coefficients
 
 __all__ = [
     "Cognate",
     "cognates",
+    "crunode_count",
     "crunodes",
     "curve_area",
     "curve_length",
+    "curve_straightness",
+    "cusp_count",
+    "cusps",
     "io_coefficients",
     "sextic",
     "straightness",

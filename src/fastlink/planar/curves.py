@@ -1,24 +1,20 @@
-"""Coupler curves of the planar 4R as curves: equation, cognates, length, area, straightness.
+"""Coupler curves of the planar 4R as curves: equation, length, area, straightness.
 
-Nothing here is per configuration; the coupler point and its derivatives are facts of the mechanism.
+Nothing here is per configuration; the coupler point and its derivatives are facts of the mechanism, and so is the
+bounding box of the curve: ``P_x_min``, ``P_x_max``, ``P_y_min`` and ``P_y_max`` of a sweep.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 from fastlink.errors import InputError
+from fastlink.planar.designs import CURVE, broadcast, curve_designs
 from fastlink.reading import evaluate
 
-__all__ = ["Cognate", "cognates", "curve_area", "curve_length", "sextic", "straightness"]
-
-
-def _designs(*values: Any) -> list[Any]:
-    """Broadcast the numbers of one or many designs against each other."""
-    return list(np.broadcast_arrays(*(np.asarray(value, dtype=float) for value in values)))
+__all__ = ["curve_area", "curve_length", "curve_straightness", "sextic", "straightness"]
 
 
 def _polynomial(size: int, **terms: Any) -> Any:
@@ -89,7 +85,7 @@ def sextic(a1: Any, a2: Any, a3: Any, a4: Any, P_u: Any, P_v: Any) -> Any:
     >>> float(np.polynomial.polynomial.polyval2d(0.0, 3.0, c))
     0.0
     """
-    a1, a2, a3, a4, u, v = _designs(a1, a2, a3, a4, P_u, P_v)
+    a1, a2, a3, a4, u, v = curve_designs("sextic", a1, a2, a3, a4, P_u, P_v)
     square = u * u + v * v
     k = square - a1 * a1
     middle = 2.0 * a2 * u - (a1 - a3) * (a1 + a3) - a2 * a2 - a4 * a4
@@ -106,117 +102,20 @@ def sextic(a1: Any, a2: Any, a3: Any, a4: Any, P_u: Any, P_v: Any) -> Any:
     return _product(W_real, W_real) + _product(W_imaginary, W_imaginary) - 4.0 * _product(V, V)
 
 
-@dataclass(frozen=True)
-class Cognate:
-    """One of the three linkages that trace the same coupler curve; `cognates` makes them.
-
-    Attributes
-    ----------
-    a1, a2, a3, a4, P_u, P_v : ndarray
-        Lengths and coupler point [m], as inputs of planar_4r, in the linkage's own ground frame.
-    O_x, O_y, D_x, D_y : ndarray
-        Ground pivots of its input and output link [m] in the ground frame of the original.
-    number : int
-        1 for the original, 2 and 3 for its cognates.
-    """
-
-    a1: Any
-    a2: Any
-    a3: Any
-    a4: Any
-    P_u: Any
-    P_v: Any
-    O_x: Any
-    O_y: Any
-    D_x: Any
-    D_y: Any
-    number: int
-
-    def configuration(self, theta1: Any, theta2: Any, theta4: Any) -> tuple[Any, Any]:
-        """Return the input angle [rad] and the branch that put this linkage's coupler point on the original's.
-
-        Parameters
-        ----------
-        theta1, theta2, theta4 : float or array_like
-            Directions of crank, coupler and output link of the original [rad].
-
-        Returns
-        -------
-        theta1, branch : ndarray
-            In the linkage's own frame. The coupler's direction drives both cognates; their branch changes where
-            crank and output link of the original are parallel, which is a toggle of theirs.
-        """
-        t1, t2, t4 = _designs(theta1, theta2, theta4)
-        if self.number == 1:
-            return t1, np.where(np.sin(t4 - t2) > 0.0, 2, 1)
-        turn = np.sin(t4 - t1) if self.number == 2 else np.sin(t1 - t4)
-        return t2, np.where(turn > 0.0, 2, 1)
-
-    def to_ground(self, x: Any, y: Any) -> tuple[Any, Any]:
-        """Return a point (x, y) [m] of the linkage's own ground frame in that of the original."""
-        cosine, sine = (self.D_x - self.O_x) / self.a4, (self.D_y - self.O_y) / self.a4
-        return self.O_x + (cosine * x - sine * y), self.O_y + (sine * x + cosine * y)
+def _along(
+    quantities: list[str], theta1: Any, branch: int, function: str, design: tuple[Any, ...]
+) -> dict[str, Any]:
+    """Evaluate along the curve at unit speed, angles in the last axis."""
+    inputs = dict(zip(CURVE, curve_designs(function, *design), strict=True))
+    spread = {name: value[..., None] for name, value in inputs.items()}
+    return evaluate("planar_4r", quantities, branch=branch, theta1=theta1, omega1=1.0, **spread)
 
 
-def cognates(a1: Any, a2: Any, a3: Any, a4: Any, P_u: Any, P_v: Any) -> tuple[Cognate, Cognate, Cognate]:
-    """Return the three linkages that trace one coupler curve (theorem of Roberts and Chebyshev).
-
-    Parameters
-    ----------
-    a1, a2, a3, a4 : float or array_like
-        Lengths of crank, coupler, output link and ground [m], broadcast with the coupler point.
-    P_u, P_v : float or array_like
-        The coupler point, along AB from A and to the left of AB [m].
-
-    Returns
-    -------
-    tuple of Cognate
-        The original; the one on O and E; the one on D and E, where E is the third ground pivot, the triangle
-        O D E being similar to A B P. If P is A, the second has lengths zero and no direction (NaN); if P is B,
-        the third.
-
-    Notes
-    -----
-    With complex numbers, let lambda = (P_u + i P_v)/a2 and mu = 1 - lambda, so that P = A + lambda AB =
-    B + mu BA, and E = lambda OD. The second linkage has the links OA' = lambda AB, A'B' = lambda OA and
-    EB' = lambda DB, and P = A' + OA; the third has DA" = mu BA, A"B" = mu DB and EB" = mu OA, and P = A" + DB.
-    Both loops close because the original does (S. Roberts, Proc. London Math. Soc. 7, 1875, 14-23).
-
-    Examples
-    --------
-    >>> import fastlink as fl
-    >>> first, second, third = fl.planar.cognates(0.5, 1.0, 0.75, 2.0, 0.0, 2.0)
-    >>> [float(second.a1), float(second.a2), float(second.a3), float(second.a4)]
-    [2.0, 1.0, 1.5, 4.0]
-    >>> float(second.D_x), float(second.D_y)
-    (0.0, 4.0)
-    """
-    a1, a2, a3, a4, u, v = _designs(a1, a2, a3, a4, P_u, P_v)
-    zero = np.zeros_like(a4)
-    along, across = u / a2, v / a2
-    E_x, E_y = along * a4, across * a4
-    rest = (a2 - u) / a2
-    with np.errstate(invalid="ignore"):  # zero over zero: a cognate of lengths zero
-        size = np.hypot(u, v) / a2
-        second = (size * a2, size * a1, size * a3, size * a4, a1 * (along / size), -a1 * (across / size))
-        size = np.hypot(a2 - u, v) / a2
-        third = (size * a2, size * a3, size * a1, size * a4, a3 * (rest / size), a3 * (across / size))
-    return (
-        Cognate(a1, a2, a3, a4, u, v, zero, zero, a4, zero, 1),
-        Cognate(*second, zero, zero, E_x, E_y, 2),
-        Cognate(*third, a4, zero, E_x, E_y, 3),
-    )
-
-
-def _one_turn(quantities: list[str], numbers: tuple[Any, ...], branch: int, samples: int) -> dict[str, Any]:
-    """Evaluate over one turn of the input at unit speed, angles in the last axis."""
+def _one_turn(samples: int) -> Any:
+    """Return input angles, half a step off theta1 = 0, where a change point may have no rates."""
     if samples < 1:
         raise InputError(f"samples is {samples}; give at least 1")
-    names = ("a1", "a2", "a3", "a4", "P_u", "P_v")
-    inputs = {name: value[..., None] for name, value in zip(names, _designs(*numbers), strict=True)}
-    # Half a step off theta1 = 0, where a change point may have no rates.
-    theta1 = (np.arange(samples) + 0.5) * (2.0 * np.pi / samples)
-    return evaluate("planar_4r", quantities, branch=branch, theta1=theta1, omega1=1.0, **inputs)
+    return (np.arange(samples) + 0.5) * (2.0 * np.pi / samples)
 
 
 def curve_length(
@@ -249,7 +148,8 @@ def curve_length(
     >>> round(float(fl.planar.curve_length(0.5, 1.2, 0.8, 1.0, 0.0, 0.0)), 12)  # P = A: 2 pi a1
     3.14159265359
     """
-    found = _one_turn(["P_speed"], (a1, a2, a3, a4, P_u, P_v), branch, samples)
+    design = (a1, a2, a3, a4, P_u, P_v)
+    found = _along(["P_speed"], _one_turn(samples), branch, "curve_length", design)
     return 2.0 * np.pi * np.mean(found["P_speed"], axis=-1)
 
 
@@ -284,7 +184,8 @@ def curve_area(
     >>> round(float(fl.planar.curve_area(0.5, 1.2, 0.8, 1.0, 0.0, 0.0)), 12)  # P = A: pi a1^2
     0.785398163397
     """
-    found = _one_turn(["P_x", "P_y", "P_vx", "P_vy"], (a1, a2, a3, a4, P_u, P_v), branch, samples)
+    design = (a1, a2, a3, a4, P_u, P_v)
+    found = _along(["P_x", "P_y", "P_vx", "P_vy"], _one_turn(samples), branch, "curve_area", design)
     return np.pi * np.mean(found["P_x"] * found["P_vy"] - found["P_y"] * found["P_vx"], axis=-1)
 
 
@@ -310,7 +211,7 @@ def straightness(x: Any, y: Any) -> Any:
     >>> float(fl.planar.straightness([0.0, 2.0, 4.0, 6.0], [1.0, -1.0, -1.0, 1.0]))
     1.0
     """
-    x, y = _designs(x, y)
+    x, y = broadcast("straightness", x=x, y=y)
     there = np.isfinite(x) & np.isfinite(y)
     count = np.sum(there, axis=-1, keepdims=True)
     with np.errstate(invalid="ignore"):  # zero over zero: no points
@@ -321,3 +222,54 @@ def straightness(x: Any, y: Any) -> Any:
     angle = 0.5 * np.arctan2(2.0 * np.sum(x * y, axis=-1, keepdims=True), excess)
     distance = np.max(np.abs(np.cos(angle) * y - np.sin(angle) * x), axis=-1)
     return np.where(count[..., 0] > 0, distance, np.nan)[()]
+
+
+def curve_straightness(
+    a1: Any,
+    a2: Any,
+    a3: Any,
+    a4: Any,
+    P_u: Any,
+    P_v: Any,
+    *,
+    theta1: tuple[float, float] | None = None,
+    branch: int = 1,
+    samples: int = 720,
+) -> Any:
+    """Return the `straightness` of the coupler curve or of a part of it [m].
+
+    Parameters
+    ----------
+    a1, a2, a3, a4, P_u, P_v : float or array_like
+        Lengths and coupler point [m], broadcast.
+    theta1 : (float, float), optional
+        Least and greatest input angle [rad] of the part; the whole curve of the branch unless given.
+    branch : int
+        Assembly mode.
+    samples : int
+        Input angles.
+
+    Returns
+    -------
+    ndarray
+        The greatest distance from the best line. Angles at which the linkage does not assemble are left out.
+
+    Examples
+    --------
+    Chebyshev's straight line of the lambda linkage, 1 : 2.5 : 2.5 : 2 with P at 2 a2:
+
+    >>> import fastlink as fl
+    >>> part = fl.planar.curve_straightness(1.0, 2.5, 2.5, 2.0, 5.0, 0.0, theta1=(2.1, 4.2), branch=2)
+    >>> whole = fl.planar.curve_straightness(1.0, 2.5, 2.5, 2.0, 5.0, 0.0, branch=2)
+    >>> round(float(part), 4), round(float(whole), 4)
+    (0.0055, 0.7393)
+    """
+    angles = _one_turn(samples)
+    if theta1 is not None:
+        low, high = theta1
+        if not (np.isfinite([low, high]).all() and low < high):
+            raise InputError(f"curve_straightness: theta1 is {theta1}; give (least, greatest) in rad")
+        angles = np.linspace(low, high, samples)
+    design = (a1, a2, a3, a4, P_u, P_v)
+    found = _along(["P_x", "P_y"], angles, branch, "curve_straightness", design)
+    return straightness(found["P_x"], found["P_y"])

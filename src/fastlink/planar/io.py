@@ -10,6 +10,7 @@ import numpy as np
 from fastlink.errors import InputError, suggest
 from fastlink.geometry import gap
 from fastlink.mechanisms.planar_4r.factors import IO_CROSS, IO_PRODUCTS
+from fastlink.planar.designs import broadcast
 
 __all__ = ["io_coefficients"]
 
@@ -63,27 +64,14 @@ def io_coefficients(a1: Any, a2: Any, a3: Any, a4: Any, pair: str = "14") -> Any
     """
     if pair not in IO_PRODUCTS:
         raise InputError(f"io_coefficients: pair {pair!r} is unknown; {suggest(str(pair), IO_PRODUCTS)}")
-    lengths = []
-    for name, value in (("a1", a1), ("a2", a2), ("a3", a3), ("a4", a4)):
-        try:
-            length = np.asarray(value, dtype=float)
-        except (TypeError, ValueError) as error:
-            raise InputError(f"io_coefficients: {name} is not a number or an array of numbers") from error
-        if not np.all((length > 0.0) & np.isfinite(length)):
-            raise InputError(f"io_coefficients: {name} must be positive and finite")
-        lengths.append(length)
-    try:
-        a, b, c, d = np.broadcast_arrays(*lengths)
-    except ValueError as error:
-        shapes = ", ".join(str(length.shape) for length in lengths)
-        raise InputError(f"io_coefficients: lengths of shapes {shapes} do not broadcast") from error
+    lengths = broadcast("io_coefficients", a1=a1, a2=a2, a3=a3, a4=a4)
 
     def factor(name: str) -> Any:
-        return gap(*TERMS[name](a, b, c, d))[0]
+        return gap(*TERMS[name](*lengths))[0]
 
     _equation, *products = IO_PRODUCTS[pair]
     vivj, vi, vj, one = (factor(x) * factor(y) for x, y in (str(product).split() for product in products))
-    cross = np.zeros_like(a)
+    cross = np.zeros_like(lengths[0])
     if pair in IO_CROSS:
         number, x, y = IO_CROSS[pair]
         cross = number * (lengths[int(x) - 1] * lengths[int(y) - 1])

@@ -1,0 +1,55 @@
+"""The numbers of one or many designs as the functions of this package take them."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from fastlink.errors import InputError
+
+__all__ = ["CURVE", "broadcast", "curve_designs"]
+
+#: The inputs of planar_4r that must be lengths, and those that determine a coupler curve.
+LENGTHS = ("a1", "a2", "a3", "a4")
+CURVE = (*LENGTHS, "P_u", "P_v")
+
+
+def broadcast(function: str, **numbers: Any) -> list[Any]:
+    """Return numbers as arrays of one shape.
+
+    Parameters
+    ----------
+    function : str
+        Who asks, for the messages.
+    **numbers : float or array_like
+        The numbers by name; a1 ... a4 must be positive and finite.
+
+    Raises
+    ------
+    InputError
+        What is no number, no length or of another shape.
+
+    Examples
+    --------
+    >>> broadcast("sextic", a1=1.0, P_u=[0.0, 2.0])
+    [array([1., 1.]), array([0., 2.])]
+    """
+    arrays = {}
+    for name, value in numbers.items():
+        try:
+            arrays[name] = np.asarray(value, dtype=float)
+        except (TypeError, ValueError) as error:
+            raise InputError(f"{function}: {name} is not a number or an array of numbers") from error
+        if name in LENGTHS and not np.all((arrays[name] > 0.0) & np.isfinite(arrays[name])):
+            raise InputError(f"{function}: {name} must be positive and finite")
+    try:
+        return list(np.broadcast_arrays(*arrays.values()))
+    except ValueError as error:
+        shapes = ", ".join(f"{name} {array.shape}" for name, array in arrays.items() if array.ndim)
+        raise InputError(f"{function}: shapes do not broadcast: {shapes}") from error
+
+
+def curve_designs(function: str, *numbers: Any) -> list[Any]:
+    """Return the numbers of `CURVE`, in that order, as arrays of one shape."""
+    return broadcast(function, **dict(zip(CURVE, numbers, strict=True)))
