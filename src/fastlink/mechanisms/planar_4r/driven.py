@@ -26,6 +26,7 @@ __all__ = ["driven_by", "driven_catalogues"]
 
 #: Names that carry the number of a joint or a length.
 NUMBERED = re.compile(r"(a|s|v|joint_angle_|joint_omega_|joint_alpha_|joint_[SCY])([1-4])")
+DERIVATIVE = re.compile(f"d_(.+)_d_{planar_4r.position.name}")
 ORDINALS = ("first", "second", "third", "fourth")
 POINTS = ("O", "A", "B", "D")
 LINKS = ("OA", "AB", "DB", "OD")
@@ -93,9 +94,11 @@ def moved_name(name: str, joint: int) -> str:
 
     Examples
     --------
-    >>> moved_name("a4", joint=2), moved_name("omega1", joint=2), moved_name("height", joint=2)
-    ('a1', 'joint_omega_2', 'height')
+    >>> [moved_name(name, joint=2) for name in ("a4", "omega1", "height", "d_v4_d_theta1")]
+    ['a1', 'joint_omega_2', 'height', 'd_v1_d_joint_angle_2']
     """
+    if derivative := DERIVATIVE.fullmatch(name):
+        return f"d_{moved_name(derivative[1], joint)}_d_joint_angle_{joint}"
     if numbered := NUMBERED.fullmatch("joint_omega_1" if name == "omega1" else name):
         return f"{numbered[1]}{moved_number(int(numbered[2]), joint)}"
     # the factors of the equations are kept; those of the cyclic order, which tell the status, stand beside them
@@ -136,14 +139,13 @@ def driven_by(joint: int) -> Catalogue:
         meaning = f"{table.meaning} plus pi"
         driven.tables[name] = replace(table, function=turned[name], needs=(angle.name,), meaning=meaning)
     driven.table_low_parts = dict(planar_4r.table_low_parts)
-    leaves = {*planar_4r.inputs, *planar_4r.tables, *planar_4r.table_low_parts, "branch"}
     offered = {*KEPT, *(moved_name(name, joint) for name in MOVED)}
-    for fact in _facts((*MOVED, *HALF_ANGLES), leaves):
+    for fact in _with_derivatives((*MOVED, *HALF_ANGLES)):
         name = moved_name(fact.name, joint)
         needs = tuple(moved_name(need, joint) for need in fact.needs)
         labelled = _labels(name, fact, (opposite, left, right))
         driven.facts[name] = replace(labelled, needs=needs, internal=name not in offered)
-    for fact in _facts(KEPT, {*leaves, *driven.facts}):
+    for fact in _facts(KEPT, driven.facts):
         driven.facts[fact.name] = fact
     driven.check()
     return driven
@@ -154,8 +156,23 @@ def driven_catalogues() -> dict[str, Catalogue]:
     return {f"joint_angle_{joint}": driven_by(joint) for joint in (1, 2, 3, 4)}
 
 
-def _facts(names: Iterable[str], leaves: Iterable[str]) -> list[Fact]:
+def _facts(names: Iterable[str], known: Iterable[str]) -> list[Fact]:
+    leaves = {*known, *planar_4r.inputs, *planar_4r.tables, *planar_4r.table_low_parts, "branch"}
     return [step for step in planar_4r.closure(names, leaves) if isinstance(step, Fact)]
+
+
+def _with_derivatives(names: Iterable[str]) -> Iterable[Fact]:
+    """Return what is computed for the names, and all that is declared of their derivatives by the input."""
+    facts: dict[str, Fact] = {}
+    new = [*names, *planar_4r.tables]
+    while new:
+        found = {fact.name: fact for fact in _facts(new, facts)}
+        slopes = [f"d_{name}_d_{planar_4r.position.name}" for name in (*new, *found)]
+        declared = {name: planar_4r.facts[name] for name in slopes if name in planar_4r.facts}
+        facts |= found | declared
+        needs = {need for fact in declared.values() for need in fact.needs}
+        new = sorted(needs.intersection(planar_4r.facts).difference(facts))
+    return facts.values()
 
 
 def _labels(name: str, law: Fact, triangle: tuple[str, str, str]) -> Fact:
