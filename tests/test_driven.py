@@ -159,6 +159,22 @@ def test_the_six_equations_and_their_derivatives_hold(k):
             assert abs(slope_x * ddx + slope_y * ddy + second) < small
 
 
+@pytest.mark.parametrize("k", JOINTS)
+def test_derivatives_by_the_driven_joint_are_its_rates(k):
+    by, rate = f"joint_angle_{k}", mp.mpf(2)
+    angles, omegas = (names_of(kind, (k,)) for kind in ("joint_angle_", "joint_omega_"))
+    slopes = [f"d_{name}_d_{by}" for name in (*angles, *omegas)]
+    for given, found in configurations(4, seed=20 + k):
+        at = solve(k, given, found[by], rate, 2, [*others(k), *slopes, f"d_{angles[0]}_d_a1"])
+        for angle, omega in zip(angles, omegas, strict=True):
+            assert abs(at[f"d_{angle}_d_{by}"] * rate - at[omega]) < EXACT
+            assert abs(at[f"d_{omega}_d_{by}"] * rate - at[omega.replace("omega", "alpha")]) < EXACT
+        step = mp.mpf(10) ** -20
+        moved = solve(k, given | {"a1": given["a1"] + step}, found[by], rate, 2, angles)
+        # A difference of first order: off by the step times a second derivative below 1e6.
+        assert abs((moved[angles[0]] - at[angles[0]]) / step - at[f"d_{angles[0]}_d_a1"]) < 1e-13
+
+
 def rotated(values, k):
     """Return the lengths a1 ... a4 of which `values` are a_k, a_(k+1), ..."""
     return {f"a{(i + k - 1) % 4 + 1}": x for i, x in enumerate(values)}

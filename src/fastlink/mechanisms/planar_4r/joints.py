@@ -6,7 +6,7 @@ BD, DO; phi_0 = phi_4 = pi) the joint angles are phi_i - phi_(i-1). In terms of 
     joint_angle_1 = theta1 - pi,       joint_angle_2 = theta2 - theta1,
     joint_angle_3 = theta4 + pi - theta2,    joint_angle_4 = -theta4,    all in (-pi, pi].
 
-Each comes from its own cosine and sine, never from a difference of angles.
+Each comes from its own cosine and sine, never from a difference of angles. See docs/conventions.md.
 """
 
 from __future__ import annotations
@@ -163,7 +163,7 @@ def joint_alpha_3(H_rate: Any, branch_sign: Any) -> Any:
 
 @planar_4r.quantity(units="rad s-2", symbol="d2 theta_2/dt2 (eqs. 1-6)", source=JOINT_ACCELERATIONS)
 def joint_alpha_2(alpha2: Any) -> Any:
-    """Second derivative of the second joint angle, alpha2 at constant input speed."""
+    """Second derivative of the second joint angle, alpha2 - alpha1."""
     return alpha2
 
 
