@@ -2,16 +2,22 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Literal
+from typing import TYPE_CHECKING, Literal
 
 from fastlink.catalogue import Catalogue, Fact, System
 from fastlink.cycle import Request
 
-__all__ = ["Closure", "Lanes", "Output"]
+if TYPE_CHECKING:
+    from fastlink.searches import Search
+
+__all__ = ["EXTREMUM", "Closure", "Lanes", "Output", "RefinedClosure"]
 
 Lanes = Literal["designs", "angles"]
+#: The dimension along which the extremes of a quantity stand.
+EXTREMUM = "extremum"
 
 
 @dataclass(frozen=True)
@@ -21,6 +27,7 @@ class Output:
     request: Request
     axes: tuple[str, ...]
     dtype: str
+    refined: bool = False
 
     @property
     def name(self) -> str:
@@ -64,17 +71,76 @@ class Closure:
     @cached_property
     def axes(self) -> dict[str, frozenset[str]]:
         """The axes on which each value of the closure depends."""
-        position = self.catalogue.position.name
-        axes = {name: frozenset({"design"}) for name in self.inputs}
-        axes |= {name: frozenset({position}) for name in self.tables}
-        axes["branch"] = frozenset({"branch"})
-        for step in self.steps:
-            joint = frozenset[str]().union(*(axes[need] for need in step.needs))
-            for name in step.unknowns if isinstance(step, System) else (step.name,):
-                axes[name] = joint
-        return axes
+        return axes_of(self.steps, self.inputs, self.tables, self.catalogue.position.name)
 
     @property
     def uses_position(self) -> bool:
         """Whether anything depends on the input position; a map of design facts touches none."""
         return bool(self.tables)
+
+
+@dataclass(frozen=True)
+class RefinedClosure:
+    """What is computed to find every extreme of some quantities.
+
+    Attributes
+    ----------
+    catalogue : Catalogue
+        The mechanism, which has a graded range.
+    outputs : tuple of Output
+        The results, in the order of the searches.
+    searches : tuple of Search
+        Quantities of one fineness and symmetry.
+    steps : tuple of Fact
+        Everything computed at a place of the graded range, in order.
+    inputs : tuple of str
+        The inputs that are read, the rows of the kernel's design array.
+    branches : tuple of int
+        The assembly modes that are asked for.
+    alternatives : tuple of str
+        The chosen sets of facts.
+    """
+
+    catalogue: Catalogue
+    outputs: tuple[Output, ...]
+    searches: tuple[Search, ...]
+    steps: tuple[Fact, ...]
+    inputs: tuple[str, ...]
+    branches: tuple[int, ...]
+    alternatives: tuple[str, ...]
+
+    @cached_property
+    def axes(self) -> dict[str, frozenset[str]]:
+        """The axes on which each value depends."""
+        graded = self.catalogue.graded
+        assert graded is not None
+        return axes_of(self.steps, self.inputs, graded.leaves, self.catalogue.position.name)
+
+    @property
+    def mirrored(self) -> bool:
+        """Whether half the range in both branches says all, the other half being its mirror."""
+        return self.searches[0].parity != 0
+
+    @property
+    def computed(self) -> tuple[int, ...]:
+        """The branches that are searched."""
+        return tuple(self.catalogue.branches) if self.mirrored else self.branches
+
+    @property
+    def sides(self) -> int:
+        """How many sides of the ground line are searched."""
+        return 1 if self.mirrored else 2
+
+
+def axes_of(
+    steps: Iterable[Fact | System], inputs: Iterable[str], positions: Iterable[str], position: str
+) -> dict[str, frozenset[str]]:
+    """Return the axes on which values depend, for steps in order."""
+    axes = {name: frozenset({"design"}) for name in inputs}
+    axes |= {name: frozenset({position}) for name in positions}
+    axes["branch"] = frozenset({"branch"})
+    for step in steps:
+        joint = frozenset[str]().union(*(axes[need] for need in step.needs))
+        for name in step.unknowns if isinstance(step, System) else (step.name,):
+            axes[name] = joint
+    return axes

@@ -1,4 +1,4 @@
-"""What is taken over the input cycle: extremes, where they are, root mean squares.
+"""What is taken over the input cycle: extremes, where they are, means, fluctuations.
 
 A reduction is a few lines of kernel text over accumulators that stand in the lanes, because a cycle
 maximum kept in a scalar stops vectorisation. Configurations that do not assemble are NaN and never
@@ -8,7 +8,7 @@ enter: each comparison with NaN is false. A cycle without any value gives NaN.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Literal
 
 from fastlink.errors import InputError
 
@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
     from fastlink.catalogue import Catalogue, Fact
 
-__all__ = ["REDUCTIONS", "Reduction", "Request", "parse_request"]
+__all__ = ["LISTS", "REDUCTIONS", "Reduction", "Request", "parse_request"]
 
 
 @dataclass(frozen=True)
@@ -26,7 +26,8 @@ class Reduction:
 
     Choices are by `select`: numba compiles a conditional expression as branches, 58 extremes in 10 s instead of 5.
     `update` and `finish` are kernel text over ``{value}`` (the quantity here), ``{acc}`` (the accumulator),
-    ``{place}`` (that of the input position) and ``{count}`` (that of the configurations that assemble).
+    ``{place}`` (that of the input position) and ``{count}`` (that of the configurations that assemble). Where the whole
+    curve is needed at once, `whole` names the function of `fastlink.kernels.whole` that takes it instead.
     """
 
     suffix: str
@@ -37,6 +38,7 @@ class Reduction:
     has_place: bool = False
     better: str = ""
     count_update: str = ""
+    whole: str = ""
 
 
 def _extreme(suffix: str, phrase: str, sign: str, initial: str) -> Reduction:
@@ -51,6 +53,8 @@ def _extreme(suffix: str, phrase: str, sign: str, initial: str) -> Reduction:
     )
 
 
+_COUNT = "{count} + select({value} == {value}, 1.0, 0.0)"
+
 REDUCTIONS: dict[str, Reduction] = {
     "max": _extreme("max", "greatest over the cycle", ">", "-inf"),
     "min": _extreme("min", "least over the cycle", "<", "inf"),
@@ -60,19 +64,47 @@ REDUCTIONS: dict[str, Reduction] = {
         "0.0",
         update="{acc} + select({value} == {value}, {value} * {value}, 0.0)",
         finish="sqrt({acc} / {count})",
-        count_update="{count} + select({value} == {value}, 1.0, 0.0)",
+        count_update=_COUNT,
+    ),
+    "mean": Reduction(
+        "mean",
+        "mean over the cycle",
+        "0.0",
+        update="{acc} + select({value} == {value}, {value}, 0.0)",
+        finish="{acc} / {count}",
+        count_update=_COUNT,
+    ),
+    "fluctuation": Reduction(
+        "fluctuation",
+        "greatest minus least integral over the input angle of what exceeds the mean",
+        "nan",
+        update="",
+        finish="{acc}",
+        whole="fluctuation_lanes",
     ),
 }
 
 
+#: Whether extremes are exact over the cycle, or taken over the given positions.
+Extrema = Literal["refined", "sampled"]
+#: What a list of all extremes of a quantity consists of, by the ending of its name; the places have a prefix.
+LISTS = {"extrema": "value", "extrema_count": "count", "extrema_kind": "kind"}
+
+
 @dataclass(frozen=True)
 class Request:
-    """A name that was asked for: a quantity, or what is taken of it over the cycle."""
+    """A name that was asked for: a quantity, what is taken of it over the cycle, or a list of its extremes."""
 
     name: str
     quantity: str
     reduction: Reduction | None = None
     place: bool = False
+    listed: str = ""
+
+    @property
+    def can_be_refined(self) -> bool:
+        """Whether it is one number of the extremes, which samples only come near."""
+        return bool(self.reduction and self.reduction.has_place)
 
 
 def parse_request(name: str, catalogue: Catalogue) -> Request:
@@ -91,6 +123,13 @@ def parse_request(name: str, catalogue: Catalogue) -> Request:
     reduction = REDUCTIONS.get(suffix)
     if reduction is not None and catalogue.is_cyclic(quantity) and (reduction.has_place or not place):
         return Request(name, quantity, reduction, place)
+    for ending, part in LISTS.items():
+        quantity = name.removeprefix(prefix).removesuffix(f"_{ending}")
+        if f"{quantity}_{ending}" == name.removeprefix(prefix) and catalogue.is_cyclic(quantity):
+            if not place:
+                return Request(name, quantity, listed=part)
+            if part == "value":
+                return Request(name, quantity, listed="place")
     known = [*catalogue.public, *reduced_names(catalogue)]
     raise InputError(catalogue.unknown(name, known))
 
@@ -107,3 +146,20 @@ def reduced_names(catalogue: Catalogue) -> Iterable[str]:
             yield f"{quantity}_{reduction.suffix}"
             if reduction.has_place:
                 yield f"{catalogue.position.name}_at_{quantity}_{reduction.suffix}"
+        yield from list_names(catalogue, f"{quantity}_extrema")
+
+
+def list_names(catalogue: Catalogue, name: str) -> tuple[str, ...]:
+    """Return the names that belong together: a list of extremes, their places, their number, their kinds."""
+    return name, f"{catalogue.position.name}_at_{name}", f"{name}_count", f"{name}_kind"
+
+
+def with_lists(catalogue: Catalogue, names: Iterable[str]) -> list[str]:
+    """Return the names with, after each list of extremes, what belongs to it and was not asked for already."""
+    asked = list(names)
+    result: list[str] = []
+    for name in asked:
+        is_list = parse_request(name, catalogue).listed == "value"
+        belong = list_names(catalogue, name) if is_list else (name,)
+        result += [other for other in belong if other == name or other not in (*asked, *result)]
+    return result

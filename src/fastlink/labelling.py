@@ -7,10 +7,11 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from fastlink.catalogue import Catalogue, Input
-from fastlink.closure import Closure, Output
+from fastlink.catalogue import Catalogue, Fact, Input
+from fastlink.closure import EXTREMUM, Output
 from fastlink.label import Variable
 from fastlink.label import coordinates as dataset_coordinates
+from fastlink.plans import PlanSet
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -21,13 +22,17 @@ if TYPE_CHECKING:
 __all__ = ["about", "coordinates", "trailing", "variable"]
 
 
-def trailing(output: Output, plan: Closure, positions: int) -> tuple[int, ...]:
+def trailing(output: Output, plan: PlanSet, positions: int) -> tuple[int, ...]:
     """Return what each design has of a result."""
-    lengths = {"branch": len(plan.branches), plan.catalogue.position.name: positions}
+    lengths = {
+        "branch": len(plan.branches),
+        plan.catalogue.position.name: positions,
+        EXTREMUM: plan.extrema_kept,
+    }
     return tuple(lengths[axis] for axis in output.axes)
 
 
-def variable(output: Output, plan: Closure, space: DesignSpace, positions: int) -> Variable:
+def variable(output: Output, plan: PlanSet, space: DesignSpace, positions: int) -> Variable:
     """Return a result with its dimensions and attributes."""
     fact = plan.catalogue.require(output.request.quantity)
     position = plan.catalogue.position
@@ -42,7 +47,11 @@ def variable(output: Output, plan: Closure, space: DesignSpace, positions: int) 
                 "long_name": f"{position.meaning}, where {fact.symbol} is {reduction.phrase}",
                 "symbol": f"{position.symbol} at {reduction.suffix} {fact.symbol}",
             }
+    if output.request.listed:
+        attrs = _of_list(output.request.listed, fact, position)
     attrs["references"] = fact.source
+    if output.request.can_be_refined:
+        attrs["extrema"] = "refined" if output.refined else "sampled"
     if fact.flags:
         del attrs["units"]
         attrs["flag_values"] = np.array(list(fact.flags), dtype=output.dtype)
@@ -56,7 +65,29 @@ def variable(output: Output, plan: Closure, space: DesignSpace, positions: int) 
     )
 
 
-def coordinates(plan: Closure, space: DesignSpace, positions: NDArray[Any]) -> xr.Dataset:
+def _of_list(part: str, fact: Fact, position: Input) -> dict[str, Any]:
+    """Return the labels of a list of extremes, of their places, kinds or number."""
+    if part == "value":
+        return {"units": fact.units, "long_name": f"{fact.meaning}, extremes", "symbol": f"ext {fact.symbol}"}
+    symbol = f"{position.symbol} at ext {fact.symbol}"
+    if part == "place":
+        about = f"{position.meaning}, where {fact.symbol} is extreme"
+        return {"units": position.units, "long_name": about, "symbol": symbol}
+    if part == "count":
+        return {
+            "units": "1",
+            "long_name": f"number of extremes of {fact.symbol}",
+            "symbol": f"n ext {fact.symbol}",
+        }
+    return {
+        "long_name": f"kinds of the extremes of {fact.symbol}",
+        "symbol": f"kind of ext {fact.symbol}",
+        "flag_values": np.array([-1, 0, 1], dtype=np.int8),
+        "flag_meanings": "minimum none maximum",
+    }
+
+
+def coordinates(plan: PlanSet, space: DesignSpace, positions: NDArray[Any]) -> xr.Dataset:
     """Return a Dataset with the coordinates of a sweep."""
     catalogue: Catalogue = plan.catalogue
     used = {axis for output in plan.outputs for axis in output.axes}
@@ -65,6 +96,9 @@ def coordinates(plan: Closure, space: DesignSpace, positions: NDArray[Any]) -> x
         meanings = "; ".join(f"{branch}: {meaning}" for branch, meaning in catalogue.branches.items())
         labels = {"long_name": "assembly mode", "comment": meanings}
         further["branch"] = (("branch",), np.array(plan.branches, dtype=np.int32), labels)
+    if EXTREMUM in used:
+        labels = {"long_name": f"number of the extreme, by growing {catalogue.position.name}"}
+        further[EXTREMUM] = ((EXTREMUM,), np.arange(1, plan.extrema_kept + 1, dtype=np.int32), labels)
     position = catalogue.position
     if position.name in used:
         further[position.name] = ((position.name,), positions, _describe(position))
@@ -72,7 +106,7 @@ def coordinates(plan: Closure, space: DesignSpace, positions: NDArray[Any]) -> x
     return dataset_coordinates(space, {name: _describe(known[name]) for name in space.names}, further)
 
 
-def about(mechanism: str, plan: Closure, solver: str, positions: int, threads: int) -> dict[str, Any]:
+def about(mechanism: str, plan: PlanSet, solver: str, positions: int, threads: int) -> dict[str, Any]:
     """Return the global attributes that are known before a sweep."""
     catalogue = plan.catalogue
     attrs: dict[str, Any] = {
@@ -86,7 +120,8 @@ def about(mechanism: str, plan: Closure, solver: str, positions: int, threads: i
     }
     if plan.uses_position:
         attrs[f"{catalogue.position.name}_count"] = positions
-        attrs["extrema"] = "sampled"
+    if plan.extrema:
+        attrs["extrema"] = plan.extrema
     return attrs
 
 

@@ -12,7 +12,7 @@ from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 from fastlink.catalogue import Catalogue, System
-from fastlink.closure import Closure, Lanes, Output
+from fastlink.closure import EXTREMUM, Closure, Lanes, Output
 from fastlink.cycle import Request, parse_request
 from fastlink.errors import InputError
 from fastlink.kernels import load_kernel, write_kernel
@@ -21,18 +21,16 @@ from fastlink.tables import angle_tables
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-__all__ = ["Output", "Plan", "make_plan", "split"]
+__all__ = ["Kernel", "Plan", "make_plan", "output_of"]
 
 # Fewer angles than this leave vector lanes idle when lanes are angles.
 ANGLES_FOR_LANES = 32
 
 
-class Plan(Closure):
-    """A closure with its kernel: the text, and the machine code."""
+class Kernel:
+    """What every plan has: the text of its kernel, and the machine code."""
 
-    @cached_property
-    def _written(self) -> tuple[str, tuple[int, int]]:
-        return write_kernel(self)
+    _written: tuple[str, tuple[int, int]]
 
     @property
     def source(self) -> str:
@@ -47,7 +45,15 @@ class Plan(Closure):
     @cached_property
     def kernel(self) -> Any:
         """The compiled kernel (compiled, or loaded from the cache, on first use)."""
-        return load_kernel(self, self.source)
+        return load_kernel(self, self.source)  # type: ignore[arg-type]
+
+
+class Plan(Closure, Kernel):
+    """A closure over given input positions, with its kernel."""
+
+    @cached_property
+    def _written(self) -> tuple[str, tuple[int, int]]:  # type: ignore[override]
+        return write_kernel(self)
 
     def angle_tables(self, theta: NDArray[Any]) -> NDArray[Any]:
         """Return the rows of the kernel's angle array for these input positions."""
@@ -100,7 +106,7 @@ def make_plan(
     read_tables = tuple(name for name in tables if name in read)
     if any(request.place for request in requests) and position not in read_tables:
         read_tables = (position, *read_tables)
-    outputs = tuple(_output(request, catalogue) for request in requests)
+    outputs = tuple(output_of(request, catalogue) for request in requests)
     has_cycle = any(request.reduction for request in requests)
     has_system = any(isinstance(step, System) for step in steps)
     if lanes is None:
@@ -112,31 +118,17 @@ def make_plan(
     return Plan(catalogue, outputs, steps, inputs, read_tables, tuple(branches), lanes, tuple(alternatives))
 
 
-def split(plan: Plan, angles: int) -> list[Plan]:
-    """Return the plans that together give a plan's results fastest: curves apart from the rest.
-
-    With lanes that are designs a curve is stored across the lines of its array, 1 ns a value; with lanes that are
-    angles it costs less to compute what both need again.
-    """
-    position = plan.catalogue.position.name
-    curves = [output.name for output in plan.outputs if position in output.axes]
-    rest = [output.name for output in plan.outputs if position not in output.axes]
-    whole = (
-        plan.lanes == "angles" or angles < ANGLES_FOR_LANES or any(isinstance(s, System) for s in plan.steps)
-    )
-    if whole or not curves or not rest:
-        return [plan]
-    options: dict[str, Any] = {"branches": plan.branches, "alternatives": plan.alternatives, "angles": angles}
-    return [make_plan(plan.catalogue, names, given=plan.inputs, **options) for names in (curves, rest)]
-
-
-def _output(request: Request, catalogue: Catalogue) -> Output:
+def output_of(request: Request, catalogue: Catalogue, *, refined: bool = False) -> Output:
+    """Return what a request results in."""
     fact = catalogue.require(request.quantity)
-    position = catalogue.position.name
+    axes: tuple[str, ...]
     if not catalogue.varies(fact.name):
-        axes: tuple[str, ...] = ()
+        axes = ()
+    elif request.listed:
+        axes = ("branch",) if request.listed == "count" else ("branch", EXTREMUM)
     elif request.reduction is None:
-        axes = ("branch", position)
+        axes = ("branch", catalogue.position.name)
     else:
         axes = ("branch",)
-    return Output(request, axes, "int8" if fact.flags else "float64")
+    is_code = bool(fact.flags) or request.listed in ("count", "kind")
+    return Output(request, axes, "int8" if is_code else "float64", refined)

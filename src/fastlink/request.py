@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 import numpy as np
 
 from fastlink.catalogue import Catalogue, Input
+from fastlink.cycle import Extrema, parse_request
 from fastlink.errors import InputError, suggest
 from fastlink.links import Links
 
@@ -22,12 +23,14 @@ __all__ = [
     "check_branches",
     "check_inputs",
     "check_positions",
+    "check_turn",
     "constants_of",
     "given_angles",
 ]
 
 # "eliminated" is the closed form; it is what the facts say unless "dense" is chosen.
 SOLVERS = ("eliminated", "dense")
+EXTREMA: tuple[Extrema, ...] = ("refined", "sampled")
 ANGLES = 360
 T = TypeVar("T")
 RULES = {"positive": "greater than 0", "non-negative": "at least 0"}
@@ -138,6 +141,45 @@ def given_angles(catalogue: Catalogue, angles: T | None, theta1: T | None) -> T 
     if angles is not None:
         raise InputError("theta1: angles are given too; write one of them")
     return theta1
+
+
+def check_extrema(extrema: str | None, catalogue: Catalogue, angles: Any) -> Extrema:
+    """Return how extremes are found: refined over a whole turn, unless the angles themselves are given.
+
+    Raises
+    ------
+    InputError
+        The way is unknown, or does not go with an array of angles.
+    """
+    chosen = np.ndim(angles) > 0
+    if extrema is None:
+        return "sampled" if chosen else "refined"
+    if extrema not in EXTREMA:
+        raise InputError(f"extrema {extrema!r} is unknown; {suggest(str(extrema), EXTREMA)}")
+    if chosen and extrema == "refined":
+        name = catalogue.position.name
+        raise InputError(
+            f"extrema: 'refined' is over the whole turn of {name}, but {name} is an array; "
+            "write extrema='sampled', or a number of angles"
+        )
+    return "refined" if extrema == "refined" else "sampled"
+
+
+def check_turn(catalogue: Catalogue, names: Iterable[str], angles: Any) -> None:
+    """Refuse angles of their own for what needs equal steps over a whole turn.
+
+    Raises
+    ------
+    InputError
+        With the name that needs it.
+    """
+    for request in (parse_request(name, catalogue) for name in names):
+        if request.reduction is not None and request.reduction.whole and np.ndim(angles) > 0:
+            position = catalogue.position.name
+            raise InputError(
+                f"quantity {request.name!r} is over a whole turn, but {position} is an array; "
+                "write a number of angles"
+            )
 
 
 def check_positions(catalogue: Catalogue, given: int | ArrayLike) -> NDArray[Any]:

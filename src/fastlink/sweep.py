@@ -14,12 +14,16 @@ import numpy as np
 from fastlink import label, labelling, store
 from fastlink.errors import InputError
 from fastlink.mechanisms import catalogue as find_catalogue
-from fastlink.plan import Plan, make_plan, split
+from fastlink.cycle import with_lists
+from fastlink.plan import Plan
+from fastlink.plans import PlanSet, RefinedPlan, make_plans
 from fastlink.request import (
     alternatives_of,
     check_branches,
+    check_extrema,
     check_inputs,
     check_positions,
+    check_turn,
     constants_of,
     given_angles,
 )
@@ -46,6 +50,7 @@ def sweep(
     theta1: int | ArrayLike | None = None,
     branch: int | Sequence[int] = (1, 2),
     solver: str = "eliminated",
+    extrema: str | None = None,
     to: str | Path | None = None,
     overwrite: bool = False,
     threads: int | None = None,
@@ -64,7 +69,9 @@ def sweep(
         From `fastlink.grid`, `fastlink.table`, `fastlink.sobol` or `fastlink.latin_hypercube`.
     quantities : sequence of str
         Names of quantities, or of what is taken over the cycle: ``NAME_max``, ``NAME_min``, ``NAME_rms``,
-        ``theta1_at_NAME_max``, ``theta1_at_NAME_min``. `fastlink.quantities` lists them. ``status`` comes along.
+        ``theta1_at_NAME_max``, ``theta1_at_NAME_min``; or ``NAME_extrema``, all extremes by growing theta1 along the
+        dimension ``extremum``, with their ``theta1_at_NAME_extrema``, ``NAME_extrema_kind`` and
+        ``NAME_extrema_count``. `fastlink.quantities` lists them. ``status`` comes along.
     links : Links, optional
         Where mass data come from, such as ``fastlink.round_bar(density=7750.0, radius=0.01)``.
     input : str, optional
@@ -79,6 +86,9 @@ def sweep(
         Assembly modes.
     solver : {"eliminated", "dense"}
         Joint reactions by elimination, or by LU of the 9x9 system of Hayes et al., eq. (9).
+    extrema : {"refined", "sampled"}, optional
+        Whether ``NAME_max``, ``NAME_min`` and their places are exact over the whole turn of the input (the default), or
+        taken over the given angles (the default where these are an array).
     to : path, optional
         The HDF5 file to write; without it the result stays in memory.
     overwrite : bool
@@ -124,23 +134,23 @@ def sweep(
     space = space.with_constants(constants_of(catalogue, links, alternatives))
     branches = check_branches(catalogue, branch)
     positions = check_positions(catalogue, given_angles(catalogue, angles, theta1))
+    check_turn(catalogue, names, angles if theta1 is None else theta1)
     count = _check_threads(threads)
-    plan = make_plan(
+    plan = make_plans(
         catalogue,
-        names,
+        with_lists(catalogue, names),
         given=space.names,
         branches=branches,
         alternatives=alternatives,
         angles=positions.size,
+        extrema=check_extrema(extrema, catalogue, angles if theta1 is None else theta1),
     )
     variables = [labelling.variable(output, plan, space, positions.size) for output in plan.outputs]
     nbytes = sum(variable.nbytes for variable in variables)
     target = None if to is None else store.check_target(to, nbytes, overwrite)
     coords = labelling.coordinates(plan, space, positions)
     shapes = [(labelling.trailing(output, plan, positions.size), output.dtype) for output in plan.outputs]
-    job = Job(
-        [_part(part, plan, space, positions) for part in split(plan, positions.size)], shapes, space.size
-    )
+    job = Job([_part(part, plan, space, positions) for part in plan.parts], shapes, space.size)
     counts = _StatusCounts(plan)
     bar = _progress_bar(space.size, progress)
     about = labelling.about(mechanism, plan, solver, positions.size, count) | dict(attrs or {})
@@ -175,7 +185,7 @@ def sweep(
     return store.open_map(target)
 
 
-def _part(part: Plan, whole: Plan, space: DesignSpace, positions: NDArray[Any]) -> Part:
+def _part(part: Plan | RefinedPlan, whole: PlanSet, space: DesignSpace, positions: NDArray[Any]) -> Part:
     places = {output.name: place for place, output in enumerate(whole.outputs)}
     return Part(
         part.kernel,
@@ -217,7 +227,7 @@ def _all(
 class _StatusCounts:
     """How many designs have each status."""
 
-    def __init__(self, plan: Plan) -> None:
+    def __init__(self, plan: PlanSet) -> None:
         self.place = [output.name for output in plan.outputs].index("status")
         self.flags = plan.catalogue.facts["status"].flags
         self.counts = np.zeros(max(self.flags) + 1, dtype=np.int64)

@@ -2,6 +2,7 @@
 
 from fastlink.kernels.compiled import load_kernel
 from fastlink.kernels.layout import LANES
+from fastlink.kernels.refined import write_refined
 from fastlink.kernels.text import write_kernel
 
-__all__ = ["LANES", "load_kernel", "write_kernel"]
+__all__ = ["LANES", "load_kernel", "write_kernel", "write_refined"]

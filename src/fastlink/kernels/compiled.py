@@ -30,7 +30,14 @@ if TYPE_CHECKING:
 
 __all__ = ["cache_folder", "load_kernel"]
 
-HELPERS = ("jit.py", "geometry.py", "kernels/dense.py")
+HELPERS = (
+    "jit.py",
+    "geometry.py",
+    "kernels/dense.py",
+    "kernels/whole.py",
+    "kernels/search.py",
+    "kernels/found.py",
+)
 _lock = threading.Lock()
 
 

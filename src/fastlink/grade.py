@@ -1,0 +1,116 @@
+"""How a quantity grows at a toggle, and what it does in the mirror: read off its facts.
+
+The facts run on `Grade` numbers, which know no value, only the power of 1/sigma by which something grows where sigma
+vanishes, and whether it changes sign when sides and branches are exchanged.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from typing import Any
+
+from fastlink.catalogue import Catalogue, Fact, System
+
+__all__ = ["Grade", "grades"]
+
+
+@dataclass(frozen=True)
+class Grade:
+    """A number of which only growth and symmetry are known.
+
+    Attributes
+    ----------
+    order : float
+        It grows at a toggle like this power of 1/sigma at most.
+    parity : int
+        1 if the mirror leaves it, -1 if it changes its sign, 0 if neither.
+    """
+
+    order: float = 0.0
+    parity: int = 1
+
+    @property
+    def context(self) -> _Functions:
+        """The functions of `fastlink.jit` for such numbers."""
+        return _Functions()
+
+    def _sum(self, other: Any) -> Grade:
+        if isinstance(other, float) and other == 0.0:
+            return self
+        right = _grade(other)
+        return Grade(max(self.order, right.order), self.parity if self.parity == right.parity else 0)
+
+    def _product(self, other: Any) -> Grade:
+        right = _grade(other)
+        return Grade(self.order + right.order, self.parity * right.parity)
+
+    __add__ = __radd__ = __sub__ = __rsub__ = _sum
+    __mul__ = __rmul__ = _product
+
+    def __truediv__(self, other: Any) -> Grade:
+        right = _grade(other)
+        return Grade(self.order - right.order, self.parity * right.parity)
+
+    def __rtruediv__(self, other: Any) -> Grade:
+        return _grade(other) / self
+
+    def __neg__(self) -> Grade:
+        return self
+
+    def __abs__(self) -> Grade:
+        return Grade(self.order, abs(self.parity))
+
+    def __ge__(self, other: Any) -> bool:
+        if other != 0:
+            raise TypeError("a grade has no value to compare")
+        return True
+
+
+class _Functions:
+    """Elementary functions of grades."""
+
+    nan = Grade()
+
+    def sqrt(self, x: Grade) -> Grade:
+        return Grade(x.order / 2.0, 1 if x.parity == 1 else 0)
+
+    def atan2(self, y: Any, x: Any) -> Grade:
+        above, beside = _grade(y), _grade(x)
+        return Grade(0.0, above.parity if beside.parity == 1 else 0)
+
+
+def _grade(value: Any) -> Grade:
+    return value if isinstance(value, Grade) else Grade()
+
+
+def grades(catalogue: Catalogue, steps: Iterable[Fact | System], varying: Iterable[str]) -> dict[str, Grade]:
+    """Return the grades of all values of a closure.
+
+    Parameters
+    ----------
+    catalogue : Catalogue
+        The mechanism, which has a graded range.
+    steps : iterable of Fact or System
+        The closure, in order.
+    varying : iterable of str
+        The given values that change over the cycle or with the branch; all others are of the design.
+    """
+    graded = catalogue.graded
+    assert graded is not None
+    found: dict[str, Grade] = {name: Grade(0.0, -1 if name in graded.odd else 1) for name in varying}
+    for step in steps:
+        known = {need: found[need] for need in step.needs if need in found}
+        if isinstance(step, System) or not known:
+            continue
+        if step.name == graded.vanishing:
+            found[step.name] = Grade(-1.0, 1)
+        elif step.name in graded.odd:
+            found[step.name] = Grade(0.0, -1)
+        else:
+            try:
+                found[step.name] = _grade(step.function(*(known.get(need, Grade()) for need in step.needs)))
+            except TypeError:
+                # It compares values: nothing is known of it.
+                found[step.name] = Grade(max(g.order for g in known.values()), 0)
+    return found

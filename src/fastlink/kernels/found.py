@@ -1,0 +1,182 @@
+"""What a search has found: extremes by design and branch, sorted lists, the greatest and the least.
+
+The zeros of a derivative come as items, each of one design, branch and side of the ground line. Where a quantity
+has a mirror symmetry, a zero of one branch is one of the other branch too, at 2 pi - theta1.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+from fastlink.jit import INFINITY, NOT_A_NUMBER, called, inlined
+from fastlink.kernels.search import FA, FB, HALF, LANE, LANES, REAL, UPPER, append_item
+
+__all__ = ["clear", "collect_ends", "store_best", "store_counts", "store_list", "take"]
+
+TWO_PI = 6.283185307179586
+# Rows of the lists, and of the best.
+PLACE, VALUE, KIND = range(3)
+GREATEST, AT_GREATEST, LEAST, AT_LEAST = range(4)
+
+
+@called
+def clear(lists: Any, best: Any, found: Any) -> None:
+    """Forget what was found."""
+    lists[:] = NOT_A_NUMBER
+    best[GREATEST] = -INFINITY
+    best[LEAST] = INFINITY
+    best[AT_GREATEST] = NOT_A_NUMBER
+    best[AT_LEAST] = NOT_A_NUMBER
+    found[:] = 0
+
+
+@inlined
+def _insert(lists: Any, column: int, count: int, theta: float, value: float, kind: float) -> None:
+    """Insert into a sorted list; beyond its length the last one drops out, and the count tells."""
+    room = lists.shape[2]
+    k = min(count, room)
+    while k > 0 and lists[PLACE, column, k - 1] > theta:
+        k -= 1
+    if k == room:
+        return
+    for move in range(min(count, room - 1), k, -1):
+        for r in range(3):
+            lists[r, column, move] = lists[r, column, move - 1]
+    lists[PLACE, column, k] = theta
+    lists[VALUE, column, k] = value
+    lists[KIND, column, k] = kind
+
+
+@inlined
+def _push(column: int, theta: float, value: float, kind: float, lists: Any, best: Any, found: Any) -> None:
+    """Take one extreme (kind 1 or -1), or an end of the range (kind 0), which is in no list."""
+    if kind != 0.0:
+        if lists.shape[2]:
+            _insert(lists, column, found[column], theta, value, kind)
+        found[column] += 1
+    if value > best[GREATEST, column]:
+        best[GREATEST, column] = value
+        best[AT_GREATEST, column] = theta
+    if value < best[LEAST, column]:
+        best[LEAST, column] = value
+        best[AT_LEAST, column] = theta
+
+
+@called
+def take(
+    s: Any,
+    width: int,
+    row: int,
+    ends: bool,
+    order: int,
+    toggles: int,
+    w: Any,
+    sides: int,
+    own: Any,
+    other: Any,
+    parity: float,
+    lists: Any,
+    best: Any,
+    found: Any,
+) -> None:
+    """Sort items into the results of their design.
+
+    Parameters
+    ----------
+    s, width : array, int
+        State of the items.
+    row : int
+        Row of the quantity's value, that of theta1 follows.
+    ends : bool
+        Whether the items are ends of the range.
+    order : int
+        The power of 1/sigma by which the quantity grows at a toggle.
+    toggles : int
+        Rows of `w` that say whether the lower and the upper end are toggles.
+    sides : int
+        Halves by branch.
+    own, other : array of int
+        For each branch that was searched where its results go, and those of its mirror; -1 for nowhere.
+    parity : float
+        What the mirror does to the value: 1 or -1.
+    """
+    for i in range(width):
+        if s[REAL, i] == 0.0:
+            continue
+        value, theta = s[row, i], s[row + 1, i]
+        lane, half = int(s[LANE, i]), int(s[HALF, i])
+        branch, side = half // sides, half % sides
+        kind = 0.0
+        if ends:
+            toggle = w[toggles + int(s[UPPER, i]), lane]
+            if toggle > 0.0 and order > 0 and value != 0.0:
+                value = value * INFINITY
+        else:
+            rises = s[FA, i] > 0.0 or s[FB, i] < 0.0
+            kind = 1.0 if rises == (side == 0) else -1.0
+        if own[branch] >= 0:
+            _push(own[branch] * LANES + lane, theta, value, kind, lists, best, found)
+        if other[branch] >= 0:
+            mirrored = TWO_PI - theta if 0.0 < theta else 0.0
+            _push(other[branch] * LANES + lane, mirrored, parity * value, parity * kind, lists, best, found)
+
+
+@called
+def collect_ends(
+    w: Any, starts: int, lanes: int, halves: int, at_limit: bool, best: Any, columns: int, ends: Any
+) -> int:
+    """Make items of the ends of the range where they may be extreme: at toggles, and where nothing else was found.
+
+    `at_limit` places them at the very end; else they stay where the first sample is.
+    """
+    count = 0
+    for i in range(lanes):
+        empty = False
+        for column in range(columns):
+            empty = empty or best[GREATEST, column * LANES + i] == -INFINITY
+        for half in range(halves):
+            for upper in range(2):
+                place = w[starts + upper, i]
+                if place > 0.0 or empty:
+                    place = 0.0 if at_limit else place
+                    count = append_item(ends, count, i, half, upper == 1, place, 0.0, place, 0.0)
+    return count
+
+
+@called
+def store_list(result: Any, first: int, lanes: int, lists: Any, row: int) -> None:
+    """Copy a list of each design and branch."""
+    for i in range(lanes):
+        for branch in range(result.shape[1]):
+            for k in range(result.shape[2]):
+                value = lists[row, branch * LANES + i, k] if k < lists.shape[2] else NOT_A_NUMBER
+                result[first + i, branch, k] = value
+
+
+@called
+def store_kinds(result: Any, first: int, lanes: int, lists: Any) -> None:
+    """Copy the kinds: 1 for a maximum, -1 for a minimum, 0 beyond the last extreme."""
+    for i in range(lanes):
+        for branch in range(result.shape[1]):
+            for k in range(result.shape[2]):
+                kind = lists[KIND, branch * LANES + i, k] if k < lists.shape[2] else NOT_A_NUMBER
+                result[first + i, branch, k] = int(kind) if kind == kind else 0
+
+
+@called
+def store_counts(result: Any, first: int, lanes: int, found: Any) -> None:
+    """Copy how many extremes were found."""
+    for i in range(lanes):
+        for branch in range(result.shape[1]):
+            result[first + i, branch] = min(found[branch * LANES + i], 127)
+
+
+@called
+def store_best(result: Any, first: int, lanes: int, best: Any, row: int) -> None:
+    """Copy a greatest or least value, or its place in the row after; NaN where there is none."""
+    where = row // 2 * 2 + 1
+    for i in range(lanes):
+        for branch in range(result.shape[1]):
+            column = branch * LANES + i
+            there_is = best[where, column] == best[where, column]
+            result[first + i, branch] = best[row, column] if there_is else NOT_A_NUMBER

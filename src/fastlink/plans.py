@@ -1,0 +1,168 @@
+"""Everything asked of a sweep to the kernels that give it: curves, what is taken of samples, refined extremes."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, fields
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from fastlink.catalogue import Catalogue, System
+from fastlink.closure import Output, RefinedClosure
+from fastlink.cycle import Extrema, Request, parse_request
+from fastlink.errors import InputError
+from fastlink.kernels import write_refined
+from fastlink.plan import ANGLES_FOR_LANES, Kernel, Plan, make_plan, output_of
+from fastlink.searches import Search, find_search, refined_closures
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+__all__ = ["PlanSet", "RefinedPlan", "make_plans"]
+
+
+class RefinedPlan(RefinedClosure, Kernel):
+    """A closure that finds every extreme of some quantities, with its kernel."""
+
+    @cached_property
+    def _written(self) -> tuple[str, tuple[int, int]]:  # type: ignore[override]
+        return write_refined(self)
+
+    def angle_tables(self, theta: NDArray[Any]) -> NDArray[Any]:
+        """Return an empty angle array: places are graded by design."""
+        return np.empty((0, 0))
+
+
+@dataclass(frozen=True)
+class PlanSet:
+    """The kernels that together give all results.
+
+    Attributes
+    ----------
+    catalogue : Catalogue
+        The mechanism.
+    outputs : tuple of Output
+        The results, in the order asked.
+    parts : tuple of Plan or RefinedPlan
+        The kernels.
+    branches : tuple of int
+        The assembly modes.
+    alternatives : tuple of str
+        The chosen sets of facts.
+    extrema_kept : int
+        Length of the dimension of extremes.
+    """
+
+    catalogue: Catalogue
+    outputs: tuple[Output, ...]
+    parts: tuple[Plan | RefinedPlan, ...]
+    branches: tuple[int, ...]
+    alternatives: tuple[str, ...]
+    extrema_kept: int
+
+    @property
+    def uses_position(self) -> bool:
+        """Whether anything is computed at the given input positions."""
+        return any(isinstance(part, Plan) and part.uses_position for part in self.parts)
+
+    @property
+    def extrema(self) -> str:
+        """How extremes are found: refined, sampled, both, or nothing where there are none."""
+        ways = {
+            "refined" if o.refined else "sampled" for o in self.outputs if o.request.reduction or o.refined
+        }
+        return " and ".join(sorted(ways))
+
+
+def make_plans(
+    catalogue: Catalogue,
+    names: Iterable[str],
+    *,
+    given: Sequence[str],
+    branches: Sequence[int] = (1, 2),
+    alternatives: Sequence[str] = (),
+    angles: int = 360,
+    extrema: Extrema = "refined",
+) -> PlanSet:
+    """Resolve the asked names into kernels.
+
+    Parameters
+    ----------
+    catalogue : Catalogue
+        The mechanism.
+    names : iterable of str
+        Quantities, what is taken of them over the cycle, lists of their extremes.
+    given : sequence of str
+        The inputs that the design space gives.
+    branches : sequence of int
+        Assembly modes.
+    alternatives : sequence of str
+        Chosen sets of facts.
+    angles : int
+        Number of input positions.
+    extrema : {"refined", "sampled"}
+        Whether ``NAME_max`` and its like are exact over the cycle, or over the given positions only.
+
+    Raises
+    ------
+    InputError
+        A name is unknown or asked twice, an input is not given, or a quantity cannot be refined.
+    """
+    requests = [parse_request(name, catalogue) for name in names]
+    searches: dict[str, Search] = {}
+    refined: set[str] = set()
+    for request in requests:
+        if request.listed or (extrema == "refined" and request.can_be_refined):
+            search = searches.get(request.quantity) or find_search(
+                catalogue, request.quantity, given, alternatives
+            )
+            if search is not None:
+                searches[request.quantity] = search
+                refined.add(request.name)
+            elif request.listed:
+                raise InputError(_not_refined(request, catalogue))
+    sampled = [request.name for request in requests if request.name not in refined]
+    outputs = tuple(output_of(r, catalogue, refined=r.name in refined) for r in requests)
+    options: dict[str, Any] = {"branches": branches, "alternatives": alternatives, "angles": angles}
+    parts: list[Plan | RefinedPlan] = []
+    if sampled:
+        parts += _split(make_plan(catalogue, sampled, given=given, **options), angles)
+    if searches:
+        closures = refined_closures(
+            catalogue,
+            [o for o in outputs if o.refined],
+            searches.values(),
+            given,
+            tuple(branches),
+            tuple(alternatives),
+        )
+        parts += [RefinedPlan(*(getattr(c, field.name) for field in fields(c))) for c in closures]
+    kept = max((search.most for search in searches.values()), default=0)
+    return PlanSet(catalogue, outputs, tuple(parts), tuple(branches), tuple(alternatives), kept)
+
+
+def _not_refined(request: Request, catalogue: Catalogue) -> str:
+    return (
+        f"quantity {request.name!r}: {request.quantity} of {catalogue.name} has no derivative by "
+        f"{catalogue.position.name} here, so its extremes cannot be listed; ask for {request.quantity}_max and _min"
+    )
+
+
+def _split(plan: Plan, angles: int) -> list[Plan]:
+    """Return the plans that together give a plan's results fastest: curves apart from the rest.
+
+    With lanes that are designs a curve is stored across the lines of its array, 1 ns a value; with lanes that are
+    angles it costs less to compute what both need again.
+    """
+    position = plan.catalogue.position.name
+    curves = [output.name for output in plan.outputs if position in output.axes]
+    rest = [output.name for output in plan.outputs if position not in output.axes]
+    whole = (
+        plan.lanes == "angles" or angles < ANGLES_FOR_LANES or any(isinstance(s, System) for s in plan.steps)
+    )
+    if whole or not curves or not rest:
+        return [plan]
+    options: dict[str, Any] = {"branches": plan.branches, "alternatives": plan.alternatives, "angles": angles}
+    return [make_plan(plan.catalogue, names, given=plan.inputs, **options) for names in (curves, rest)]

@@ -1,0 +1,121 @@
+"""What is searched for extremes: a quantity, its derivative by the input position, how fine the search is."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+
+from fastlink.catalogue import Catalogue, CatalogueError, Fact, System
+from fastlink.closure import Output, RefinedClosure
+from fastlink.grade import grades
+
+__all__ = ["Search", "find_search", "refined_closures"]
+
+
+@dataclass(frozen=True)
+class Search:
+    """One quantity whose extremes are looked for.
+
+    Attributes
+    ----------
+    quantity : str
+        What is extreme.
+    slope : str
+        The fact that vanishes where it is.
+    cells, most : int
+        Half the number of cells of the graded range, a power of two, and how many extremes are kept.
+    order, slope_order : int
+        The powers of 1/sigma by which both grow at a toggle.
+    parity : int
+        What the mirror does to the quantity: 1, -1, or 0 for no symmetry.
+    at_limit : bool
+        Whether the quantity has a value exactly at a toggle.
+    outputs : tuple of Output
+        What is asked of it.
+    """
+
+    quantity: str
+    slope: str
+    cells: int
+    most: int
+    order: int
+    slope_order: int
+    parity: int
+    at_limit: bool
+
+
+def find_search(
+    catalogue: Catalogue, quantity: str, given: Iterable[str], alternatives: Sequence[str]
+) -> Search | None:
+    """Return how a quantity is searched, or None where it has no derivative or no graded range.
+
+    Raises
+    ------
+    InputError
+        An input that it needs is not given.
+    """
+    graded = catalogue.graded
+    if graded is None or quantity in graded.rough:
+        return None
+    slope = f"d_{quantity}_d_{catalogue.position.name}"
+    try:
+        steps = _closure(catalogue, (quantity, slope), given, alternatives)
+    except CatalogueError:
+        return None
+    if any(isinstance(step, System) for step in steps):
+        return None
+    found = grades(catalogue, steps, (*graded.leaves, "branch"))
+    needed = {
+        step.name for step in _closure(catalogue, (quantity,), given, alternatives) if isinstance(step, Fact)
+    }
+    return Search(
+        quantity,
+        slope,
+        graded.cells.get(quantity, graded.cells_otherwise),
+        graded.most.get(quantity, graded.most_otherwise),
+        round(found[quantity].order),
+        max(round(found[slope].order), 0),
+        found[quantity].parity,
+        graded.inverse not in needed,
+    )
+
+
+def _closure(
+    catalogue: Catalogue, names: Iterable[str], given: Iterable[str], alternatives: Sequence[str]
+) -> tuple[Fact | System, ...]:
+    """Return what is computed for facts at places of the graded range."""
+    graded = catalogue.graded
+    assert graded is not None
+    return tuple(catalogue.closure(names, (*given, *graded.leaves, "branch"), (graded.name, *alternatives)))
+
+
+def refined_closures(
+    catalogue: Catalogue,
+    outputs: Iterable[Output],
+    searches: Iterable[Search],
+    given: Sequence[str],
+    branches: tuple[int, ...],
+    alternatives: tuple[str, ...],
+) -> list[RefinedClosure]:
+    """Group searches by what may share samples without changing any bit: fineness and symmetry."""
+    graded = catalogue.graded
+    assert graded is not None
+    groups: dict[tuple[int, bool], list[Search]] = {}
+    for search in searches:
+        groups.setdefault((search.cells, search.parity != 0), []).append(search)
+    asked = list(outputs)
+    ends = [name for end in graded.ends for name in end]
+    result = []
+    for group in groups.values():
+        names = [catalogue.position.name, graded.vanishing, *ends]
+        names += [name for search in group for name in (search.slope, search.quantity)]
+        steps = [s for s in _closure(catalogue, names, given, alternatives) if isinstance(s, Fact)]
+        read = {need for step in steps for need in step.needs}
+        inputs = tuple(
+            name for name in catalogue.known_inputs(alternatives) if name in read and name in given
+        )
+        own = tuple(o for search in group for o in asked if o.request.quantity == search.quantity)
+        result.append(
+            RefinedClosure(catalogue, own, tuple(group), tuple(steps), inputs, branches, alternatives)
+        )
+    return result
