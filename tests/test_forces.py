@@ -7,7 +7,17 @@ import numpy as np
 import pytest
 
 import fastlink as fl
-from configurations import LENGTHS, LOADS, PLANAR, all_loads, draw, masses_and_points, random_lengths
+from configurations import (
+    LENGTHS,
+    LOADS,
+    PLANAR,
+    UNIT,
+    all_loads,
+    condition_sums,
+    draw,
+    masses_and_points,
+    random_lengths,
+)
 from fastlink.reading import read_facts
 from fastlink.request import alternatives_of, constants_of
 from test_precision import MULTIPLE, assert_within, family
@@ -142,7 +152,17 @@ def test_reactions_and_shaking_loads_are_newtons(loads, solver):
 
 QUANTITIES = [
     *(*REACTIONS, *FORCES, *SHAKING, "shaking_force", "input_power"),
-    *("alpha2", "alpha4", "jerk2", "jerk4", "joint_alpha_2", "joint_alpha_3", "joint_alpha_4", "P_ax", "P_ay"),
+    *(
+        "alpha2",
+        "alpha4",
+        "jerk2",
+        "jerk4",
+        "joint_alpha_2",
+        "joint_alpha_3",
+        "joint_alpha_4",
+        "P_ax",
+        "P_ay",
+    ),
 ]
 
 
@@ -154,3 +174,105 @@ def test_every_quantity_under_all_loads_is_a_few_roundings_off(kind, n):
     inputs = dict(zip(LENGTHS, lengths, strict=True)) | masses_and_points(rng, n) | all_loads(rng, n)
     alternatives = alternatives_of(PLANAR, None, "eliminated", inputs)
     assert assert_within(QUANTITIES, inputs, theta, MULTIPLE, alternatives) > n // 2
+
+
+# -- balancing ----------------------------------------------------------------------------------------------
+
+
+def test_force_balance_leaves_no_shaking_force():
+    rng = np.random.default_rng(31)
+    n = 40
+    designs = dict(zip(LENGTHS, random_lengths(rng, n), strict=True)) | masses_and_points(rng, n)
+    weights = fl.planar.force_balance(designs, radius1=0.3, mass3=rng.uniform(0.2, 2.0, n))
+    theta = rng.uniform(-np.pi, np.pi, n)
+    names = ["shaking_force_x", "shaking_force_y"]
+    tested = 0
+    for i in range(n):
+        one = {name: value[i] for name, value in (designs | weights).items()}
+        one |= {"theta1": theta[i], "branch": 1 + i % 2}
+        got = fl.evaluate("planar_4r", [*names, "shaking_force"], **one)
+        if np.isnan(got["shaking_force"]):
+            continue
+        alternatives = alternatives_of(PLANAR, None, "eliminated", one)
+        sums = condition_sums(names, one, alternatives)
+        for name in names:
+            # The exact force is zero but for the roundings of the weights, up to 8 of each term that they balance;
+            # each term stands in the sum as that of a mass. The facts add their MULTIPLE.
+            assert abs(got[name]) <= (MULTIPLE + 8) * UNIT * sums[name]
+        bare = {name: value for name, value in one.items() if name not in weights}
+        assert (
+            fl.evaluate("planar_4r", ["shaking_force"], **bare)["shaking_force"] > 1e8 * got["shaking_force"]
+        )
+        tested += 1
+    assert tested > 10
+
+
+def test_the_free_radius_or_mass_is_kept_and_the_link_itself_is_the_default_radius():
+    design = {"a1": 0.4, "a2": 1.2, "a3": 0.8, "a4": 1.0}
+    bars = fl.round_bar(7750.0, 0.01)
+    by_default = fl.planar.force_balance(design, links=bars)
+    assert (by_default["counterweight1_radius"], by_default["counterweight3_radius"]) == (0.4, 0.8)
+    # Mass centres at mid-length: products m1 a1/2 + m2 a1/2 and m3 a3/2 + m2 a3/2, opposite to the links.
+    m1, m2, m3 = (7750.0 * np.pi * 1e-4 * a for a in (0.4, 1.2, 0.8))
+    # Five roundings on either side.
+    assert by_default["counterweight1_mass"] == pytest.approx((m1 + m2) / 2, rel=10 * UNIT)
+    assert by_default["counterweight3_mass"] == pytest.approx((m3 + m2) / 2, rel=10 * UNIT)
+    assert abs(by_default["counterweight1_direction"]) == np.pi
+    chosen = fl.planar.force_balance(design, links=bars, mass1=2.0)
+    product = chosen["counterweight1_mass"] * chosen["counterweight1_radius"]
+    assert chosen["counterweight1_mass"] == 2.0
+    assert product == pytest.approx(0.4 * (m1 + m2) / 2, rel=10 * UNIT)
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        ({"radius1": 0.1, "mass1": 2.0}, "radius1 and mass1 are given; write one"),
+        ({"radius3": 0.0}, "radius3 must be positive and finite"),
+        ({"mass3": "heavy"}, "mass3 is not a number"),
+    ],
+)
+def test_bad_counterweights_are_refused(options, message):
+    design = {"a1": 0.4, "a2": 1.2, "a3": 0.8, "a4": 1.0}
+    with pytest.raises(fl.InputError, match=message):
+        fl.planar.force_balance(design, links=fl.round_bar(7750.0, 0.01), **options)
+
+
+def test_a_missing_mass_is_named():
+    with pytest.raises(
+        fl.InputError, match=r"force_balance: m1 is missing \(mass of the crank OA \[kg\]\); add"
+    ):
+        fl.planar.force_balance({"a1": 0.4, "a2": 1.2, "a3": 0.8, "a4": 1.0})
+
+
+# -- over the cycle -----------------------------------------------------------------------------------------
+
+HAYES = {"a1": 0.4, "a2": 1.2, "a3": 0.8, "a4": 1.0, "omega1": 25.0}
+BARS = fl.round_bar(7750.0, 0.01)
+
+
+def test_fluctuation_is_that_of_the_kinetic_energy():
+    """Without loads T41 omega1 is the rate of the kinetic energy: mean zero, fluctuation its greatest difference."""
+    n = 720
+    space = fl.grid(**{**HAYES, "a1": [0.3, 0.4, 0.9]})
+    got = fl.sweep("planar_4r", space, ["T41_mean", "T41_fluctuation"], links=BARS, theta1=n)
+    rate = fl.sweep(
+        "planar_4r",
+        fl.grid(**{**HAYES, "a1": [0.3, 0.4, 0.9]}, P_u=0.6, P_v=0.0),
+        ["omega2", "omega4", "P_speed"],
+        theta1=20 * n,
+    )
+    per_length = 7750.0 * np.pi * 1e-4
+    m2, m3 = 1.2 * per_length, 0.8 * per_length
+    inertia2, about_d = m2 * (1.44 / 12 + 0.25e-4), m3 * (0.64 / 3 + 0.25e-4)
+    energy = (m2 * rate.P_speed**2 + inertia2 * rate.omega2**2 + about_d * rate.omega4**2) / 2
+    expected = (energy.max("theta1", skipna=False) - energy.min("theta1", skipna=False)).values
+    closes = np.isfinite(expected)
+    assert closes[:2].all()
+    assert not closes[2].any()
+    assert np.isnan(got.T41_fluctuation.values[2]).all()
+    # Third order in the step of 2 pi/720, 7e-7, times a third derivative of 30 times the range at these extremes; the
+    # energy is sampled 20 times as fine, an error of half the second derivative times (step/40)^2, below 1e-6.
+    np.testing.assert_allclose(got.T41_fluctuation.values[:2], expected[:2], rtol=3e-5)
+    # The rectangle rule of a smooth periodic function: what is left is rounding, of terms of the size of the rms.
+    assert np.all(np.abs(got.T41_mean.values[:2]) < 1e-12 * expected[:2])

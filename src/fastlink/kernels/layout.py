@@ -79,7 +79,13 @@ class KernelLayout:
 
     def accumulators(self) -> list[tuple[Output, str, int]]:
         """Return what is taken over the cycle, once for each copy of its quantity."""
-        return [(o, suffix, k) for o in self.cycles for suffix, k in self.suffixes(o.request.quantity)]
+        reduced = [o for o in self.cycles if o.request.reduction and not o.request.reduction.whole]
+        return [(o, suffix, k) for o in reduced for suffix, k in self.suffixes(o.request.quantity)]
+
+    def whole_curves(self) -> list[tuple[str, Output]]:
+        """Return the values whose whole cycle is needed at once, with what is taken of them."""
+        wholes = [o for o in self.cycles if o.request.reduction and o.request.reduction.whole]
+        return [(o.request.quantity + s, o) for o in wholes for s, _ in self.suffixes(o.request.quantity)]
 
     def curve_copies(self) -> list[str]:
         """Return the kernel's names of all values that are stored as curves."""

@@ -42,6 +42,9 @@ class _Writer(KernelLayout):
             for branch in self.plan.branches:
                 assert isinstance(step, Fact)
                 paste_fact(step, {"branch": f"{branch}.0"}, f"__{branch}", text)
+        for value, _ in self.whole_curves():
+            text.imports.setdefault("numpy", set()).add("empty")
+            text.add(f"whole_{value} = empty((n_angles, {LANES}))")
         text.open(f"for i0 in range(0, n, {LANES}):")
         text.add(f"lanes = min({LANES}, n - i0)")
         self.write_design_loop()
@@ -136,7 +139,7 @@ class _Writer(KernelLayout):
                 text.add(f"{self.row(name)} = {name}  # {name}")
             if last:
                 self.write_updates()
-                for name in dict.fromkeys(self.curve_copies()):
+                for name in dict.fromkeys((*self.curve_copies(), *(v for v, _ in self.whole_curves()))):
                     text.add(f"{self.row('curve ' + name)} = {name}  # {name}")
             text.close()
             for step in stage:
@@ -149,7 +152,19 @@ class _Writer(KernelLayout):
                     name = self.copy_for(output.request.quantity, k)
                     text.add(f"out_{output.name}[i0 + i, {k}, j] = {self.row('curve ' + name)}")
             text.close()
+        for value in dict.fromkeys(value for value, _ in self.whole_curves()):
+            text.open(f"for i in range({LANES}):")
+            text.add(f"whole_{value}[j, i] = {self.row('curve ' + value)}")
+            text.close()
         text.close()
+        for value, output in self.whole_curves():
+            reduction = output.request.reduction
+            assert reduction is not None
+            _, acc, _, _ = _slot_names(output, value.removeprefix(output.request.quantity), self.position)
+            self.row(acc)
+            start = self.rows[acc] * LANES
+            text.imports.setdefault("fastlink.kernels.whole", set()).add(reduction.whole)
+            text.add(f"{reduction.whole}(whole_{value}, w[{start} : {start + LANES}])")
 
     def write_unknowns(self, system: System) -> None:
         n = len(system.unknowns)

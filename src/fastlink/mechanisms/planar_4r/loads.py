@@ -161,12 +161,12 @@ build_on(COUPLER_FORCE, "moment2_A", less, further="load_moment_A")
 build_on(COUPLER_FORCE, "spin_rate2", less, further="load_moment_of_A")
 build_on(COUPLER_FORCE, "couple2", less, further="load_moment_G")
 for _axis in "xy":
-    for _name, _law in (
+    for _name, _sign in (
         (f"F21_{_axis}", plus),
         (f"shaking_force_{_axis}", plus),
         (f"joint_force2_{_axis}", less),
     ):
-        build_on(COUPLER_FORCE, _name, _law, further=f"FP_{_axis}")
+        build_on(COUPLER_FORCE, _name, _sign, further=f"FP_{_axis}")
 
 
 # -- torque on the output link --------------------------------------------------------------------

@@ -1,0 +1,64 @@
+"""The flywheel that keeps the speed of a crank within bounds."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from fastlink.errors import InputError
+
+__all__ = ["flywheel_inertia"]
+
+
+def flywheel_inertia(maps: Any, C_s: Any) -> Any:
+    """Return the moment of inertia that a crank needs for a given coefficient of fluctuation.
+
+    The greatest swing of the energy, ``T41_fluctuation``, is to change the speed by C_s omega1 in all:
+    I = T41_fluctuation/(C_s omega1^2), on the crank. The linkage's own inertia, which varies, is counted on neither
+    side; the torque is that at constant speed.
+
+    Parameters
+    ----------
+    maps : xarray.Dataset
+        A sweep with ``T41_fluctuation`` and the speed ``omega1`` (or any mapping with both names).
+    C_s : float or array_like
+        Coefficient of fluctuation: greatest less least speed over the mean speed, positive.
+
+    Returns
+    -------
+    array or xarray.DataArray
+        In kg m2, like ``T41_fluctuation``; NaN for an input that does not turn fully.
+
+    Raises
+    ------
+    InputError
+        A name is missing, or C_s is not positive and finite.
+
+    Examples
+    --------
+    >>> import fastlink as fl
+    >>> maps = fl.sweep(
+    ...     "planar_4r",
+    ...     fl.grid(a1=0.4, a2=1.2, a3=0.8, a4=1.0, omega1=25.0),
+    ...     ["T41_fluctuation"],
+    ...     links=fl.round_bar(density=7750.0, radius=0.01),
+    ...     branch=1,
+    ... )
+    >>> round(float(fl.planar.flywheel_inertia(maps, C_s=0.02).squeeze()), 2)
+    26.34
+    """
+    for name in ("T41_fluctuation", "omega1"):
+        if name not in maps:
+            raise InputError(
+                f"flywheel_inertia: {name!r} is missing; sweep {name!r} and give the whole result"
+            )
+    bounds = np.asarray(getattr(C_s, "values", C_s), dtype=float)
+    if not np.all((bounds > 0.0) & np.isfinite(bounds)):
+        raise InputError(f"flywheel_inertia: C_s is {C_s!r}; write a positive number, such as 0.02")
+    speed = maps["omega1"]
+    inertia = maps["T41_fluctuation"] / (C_s * (speed * speed))
+    if hasattr(inertia, "attrs"):
+        inertia.attrs = {"units": "kg m2", "long_name": "Moment of inertia of the flywheel", "symbol": "I_S"}
+        inertia = inertia.rename("flywheel_inertia")
+    return inertia
