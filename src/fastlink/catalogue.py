@@ -106,6 +106,8 @@ class Catalogue(Declarations):
             # a derivative that is declared of a fact is not that of what replaces it
             within = next((facts for facts in sets if plain in facts), self.facts)
             found = within.get(derivative_name(plain, by))
+            if found is None and within is self.facts and plain in self.tables and by == self.position.name:
+                raise CatalogueError(f"{self.name}: table {plain} has no declared derivative by {by}")
             return found if isinstance(found, Fact) else None
 
         if key not in self._derivations:

@@ -157,7 +157,7 @@ class Derivation:
             if slope is self.graph.zero or not isinstance(found, Fact):
                 raise InputError(
                     f"quantity {derivative_name(name, self.by.name)!r}: {name} does not depend on "
-                    f"{self.by.name}; leave it out"
+                    f"{self.by.name} with what is given; leave it out"
                 )
             self._facts[name] = self._written(found, *self._values[name])
         return self._facts[name]
