@@ -19,8 +19,9 @@ from dataclasses import replace
 from typing import Any
 
 from fastlink.catalogue import Catalogue, Fact, Input
-from fastlink.jit import cos, sin
+from fastlink.jit import atan2, cos, select, sin, sqrt
 from fastlink.mechanisms.planar_4r.declare import planar_4r
+from fastlink.mechanisms.planar_4r.graded import TWO_PI
 
 __all__ = ["driven_by", "driven_catalogues"]
 
@@ -28,6 +29,10 @@ __all__ = ["driven_by", "driven_catalogues"]
 NUMBERED = re.compile(r"(a|s|v|joint_angle_|joint_omega_|joint_alpha_|joint_[SCY])([1-4])")
 DERIVATIVE = re.compile(f"d_(.+)_d_{planar_4r.position.name}")
 ORDINALS = ("first", "second", "third", "fourth")
+RATES = {
+    "joint_omega_": ("Rate", "d theta_{}/dt (eqs. 1-6)"),
+    "joint_alpha_": ("Second derivative", "d2 theta_{}/dt2 (eqs. 1-6)"),
+}
 POINTS = ("O", "A", "B", "D")
 LINKS = ("OA", "AB", "DB", "OD")
 
@@ -78,6 +83,13 @@ def minus_sine(angle: Any) -> Any:
     return -sin(angle)
 
 
+def angle_of_place(side: Any, Z: Any, C: Any) -> Any:
+    """Driven joint angle in [0, 2 pi) at a place of the graded range: half a turn from theta1 there."""
+    half_turn = 2.0 * atan2(sqrt(C), sqrt(Z))
+    mirrored = TWO_PI - half_turn
+    return select(side < 0.0, half_turn, select(mirrored < TWO_PI, mirrored, 0.0))
+
+
 def moved_number(number: int, joint: int) -> int:
     """Return the joint or length of the linkage that is called `number` where `joint` is called 1.
 
@@ -97,6 +109,8 @@ def moved_name(name: str, joint: int) -> str:
     >>> [moved_name(name, joint=2) for name in ("a4", "omega1", "height", "d_v4_d_theta1")]
     ['a1', 'joint_omega_2', 'height', 'd_v1_d_joint_angle_2']
     """
+    if name == planar_4r.position.name:
+        return f"joint_angle_{joint}"
     if derivative := DERIVATIVE.fullmatch(name):
         return f"d_{moved_name(derivative[1], joint)}_d_joint_angle_{joint}"
     if numbered := NUMBERED.fullmatch("joint_omega_1" if name == "omega1" else name):
@@ -107,7 +121,41 @@ def moved_name(name: str, joint: int) -> str:
 
 def driven_by(joint: int) -> Catalogue:
     """Return the catalogue of the planar 4R with this joint's angle as input."""
-    point, left, opposite, right = (POINTS[moved_number(i, joint) - 1] for i in (1, 2, 3, 4))
+    driven = _declared(joint)
+    graded = planar_4r.graded
+    assert graded is not None
+    places = [fact for fact in planar_4r.alternatives[graded.name].values() if isinstance(fact, Fact)]
+    of_places = {need for fact in places for need in fact.needs}.intersection(planar_4r.facts)
+    of_ends = {name for end in graded.ends for name in end}
+    offered = {*KEPT, *(moved_name(name, joint) for name in MOVED)}
+    for fact in _with_derivatives((*MOVED, *HALF_ANGLES, *of_places, *of_ends)):
+        moved = _moved(fact, joint)
+        driven.facts[moved.name] = replace(moved, internal=moved.name not in offered)
+    for fact in _facts(KEPT, driven.facts):
+        driven.facts[fact.name] = fact
+    # Angles jump where they pass pi, which no derivative tells: their extremes are taken over the given angles.
+    driven.graded = replace(graded, rough=(*graded.rough, *(f"joint_angle_{i}" for i in (1, 2, 3, 4))))
+    found = {fact.name: fact for fact in (_moved(place, joint) for place in places)}
+    found[driven.position.name] = replace(found[driven.position.name], function=angle_of_place)
+    driven.alternatives[graded.name] = dict(found)
+    driven.check()
+    return driven
+
+
+def driven_catalogues() -> dict[str, Catalogue]:
+    """Return the catalogue of each joint angle that may be the input, by its name."""
+    return {f"joint_angle_{joint}": driven_by(joint) for joint in (1, 2, 3, 4)}
+
+
+def _points(joint: int) -> tuple[str, str, str, str]:
+    """Return what stands for O, A, B, D where `joint` is driven."""
+    first, second, third, fourth = (POINTS[moved_number(i, joint) - 1] for i in (1, 2, 3, 4))
+    return first, second, third, fourth
+
+
+def _declared(joint: int) -> Catalogue:
+    """Return the catalogue with its inputs and tables."""
+    point, left, opposite, right = _points(joint)
     angle = planar_4r.facts[f"joint_angle_{joint}"]
     far = f"joint_angle_{moved_number(3, joint)}"
     line = f"of the directed line from {left} to {right}"
@@ -122,9 +170,8 @@ def driven_by(joint: int) -> Catalogue:
     )
     for i, link in enumerate(LINKS, 1):
         driven.inputs[f"a{i}"] = replace(planar_4r.inputs[f"a{i}"], meaning=f"length of the link {link}")
-    speed = f"joint_omega_{joint}"
     driven.input(
-        speed,
+        f"joint_omega_{joint}",
         units="rad s-1",
         symbol=f"d theta_{joint}/dt (eqs. 1-6)",
         meaning="rate of the driven joint angle, constant",
@@ -139,21 +186,7 @@ def driven_by(joint: int) -> Catalogue:
         meaning = f"{table.meaning} plus pi"
         driven.tables[name] = replace(table, function=turned[name], needs=(angle.name,), meaning=meaning)
     driven.table_low_parts = dict(planar_4r.table_low_parts)
-    offered = {*KEPT, *(moved_name(name, joint) for name in MOVED)}
-    for fact in _with_derivatives((*MOVED, *HALF_ANGLES)):
-        name = moved_name(fact.name, joint)
-        needs = tuple(moved_name(need, joint) for need in fact.needs)
-        labelled = _labels(name, fact, (opposite, left, right))
-        driven.facts[name] = replace(labelled, needs=needs, internal=name not in offered)
-    for fact in _facts(KEPT, driven.facts):
-        driven.facts[fact.name] = fact
-    driven.check()
     return driven
-
-
-def driven_catalogues() -> dict[str, Catalogue]:
-    """Return the catalogue of each joint angle that may be the input, by its name."""
-    return {f"joint_angle_{joint}": driven_by(joint) for joint in (1, 2, 3, 4)}
 
 
 def _facts(names: Iterable[str], known: Iterable[str]) -> list[Fact]:
@@ -175,20 +208,20 @@ def _with_derivatives(names: Iterable[str]) -> Iterable[Fact]:
     return facts.values()
 
 
-def _labels(name: str, law: Fact, triangle: tuple[str, str, str]) -> Fact:
-    """Return a law under another name, with what is said of that name."""
+def _moved(fact: Fact, joint: int) -> Fact:
+    """Return a fact under the names that it has where `joint` is driven, with what is said of them."""
+    name = moved_name(fact.name, joint)
+    law = replace(fact, name=name, needs=tuple(moved_name(need, joint) for need in fact.needs))
     if name == "transmission_angle":
-        far, left, right = triangle
+        _, left, far, right = _points(joint)
         return replace(law, meaning=f"Transmission angle: between {far}{left} and {far}{right}")
     numbered = NUMBERED.fullmatch(name)
     if numbered is None:
-        return replace(law, name=name)
+        return law
     family, number = numbered[1], int(numbered[2])
-    if family not in ("joint_omega_", "joint_alpha_"):
-        said = planar_4r.facts[name]
-        return replace(law, name=name, symbol=said.symbol, meaning=said.meaning, source=said.source)
-    what, symbol = {
-        "joint_omega_": ("Rate", f"d theta_{number}/dt (eqs. 1-6)"),
-        "joint_alpha_": ("Second derivative", f"d2 theta_{number}/dt2 (eqs. 1-6)"),
-    }[family]
-    return replace(law, name=name, symbol=symbol, meaning=f"{what} of the {ORDINALS[number - 1]} joint angle")
+    if family in RATES:
+        what, symbol = RATES[family]
+        meaning = f"{what} of the {ORDINALS[number - 1]} joint angle"
+        return replace(law, symbol=symbol.format(number), meaning=meaning)
+    said = planar_4r.facts[name]
+    return replace(law, symbol=said.symbol, meaning=said.meaning, source=said.source)
