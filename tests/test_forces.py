@@ -18,6 +18,7 @@ from configurations import (
     masses_and_points,
     random_lengths,
 )
+from fastlink.plan import make_plan
 from fastlink.reading import read_facts
 from fastlink.request import alternatives_of, constants_of
 from test_precision import MULTIPLE, assert_within, family
@@ -276,3 +277,187 @@ def test_fluctuation_is_that_of_the_kinetic_energy():
     np.testing.assert_allclose(got.T41_fluctuation.values[:2], expected[:2], rtol=3e-5)
     # The rectangle rule of a smooth periodic function: what is left is rounding, of terms of the size of the rms.
     assert np.all(np.abs(got.T41_mean.values[:2]) < 1e-12 * expected[:2])
+
+
+def test_table_3_as_it_follows_from_table_1():
+    asked = [
+        "shaking_force_extrema",
+        "shaking_moment_extrema",
+        "shaking_moment_printed_extrema",
+        "alpha4_max",
+    ]
+    got = fl.sweep("planar_4r", fl.grid(**HAYES), asked, links=BARS, branch=2).squeeze()
+    forces, moments = got.shaking_force_extrema.values, got.shaking_moment_extrema.values
+    # The figures of docs/errata.md, half a unit of the last.
+    assert np.nanmax(forces) == pytest.approx(2512.318373, abs=5e-7)
+    assert np.nanmin(forces) == pytest.approx(685.182260, abs=5e-7)
+    assert np.nanmax(np.abs(moments)) == pytest.approx(2048.609105, abs=5e-7)
+    places = got.theta1_at_shaking_force_extrema.values
+    assert places[np.nanargmax(forces)] == pytest.approx(0.109628, abs=5e-7)
+    assert places[np.nanargmin(forces)] == pytest.approx(5.546474, abs=5e-7)
+    place = got.theta1_at_shaking_moment_extrema.values[np.nanargmax(np.abs(moments))]
+    assert place == pytest.approx(0.219954, abs=5e-7)
+    printed = got.shaking_moment_printed_extrema.values
+    np.testing.assert_allclose(printed[:4], [-162.363, 80.215, -399.354, 806.192], atol=5e-4)
+    # The bound that needs no solve: the output link's mass centre alone.
+    assert 0.62 * np.pi * 0.4 * float(got.alpha4_max) == pytest.approx(828.0, abs=0.5)
+    assert np.nanmin(forces) > 12 * 56.9764
+
+
+def test_the_shaking_force_of_table_3_from_positions_alone():
+    bars = {name: value for name, value in zip(("density", "radius"), (7750.0, 0.01), strict=True)}
+    with mp.workdps(50):
+        links = read_facts(
+            PLANAR,
+            [
+                f"{kind}{i}{axis}"
+                for i in (1, 2, 3)
+                for kind, axis in (("m", ""), ("I", ""), ("G", "_u"), ("G", "_v"))
+            ],
+            {name: mp.mpf(value) for name, value in (HAYES | bars).items()},
+            ("round_bar",),
+        )
+        for theta, value in ((0.109628483542, "2512.318373"), (5.546473595953, "685.182260")):
+            force, _, _ = newton_euler({**links, "theta1": theta, "branch": 2})
+            # Extremes are flat: an error of 1e-12 rad is none.
+            assert mp.almosteq(abs(sum(force.values())), mp.mpf(value), abs_eps=mp.mpf("5e-7"))
+
+
+# -- powers, mirror, and what is left alone -----------------------------------------------------------------
+
+
+def kinetic_energy(bodies, time, step):
+    """Kinetic energy at a time, from positions alone."""
+    before, after = bodies.at(time - step), bodies.at(time + step)
+    total = mp.mpf(0)
+    for link in (1, 2, 3):
+        places = zip(*(bodies.points(link, frames) for *_, frames in (before, after)), strict=True)
+        total += (
+            sum(mass * abs((future - past) / (2 * step)) ** 2 for (mass, past), (_, future) in places) / 2
+        )
+        spin = mp.arg(after[3][link][1] / before[3][link][1]) / (2 * step)
+        total += bodies[f"I{link}"] * spin**2 / 2
+    return total
+
+
+def test_input_power_balances_energy_and_loads():
+    with mp.workdps(50):
+        for seed in range(4):
+            one = configuration(100 + seed, LOADS)
+            bodies, step = Bodies(one), mp.mpf(10) ** -9
+            rate = (kinetic_energy(bodies, step, step) - kinetic_energy(bodies, -step, step)) / (2 * step)
+            *_, past = bodies.at(-step)
+            *_, future = bodies.at(step)
+            gravity = mp.mpc(bodies["gravity_x"], bodies["gravity_y"])
+            load = mp.mpc(bodies["FP_x"], bodies["FP_y"])
+            arm = mp.mpc(bodies["P_u"], bodies["P_v"])
+            supplied = mp.mpf(0)
+            for link in (1, 2, 3):
+                places = zip(bodies.points(link, past), bodies.points(link, future), strict=True)
+                for (mass, old), (_, new) in places:
+                    velocity = (new - old) / (2 * step)
+                    supplied += mass * (velocity * mp.conj(gravity)).real
+            tip = [frames[2][0] + arm * frames[2][1] for frames in (past, future)]
+            supplied += ((tip[1] - tip[0]) / (2 * step) * mp.conj(load)).real
+            got = facts(["input_power", "omega4"], one)
+            w = got["omega4"]
+            torque = bodies["T_load"] + bodies["T_load_linear"] * w + bodies["T_load_quadratic"] * w * abs(w)
+            # Differences: step^2 = 1e-18 times a third derivative over the first, below 1e5 here.
+            assert mp.almosteq(got["input_power"], rate - supplied - torque * w, rel_eps=mp.mpf(10) ** -12)
+
+
+MIRRORED = ("G1_v", "G2_v", "G3_v", "P_v", "omega1", "alpha1", "gravity_y", "FP_y", "T_load", "M_y")
+MIRRORED += ("counterweight1_direction", "counterweight3_direction", "theta1")
+ODD = ("T41", "shaking_moment", "shaking_moment_at", "shaking_moment_printed")
+
+
+def test_the_mirror_in_the_ground_line_exchanges_the_branches_bit_by_bit():
+    for seed in range(20):
+        one = configuration(200 + seed, LOADS)
+        other = {name: -value if name in MIRRORED else value for name, value in one.items()}
+        other["branch"] = 3 - one["branch"]
+        names = [*REACTIONS, *SHAKING, *FORCES, "shaking_force", "input_power"]
+        got, mirrored = fl.evaluate("planar_4r", names, **one), fl.evaluate("planar_4r", names, **other)
+        for name in names:
+            sign = -1.0 if name in ODD or name.endswith("_y") else 1.0
+            # Every operation is odd or even in what changes sign, and rounding is symmetric.
+            assert mirrored[name] == sign * got[name], name
+
+
+@pytest.mark.parametrize("load", LOADS)
+def test_a_load_of_nothing_changes_nothing_but_roundings_and_a_load_not_given_is_not_computed(load):
+    rng = np.random.default_rng(8)
+    inputs = dict(zip(LENGTHS, random_lengths(rng, 1), strict=True)) | masses_and_points(rng, 1)
+    inputs = {name: float(value[0]) for name, value in inputs.items()}
+    names = [*REACTIONS, *SHAKING, "alpha4", "jerk4"]
+    nothing = dict.fromkeys(PLANAR.alternative_inputs[load], 0.0)
+    chosen = alternatives_of(PLANAR, None, "eliminated", nothing)
+    assert chosen == (load,)
+    bare = make_plan(PLANAR, names, given=tuple(inputs))
+    assert not any(name in bare.source for other in LOADS for name in PLANAR.alternative_inputs[other])
+    loaded = make_plan(PLANAR, names, given=(*inputs, *nothing), alternatives=chosen)
+    assert any(name in loaded.source for name in nothing)
+    other_loads = set(LOADS) - {load}
+    assert not any(n in loaded.source for key in other_loads for n in PLANAR.alternative_inputs[key])
+    for theta in rng.uniform(-np.pi, np.pi, 5):
+        without = fl.evaluate("planar_4r", names, theta1=theta, **inputs)
+        with_nothing = fl.evaluate("planar_4r", names, theta1=theta, **inputs, **nothing)
+        alike = [name for name in names if "printed" not in name]
+        # x + 0 and x - 0 are x; only the mass centre that r34 starts from takes another way with counterweights.
+        assert all(np.array_equal(without[n], with_nothing[n], equal_nan=True) for n in alike)
+        a, b = without["shaking_moment_printed"], with_nothing["shaking_moment_printed"]
+        # Ten roundings of each of its terms, which are not larger than this.
+        size = sum(abs(without[name]) for name in REACTIONS) * sum(
+            abs(inputs[n]) for n in (*LENGTHS, "G3_u", "G3_v")
+        )
+        assert np.isnan(a) or abs(a - b) <= 10 * UNIT * size
+
+
+def test_dense_and_eliminated_agree_under_all_loads():
+    rng = np.random.default_rng(9)
+    n = 300
+    inputs = dict(zip(LENGTHS, random_lengths(rng, n), strict=True)) | masses_and_points(rng, n)
+    inputs |= all_loads(rng, n) | {"theta1": rng.uniform(-np.pi, np.pi, n)}
+    names = [*REACTIONS, *SHAKING]
+    eliminated = fl.evaluate("planar_4r", [*names, "transmission_angle"], **inputs)
+    dense = fl.evaluate("planar_4r", names, solver="dense", **inputs)
+    closes = np.isfinite(eliminated["T41"])
+    assert closes.sum() > 60
+    mu = eliminated["transmission_angle"]
+    largest = np.max([np.abs(eliminated[name]) for name in REACTIONS], axis=0)
+    arm = 1 + sum(np.abs(inputs[name]) for name in (*LENGTHS, "M_x", "M_y"))
+    # Both are bounded by cond(9x9), about 10/sin(mu), times roundings of the largest unknown.
+    allowed = 32 * UNIT * (10 / np.sin(mu)) * largest * arm
+    for name in names:
+        assert np.all(np.abs(eliminated[name] - dense[name])[closes] <= allowed[closes]), name
+
+
+# -- bad input ----------------------------------------------------------------------------------------------
+
+
+def test_a_counterweight_without_a_mass_is_refused():
+    with pytest.raises(
+        fl.InputError, match=r"input 'counterweight1_mass' is missing \(counterweight on the crank OA"
+    ):
+        fl.sweep("planar_4r", fl.grid(**HAYES, counterweight1_radius=0.1), ["shaking_force_max"], links=BARS)
+
+
+def test_a_misspelt_load_is_refused():
+    with pytest.raises(fl.InputError, match="gravity_z"):
+        fl.sweep("planar_4r", fl.grid(**HAYES, gravity_z=-9.81), ["T41_max"], links=BARS)
+
+
+def test_fluctuation_needs_a_whole_turn():
+    with pytest.raises(fl.InputError, match="'T41_fluctuation' is over a whole turn, but theta1 is an array"):
+        fl.sweep("planar_4r", fl.grid(**HAYES), ["T41_fluctuation"], links=BARS, theta1=[0.0, 1.0])
+
+
+@pytest.mark.parametrize("given", [0.0, -0.1, np.nan])
+def test_a_bad_coefficient_of_fluctuation_is_refused(given):
+    with pytest.raises(fl.InputError, match=r"C_s is .*; write a positive number"):
+        fl.planar.flywheel_inertia({"T41_fluctuation": 1.0, "omega1": 25.0}, given)
+
+
+def test_a_flywheel_needs_the_fluctuation():
+    with pytest.raises(fl.InputError, match="'T41_fluctuation' is missing"):
+        fl.planar.flywheel_inertia({"omega1": 25.0}, 0.02)
