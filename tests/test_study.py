@@ -94,13 +94,6 @@ def test_a_long_study_is_kept_whole(folder):
         assert maps.attrs["study"] == text
 
 
-@pytest.mark.parametrize("name", sorted(path.name for path in STUDIES.glob("*.toml")))
-def test_the_studies_of_the_repository_are_right(folder, name):
-    study = read_study(STUDIES / name)
-    assert {"a1", "a2", "a3", "a4", "omega1"} <= set(study.space.names)
-    assert study.links is not None
-
-
 def test_the_main_study_is_as_large_as_promised():
     study = read_study(STUDIES / "crank_rocker_map.toml")
     assert study.space.size >= 10**6

@@ -205,7 +205,7 @@ def time_ratio(
     factor_D2: Any,
     assembles: Any,
 ) -> Any:
-    """Slow over quick stroke of a crank-rocker at constant input speed, at least 1; else NaN."""
+    """Slow over quick stroke of a crank-rocker, at least 1; NaN of others."""
     # Half the angles at O in the triangles OBD with OB = a1 + a2 (stretched) and a2 - a1 (folded).
     sine_stretched, cosine_stretched = sqrt(-sure_B1 * factor_A2), sqrt(factor_C2 * factor_D1)
     sine_folded, cosine_folded = sqrt(-sure_C1 * factor_D2), sqrt(sure_A1 * factor_B2)
