@@ -40,7 +40,7 @@ def test_a_sweep_has_the_bits_of_evaluate_and_the_labels_of_its_input(angles):
 def test_refined_extremes_are_those_of_a_dense_curve(k):
     """As over theta1: exact over the turn of the driven joint, with their places."""
     place, rate = f"joint_angle_{k}", f"joint_omega_{k}"
-    names = [f"joint_omega_{k - 1}", f"joint_alpha_{k + 1}"]
+    names = [f"joint_omega_{(k + 2) % 4 + 1}", f"joint_alpha_{k % 4 + 1}"]
     # The shortest link beside the driven joint, so that it turns fully.
     design = {f"a{(i + k - 1) % 4 + 1}": length for i, length in enumerate((0.4, 1.2, 0.8, 1.0))} | {
         rate: 2.0

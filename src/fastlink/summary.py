@@ -118,7 +118,7 @@ def contents(dataset: xr.Dataset) -> str:
         From `fastlink.sweep`, `fastlink.run_study` or `fastlink.open`.
     """
     attrs = dataset.attrs
-    keys = ("title", "mechanism", "study_file", "solver", "source")
+    keys = ("title", "mechanism", "input", "study_file", "solver", "source")
     head = [(key.replace("_", " "), str(attrs[key])) for key in keys if key in attrs]
     dims = [(str(dim), _axis(dataset, str(dim), size)) for dim, size in dataset.sizes.items()]
     sampled = [
