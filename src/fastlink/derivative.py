@@ -18,11 +18,15 @@ from fastlink import geometry
 from fastlink.errors import InputError
 from fastlink.fact import Fact, Input, System
 from fastlink.graph import Graph, Node, is_power_of_two
-from fastlink.jit import INFINITY, NOT_A_NUMBER, atan2, select, sqrt
+from fastlink.jit import INFINITY, NOT_A_NUMBER, atan2, cosine, select, sine, sqrt
 
-__all__ = ["Derivation", "derivative_name", "labelled"]
+__all__ = ["Derivation", "NoDerivative", "derivative_name", "labelled"]
 
 _serial = count()
+
+
+class NoDerivative(InputError):
+    """The derivative that was asked for is zero everywhere, or not offered."""
 
 
 def derivative_name(name: str, by: str) -> str:
@@ -145,7 +149,7 @@ class Derivation:
 
         Raises
         ------
-        InputError
+        NoDerivative
             The fact does not depend on the input, or a linear system determines it.
         """
         if name not in self._facts:
@@ -155,7 +159,7 @@ class Derivation:
                 self._facts[name] = replace(declared, name=derivative_name(name, self.by.name))
                 return self._facts[name]
             if slope is self.graph.zero or not isinstance(found, Fact):
-                raise InputError(
+                raise NoDerivative(
                     f"quantity {derivative_name(name, self.by.name)!r}: {name} does not depend on "
                     f"{self.by.name} with what is given; leave it out"
                 )
@@ -178,7 +182,7 @@ class Derivation:
         elif found is None or all(self.slope(need) is graph.zero for need in found.needs):
             return graph.zero
         elif isinstance(found, System):
-            raise InputError(
+            raise NoDerivative(
                 f"quantity {derivative_name(name, self.by.name)!r}: a linear system determines {name}; "
                 "choose the solver that eliminates"
             )
@@ -246,6 +250,10 @@ class Derivation:
             return RULES[function](graph, args, slopes, first)
         if function is sqrt:
             return graph.div(graph.mul(graph.number(0.5), slopes[0]), node)
+        if function is sine:
+            return graph.mul(graph.call(cosine, *args), slopes[0])
+        if function is cosine:
+            return graph.neg(graph.mul(graph.call(sine, *args), slopes[0]))
         if function is atan2:
             return graph.call(geometry.turn_rate, *args, *slopes)
         if function is abs:
@@ -277,6 +285,8 @@ FUNCTIONS: dict[str, Any] = {
     **{name: getattr(geometry, name) for name in geometry.__all__},
     "sqrt": sqrt,
     "atan2": atan2,
+    "cosine": cosine,
+    "sine": sine,
     "select": select,
     "INFINITY": INFINITY,
     "NOT_A_NUMBER": NOT_A_NUMBER,

@@ -103,7 +103,8 @@ class QuantityList(list[Quantity]):
                 self._naming("`"),
                 "### Inputs",
                 "Any input can be swept. Only those that something asked for depends on are needed. Those "
-                "that links of a model give need not be given; given, they replace the model's.",
+                "that links of a model give need not be given; given, they replace the model's. Those with a default "
+                "belong to a load or a further motion, which is there only if one of its inputs is given.",
                 _markdown_table(_header(GivenInput), [astuple(given) for given in self.inputs]),
             )
         )
@@ -126,6 +127,8 @@ class QuantityList(list[Quantity]):
             f"For any NAME with the dimension {quote}{position}{quote} there are {_and(ways)}, and "
             f"{_and(places)} (the {position} in rad where that is), with the dimensions "
             f"({DESIGN}, {BRANCH}). Configurations that do not assemble are NaN and never enter. "
+            f"{quote}d_NAME_d_PARAM{quote} is the derivative of NAME by an input or by {quote}{position}{quote}, and "
+            "itself such a NAME. "
             f"{quote}{DESIGN}{quote} stands for the swept dimensions."
         )
 
@@ -218,7 +221,8 @@ def _inputs(catalogue: Catalogue) -> list[GivenInput]:
     for model, inputs in catalogue.alternative_inputs.items():
         for given in inputs.values():
             allowed = RULES.get(given.rule, "any")
-            rows.append(GivenInput(given.name, given.units, allowed, given.meaning, f"of {model}"))
+            default = "" if given.default is None else f", {given.default:.6g} by default"
+            rows.append(GivenInput(given.name, given.units, allowed, given.meaning, f"of {model}{default}"))
     return rows
 
 

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 from fastlink.catalogue import Catalogue, CatalogueError, Fact, System
 from fastlink.closure import Output, RefinedClosure
+from fastlink.derivative import NoDerivative
 from fastlink.grade import grades
 
 __all__ = ["Search", "find_search", "refined_closures"]
@@ -60,7 +61,7 @@ def find_search(
     slope = f"d_{quantity}_d_{catalogue.position.name}"
     try:
         steps = _closure(catalogue, (quantity, slope), given, alternatives)
-    except CatalogueError:
+    except (CatalogueError, NoDerivative):
         return None
     if any(isinstance(step, System) for step in steps):
         return None
