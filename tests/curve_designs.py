@@ -30,6 +30,17 @@ def evaluate(names: list[str], inputs: dict[str, Any], theta: Any, branch: Any) 
     return fl.evaluate("planar_4r", names, branch=branch, theta1=theta, **inputs)
 
 
+def traced(one: dict[str, Any], branch: int, theta: Any) -> Any:
+    """Coupler points as complex numbers by the law of cosines; on AD where the linkage does not assemble."""
+    a, b, c, d, u, v = (one[name] for name in CURVE)
+    A = a * np.exp(1j * theta)
+    AD = d - A
+    square = np.abs(AD) ** 2
+    along = (b * b - c * c + square) / (2 * square)
+    across = (2 * branch - 3) * np.sqrt(np.maximum(b * b / square - along**2, 0.0))
+    return A + (u + 1j * v) / b * AD * (along + 1j * across)
+
+
 def apart_from_change_points(lengths: Any, gap: float = 0.1) -> Any:
     """Which of the lengths (4, n) are farther than `gap` from a change point and from a single configuration."""
     a, b, c, d = lengths

@@ -9,7 +9,15 @@ import pytest
 import fastlink as fl
 from configurations import LENGTHS, PLANAR, UNIT
 from curve_designs import CURVE, evaluate, random_designs
-from fastlink.planar import cognates, curve_area, curve_length, curve_straightness, sextic, straightness
+from fastlink.planar import (
+    cognates,
+    curve_area,
+    curve_length,
+    curve_straightness,
+    inflections,
+    sextic,
+    straightness,
+)
 from fastlink.reading import read_facts
 
 # -- derivatives -------------------------------------------------------------------------------------
@@ -96,7 +104,7 @@ def test_compiled_facts_have_the_bits_of_the_plain_ones(extreme):
     names = ["P_x", "P_y", "P_vx", "P_vy", "P_ax", "P_ay", "P_speed", "curvature"]
     numbers = {"a1": 0.4, "a3": 0.8, "a4": 1.0, "P_u": 0.3, "P_v": -0.2, "omega1": 25.0}
     space = fl.grid(a2=np.linspace(0.7, 1.6, 13), **numbers)
-    swept = fl.sweep("planar_4r", space, [*names, *extreme], theta1=30)
+    swept = fl.sweep("planar_4r", space, [*names, *extreme], theta1=30, extrema="sampled")
     plain = evaluate(names, numbers | {"a2": swept.a2}, swept.theta1, swept.branch)
     for name in names:
         np.testing.assert_array_equal(swept[name].transpose(*plain[name].dims), plain[name])
@@ -288,3 +296,46 @@ def test_what_is_of_no_use_is_said_in_one_line():
             curve_straightness(**design, theta1=part)
     with pytest.raises(fl.InputError, match="samples is 0"):
         curve_length(**design, samples=0)
+
+
+# -- inflections -------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("branch", [1, 2])
+def test_inflections_against_the_turns_of_polylines(branch):
+    """Where a chord after chord stops turning left and turns right, or the other way."""
+    inputs, _ = random_designs(39, 60)
+    samples = 2000
+    theta1, X, Y, count = inflections(**inputs, branch=branch, samples=samples)
+    step = 2 * np.pi / samples
+    middles = (np.arange(-1, samples + 2) + 0.5) * step
+    got = evaluate(
+        ["P_x", "P_y"], {name: values[:, None] for name, values in inputs.items()}, middles, branch
+    )
+    chord = np.diff(got["P_x"] + 1j * got["P_y"], axis=1)
+    turn = (chord[:, :-1].conj() * chord[:, 1:]).imag
+    changes = np.isfinite(turn[:, :-1] * turn[:, 1:]) & (np.sign(turn[:, :-1]) != np.sign(turn[:, 1:]))
+    # At a toggle the polyline has a vertex less; a change within a step of it is in one of the two only.
+    assert np.mean(changes.sum(axis=1) == count) >= 0.95
+    assert count.max() >= 3
+    for i in range(60):
+        mine = theta1[i, : count[i]]
+        assert np.all(np.diff(mine) > 0)
+        places = middles[1:-2][changes[i]]
+        if places.size == count[i]:
+            # The sign of a vertex is that of the curvature within a step of it.
+            apart = np.abs(np.angle(np.exp(1j * (mine[:, None] - places - step / 2))))
+            assert np.all(apart.min(axis=1, initial=np.inf) <= 2 * step)
+        one = {name: values[i] for name, values in inputs.items()}
+        # The curve turns on both sides by different signs, close by.
+        near = evaluate(["curvature", "P_x", "P_y"], one, mine + np.array([[-1e-9], [0.0], [1e-9]]), branch)
+        assert np.all(near["curvature"][0] * near["curvature"][2] < 0)
+        np.testing.assert_array_equal([near["P_x"][1], near["P_y"][1]], [X[i, : count[i]], Y[i, : count[i]]])
+
+
+def test_inflections_of_circles_and_of_many_designs():
+    assert inflections(0.4, 1.2, 0.8, 1.0, 0.0, 0.0)[3] == 0
+    theta1, X, _Y, count = inflections([[0.4], [0.3]], 1.2, 0.8, 1.0, [0.0, 0.7, 0.8], 0.5, branch=2)
+    assert count.shape == (2, 3)
+    assert theta1.shape == X.shape == (2, 3, count.max())
+    np.testing.assert_array_equal(np.isfinite(theta1).sum(axis=-1), count)

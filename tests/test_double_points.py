@@ -8,7 +8,16 @@ import numpy as np
 import pytest
 
 from configurations import LENGTHS, UNIT
-from curve_designs import CURVE, STEP, apart_from_change_points, evaluate, motions, onto_curve, random_designs
+from curve_designs import (
+    CURVE,
+    STEP,
+    apart_from_change_points,
+    evaluate,
+    motions,
+    onto_curve,
+    random_designs,
+    traced,
+)
 from fastlink.planar import crunode_count, crunodes, cusp_count, cusps
 
 # -- crunodes ----------------------------------------------------------------------------------------
@@ -73,17 +82,6 @@ def closed_arcs(lengths, samples):
         there = (start + end) / 2 + (end - start) / 2 * s
         arcs.append([(1, there), (2, there[::-1]), (1, there[:1])])
     return arcs
-
-
-def traced(one, branch, theta):
-    """Coupler point by the law of cosines."""
-    a, b, c, d, u, v = (one[name] for name in CURVE)
-    A = a * np.exp(1j * theta)
-    AD = d - A
-    square = np.abs(AD) ** 2
-    along = (b * b - c * c + square) / (2 * square)
-    across = (2 * branch - 3) * np.sqrt(np.maximum(b * b / square - along**2, 0.0))
-    return A + (u + 1j * v) / b * AD * (along + 1j * across)
 
 
 @cache

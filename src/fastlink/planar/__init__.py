@@ -5,6 +5,7 @@ from fastlink.planar.cognates import Cognate, cognates
 from fastlink.planar.curves import curve_area, curve_length, curve_straightness, sextic, straightness
 from fastlink.planar.double_points import crunode_count, crunodes, cusp_count, cusps
 from fastlink.planar.flywheel import flywheel_inertia
+from fastlink.planar.inflections import inflections
 from fastlink.planar.io import io_coefficients
 
 __all__ = [
@@ -19,6 +20,7 @@ __all__ = [
     "cusps",
     "flywheel_inertia",
     "force_balance",
+    "inflections",
     "io_coefficients",
     "sextic",
     "straightness",

@@ -111,7 +111,7 @@ def _along(
     return evaluate("planar_4r", quantities, branch=branch, theta1=theta1, omega1=1.0, **spread)
 
 
-def _one_turn(samples: int) -> Any:
+def one_turn(samples: int) -> Any:
     """Return input angles, half a step off theta1 = 0, where a change point may have no rates."""
     if samples < 1:
         raise InputError(f"samples is {samples}; give at least 1")
@@ -149,7 +149,7 @@ def curve_length(
     3.14159265359
     """
     design = (a1, a2, a3, a4, P_u, P_v)
-    found = _along(["P_speed"], _one_turn(samples), branch, "curve_length", design)
+    found = _along(["P_speed"], one_turn(samples), branch, "curve_length", design)
     return 2.0 * np.pi * np.mean(found["P_speed"], axis=-1)
 
 
@@ -185,7 +185,7 @@ def curve_area(
     0.785398163397
     """
     design = (a1, a2, a3, a4, P_u, P_v)
-    found = _along(["P_x", "P_y", "P_vx", "P_vy"], _one_turn(samples), branch, "curve_area", design)
+    found = _along(["P_x", "P_y", "P_vx", "P_vy"], one_turn(samples), branch, "curve_area", design)
     return np.pi * np.mean(found["P_x"] * found["P_vy"] - found["P_y"] * found["P_vx"], axis=-1)
 
 
@@ -264,7 +264,7 @@ def curve_straightness(
     >>> round(float(part), 4), round(float(whole), 4)
     (0.0055, 0.7393)
     """
-    angles = _one_turn(samples)
+    angles = one_turn(samples)
     if theta1 is not None:
         low, high = theta1
         if not (np.isfinite([low, high]).all() and low < high):
