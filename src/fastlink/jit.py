@@ -38,8 +38,14 @@ def inlined(function: F) -> F:
 
 
 def called(function: F) -> F:
-    """Make a function with loops of its own callable from kernels, compiled once per kernel."""
-    result: F = register_jitable(error_model=KERNEL_OPTIONS["error_model"])(function)
+    """Make a function with loops of its own callable from kernels: compiled once per machine.
+
+    It must read nothing of other files but `inlined` functions of this one, whose edits its cache would not notice.
+    """
+    try:
+        result: F = numba.njit(**KERNEL_OPTIONS, cache=True)(function)
+    except RuntimeError:  # no folder that can be written: compiled once per process
+        result = numba.njit(**KERNEL_OPTIONS)(function)
     return result
 
 

@@ -12,9 +12,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from fastlink import label, labelling, store
+from fastlink.cycle import with_lists
 from fastlink.errors import InputError
 from fastlink.mechanisms import catalogue as find_catalogue
-from fastlink.cycle import with_lists
 from fastlink.plan import Plan
 from fastlink.plans import PlanSet, RefinedPlan, make_plans
 from fastlink.request import (

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from fastlink.jit import INFINITY, NOT_A_NUMBER, called, inlined
+from fastlink.jit import INFINITY, NOT_A_NUMBER, called
 from fastlink.kernels.search import FA, FB, HALF, LANE, LANES, REAL, UPPER, append_item
 
 __all__ = ["clear", "collect_ends", "store_best", "store_counts", "store_list", "take"]
@@ -30,7 +30,7 @@ def clear(lists: Any, best: Any, found: Any) -> None:
     found[:] = 0
 
 
-@inlined
+@called
 def _insert(lists: Any, column: int, count: int, theta: float, value: float, kind: float) -> None:
     """Insert into a sorted list; beyond its length the last one drops out, and the count tells."""
     room = lists.shape[2]
@@ -45,21 +45,6 @@ def _insert(lists: Any, column: int, count: int, theta: float, value: float, kin
     lists[PLACE, column, k] = theta
     lists[VALUE, column, k] = value
     lists[KIND, column, k] = kind
-
-
-@inlined
-def _push(column: int, theta: float, value: float, kind: float, lists: Any, best: Any, found: Any) -> None:
-    """Take one extreme (kind 1 or -1), or an end of the range (kind 0), which is in no list."""
-    if kind != 0.0:
-        if lists.shape[2]:
-            _insert(lists, column, found[column], theta, value, kind)
-        found[column] += 1
-    if value > best[GREATEST, column]:
-        best[GREATEST, column] = value
-        best[AT_GREATEST, column] = theta
-    if value < best[LEAST, column]:
-        best[LEAST, column] = value
-        best[AT_LEAST, column] = theta
 
 
 @called
@@ -114,11 +99,25 @@ def take(
         else:
             rises = s[FA, i] > 0.0 or s[FB, i] < 0.0
             kind = 1.0 if rises == (side == 0) else -1.0
-        if own[branch] >= 0:
-            _push(own[branch] * LANES + lane, theta, value, kind, lists, best, found)
-        if other[branch] >= 0:
-            mirrored = TWO_PI - theta if 0.0 < theta else 0.0
-            _push(other[branch] * LANES + lane, mirrored, parity * value, parity * kind, lists, best, found)
+        # Of its own branch, then of the mirror's.
+        for mirror in range(2):
+            target = other[branch] if mirror else own[branch]
+            if target < 0:
+                continue
+            if mirror:
+                theta = TWO_PI - theta if theta > 0.0 else 0.0
+                value, kind = parity * value, parity * kind
+            column = target * LANES + lane
+            if kind != 0.0:
+                if lists.shape[2] > 0:
+                    _insert(lists, column, found[column], theta, value, kind)
+                found[column] += 1
+            if value > best[GREATEST, column]:
+                best[GREATEST, column] = value
+                best[AT_GREATEST, column] = theta
+            if value < best[LEAST, column]:
+                best[LEAST, column] = value
+                best[AT_LEAST, column] = theta
 
 
 @called

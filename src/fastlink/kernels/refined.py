@@ -43,7 +43,6 @@ class _Refined:
         self.cells = plan.searches[0].cells
         self.samples = 2 * self.cells + 1
         self.design_steps = [s for s in plan.steps if plan.axes[s.name] <= {"design"}]
-        self.branch_steps = [s for s in plan.steps if plan.axes[s.name] == {"branch"}]
         self.lane_steps = [s for s in plan.steps if s not in self.design_steps]
         self.rows: dict[str, int] = {}
         for end in zip(*graded.ends, strict=True):
@@ -67,17 +66,18 @@ class _Refined:
 
     def needed_for(self, names: Iterable[str]) -> list[Fact]:
         """Return the lane steps that these values need, branch signs among them."""
-        needed, found = set(names), []
+        needed: set[str] = set(names)
+        found: list[Fact] = []
         for step in reversed(self.lane_steps):
             if step.name in needed:
                 needed.update(step.needs)
                 found.insert(0, step)
         return found
 
-    def design_needs(self, steps: Sequence[Fact], names: Iterable[str]) -> list[str]:
+    def design_needs(self, steps: Sequence[Fact]) -> list[str]:
         """Return what a loop over lanes reads of the design."""
-        needs = [need for step in steps for need in step.needs] + list(names)
-        return [n for n in dict.fromkeys(needs) if self.plan.axes[n] <= {"design"}]
+        needs = dict.fromkeys(need for step in steps for need in step.needs)
+        return [name for name in needs if self.plan.axes[name] <= {"design"}]
 
     # -- the loops ---------------------------------------------------------------------------------
 
@@ -126,14 +126,14 @@ class _Refined:
         """Return how many design values the items of any search carry."""
         return max(len(self.item_needs(search)) for search in self.plan.searches)
 
-    def item_names(self, search: Search) -> tuple[list[str], list[str]]:
-        position = self.plan.catalogue.position.name
-        slope = [search.slope, *([self.graded.vanishing] if search.slope_order else [])]
-        return slope, [search.quantity, position]
+    def slope_names(self, search: Search) -> list[str]:
+        """Return what the sampled function is made of."""
+        return [search.slope, *([self.graded.vanishing] if search.slope_order else [])]
 
     def item_needs(self, search: Search) -> list[str]:
-        slope, value = self.item_names(search)
-        return self.design_needs(self.needed_for((*slope, *value)), ())
+        """Return the design values that an item carries."""
+        names = (*self.slope_names(search), search.quantity, self.plan.catalogue.position.name)
+        return self.design_needs(self.needed_for(names))
 
     def write_designs(self) -> None:
         """What depends on the design alone."""
@@ -153,7 +153,7 @@ class _Refined:
 
     def write_samples(self) -> None:
         """The derivatives at all places of the graded range, for every half of it."""
-        text, plan, cells = self.text, self.plan, self.cells
+        text, cells = self.text, self.cells
         near, far = self.graded.leaves[:2]
         rows = self.row("places", 2 * (cells + 1))
         self.places = rows
@@ -169,31 +169,62 @@ class _Refined:
         text.open("else:")
         text.add(f"fractions(w_rows, {rows + 3 * cells + 1} - j, {at_far}, {at_near})")
         text.close()
-        for number in range(plan.sides):
-            self.write_sample_loop(number, at_near, at_far)
+        self.write_sample_loops()
         text.close()
 
-    def write_sample_loop(self, number: int, at_near: int, at_far: int) -> None:
+    def write_sample_loops(self) -> None:
+        """One place of the range: both branches side by side where the mirror gives the rest, else half by half.
+
+        What the branches share is computed once in the first case; the second keeps the text of forces short.
+        """
         text, plan = self.text, self.plan
         near, far, side = self.graded.leaves
-        wanted = [name for search in plan.searches for name in self.item_names(search)[0]]
-        steps = self.needed_for(wanted)
+        slopes = [name for search in plan.searches for name in self.slope_names(search)]
+        steps = self.needed_for(slopes)
+        if not plan.mirrored:
+            text.open(f"for half in range({len(plan.computed) * plan.sides}):")
+            self.write_half("half", "0.5", "1.5", "2.5")
         text.open(f"for i in range({LANES}):")
-        text.add(f"{near} = w[{at_near * LANES} + i]")
-        text.add(f"{far} = w[{at_far * LANES} + i]")
-        text.add(f"{side} = {1.0 - 2.0 * number}")
-        for name in self.design_needs(steps, ()):
+        text.add(f"{near} = w[{self.row(near) * LANES} + i]")
+        text.add(f"{far} = w[{self.row(far) * LANES} + i]")
+        for name in self.design_needs(steps):
             text.add(f"{name} = w[{self.row(name) * LANES} + i]")
-        for step in (s for s in steps if "branch" not in plan.axes[s.name]):
-            self.paste(step, "", "")
-        for k, branch in enumerate(plan.computed):
-            text.add(f"branch__{branch} = {branch}.0")
-            for step in (s for s in steps if "branch" in plan.axes[s.name]):
-                self.paste(step, f"__{branch}", f"__{branch}")
-            for place, search in enumerate(plan.searches):
-                row = self.sample_row(place, k * plan.sides + number)
-                text.add(f"m[({row} + j) * {LANES} + i] = {self.scaled(search, f'__{branch}')}")
+        if plan.mirrored:
+            text.add(f"{side} = 1.0")
+            for step in (s for s in steps if "branch" not in plan.axes[s.name]):
+                self.paste(step, "", "")
+            for k, branch in enumerate(plan.computed):
+                text.add(f"branch__{branch} = {branch}.0")
+                for step in (s for s in steps if "branch" in plan.axes[s.name]):
+                    self.paste(step, f"__{branch}", f"__{branch}")
+                self.store_samples(f"{k}", f"__{branch}")
+        else:
+            for step in steps:
+                self.paste(step, "", "")
+            self.store_samples("half", "")
+            text.close()
         text.close()
+
+    def store_samples(self, half: str, suffix: str) -> None:
+        for number, search in enumerate(self.plan.searches):
+            row = f"{self.sample_row(number, 0)} + {half} * {self.samples} + j"
+            self.text.add(f"m[({row}) * {LANES} + i] = {self.scaled(search, suffix)}")
+
+    def write_half(self, half: str, first: str, second: str, third: str) -> None:
+        """Tell branch and side of a half: halves are numbered branch by branch, both sides of each."""
+        side = self.graded.leaves[2]
+        computed = self.plan.computed
+        if self.plan.sides == 2:
+            self.text.add(
+                f"{side} = 1.0 if ({half} < {first}) | (({half} > {second}) & ({half} < {third})) else -1.0"
+            )
+        else:
+            self.text.add(f"{side} = 1.0")
+        if len(computed) == 1:
+            self.text.add(f"branch = {computed[0]}.0")
+        else:
+            limit = second if self.plan.sides == 2 else first
+            self.text.add(f"branch = {computed[0]}.0 if {half} < {limit} else {computed[1]}.0")
 
     def sample_row(self, search: int, half: int) -> int:
         """Return the first row of a search's samples in one half of the range."""
@@ -232,9 +263,10 @@ class _Refined:
         for half in range(halves):
             beyond = self.sample_row(number, self.beyond(half))
             sign = -float(search.parity) if plan.mirrored and plan.computed[half] == plan.computed[0] else 1.0
+            sample = self.sample_row(number, half)
             text.add(
-                f"collect(w_rows, m_rows, {self.sample_row(number, half)}, {beyond}, {self.places}, {self.cells}, lanes, {half}, "
-                f"{sign}, flags, counts, roots, valleys)"
+                f"collect(w_rows, m_rows, {sample}, {beyond}, {self.places}, {self.cells}, lanes, {half}, {sign}, "
+                "flags, counts, roots, valleys)"
             )
         outputs = [o for o in plan.outputs if o.request.quantity == search.quantity]
         ends = any(o.request.can_be_refined for o in outputs)
@@ -242,18 +274,20 @@ class _Refined:
         text.add("items, total = (valleys, counts[0]) if phase == 0 else (roots, counts[1])")
         if ends:
             text.open("if phase == 2:")
-            text.add(
-                f"total = collect_ends(w_rows, {start}, lanes, {halves}, {search.at_limit}, best, {len(plan.branches)}, ends)"
-            )
+            options = f"{search.at_limit}, best, {len(plan.branches)}, ends"
+            text.add(f"total = collect_ends(w_rows, {start}, lanes, {halves}, {options})")
             text.add("items = ends")
             text.close()
         text.open(f"for start in range(0, total, {LANES}):")
         text.add("width = gather(items, start, total, w_rows, rows, s_rows, lane)")
         text.add("open_items = begin(s_rows, width, phase)")
-        slope, values = self.item_names(search)
-        text.open("while open_items > 0:")
-        self.write_items(needs, slope)
+        text.open("while True:")
+        self.write_items(needs, [*self.slope_names(search), search.quantity])
         text.add(f"s[{F_ROW * LANES} + i] = {self.scaled(search, '')}")
+        text.add(f"s[{value * LANES} + i] = {search.quantity}")
+        text.close()
+        text.open("if open_items == 0:")
+        text.add("break")
         text.close()
         text.add("open_items = advance(s_rows, width, phase == 0)")
         text.close()
@@ -261,9 +295,8 @@ class _Refined:
         text.add("split(s_rows, width, counts, roots)")
         text.close()
         text.open("else:")
-        self.write_items(needs, values)
-        for k, name in enumerate(values):
-            text.add(f"s[{(value + k) * LANES} + i] = {name}")
+        self.write_items(needs, [plan.catalogue.position.name])
+        text.add(f"s[{(value + 1) * LANES} + i] = {plan.catalogue.position.name}")
         text.close()
         text.add(
             f"take(s_rows, width, {value}, phase == 2, {search.order}, {toggles}, w_rows, {plan.sides}, own, other, "
@@ -284,8 +317,8 @@ class _Refined:
 
     def write_items(self, needs: Sequence[str], names: Sequence[str]) -> None:
         """Open the loop over items and compute values at their places."""
-        text, plan = self.text, self.plan
-        near, far, side = self.graded.leaves
+        text = self.text
+        near, far = self.graded.leaves[:2]
         steps = self.needed_for(names)
         text.open("for i in range(width):")
         text.add(f"place = s[{X * LANES} + i]")
@@ -295,26 +328,13 @@ class _Refined:
         text.add(f"{near} = rest if upper else square * rest")
         text.add(f"{far} = square * rest if upper else rest")
         text.add(f"half = s[{LANES} + i]")
-        if plan.sides == 2:
-            # Halves are numbered branch by branch, both sides of each.
-            text.add("second = (half == 1.0) | (half == 3.0)")
-            text.add(f"{side} = -1.0 if second else 1.0")
-            text.add(f"branch = {self.branch_text('half > 1.0')}")
-        else:
-            text.add(f"{side} = 1.0")
-            text.add(f"branch = {self.branch_text('half > 0.0')}")
+        self.write_half("half", "0.5", "1.5", "2.5")
         used = {need for step in steps for need in step.needs} | set(names)
         for r, name in enumerate(needs):
             if name in used:
                 text.add(f"{name} = s[{(STATE_ROWS + r) * LANES} + i]")
         for step in steps:
             self.paste(step, "", "")
-
-    def branch_text(self, second: str) -> str:
-        computed = self.plan.computed
-        if len(computed) == 1:
-            return f"{computed[0]}.0"
-        return f"{computed[1]}.0 if {second} else {computed[0]}.0"
 
     def write_result(self, output: Output) -> None:
         """Copy one result of a search."""

@@ -183,7 +183,7 @@ def collect(
                             valleys[n, FC] = here[i]
 
 
-@inlined
+@called
 def append_item(
     items: Any, count: int, lane: int, half: int, upper: bool, a: float, fa: float, b: float, fb: float
 ) -> int:
@@ -201,7 +201,7 @@ def append_item(
     return count
 
 
-@inlined
+@called
 def _place(w: Any, rows: int, cells: int, j: int, upper: bool, lane: int) -> float:
     """Return the place of a sample from the lower end, or from the upper one."""
     if upper:
