@@ -153,18 +153,19 @@ class Derivation:
             The fact does not depend on the input, or a linear system determines it.
         """
         if name not in self._facts:
-            slope = self.slope(name)
-            found, declared = self.find(name), self.declared(name)
-            if declared is not None:
-                self._facts[name] = replace(declared, name=derivative_name(name, self.by.name))
-                return self._facts[name]
-            if slope is self.graph.zero or not isinstance(found, Fact):
-                raise NoDerivative(
-                    f"quantity {derivative_name(name, self.by.name)!r}: {name} does not depend on "
-                    f"{self.by.name} with what is given; leave it out"
-                )
-            self._facts[name] = self._written(found, *self._values[name])
+            self._facts[name] = self._fact(name, derivative_name(name, self.by.name))
         return self._facts[name]
+
+    def _fact(self, name: str, derivative: str) -> Fact:
+        if self.slope(name) is self.graph.zero:
+            raise NoDerivative(
+                f"quantity {derivative!r}: {name} does not depend on {self.by.name} with what is given; leave it out"
+            )
+        declared, found = self.declared(name), self.find(name)
+        if declared is not None:
+            return replace(declared, name=derivative)
+        assert isinstance(found, Fact)
+        return self._written(found, *self._values[name])
 
     def slope(self, name: str) -> Node:
         """Return the derivative of a name: a number, a name, or minus a name."""
