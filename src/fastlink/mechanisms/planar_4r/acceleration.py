@@ -1,6 +1,7 @@
 """The crank's angular acceleration alpha1, beside its speed omega1, in every configuration.
 
-Accelerations gain alpha1 times the ratio of the velocities to omega1; giving alpha1 chooses these facts. The jerks are those of a constant alpha1.
+Accelerations gain alpha1 times the ratio of the velocities to omega1; giving alpha1 chooses these facts. The
+jerks are those of a constant alpha1.
 """
 
 from __future__ import annotations

@@ -99,35 +99,36 @@ build_on("counterweight3", "I3_D", plus, further="counterweight3_spin")
 # -- mass centres, which eq. (9) is about -----------------------------------------------------------
 
 
-def centre(part: Any, whole: Any) -> Any:
-    """Mass centre of a link with its counterweight, from its fixed pivot; there if it has no mass."""
-    return select(whole > 0.0, part / select(whole > 0.0, whole, 1.0), 0.0)
+def reciprocal(whole: Any) -> Any:
+    """Reciprocal of a link's whole mass; zero for a link without mass, whose mass centre is its fixed pivot."""
+    return select(whole > 0.0, 1.0 / select(whole > 0.0, whole, 1.0), 0.0)
 
 
-def leaning(part: Any, whole: Any, length: Any) -> Any:
+def centre(part: Any, per_mass: Any) -> Any:
+    """Mass centre of a link with its counterweight, from its fixed pivot."""
+    return part * per_mass
+
+
+def leaning(part: Any, per_mass: Any, length: Any) -> Any:
     """Cross product of the mass centre of the output link with its counterweight and B, both from D."""
-    return -(select(whole > 0.0, part / select(whole > 0.0, whole, 1.0), 0.0) * (length * length))
+    return -((part * per_mass) * (length * length))
 
 
 def about_centre(
-    replaced: Any, own: Any, mass: Any, whole: Any, radius: Any, direction: Any, G_u: Any, G_v: Any
+    replaced: Any, own: Any, mass: Any, per_mass: Any, radius: Any, direction: Any, G_u: Any, G_v: Any
 ) -> Any:
     """Moment of inertia of a link with its counterweight about their mass centre."""
     u = G_u - radius * cosine(direction)
     v = G_v - radius * sine(direction)
-    reduced = select(whole > 0.0, own / select(whole > 0.0, whole, 1.0), 0.0) * mass
-    return replaced + reduced * (u * u + v * v)
+    return replaced + ((own * per_mass) * mass) * (u * u + v * v)
 
 
 for _i, _pivot in ((1, "O"), (3, "D")):
+    fact(_i, f"per_mass{_i}", "kg-1", f"1/m_{_i}", reciprocal, whole=f"mass{_i}")
     for _axis in "xy":
-        fact(
-            _i, f"{_pivot}G_{_axis}", "m", f"{_pivot}G_{_i}{_axis}", centre,
-            part=f"m{_i}_{_pivot}G_{_axis}", whole=f"mass{_i}",
-        )  # fmt: skip
-    build_on(
-        f"counterweight{_i}", f"I{_i}_G", about_centre, own=f"m{_i}", mass=f"counterweight{_i}_mass",
-        whole=f"mass{_i}", radius=f"counterweight{_i}_radius", direction=f"counterweight{_i}_direction",
-        G_u=f"G{_i}_u", G_v=f"G{_i}_v",
-    )  # fmt: skip
-fact(3, "DG_cross_DB", "m2", "DG_3 x DB", leaning, part="m3_G3_across", whole="mass3", length="a3")
+        _given = {"part": f"m{_i}_{_pivot}G_{_axis}", "per_mass": f"per_mass{_i}"}
+        fact(_i, f"{_pivot}G_{_axis}", "m", f"{_pivot}G_{_i}{_axis}", centre, **_given)
+    _given = {name: f"counterweight{_i}_{name}" for name in ("mass", "radius", "direction")}
+    _given |= {"own": f"m{_i}", "per_mass": f"per_mass{_i}", "G_u": f"G{_i}_u", "G_v": f"G{_i}_v"}
+    build_on(f"counterweight{_i}", f"I{_i}_G", about_centre, **_given)
+fact(3, "DG_cross_DB", "m2", "DG_3 x DB", leaning, part="m3_G3_across", per_mass="per_mass3", length="a3")
