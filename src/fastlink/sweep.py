@@ -69,6 +69,7 @@ def sweep(
         From `fastlink.grid`, `fastlink.table`, `fastlink.sobol` or `fastlink.latin_hypercube`.
     quantities : sequence of str
         Names of quantities, or of what is taken over the cycle: ``NAME_max``, ``NAME_min``, ``NAME_rms``,
+        ``NAME_mean``, ``NAME_fluctuation``,
         ``theta1_at_NAME_max``, ``theta1_at_NAME_min``; or ``NAME_extrema``, all extremes by growing theta1 along the
         dimension ``extremum``, with their ``theta1_at_NAME_extrema``, ``NAME_extrema_kind`` and
         ``NAME_extrema_count``. `fastlink.quantities` lists them. ``status`` comes along.
