@@ -260,14 +260,26 @@ def test_length_and_area_against_polygons():
 def test_straightness():
     s = np.linspace(-1.0, 1.0, 101)
     bow = 0.01 * (1 - s**2)
-    # A symmetric bow: the line through the centroid along the chord; greatest distance at the middle or ends.
-    expected = max(bow.max() - bow.mean(), bow.mean())
     for angle in (0.0, 0.7, 2.0, -1.5):
         x, y = s * np.cos(angle) - bow * np.sin(angle), s * np.sin(angle) + bow * np.cos(angle)
-        # Coordinates of size 1 and an angle of rounding size: a few roundings of the length 2.
-        assert straightness(x, y) == pytest.approx(expected, abs=32 * UNIT)
-    assert straightness(np.r_[s, np.nan], np.r_[bow, 0.0]) == pytest.approx(expected, abs=32 * UNIT)
+        # Half of the bow's height: coordinates of size 1 and edges as directions, a few roundings of the length 2.
+        assert straightness(x, y) == pytest.approx(0.005, abs=32 * UNIT)
+        assert straightness(s * np.cos(angle), s * np.sin(angle)) <= 32 * UNIT
+    assert straightness(np.r_[s, np.nan], np.r_[bow, 0.0]) == pytest.approx(0.005, abs=32 * UNIT)
     assert np.isnan(straightness([np.nan], [0.0]))
+    assert straightness([2.0, 3.0], [1.0, 1.0]) == straightness([2.0], [1.0]) == 0.0
+    assert straightness(s * 2.0**600, bow * 2.0**600) == straightness(s, bow) * 2.0**600
+    # Against strips of 7200 directions, which are off by half a step times the extent at most.
+    x, y = np.random.default_rng(42).normal(size=(2, 20, 3, 50))
+    angle = np.linspace(0.0, np.pi, 7200)[:, None]
+    found = straightness(x, y)
+    assert found.shape == (20, 3)
+    for place in np.ndindex(found.shape):
+        strips = 0.5 * np.ptp(np.cos(angle) * y[place] - np.sin(angle) * x[place], axis=1)
+        assert strips.min() - 8 * np.pi / 14400 <= found[place] <= strips.min() + 32 * UNIT
+
+
+def test_straightness_of_curves():
     # Chebyshev's approximate straight line, 1 : 2.5 : 2.5 : 2, P at 2 a2: flat around theta1 = pi.
     theta = np.linspace(np.pi - 1.2, np.pi + 1.2, 201)
     lambda_linkage = {"a1": 1.0, "a2": 2.5, "a3": 2.5, "a4": 2.0, "P_u": 5.0, "P_v": 0.0}
