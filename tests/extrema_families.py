@@ -1,10 +1,14 @@
-"""Eight families of linkages, easy and hard, on which the extrema are counted."""
+"""Eight families of linkages, easy and hard, on which the extrema are counted, and the engine's answer on them."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
+from typing import Any
 
 import numpy as np
+
+import fastlink as fl
+from configurations import LENGTHS
 
 Rng = np.random.Generator
 
@@ -83,3 +87,25 @@ FAMILIES: dict[str, Callable[[Rng, int], np.ndarray]] = {
     "near kite": kept(near_kite, everything),
     "near parallelogram": kept(near_parallelogram, everything),
 }
+
+
+def space(lengths: np.ndarray, omega1: float = 1.0) -> fl.DesignSpace:
+    return fl.table(dict(zip(LENGTHS, lengths, strict=True)) | {"omega1": omega1})
+
+
+def names_of(quantity: str) -> list[str]:
+    return [
+        f"{quantity}_extrema",
+        f"theta1_at_{quantity}_extrema",
+        f"{quantity}_extrema_count",
+        f"{quantity}_extrema_kind",
+    ]
+
+
+def found(
+    lengths: np.ndarray, quantities: Sequence[str], omega1: float = 1.0, **options: Any
+) -> dict[str, list[np.ndarray]]:
+    """Return value, theta1, count and kind of the engine, by quantity."""
+    asked = [f"{quantity}_extrema" for quantity in quantities]
+    result = fl.sweep("planar_4r", space(lengths, omega1), asked, **options)
+    return {quantity: [result[name].values for name in names_of(quantity)] for quantity in quantities}

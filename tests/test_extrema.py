@@ -1,0 +1,263 @@
+"""Every extremum of the rates against exact root counts, and the rules that extrema obey, by the million."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import fastlink as fl
+from configurations import UNIT
+from extrema_families import FAMILIES, found, names_of, space
+from extrema_oracle import RATES, extrema
+from extrema_rules import TURN, ends
+
+# Errors of a value, in roundings of the terms that make it up: two products of a dozen factors, worst seen ?.
+VALUE_ROUNDINGS = 8
+# Of a place, in roundings of the terms of the derivative, over the second derivative.
+PLACE_ROUNDINGS = 16
+
+
+def hexadecimal(lengths: np.ndarray) -> str:
+    return ", ".join(float(length).hex() for length in lengths)
+
+
+def circular(difference: np.ndarray) -> np.ndarray:
+    """Return the distance of angles over the turn."""
+    return np.abs((difference + np.pi) % TURN - np.pi)
+
+
+@pytest.mark.parametrize("n", [250, pytest.param(2500, marks=pytest.mark.stress)])
+@pytest.mark.parametrize("family", FAMILIES)
+def test_none_is_missed_and_each_is_right_to_rounding(family, n):
+    """2000 designs, 20000 in the long run, by exact real root counts."""
+    lengths = FAMILIES[family](np.random.default_rng(n + len(family)), n)
+    engine = found(lengths, RATES)
+    for quantity in RATES:
+        value, theta1, count, kind = engine[quantity]
+        for i in range(n):
+            exact = extrema(lengths[:, i], quantity)
+            for k, branch in enumerate((1, 2)):
+                points = [point for point in exact if point.branch == branch]
+                about = f"{quantity}, branch {branch}, lengths {hexadecimal(lengths[:, i])}"
+                m = len(points)
+                assert count[i, k] == m, f"{count[i, k]} found, {m} exist: {about}"
+                padding = [value[i, k, m:], theta1[i, k, m:], np.where(kind[i, k, m:] == 0, np.nan, 0.0)]
+                assert np.all(np.isnan(padding)), about
+                for j, point in enumerate(points):
+                    assert kind[i, k, j] == point.kind, about
+                    # 1e-14 relative, unless the terms of the value cancel.
+                    allowed = max(1e-14 * abs(point.value), VALUE_ROUNDINGS * UNIT * point.value_terms)
+                    assert abs(value[i, k, j] - point.value) <= allowed, about
+                    # The last of these is a rounding of an angle up to 2 pi, in the oracle and in the engine.
+                    allowed = PLACE_ROUNDINGS * UNIT * point.theta1_terms + 4 * UNIT * TURN
+                    assert circular(theta1[i, k, j] - point.theta1) <= allowed, about
+
+
+def taken(lengths: np.ndarray, quantity: str, **options):
+    """Return max, min and their places, and the extrema with their places."""
+    names = [f"{quantity}_max", f"{quantity}_min"]
+    asked = [*names, *(f"theta1_at_{name}" for name in names), f"{quantity}_extrema"]
+    result = fl.sweep("planar_4r", space(lengths), asked, **options)
+    return [result[name].values for name in (*asked, f"theta1_at_{quantity}_extrema")]
+
+
+@pytest.mark.parametrize("family", FAMILIES)
+@pytest.mark.parametrize("quantity", RATES)
+def test_max_and_min_are_the_outermost_extrema_or_infinite_at_a_toggle(family, quantity):
+    lengths = FAMILIES[family](np.random.default_rng(90), 200)
+    *taken_over, extremum, place = taken(lengths, quantity)
+    angles, grows = ends(lengths, quantity)
+    for sign, value, theta1 in ((1, *taken_over[::2]), (-1, *taken_over[1::2])):
+        unbounded = np.any(grows * ~np.isnan(angles) == sign, axis=2)
+        np.testing.assert_array_equal(value[unbounded], sign * np.inf)
+        # Where it is: at one of the toggles where the ratio grows that way, as theta1_low and theta1_high have it.
+        near = circular(theta1[:, :, None] - angles) <= 8 * UNIT * TURN
+        assert np.all(np.any(near & (grows == sign), axis=2)[unbounded])
+        bounded = ~unbounded
+        best = np.nanargmax(sign * extremum[bounded], axis=1)[:, None]
+        np.testing.assert_array_equal(value[bounded], np.take_along_axis(extremum[bounded], best, 1)[:, 0])
+        np.testing.assert_array_equal(theta1[bounded], np.take_along_axis(place[bounded], best, 1)[:, 0])
+
+
+@pytest.mark.parametrize("family", ["crank", "drag-link", "rocker input", "non-Grashof"])
+def test_the_transmission_angle_has_its_extremes_at_0_pi_and_toggles(family):
+    """A bounded quantity counts at a toggle, too; stationary it is where the input is aligned with the ground."""
+    lengths = FAMILIES[family](np.random.default_rng(91), 200)
+    greatest, least, at_greatest, at_least, extremum, place = taken(lengths, "transmission_angle")
+    closed = ["transmission_angle_least", "transmission_angle_greatest", "theta1_low", "theta1_high"]
+    facts = fl.sweep("planar_4r", space(lengths), closed, theta1=[0.0])
+    low, high = facts.theta1_low.values[:, None], facts.theta1_high.values[:, None]
+    # Both are within a few roundings of the exact angle.
+    for one, other in (("greatest", greatest), ("least", least)):
+        np.testing.assert_allclose(
+            other, np.tile(facts[f"transmission_angle_{one}"], (2, 1)).T, rtol=16 * UNIT
+        )
+    assert np.all(np.abs(np.minimum(at_least, TURN - at_least) - low) <= 8 * UNIT * TURN)
+    assert np.all(np.abs(np.minimum(at_greatest, TURN - at_greatest) - high) <= 8 * UNIT * TURN)
+    # Stationary at 0 and at pi, where these are within reach.
+    np.testing.assert_array_equal(
+        np.sum(~np.isnan(extremum), axis=2), np.tile((low == 0) + 0 + (high == np.pi), 2)
+    )
+    assert np.all(np.isnan(place) | (np.abs(np.sin(place)) <= 8 * UNIT * TURN))
+
+
+def test_the_swing_of_a_crank_rocker_lies_between_extrema_of_theta4():
+    """Crank and coupler in line, stretched and folded: triangles of sides a2 + a1 and a2 - a1, a3, a4."""
+    lengths = FAMILIES["crank"](np.random.default_rng(92), 200)
+    a, b, c, d = lengths
+    greatest, least, *_ = taken(lengths, "theta4")
+    interior = [np.arccos((c**2 + d**2 - (b + sign * a) ** 2) / (2 * c * d)) for sign in (1, -1)]
+    upper = np.pi - np.array(interior)
+    # The law of cosines cancels; of lengths between 0.05 and 1 and angles away from 0 and pi it leaves twelve digits.
+    good = np.min(np.sin(upper), axis=0) > 0.1
+    assert good.sum() > 100
+    np.testing.assert_allclose(greatest[good, 1], np.max(upper, axis=0)[good], rtol=1e-11)
+    np.testing.assert_allclose(least[good, 1], np.min(upper, axis=0)[good], rtol=1e-11)
+    np.testing.assert_array_equal(greatest[:, 0], -least[:, 1])
+    np.testing.assert_array_equal(least[:, 0], -greatest[:, 1])
+
+
+@pytest.mark.parametrize("quantity", [*RATES, "transmission_angle", "B_x"])
+def test_samples_never_exceed_the_refined_extremes_and_come_close(quantity):
+    rng = np.random.default_rng(93)
+    # Cranks far from a change point: what happens between two of 3600 samples is a parabola.
+    lengths = rng.uniform([[0.2], [0.8], [0.8], [0.8]], [[0.4], [1.2], [1.2], [1.2]], (4, 200))
+    refined = taken(lengths, quantity)[:2]
+    names = [f"{quantity}_max", f"{quantity}_min"]
+    samples = fl.sweep("planar_4r", space(lengths), names, theta1=3600, extrema="sampled")
+    sampled = [samples[name].values for name in names]
+    for sign, exact, seen in zip((1, -1), refined, sampled, strict=True):
+        size = np.abs(exact) + 1.0
+        gain = sign * (exact - seen)
+        assert np.all(gain >= -16 * UNIT * size)
+        # f'' h^2/8 at most, h the step of 2 pi/3600; f'' of these linkages is below 30 times 1 + |f|.
+        assert np.all(gain <= 30 * (TURN / 3600) ** 2 / 8 * size)
+    assert np.any(refined[0] != sampled[0])
+
+
+@pytest.mark.parametrize("family", ["crank", "non-Grashof", "change-point gap"])
+def test_bits_do_not_depend_on_how_or_what_else_is_asked(family, tmp_path):
+    lengths = FAMILIES[family](np.random.default_rng(94), 150)
+    whole = found(lengths, RATES)
+
+    def assert_same(other, branches=slice(None)):
+        for quantity, arrays in other.items():
+            for one, two in zip(whole[quantity], arrays, strict=True):
+                # The dimension is as long as the longest list that is asked for: what one of them has more is padding.
+                padding = [(0, 0)] * (two.ndim - 1) + [(0, one.shape[-1] - two.shape[-1])]
+                empty = np.nan if two.dtype == float else 0
+                wide = np.pad(two, padding, constant_values=empty) if two.ndim == 3 else two
+                np.testing.assert_array_equal(one[:, branches], wide)
+
+    assert_same(found(lengths, RATES, threads=1))
+    assert_same(found(lengths, RATES, threads=2, block=16))
+    assert_same(found(lengths, RATES, block=7))
+    assert_same(found(lengths, ["alpha4"]))
+    assert_same(found(lengths, ["omega2", "omega4"]))
+    assert_same(found(lengths, ["alpha2"], branch=1), slice(0, 1))
+    assert_same(found(lengths, RATES, branch=2), slice(1, 2))
+    assert_same(found(lengths, RATES, to=tmp_path / "map.h5"))
+    for i in (0, 77):
+        one = found(lengths[:, i : i + 1], RATES)
+        for quantity in RATES:
+            for first, second in zip(whole[quantity], one[quantity], strict=True):
+                np.testing.assert_array_equal(first[i : i + 1], second)
+
+
+def test_the_unit_of_length_changes_no_bit():
+    lengths = FAMILIES["crank"](np.random.default_rng(95), 50)
+    one = found(lengths, RATES)
+    for exponent in (-600, 700):
+        other = found(lengths * 2.0**exponent, RATES)
+        for quantity in RATES:
+            for first, second in zip(one[quantity], other[quantity], strict=True):
+                np.testing.assert_array_equal(first, second)
+
+
+def test_the_input_speed_scales_and_turns_the_extrema_round():
+    lengths = FAMILIES["crank"](np.random.default_rng(96), 50)
+    one, other = found(lengths, RATES), found(lengths, RATES, omega1=-4.0)
+    for quantity in RATES:
+        factor = -4.0 if quantity.startswith("omega") else 16.0
+        (value, theta1, count, kind), scaled = one[quantity], other[quantity]
+        np.testing.assert_array_equal(scaled[0], factor * value)
+        np.testing.assert_array_equal(scaled[1], theta1)
+        np.testing.assert_array_equal(scaled[2], count)
+        np.testing.assert_array_equal(scaled[3], np.sign(factor) * kind)
+
+
+def test_what_is_constant_has_no_extremum():
+    lengths = FAMILIES["crank"](np.random.default_rng(97), 10)
+    for quantity, (value, theta1, count, kind) in found(lengths, RATES, omega1=0.0).items():
+        np.testing.assert_array_equal([value, theta1], np.nan, err_msg=quantity)
+        assert not np.any(count), quantity
+        assert not np.any(kind), quantity
+    asked = [f"{quantity}_{which}" for quantity in RATES for which in ("max", "min")]
+    result = fl.sweep("planar_4r", space(lengths, 0.0), asked)
+    for name in asked:
+        assert np.all(result[name] == 0), name
+
+
+def test_what_never_assembles_has_no_extremum():
+    lengths = np.array([[1.0], [1.0], [1.0], [5.0]])
+    for value, theta1, count, kind in found(lengths, RATES).values():
+        np.testing.assert_array_equal([value, theta1], np.nan)
+        assert not np.any(count)
+        assert not np.any(kind)
+    greatest, least, *places, _, _ = taken(lengths, "omega4")
+    assert np.all(np.isnan([greatest, least, *places]))
+
+
+# Table 2 of Hayes et al. (the wrong figures corrected, docs/errata.md): mode, quantity, theta1, value, kind.
+TABLE_2 = [
+    (1, "omega4", "0.36933536508", "-23.95938172", -1),
+    (1, "omega4", "4.616020295", "13.51343678", 1),
+    (1, "alpha4", "0.8382412814", "462.6986574", 1),
+    (1, "alpha4", "6.134929607", "-1062.775829", -1),
+    (2, "omega4", "1.667165012", "13.51343678", 1),
+    (2, "omega4", "5.913849943", "-23.95938172", -1),
+    (2, "alpha4", "0.1482557001", "1062.775829", 1),
+    (2, "alpha4", "5.444944024", "-462.6986574", -1),
+]
+
+
+def test_table_2_of_the_paper():
+    result = fl.sweep(
+        "planar_4r",
+        fl.grid(a1=0.4, a2=1.2, a3=0.8, a4=1.0, omega1=25.0),
+        ["omega4_extrema", "alpha4_extrema"],
+    )
+    for mode, quantity, theta1, value, kind in TABLE_2:
+        one = {name: result[name].sel(branch=mode).values for name in names_of(quantity)}
+        values, places, count, kinds = one.values()
+        assert count == 2
+        (j,) = np.flatnonzero(kinds == kind)
+        # The printed angles come from a search of flat extrema: up to 1.8e-9 off (test_planar_4r.py).
+        assert abs(places[j] - float(theta1)) <= 2e-9
+        # All printed digits of the value: some are cut, not rounded.
+        assert abs(values[j] - float(value)) <= 10.0 ** -len(value.partition(".")[2])
+
+
+def test_dimensions_types_and_labels():
+    result = fl.sweep(
+        "planar_4r", fl.grid(a1=[0.3, 0.4], a2=1.2, a3=0.8, a4=1.0, omega1=25.0), ["omega4_extrema"]
+    )
+    value, place, count, kind = (result[name] for name in names_of("omega4"))
+    assert value.dims == place.dims == kind.dims == ("a1", "branch", "extremum")
+    assert count.dims == ("a1", "branch")
+    assert count.dtype == kind.dtype == np.int8
+    assert value.attrs["units"] == "rad s-1"
+    assert place.attrs["units"] == "rad"
+    assert "theta1" not in result.dims
+
+
+def test_bad_input_is_one_clear_line():
+    design = fl.grid(a1=0.4, a2=1.2, a3=0.8, a4=1.0, omega1=25.0)
+    for quantities, options, message in (
+        (["omega4_max"], {"extrema": "foo"}, "extrema 'foo'.*refined"),
+        (["omega4_max"], {"extrema": "refined", "theta1": [0.1, 0.2]}, "extrema.*sampled"),
+        (["status_extrema"], {}, "status_extrema"),
+    ):
+        with pytest.raises(fl.InputError, match=message) as error:
+            fl.sweep("planar_4r", design, quantities, **options)
+        assert "\n" not in str(error.value)
