@@ -205,10 +205,12 @@ def _half_width(points: Any) -> float:
         corners = points[ConvexHull(points).vertices]
     except QhullError:  # in one line, but for roundings
         return float(0.5 * size * np.ptp(cross(*points[np.argmax(distance)], *points.T)))
-    # The nearest lines run along an edge of the convex hull.
+    # The nearest lines run along an edge of the convex hull and through the corner where its edges turn back.
     edges = np.roll(corners, -1, axis=0) - corners
-    normals = np.stack([-edges[:, 1], edges[:, 0]], axis=-1) / np.hypot(*edges.T)[:, None]
-    return float(0.5 * size * np.ptp(normals @ corners.T, axis=1).min())
+    angle = np.unwrap(np.arctan2(edges[:, 1], edges[:, 0]))
+    opposite = np.searchsorted(np.concatenate([angle, angle + 2.0 * np.pi]), angle + np.pi) % len(angle)
+    widths = np.abs(cross(*edges.T, *(corners[opposite] - corners).T)) / np.hypot(*edges.T)
+    return float(0.5 * size * widths.min())
 
 
 def straightness(x: Any, y: Any) -> Any:
