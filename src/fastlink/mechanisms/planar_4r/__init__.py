@@ -17,7 +17,7 @@ from fastlink.mechanisms.planar_4r import (
     loads,
     position,
     rates,
-    slopes,
+    shaking,
     slopes,
 )
 from fastlink.mechanisms.planar_4r.declare import planar_4r
@@ -41,7 +41,7 @@ __all__ = [
     "planar_4r",
     "position",
     "rates",
-    "slopes",
+    "shaking",
     "slopes",
 ]
 

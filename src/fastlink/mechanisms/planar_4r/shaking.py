@@ -1,0 +1,96 @@
+"""Shaking force and shaking moment of the planar 4R.
+
+They need no reaction at all: they are minus the rates of momentum and of moment of momentum.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+from fastlink.geometry import cross
+from fastlink.mechanisms.planar_4r.declare import HAYES, planar_4r
+from fastlink.mechanisms.planar_4r.forces import CENTRES, magnitude
+
+SHAKING = f"{HAYES}, section 5"
+
+
+@planar_4r.quantity(units="N", symbol="F_x", source=SHAKING)
+def shaking_force_x(p1_x: Any, p2_x: Any, p3_x: Any) -> Any:
+    """Shaking force F14 + F34 on the ground, x."""
+    return -(p1_x + p2_x + p3_x)
+
+
+@planar_4r.quantity(units="N", symbol="F_y", source=SHAKING)
+def shaking_force_y(p1_y: Any, p2_y: Any, p3_y: Any) -> Any:
+    """Shaking force F14 + F34 on the ground, y."""
+    return -(p1_y + p2_y + p3_y)
+
+
+planar_4r.quantity(
+    units="N",
+    symbol="|F|",
+    source=SHAKING,
+    name="shaking_force",
+    meaning="Shaking force on the ground, magnitude",
+    given={"x": "shaking_force_x", "y": "shaking_force_y"},
+)(magnitude)
+
+
+@planar_4r.quantity(units="N m", symbol="dL_2/dt", source=SHAKING, internal=True)
+def spin_rate2(moment2_A: Any, A_x: Any, A_y: Any, p2_x: Any, p2_y: Any) -> Any:
+    """Rate of moment of momentum of the coupler about O."""
+    return moment2_A + cross(A_x, A_y, p2_x, p2_y)
+
+
+@planar_4r.quantity(units="N m", symbol="dL_3/dt", source=SHAKING, internal=True)
+def spin_rate3(I3_D: Any, alpha4: Any, a4: Any, p3_y: Any) -> Any:
+    """Rate of moment of momentum of the output link about O."""
+    return I3_D * alpha4 + a4 * p3_y
+
+
+@planar_4r.quantity(units="N m", symbol="M_O", source=SHAKING)
+def shaking_moment(spin_rate2: Any, spin_rate3: Any) -> Any:
+    """Shaking moment T14 + (a4, 0) x F34 on the ground about O."""
+    return -(spin_rate2 + spin_rate3)
+
+
+@planar_4r.quantity(units="N m", symbol="M", source=SHAKING)
+def shaking_moment_at(shaking_moment: Any) -> Any:
+    """Shaking moment on the ground about the point (M_x, M_y), O unless given."""
+    return shaking_moment
+
+
+@planar_4r.quantity(units="m", symbol="DG_3x", source=CENTRES, internal=True)
+def DG_x(G3_along: Any, G3_across: Any, DB_x: Any, DB_y: Any) -> Any:
+    """Mass centre of the output link from D, x."""
+    return G3_along * DB_x - G3_across * DB_y
+
+
+@planar_4r.quantity(units="m", symbol="DG_3y", source=CENTRES, internal=True)
+def DG_y(G3_along: Any, G3_across: Any, DB_x: Any, DB_y: Any) -> Any:
+    """Mass centre of the output link from D, y."""
+    return G3_along * DB_y + G3_across * DB_x
+
+
+@planar_4r.quantity(units="m2", symbol="DG_3 x DB", source=CENTRES, internal=True)
+def DG_cross_DB(G3_v: Any, a3: Any) -> Any:
+    """Cross product of the output link's mass centre and B, both from D."""
+    return -(G3_v * a3)
+
+
+@planar_4r.quantity(units="N m", symbol="T_14 + r_34 x F_34", source=SHAKING)
+def shaking_moment_printed(
+    T41: Any,
+    pull_along_DB: Any,
+    pull_along_AB: Any,
+    DG_cross_DB: Any,
+    DG_x: Any,
+    DG_y: Any,
+    AB_x: Any,
+    AB_y: Any,
+    p3_x: Any,
+    p3_y: Any,
+) -> Any:
+    """Shaking moment as printed, T14 + r34 x F34 with r34 from the output link's mass centre to D."""
+    joint_B = pull_along_DB * DG_cross_DB + pull_along_AB * cross(DG_x, DG_y, AB_x, AB_y)
+    return (joint_B + cross(DG_x, DG_y, p3_x, p3_y)) - T41
