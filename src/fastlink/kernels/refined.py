@@ -13,7 +13,7 @@ from fastlink.catalogue import Fact, parameters
 from fastlink.kernels.emit import Text, paste_fact
 from fastlink.kernels.found import GREATEST, LEAST, PLACE, VALUE
 from fastlink.kernels.layout import LANES
-from fastlink.kernels.search import ITEM_ROWS, STATE_ROWS, X
+from fastlink.kernels.search import HALF, ITEM_ROWS, STATE_ROWS, UPPER, X
 from fastlink.kernels.search import F as F_ROW
 
 if TYPE_CHECKING:
@@ -49,6 +49,8 @@ class _Refined:
             for name in end:
                 self.row(name)
         self.places = 0
+        # Names of lane values end in the number of their loop: numba takes long over names with two meanings.
+        self.loop = ""
 
     def row(self, name: str, count: int = 1) -> int:
         """Return the row of a lane value, reserving it on first use."""
@@ -181,70 +183,66 @@ class _Refined:
         near, far, side = self.graded.leaves
         slopes = [name for search in plan.searches for name in self.slope_names(search)]
         steps = self.needed_for(slopes)
+        self.loop = tag = "__s"
         if not plan.mirrored:
             text.open(f"for half in range({len(plan.computed) * plan.sides}):")
-            self.write_half("half", "0.5", "1.5", "2.5")
+            self.write_half("half", "0", "1", "2")
         text.open(f"for i in range({LANES}):")
-        text.add(f"{near} = w[{self.row(near) * LANES} + i]")
-        text.add(f"{far} = w[{self.row(far) * LANES} + i]")
-        for name in self.design_needs(steps):
-            text.add(f"{name} = w[{self.row(name) * LANES} + i]")
+        for name in (near, far, *self.design_needs(steps)):
+            text.add(f"{name}{tag} = w[{self.row(name) * LANES} + i]")
         if plan.mirrored:
-            text.add(f"{side} = 1.0")
+            text.add(f"{side}{tag} = 1.0")
             for step in (s for s in steps if "branch" not in plan.axes[s.name]):
-                self.paste(step, "", "")
+                self.paste(step)
             for k, branch in enumerate(plan.computed):
-                text.add(f"branch__{branch} = {branch}.0")
+                text.add(f"branch{tag}__{branch} = {branch}.0")
                 for step in (s for s in steps if "branch" in plan.axes[s.name]):
-                    self.paste(step, f"__{branch}", f"__{branch}")
+                    self.paste(step, f"__{branch}")
                 self.store_samples(f"{k}", f"__{branch}")
         else:
             for step in steps:
-                self.paste(step, "", "")
-            self.store_samples("half", "")
+                self.paste(step)
+            self.store_samples("half")
             text.close()
         text.close()
 
-    def store_samples(self, half: str, suffix: str) -> None:
+    def store_samples(self, half: str, copy: str = "") -> None:
+        """Store the sampled functions of one half."""
         for number, search in enumerate(self.plan.searches):
             row = f"{self.sample_row(number, 0)} + {half} * {self.samples} + j"
-            self.text.add(f"m[({row}) * {LANES} + i] = {self.scaled(search, suffix)}")
+            self.text.add(f"m[({row}) * {LANES} + i] = {self.scaled(search, copy)}")
 
     def write_half(self, half: str, first: str, second: str, third: str) -> None:
         """Tell branch and side of a half: halves are numbered branch by branch, both sides of each."""
-        side = self.graded.leaves[2]
-        computed = self.plan.computed
-        if self.plan.sides == 2:
-            self.text.add(
-                f"{side} = 1.0 if ({half} < {first}) | (({half} > {second}) & ({half} < {third})) else -1.0"
-            )
-        else:
-            self.text.add(f"{side} = 1.0")
-        if len(computed) == 1:
-            self.text.add(f"branch = {computed[0]}.0")
-        else:
-            limit = second if self.plan.sides == 2 else first
-            self.text.add(f"branch = {computed[0]}.0 if {half} < {limit} else {computed[1]}.0")
+        side, tag, computed = self.graded.leaves[2], self.loop, self.plan.computed
+        above = f"({half} == {first}) | ({half} == {third})"
+        self.text.add(
+            f"{side}{tag} = 1.0 if {above} else -1.0" if self.plan.sides == 2 else f"{side}{tag} = 1.0"
+        )
+        last = second if self.plan.sides == 2 else first
+        former = f"{computed[0]}.0 if {half} <= {last} else " if len(computed) > 1 else ""
+        self.text.add(f"branch{tag} = {former}{computed[-1]}.0")
 
     def sample_row(self, search: int, half: int) -> int:
         """Return the first row of a search's samples in one half of the range."""
         return (search * len(self.plan.computed) * self.plan.sides + half) * self.samples
 
-    def scaled(self, search: Search, suffix: str) -> str:
+    def named(self, name: str, copy: str = "") -> str:
+        """Return the name of a value in this loop, of one branch's copy where there are copies."""
+        return name + self.loop + (copy if "branch" in self.plan.axes[name] else "")
+
+    def scaled(self, search: Search, copy: str = "") -> str:
         """Return the derivative times the power of sigma that keeps it finite and not zero at a toggle."""
+        factors = [search.slope, *[self.graded.vanishing] * search.slope_order]
+        return " * ".join(self.named(name, copy) for name in factors)
 
-        def named(name: str) -> str:
-            return name + suffix if "branch" in self.plan.axes[name] else name
-
-        return " * ".join([named(search.slope), *[named(self.graded.vanishing)] * search.slope_order])
-
-    def paste(self, step: Fact, suffix: str, branch: str) -> None:
+    def paste(self, step: Fact, copy: str = "") -> None:
         """Append a fact, reading the copies of one branch."""
-        values = {
-            p: need + (branch if "branch" in self.plan.axes[need] else "")
-            for p, need in zip(parameters(step.function), step.needs, strict=True)
-        }
-        paste_fact(step, values, suffix, self.text)
+        names = (self.named(need, copy) for need in step.needs)
+        values = dict(zip(parameters(step.function), names, strict=True))
+        paste_fact(
+            step, values, self.loop + (copy if "branch" in self.plan.axes[step.name] else ""), self.text
+        )
 
     # -- one search --------------------------------------------------------------------------------
 
@@ -282,9 +280,10 @@ class _Refined:
         text.add("width = gather(items, start, total, w_rows, rows, s_rows, lane)")
         text.add("open_items = begin(s_rows, width, phase)")
         text.open("while True:")
+        self.loop = f"__r{number}"
         self.write_items(needs, [*self.slope_names(search), search.quantity])
-        text.add(f"s[{F_ROW * LANES} + i] = {self.scaled(search, '')}")
-        text.add(f"s[{value * LANES} + i] = {search.quantity}")
+        text.add(f"s[{F_ROW * LANES} + i] = {self.scaled(search)}")
+        text.add(f"s[{value * LANES} + i] = {self.named(search.quantity)}")
         text.close()
         text.open("if open_items == 0:")
         text.add("break")
@@ -295,8 +294,9 @@ class _Refined:
         text.add("split(s_rows, width, counts, roots)")
         text.close()
         text.open("else:")
+        self.loop = f"__t{number}"
         self.write_items(needs, [plan.catalogue.position.name])
-        text.add(f"s[{(value + 1) * LANES} + i] = {plan.catalogue.position.name}")
+        text.add(f"s[{(value + 1) * LANES} + i] = {self.named(plan.catalogue.position.name)}")
         text.close()
         text.add(
             f"take(s_rows, width, {value}, phase == 2, {search.order}, {toggles}, w_rows, {plan.sides}, own, other, "
@@ -317,24 +317,23 @@ class _Refined:
 
     def write_items(self, needs: Sequence[str], names: Sequence[str]) -> None:
         """Open the loop over items and compute values at their places."""
-        text = self.text
+        text, tag = self.text, self.loop
         near, far = self.graded.leaves[:2]
         steps = self.needed_for(names)
         text.open("for i in range(width):")
-        text.add(f"place = s[{X * LANES} + i]")
-        text.add("square = place * place")
-        text.add("rest = 1.0 / (1.0 + square)")
-        text.add(f"upper = s[{2 * LANES} + i] > 0.0")
-        text.add(f"{near} = rest if upper else square * rest")
-        text.add(f"{far} = square * rest if upper else rest")
-        text.add(f"half = s[{LANES} + i]")
-        self.write_half("half", "0.5", "1.5", "2.5")
+        text.add(f"square{tag} = s[{X * LANES} + i] * s[{X * LANES} + i]")
+        text.add(f"rest{tag} = 1.0 / (1.0 + square{tag})")
+        text.add(f"upper{tag} = s[{UPPER * LANES} + i] > 0.0")
+        text.add(f"{near}{tag} = rest{tag} if upper{tag} else square{tag} * rest{tag}")
+        text.add(f"{far}{tag} = square{tag} * rest{tag} if upper{tag} else rest{tag}")
+        text.add(f"half{tag} = s[{HALF * LANES} + i]")
+        self.write_half(f"half{tag}", "0.0", "1.0", "2.0")
         used = {need for step in steps for need in step.needs} | set(names)
         for r, name in enumerate(needs):
             if name in used:
-                text.add(f"{name} = s[{(STATE_ROWS + r) * LANES} + i]")
+                text.add(f"{name}{tag} = s[{(STATE_ROWS + r) * LANES} + i]")
         for step in steps:
-            self.paste(step, "", "")
+            self.paste(step)
 
     def write_result(self, output: Output) -> None:
         """Copy one result of a search."""
