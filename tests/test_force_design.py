@@ -116,6 +116,36 @@ def test_fluctuation_is_that_of_the_kinetic_energy():
     assert np.all(np.abs(got.T41_mean.values[:2]) < 1e-12 * expected[:2])
 
 
+def test_the_mean_torque_is_what_a_load_takes_in_a_turn():
+    """In a double-crank the output link turns once with the input: a constant torque on it is carried on average."""
+    drag_link = {
+        "a1": 1.0,
+        "a2": 1.1,
+        "a3": 1.2,
+        "a4": 0.4,
+        "omega1": 3.0,
+        "T_load": -5.0,
+        "gravity_y": -9.81,
+    }
+    got = fl.sweep(
+        "planar_4r", fl.grid(**drag_link), ["T41_mean", "T41_rms"], links=BARS, theta1=720
+    ).squeeze()
+    # The rectangle rule of an analytic periodic function: only roundings of the curve are left.
+    np.testing.assert_allclose(got.T41_mean, 5.0, atol=float(got.T41_rms.max()) * 1e-13)
+
+
+def test_the_flywheel_takes_up_the_fluctuation():
+    maps = fl.sweep("planar_4r", fl.grid(**{**HAYES, "omega1": [5.0, 25.0]}), ["T41_fluctuation"], links=BARS)
+    inertia = fl.planar.flywheel_inertia(maps, C_s=0.02)
+    assert inertia.dims == maps.T41_fluctuation.dims
+    assert inertia.attrs["units"] == "kg m2"
+    # Torques grow with the square of the speed: the flywheel is the same, to some roundings of the torques (1e-13).
+    np.testing.assert_allclose(inertia.sel(omega1=5.0), inertia.sel(omega1=25.0), rtol=1e-11)
+    np.testing.assert_array_equal(
+        inertia.sel(omega1=5.0), maps.T41_fluctuation.sel(omega1=5.0) / (0.02 * 25.0)
+    )
+
+
 def test_fluctuation_needs_a_whole_turn():
     with pytest.raises(fl.InputError, match="'T41_fluctuation' is over a whole turn, but theta1 is an array"):
         fl.sweep("planar_4r", fl.grid(**HAYES), ["T41_fluctuation"], links=BARS, theta1=[0.0, 1.0])

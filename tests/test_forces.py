@@ -204,3 +204,23 @@ def test_a_counterweight_without_a_mass_is_refused():
 def test_a_misspelt_load_is_refused():
     with pytest.raises(fl.InputError, match="gravity_z"):
         fl.sweep("planar_4r", fl.grid(**HAYES, gravity_z=-9.81), ["T41_max"], links=BARS)
+
+
+@pytest.mark.parametrize(
+    "by", ["theta1", "omega1", "a2", *(n for k in LOADS for n in PLANAR.alternative_inputs[k])]
+)
+def test_derivatives_hold_under_all_loads(by):
+    names = ["T41", "F21", "shaking_force", "shaking_moment_at", "shaking_moment_printed", "alpha4"]
+    one = configuration(300, LOADS)
+    step = mp.mpf(10) ** -12
+    with mp.workdps(50):
+        up, down = (facts(names, {**one, by: mp.mpf(one[by]) + h}) for h in (step, -step))
+        for name in names:
+            derivative = f"d_{name}_d_{by}"
+            if up[name] == down[name]:
+                with pytest.raises(fl.InputError, match=f"{name} does not depend on {by}"):
+                    facts([derivative], one)
+                continue
+            slope = (up[name] - down[name]) / (2 * step)
+            # Central differences: step^2 times a third derivative, below 1e6 of the first or of 1 here.
+            assert abs(facts([derivative], one)[derivative] - slope) <= RELATIVE * (1 + abs(slope))
