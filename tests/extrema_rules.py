@@ -31,37 +31,51 @@ def ends(lengths: np.ndarray, quantity: str) -> tuple[np.ndarray, np.ndarray]:
     return np.stack([angles, angles], axis=1), np.stack([-rate, rate], axis=1)
 
 
-def broken(lengths: np.ndarray, quantity: str, theta1: np.ndarray, kind: np.ndarray) -> np.ndarray:
-    """Return which designs (n, 2) break the rule: along a range maxima and minima alternate, infinite ends included.
+def in_order(lengths: np.ndarray, quantity: str, theta1: np.ndarray, marks: np.ndarray) -> list[np.ndarray]:
+    """Return what stands at the ends of the ranges (the infinity's sign) and at the extrema (marks), along the turn.
 
-    With it the parity: from +inf to +inf an odd number, once round the turn an even one and at least two.
+    Also the mark that follows (after the last the first), and where a range ends. A mark of 0 is none.
     """
     angles, grows = ends(lengths, quantity)
     signed = np.where(theta1 > np.pi, theta1 - TURN, theta1)
     # Rounding must not put an extremum beyond its toggle.
     size = np.fmin(np.fmax(np.abs(signed), angles[:, :, 2:3]), angles[:, :, 3:4])
-    inside = np.where(kind != 0, np.copysign(size, signed), np.nan)
+    inside = np.where(marks != 0, np.copysign(size, signed), np.nan)
     places = np.concatenate([angles, inside], axis=2)
-    kinds = np.where(np.isnan(places), 0, np.concatenate([grows, kind], axis=2))
+    marks = np.where(np.isnan(places), 0, np.concatenate([grows, marks], axis=2))
     # Among equal angles the start of a range comes first, its end last.
-    rank = np.broadcast_to(np.array([0, 2, 0, 2] + [1] * kind.shape[2]), places.shape)
+    rank = np.broadcast_to(np.array([0, 2, 0, 2] + [1] * inside.shape[2]), places.shape)
     order = np.lexsort((rank, places), axis=2)
-    kinds, rank = (np.take_along_axis(values, order, axis=2) for values in (kinds, rank))
-    entries = np.sum(kinds != 0, axis=2, keepdims=True)
-    last = np.arange(kinds.shape[2]) == entries - 1
-    following = np.where(last, kinds[:, :, :1], np.roll(kinds, -1, axis=2))
-    full_turn_without_any = (entries == 0)[:, :, 0]
-    return np.any((kinds != 0) & (kinds == following) & (rank != 2), axis=2) | full_turn_without_any
+    marks, rank = (np.take_along_axis(values, order, axis=2) for values in (marks, rank))
+    last = np.arange(marks.shape[2]) == np.sum(marks != 0, axis=2, keepdims=True) - 1
+    return [marks, np.where(last, marks[:, :, :1], np.roll(marks, -1, axis=2)), rank == 2]
 
 
-def padded(lengths: np.ndarray, quantity: str) -> tuple[np.ndarray, np.ndarray]:
-    """Return what the oracle finds in the form of the engine: theta1 and kind."""
+def broken(lengths: np.ndarray, quantity: str, theta1: np.ndarray, kind: np.ndarray) -> np.ndarray:
+    """Return which designs (n, 2) break the rule: along a range maxima and minima alternate, infinite ends included.
+
+    With it the parity: from +inf to +inf an odd number, once round the turn an even one and at least two.
+    """
+    kinds, following, ended = in_order(lengths, quantity, theta1, kind)
+    full_turn_without_any = ~np.any(kinds, axis=2)
+    return np.any((kinds != 0) & (kinds == following) & ~ended, axis=2) | full_turn_without_any
+
+
+def zeros(lengths: np.ndarray, quantity: str, theta1: np.ndarray, value: np.ndarray) -> np.ndarray:
+    """Return how often a quantity is zero along the turn (n, 2), from the signs of its extrema and at its ends."""
+    signs, following, ended = in_order(lengths, quantity, theta1, np.nan_to_num(np.sign(value)))
+    return np.sum((signs * following < 0) & ~ended, axis=2)
+
+
+def padded(lengths: np.ndarray, quantity: str) -> list[np.ndarray]:
+    """Return what the oracle finds in the form of the engine: value, theta1, count and kind."""
     n = lengths.shape[1]
-    theta1, kind = np.full((n, 2, 6), np.nan), np.zeros((n, 2, 6), dtype=np.int8)
+    (value, theta1), kind = np.full((2, n, 2, 6), np.nan), np.zeros((n, 2, 6), dtype=np.int8)
     for i in range(n):
         points = extrema(lengths[:, i], quantity)
         for branch in (1, 2):
             mine = [point for point in points if point.branch == branch]
+            value[i, branch - 1, : len(mine)] = [point.value for point in mine]
             theta1[i, branch - 1, : len(mine)] = [point.theta1 for point in mine]
             kind[i, branch - 1, : len(mine)] = [point.kind for point in mine]
-    return theta1, kind
+    return [value, theta1, np.sum(kind != 0, axis=2), kind]

@@ -11,10 +11,10 @@ from extrema_families import FAMILIES, found, names_of, space
 from extrema_oracle import RATES, extrema
 from extrema_rules import TURN, ends
 
-# Errors of a value, in roundings of the terms that make it up: two products of a dozen factors, worst seen ?.
-VALUE_ROUNDINGS = 8
-# Of a place, in roundings of the terms of the derivative, over the second derivative.
-PLACE_ROUNDINGS = 16
+# Errors of a value, in roundings of the terms that make it up, each a product of a dozen factors: 10 is the worst seen.
+VALUE_ROUNDINGS = 16
+# Of a place, in roundings of the terms of the derivative, over the second derivative: 2 is the worst seen.
+PLACE_ROUNDINGS = 8
 
 
 def hexadecimal(lengths: np.ndarray) -> str:
