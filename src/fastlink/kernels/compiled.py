@@ -31,12 +31,8 @@ if TYPE_CHECKING:
 __all__ = ["cache_folder", "load_kernel"]
 
 HELPERS = (
-    "jit.py",
-    "geometry.py",
-    "kernels/dense.py",
-    "kernels/whole.py",
-    "kernels/search.py",
-    "kernels/found.py",
+    *("jit.py", "geometry.py", "kernels/dense.py", "kernels/whole.py"),
+    *("kernels/items.py", "kernels/search.py", "kernels/bracket.py", "kernels/found.py"),
 )
 _lock = threading.Lock()
 

@@ -9,7 +9,7 @@ from __future__ import annotations
 from typing import Any
 
 from fastlink.jit import INFINITY, NOT_A_NUMBER, called
-from fastlink.kernels.search import FA, FB, HALF, LANE, LANES, REAL, UPPER, append_item
+from fastlink.kernels.items import FA, FB, HALF, LANE, LANES, REAL, UPPER, WHICH, append_item
 
 __all__ = ["clear", "collect_ends", "store_best", "store_counts", "store_list", "take"]
 
@@ -53,13 +53,14 @@ def take(
     width: int,
     row: int,
     ends: bool,
-    order: int,
     toggles: int,
     w: Any,
     sides: int,
+    branches: int,
     own: Any,
     other: Any,
-    parity: float,
+    order: Any,
+    parity: Any,
     lists: Any,
     best: Any,
     found: Any,
@@ -71,30 +72,27 @@ def take(
     s, width : array, int
         State of the items.
     row : int
-        Row of the quantity's value, that of theta1 follows.
+        Row of the first quantity's value, those of the others follow, then that of theta1.
     ends : bool
         Whether the items are ends of the range.
-    order : int
-        The power of 1/sigma by which the quantity grows at a toggle.
     toggles : int
         Rows of `w` that say whether the lower and the upper end are toggles.
-    sides : int
-        Halves by branch.
+    sides, branches : int
+        Halves by branch that were searched, and branches that are asked for.
     own, other : array of int
         For each branch that was searched where its results go, and those of its mirror; -1 for nowhere.
-    parity : float
-        What the mirror does to the value: 1 or -1.
+    order, parity : array
+        For each quantity the power of 1/sigma by which it grows at a toggle, and what the mirror does to it.
     """
     for i in range(width):
         if s[REAL, i] == 0.0:
             continue
-        value, theta = s[row, i], s[row + 1, i]
-        lane, half = int(s[LANE, i]), int(s[HALF, i])
+        lane, which, half = int(s[LANE, i]), int(s[WHICH, i]), int(s[HALF, i])
+        value, theta = s[row + which, i], s[row + order.size, i]
         branch, side = half // sides, half % sides
         kind = 0.0
         if ends:
-            toggle = w[toggles + int(s[UPPER, i]), lane]
-            if toggle > 0.0 and order > 0 and value != 0.0:
+            if w[toggles + int(s[UPPER, i]), lane] > 0.0 and order[which] > 0 and value != 0.0:
                 value = value * INFINITY
         else:
             rises = s[FA, i] > 0.0 or s[FB, i] < 0.0
@@ -106,8 +104,8 @@ def take(
                 continue
             if mirror:
                 theta = TWO_PI - theta if theta > 0.0 else 0.0
-                value, kind = parity * value, parity * kind
-            column = target * LANES + lane
+                value, kind = parity[which] * value, parity[which] * kind
+            column = (which * branches + target) * LANES + lane
             if kind != 0.0:
                 if lists.shape[2] > 0:
                     _insert(lists, column, found[column], theta, value, kind)
@@ -122,60 +120,63 @@ def take(
 
 @called
 def collect_ends(
-    w: Any, starts: int, lanes: int, halves: int, at_limit: bool, best: Any, columns: int, ends: Any
+    w: Any, starts: int, lanes: int, halves: int, wanted: Any, best: Any, branches: int, ends: Any
 ) -> int:
     """Make items of the ends of the range where they may be extreme: at toggles, and where nothing else was found.
 
-    `at_limit` places them at the very end; else they stay where the first sample is.
+    `wanted` says of each quantity whether its ends count: 0 for no, 1 where the first sample is, 2 at the very end.
     """
     count = 0
-    for i in range(lanes):
-        empty = False
-        for column in range(columns):
-            empty = empty or best[GREATEST, column * LANES + i] == -INFINITY
-        for half in range(halves):
-            for upper in range(2):
-                place = w[starts + upper, i]
-                if place > 0.0 or empty:
-                    place = 0.0 if at_limit else place
-                    count = append_item(ends, count, i, half, upper == 1, place, 0.0, place, 0.0)
+    for which in range(wanted.size):
+        if wanted[which] == 0:
+            continue
+        for i in range(lanes):
+            empty = False
+            for branch in range(branches):
+                empty = empty or best[GREATEST, (which * branches + branch) * LANES + i] == -INFINITY
+            for half in range(halves):
+                for upper in range(2):
+                    place = w[starts + upper, i]
+                    if place > 0.0 or empty:
+                        place = 0.0 if wanted[which] == 2 else place
+                        count = append_item(ends, count, i, which, half, upper == 1, place, 0.0, place, 0.0)
     return count
 
 
 @called
-def store_list(result: Any, first: int, lanes: int, lists: Any, row: int) -> None:
+def store_list(result: Any, first: int, lanes: int, base: int, lists: Any, row: int) -> None:
     """Copy a list of each design and branch."""
     for i in range(lanes):
         for branch in range(result.shape[1]):
             for k in range(result.shape[2]):
-                value = lists[row, branch * LANES + i, k] if k < lists.shape[2] else NOT_A_NUMBER
+                value = lists[row, base + branch * LANES + i, k] if k < lists.shape[2] else NOT_A_NUMBER
                 result[first + i, branch, k] = value
 
 
 @called
-def store_kinds(result: Any, first: int, lanes: int, lists: Any) -> None:
+def store_kinds(result: Any, first: int, lanes: int, base: int, lists: Any) -> None:
     """Copy the kinds: 1 for a maximum, -1 for a minimum, 0 beyond the last extreme."""
     for i in range(lanes):
         for branch in range(result.shape[1]):
             for k in range(result.shape[2]):
-                kind = lists[KIND, branch * LANES + i, k] if k < lists.shape[2] else NOT_A_NUMBER
+                kind = lists[KIND, base + branch * LANES + i, k] if k < lists.shape[2] else NOT_A_NUMBER
                 result[first + i, branch, k] = int(kind) if kind == kind else 0
 
 
 @called
-def store_counts(result: Any, first: int, lanes: int, found: Any) -> None:
+def store_counts(result: Any, first: int, lanes: int, base: int, found: Any) -> None:
     """Copy how many extremes were found."""
     for i in range(lanes):
         for branch in range(result.shape[1]):
-            result[first + i, branch] = min(found[branch * LANES + i], 127)
+            result[first + i, branch] = min(found[base + branch * LANES + i], 127)
 
 
 @called
-def store_best(result: Any, first: int, lanes: int, best: Any, row: int) -> None:
+def store_best(result: Any, first: int, lanes: int, base: int, best: Any, row: int) -> None:
     """Copy a greatest or least value, or its place in the row after; NaN where there is none."""
     where = row // 2 * 2 + 1
     for i in range(lanes):
         for branch in range(result.shape[1]):
-            column = branch * LANES + i
+            column = base + branch * LANES + i
             there_is = best[where, column] == best[where, column]
             result[first + i, branch] = best[row, column] if there_is else NOT_A_NUMBER

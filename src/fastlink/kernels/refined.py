@@ -6,15 +6,15 @@ zero, their refinement (lanes are cells), and the quantities there. See `fastlin
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from fastlink.catalogue import Fact, parameters
 from fastlink.kernels.emit import Text, paste_fact
 from fastlink.kernels.found import GREATEST, LEAST, PLACE, VALUE
-from fastlink.kernels.layout import LANES
-from fastlink.kernels.search import HALF, ITEM_ROWS, STATE_ROWS, UPPER, X
-from fastlink.kernels.search import F as F_ROW
+from fastlink.kernels.items import HALF, ITEM_ROWS, LANES, STATE_ROWS, UPPER, WHICH, X
+from fastlink.kernels.items import F as F_ROW
+from fastlink.kernels.refined_layout import RefinedLayout
 
 if TYPE_CHECKING:
     from fastlink.closure import Output, RefinedClosure
@@ -28,89 +28,36 @@ from numpy import array, empty, inf, int8, int64, nan, uint64
 {imports}
 
 '''
-SEARCH = "fastlink.kernels.search"
-FOUND = "fastlink.kernels.found"
 
 
-class _Refined:
+class _Refined(RefinedLayout):
     """One kernel while it is written."""
 
     def __init__(self, plan: RefinedClosure) -> None:
-        self.plan, self.text = plan, Text()
-        graded = plan.catalogue.graded
-        assert graded is not None
-        self.graded = graded
-        self.cells = plan.searches[0].cells
-        self.samples = 2 * self.cells + 1
-        self.design_steps = [s for s in plan.steps if plan.axes[s.name] <= {"design"}]
-        self.lane_steps = [s for s in plan.steps if s not in self.design_steps]
-        self.rows: dict[str, int] = {}
-        for end in zip(*graded.ends, strict=True):
-            for name in end:
-                self.row(name)
-        self.places = 0
-        # Names of lane values end in the number of their loop: numba takes long over names with two meanings.
+        super().__init__(plan)
+        self.text = Text()
+        # Names of lane values end in the name of their loop: numba takes long over names with two meanings.
         self.loop = ""
 
-    def row(self, name: str, count: int = 1) -> int:
-        """Return the row of a lane value, reserving it on first use."""
-        if name not in self.rows:
-            self.rows[name] = self.used()
-            for k in range(1, count):
-                self.rows[f"{name} + {k}"] = self.used()
-        return self.rows[name]
-
-    def used(self) -> int:
-        return len(self.rows)
-
     def use(self, module: str, *names: str) -> None:
-        self.text.imports.setdefault(module, set()).update(names)
-
-    def needed_for(self, names: Iterable[str]) -> list[Fact]:
-        """Return the lane steps that these values need, branch signs among them."""
-        needed: set[str] = set(names)
-        found: list[Fact] = []
-        for step in reversed(self.lane_steps):
-            if step.name in needed:
-                needed.update(step.needs)
-                found.insert(0, step)
-        return found
-
-    def design_needs(self, steps: Sequence[Fact]) -> list[str]:
-        """Return what a loop over lanes reads of the design."""
-        needs = dict.fromkeys(need for step in steps for need in step.needs)
-        return [name for name in needs if self.plan.axes[name] <= {"design"}]
+        """Import functions of `fastlink.kernels`."""
+        self.text.imports.setdefault(f"fastlink.kernels.{module}", set()).update(names)
 
     # -- the loops ---------------------------------------------------------------------------------
 
     def write(self) -> str:
         text, plan = self.text, self.plan
-        outputs = ", ".join(f"out_{o.name}" for o in plan.outputs)
-        text.open(f"def kernel(x, angles, n, n_angles, w, m, {outputs}):")
-        halves = len(plan.computed) * plan.sides
-        listed = any(output.request.listed for output in plan.outputs)
-        room = max(search.most for search in plan.searches) if listed else 0
-        text.add(f"w_rows = w.reshape(w.size // {LANES}, {LANES})")
-        text.add(f"m_rows = m.reshape(m.size // {LANES}, {LANES})")
-        text.add(f"s = empty({(STATE_ROWS + self.most_needs() + 2) * LANES})")
-        text.add(f"s_rows = s.reshape(s.size // {LANES}, {LANES})")
-        text.add(f"valleys = empty(({LANES * halves * self.samples}, {ITEM_ROWS}))")
-        text.add(f"roots = empty(({3 * LANES * halves * self.samples}, {ITEM_ROWS}))")
-        text.add(f"ends = empty(({2 * LANES * halves}, {ITEM_ROWS}))")
-        text.add(f"flags = empty({LANES}, int8)")
-        text.add(f"lane = empty({LANES}, uint64)")
-        text.add("counts = empty(2, int64)")
-        text.add(f"found = empty({len(plan.branches) * LANES}, int64)")
-        text.add(f"best = empty((4, {len(plan.branches) * LANES}))")
-        text.add(f"lists = empty((3, {len(plan.branches) * LANES}, {room}))")
-        text.add(f"own = array({[_place(plan.branches, b) for b in plan.computed]})")
-        text.add(f"other = array({[self.mirror_of(b) for b in plan.computed]})")
+        text.open(
+            f"def kernel(x, angles, n, n_angles, w, m, {', '.join(f'out_{o.name}' for o in plan.outputs)}):"
+        )
+        self.write_arrays()
         text.open(f"for i0 in range(0, n, {LANES}):")
         text.add(f"lanes = min({LANES}, n - i0)")
         self.write_designs()
         self.write_samples()
-        for number, search in enumerate(plan.searches):
-            self.write_search(number, search)
+        self.write_search()
+        for output in plan.outputs:
+            self.write_result(output)
         names = ", ".join(o.name for o in plan.outputs)
         imports = "\n".join(
             f"from {module} import {', '.join(sorted(found))}"
@@ -119,23 +66,34 @@ class _Refined:
         header = HEADER.format(mechanism=plan.catalogue.name, names=names, imports=imports)
         return header + "\n".join(text.lines) + "\n"
 
-    def mirror_of(self, branch: int) -> int:
-        if not self.plan.mirrored:
-            return -1
-        return next((k for k, b in enumerate(self.plan.branches) if b != branch), -1)
-
-    def most_needs(self) -> int:
-        """Return how many design values the items of any search carry."""
-        return max(len(self.item_needs(search)) for search in self.plan.searches)
-
-    def slope_names(self, search: Search) -> list[str]:
-        """Return what the sampled function is made of."""
-        return [search.slope, *([self.graded.vanishing] if search.slope_order else [])]
-
-    def item_needs(self, search: Search) -> list[str]:
-        """Return the design values that an item carries."""
-        names = (*self.slope_names(search), search.quantity, self.plan.catalogue.position.name)
-        return self.design_needs(self.needed_for(names))
+    def write_arrays(self) -> None:
+        """Scratch, and what tells the searches and branches apart."""
+        plan, searches = self.plan, self.plan.searches
+        columns = len(searches) * len(plan.branches) * LANES
+        room = LANES * len(searches) * self.halves
+        listed = any(output.request.listed for output in plan.outputs)
+        for line in (
+            f"w_rows = w.reshape(w.size // {LANES}, {LANES})",
+            f"m_rows = m.reshape(m.size // {LANES}, {LANES})",
+            f"s = empty({(STATE_ROWS + len(self.item_needs) + len(searches) + 1) * LANES})",
+            f"s_rows = s.reshape(s.size // {LANES}, {LANES})",
+            f"valleys = empty(({room * self.samples}, {ITEM_ROWS}))",
+            f"roots = empty(({3 * room * self.samples}, {ITEM_ROWS}))",
+            f"ends = empty(({2 * room}, {ITEM_ROWS}))",
+            f"flags = empty({LANES}, int8)",
+            f"lane = empty({LANES}, uint64)",
+            "counts = empty(2, int64)",
+            f"found = empty({columns}, int64)",
+            f"best = empty((4, {columns}))",
+            f"lists = empty((3, {columns}, {max(search.most for search in searches) if listed else 0}))",
+            f"own = array({[self.own_place(b) for b in plan.computed]})",
+            f"other = array({[self.mirror_of(b) for b in plan.computed]})",
+            f"rows = array({[self.row(name) for name in self.item_needs] or [0]})",
+            f"order = array({[search.order for search in searches]})",
+            f"parity = array({[float(search.parity) for search in searches]})",
+            f"wanted = array({[self.wants_ends(search) for search in searches]})",
+        ):
+            self.text.add(line)
 
     def write_designs(self) -> None:
         """What depends on the design alone."""
@@ -148,8 +106,7 @@ class _Refined:
                 step, {p: n for p, n in zip(parameters(step.function), step.needs, strict=True)}, "", text
             )
         kept = [name for name in self.rows]
-        wanted = [n for search in plan.searches for n in self.item_needs(search)]
-        for name in dict.fromkeys((*kept, *wanted)):
+        for name in dict.fromkeys((*kept, *self.item_needs)):
             text.add(f"w[{self.row(name) * LANES} + i] = {name}")
         text.close()
 
@@ -162,7 +119,7 @@ class _Refined:
         spare = self.row("spare", 4)
         at_near, at_far = self.row(near), self.row(far)
         scale, start = self.row(self.graded.ends[0][0]), self.row(self.graded.ends[0][1])
-        self.use(SEARCH, "place_samples", "fractions")
+        self.use("search", "place_samples", "fractions")
         text.add(f"place_samples(w_rows, {scale}, {start}, {rows}, {spare}, {cells})")
         text.open(f"for j in range({self.samples}):")
         text.open(f"if j <= {cells}:")
@@ -181,11 +138,10 @@ class _Refined:
         """
         text, plan = self.text, self.plan
         near, far, side = self.graded.leaves
-        slopes = [name for search in plan.searches for name in self.slope_names(search)]
-        steps = self.needed_for(slopes)
+        steps = self.needed_for(self.slope_names())
         self.loop = tag = "__s"
         if not plan.mirrored:
-            text.open(f"for half in range({len(plan.computed) * plan.sides}):")
+            text.open(f"for half in range({self.halves}):")
             self.write_half("half", "0", "1", "2")
         text.open(f"for i in range({LANES}):")
         for name in (near, far, *self.design_needs(steps)):
@@ -223,10 +179,6 @@ class _Refined:
         former = f"{computed[0]}.0 if {half} <= {last} else " if len(computed) > 1 else ""
         self.text.add(f"branch{tag} = {former}{computed[-1]}.0")
 
-    def sample_row(self, search: int, half: int) -> int:
-        """Return the first row of a search's samples in one half of the range."""
-        return (search * len(self.plan.computed) * self.plan.sides + half) * self.samples
-
     def named(self, name: str, copy: str = "") -> str:
         """Return the name of a value in this loop, of one branch's copy where there are copies."""
         return name + self.loop + (copy if "branch" in self.plan.axes[name] else "")
@@ -244,46 +196,37 @@ class _Refined:
             step, values, self.loop + (copy if "branch" in self.plan.axes[step.name] else ""), self.text
         )
 
-    # -- one search --------------------------------------------------------------------------------
+    # -- the search --------------------------------------------------------------------------------
 
-    def write_search(self, number: int, search: Search) -> None:
+    def write_search(self) -> None:
+        """Cells that hold a zero, their refinement, and what is found there."""
         text, plan = self.text, self.plan
-        halves = len(plan.computed) * plan.sides
-        toggles = self.row(self.graded.ends[0][2])
-        start = self.row(self.graded.ends[0][1])
-        needs = self.item_needs(search)
-        value = STATE_ROWS + self.most_needs()
-        self.use(SEARCH, "advance", "begin", "collect", "gather", "split")
-        self.use(FOUND, "clear", "collect_ends", "take")
-        text.add(f"rows = array({[self.row(name) for name in needs] or [0]})")
+        (_, start, toggle), _ = self.graded.ends
+        value = STATE_ROWS + len(self.item_needs)
+        self.use("items", "gather")
+        self.use("bracket", "advance", "begin", "split")
+        self.use("found", "clear", "collect_ends", "take")
         text.add("counts[:] = 0")
         text.add("clear(lists, best, found)")
-        for half in range(halves):
-            beyond = self.sample_row(number, self.beyond(half))
-            sign = -float(search.parity) if plan.mirrored and plan.computed[half] == plan.computed[0] else 1.0
-            sample = self.sample_row(number, half)
-            text.add(
-                f"collect(w_rows, m_rows, {sample}, {beyond}, {self.places}, {self.cells}, lanes, {half}, {sign}, "
-                "flags, counts, roots, valleys)"
-            )
-        outputs = [o for o in plan.outputs if o.request.quantity == search.quantity]
-        ends = any(o.request.can_be_refined for o in outputs)
-        text.open(f"for phase in range({3 if ends else 2}):")
+        for number, search in enumerate(plan.searches):
+            self.write_collect(number, search)
+        text.open(f"for phase in range({3 if any(map(self.wants_ends, plan.searches)) else 2}):")
         text.add("items, total = (valleys, counts[0]) if phase == 0 else (roots, counts[1])")
-        if ends:
-            text.open("if phase == 2:")
-            options = f"{search.at_limit}, best, {len(plan.branches)}, ends"
-            text.add(f"total = collect_ends(w_rows, {start}, lanes, {halves}, {options})")
-            text.add("items = ends")
-            text.close()
+        text.open("if phase == 2:")
+        options = f"wanted, best, {len(plan.branches)}, ends"
+        text.add(f"total = collect_ends(w_rows, {self.row(start)}, lanes, {self.halves}, {options})")
+        text.add("items = ends")
+        text.close()
         text.open(f"for start in range(0, total, {LANES}):")
         text.add("width = gather(items, start, total, w_rows, rows, s_rows, lane)")
         text.add("open_items = begin(s_rows, width, phase)")
         text.open("while True:")
-        self.loop = f"__r{number}"
-        self.write_items(needs, [*self.slope_names(search), search.quantity])
-        text.add(f"s[{F_ROW * LANES} + i] = {self.scaled(search)}")
-        text.add(f"s[{value * LANES} + i] = {self.named(search.quantity)}")
+        self.loop = "__r"
+        values = [search.quantity for search in plan.searches]
+        self.write_items([*self.slope_names(), *values])
+        self.write_choice()
+        for number, name in enumerate(values):
+            text.add(f"s[{(value + number) * LANES} + i] = {self.named(name)}")
         text.close()
         text.open("if open_items == 0:")
         text.add("break")
@@ -294,28 +237,41 @@ class _Refined:
         text.add("split(s_rows, width, counts, roots)")
         text.close()
         text.open("else:")
-        self.loop = f"__t{number}"
-        self.write_items(needs, [plan.catalogue.position.name])
-        text.add(f"s[{(value + 1) * LANES} + i] = {self.named(plan.catalogue.position.name)}")
+        self.loop = "__t"
+        self.write_items([plan.catalogue.position.name])
+        text.add(f"s[{(value + len(values)) * LANES} + i] = {self.named(plan.catalogue.position.name)}")
         text.close()
         text.add(
-            f"take(s_rows, width, {value}, phase == 2, {search.order}, {toggles}, w_rows, {plan.sides}, own, other, "
-            f"{float(search.parity)}, lists, best, found)"
+            f"take(s_rows, width, {value}, phase == 2, {self.row(toggle)}, w_rows, {plan.sides}, "
+            f"{len(plan.branches)}, own, other, order, parity, lists, best, found)"
         )
         text.close()
         text.close()
         text.close()
-        for output in outputs:
-            self.write_result(output)
 
-    def beyond(self, half: int) -> int:
-        """Return the half that continues a half beyond the ground line."""
-        sides = self.plan.sides
-        if self.plan.mirrored:
-            return 1 - half
-        return half // sides * sides + (1 - half % sides) % sides
+    def write_collect(self, number: int, search: Search) -> None:
+        """Make items of all halves of one function."""
+        self.use("search", "collect")
+        for half in range(self.halves):
+            first = self.plan.mirrored and half == 0
+            rows = f"{self.sample_row(number, half)}, {self.sample_row(number, self.beyond(half))}"
+            what = f"{number}, {half}, {-float(search.parity) if first else 1.0}"
+            self.text.add(
+                f"collect(w_rows, m_rows, {rows}, {self.places}, {self.cells}, lanes, {what}, "
+                "flags, counts, roots, valleys)"
+            )
 
-    def write_items(self, needs: Sequence[str], names: Sequence[str]) -> None:
+    def write_choice(self) -> None:
+        """Store the value of the function that each item is of."""
+        searches = self.plan.searches
+        for number, search in enumerate(searches):
+            self.text.add(f"f_{number} = {self.scaled(search)}")
+        choice = f"f_{len(searches) - 1}"
+        for number in range(len(searches) - 2, -1, -1):
+            choice = f"(f_{number} if s[{WHICH * LANES} + i] == {number}.0 else {choice})"
+        self.text.add(f"s[{F_ROW * LANES} + i] = {choice}")
+
+    def write_items(self, names: Sequence[str]) -> None:
         """Open the loop over items and compute values at their places."""
         text, tag = self.text, self.loop
         near, far = self.graded.leaves[:2]
@@ -329,7 +285,7 @@ class _Refined:
         text.add(f"half{tag} = s[{HALF * LANES} + i]")
         self.write_half(f"half{tag}", "0.0", "1.0", "2.0")
         used = {need for step in steps for need in step.needs} | set(names)
-        for r, name in enumerate(needs):
+        for r, name in enumerate(self.item_needs):
             if name in used:
                 text.add(f"{name}{tag} = s[{(STATE_ROWS + r) * LANES} + i]")
         for step in steps:
@@ -347,17 +303,14 @@ class _Refined:
             name, rest = "store_kinds", "lists"
         else:
             name, rest = "store_list", f"lists, {PLACE if request.listed == 'place' else VALUE}"
-        self.use(FOUND, name)
-        self.text.add(f"{name}(out_{output.name}, i0, lanes, {rest})")
-
-
-def _place(branches: Sequence[int], branch: int) -> int:
-    return branches.index(branch) if branch in branches else -1
+        self.use("found", name)
+        number = [search.quantity for search in self.plan.searches].index(request.quantity)
+        base = number * len(self.plan.branches) * LANES
+        self.text.add(f"{name}(out_{output.name}, i0, lanes, {base}, {rest})")
 
 
 def write_refined(plan: RefinedClosure) -> tuple[str, tuple[int, int]]:
     """Return the text of the kernel and the lengths of its two scratch arrays."""
     writer = _Refined(plan)
     text = writer.write()
-    halves = len(plan.computed) * plan.sides
-    return text, (writer.used() * LANES, len(plan.searches) * halves * writer.samples * LANES)
+    return text, (writer.used() * LANES, len(plan.searches) * writer.halves * writer.samples * LANES)

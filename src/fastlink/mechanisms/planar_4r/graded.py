@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from fastlink.fact import GradedRange
+from fastlink.catalogue import GradedRange
 from fastlink.jit import NOT_A_NUMBER, atan2, select, sqrt
 from fastlink.mechanisms.planar_4r.declare import NUMERICS, planar_4r
 from fastlink.mechanisms.planar_4r.factors import IO_PRODUCTS
@@ -46,7 +46,9 @@ def range_width(
     high = C0 > 0.0
     both = 4.0 * (s2 * s3)
     width = select(
-        low, select(high, both, factor_C2 * factor_D2), select(high, -(factor_A2 * factor_B2), 4.0 * (s1 * s4))
+        low,
+        select(high, both, factor_C2 * factor_D2),
+        select(high, -(factor_A2 * factor_B2), 4.0 * (s1 * s4)),
     )
     return select(assembles == 1.0, width * per_4_s1_s4, NOT_A_NUMBER)
 
@@ -61,7 +63,7 @@ def below_zero(x: Any) -> Any:
     return select(x < 0.0, -x, 0.0)
 
 
-for _name, _symbol, _law, _given in (
+for _name, _symbol, _law, _need in (
     ("Z_least", "max(Z_0, 0)", above_zero, "Z0"),
     ("p_least", "max(-Z_0, 0)", below_zero, "Z0"),
     ("C_least", "max(C_0, 0)", above_zero, "C0"),
@@ -74,7 +76,7 @@ for _name, _symbol, _law, _given in (
         internal=True,
         name=_name,
         meaning=f"least {_name[0]} of the reachable range",
-        given={"x": _given},
+        given={"x": _need},
     )(_law)
 
 
@@ -105,11 +107,13 @@ def is_toggle(limit: Any) -> Any:
     return select(limit > 0.0, 1.0, 0.0)
 
 
-for _end, _limit in (("low", "Z0"), ("high", "C0")):
-    for _name, _law, _meaning, _given in (
-        ("scale", grade, "scale of the graded samples", {"near": f"near_{_end}", "width": "range_width"}),
-        ("start", first_place, "place of the first sample", {"limit": _limit, "scale": f"scale_{_end}"}),
-        ("toggle", is_toggle, "1 for a toggle", {"limit": _limit}),
+for _end, _where, _limit in (("low", "lower", "Z0"), ("high", "upper", "C0")):
+    _near = {"near": f"near_{_end}", "width": "range_width"}
+    _from = {"limit": _limit, "scale": f"scale_{_end}"}
+    for _name, _part, _meaning, _given in (
+        ("scale", grade, "scale of the graded samples", _near),
+        ("start", first_place, "place of the first sample", _from),
+        ("toggle", is_toggle, "1 for a toggle, else 0", {"limit": _limit}),
     ):
         planar_4r.quantity(
             units="1",
@@ -117,9 +121,9 @@ for _end, _limit in (("low", "Z0"), ("high", "C0")):
             source=EXTREMES,
             internal=True,
             name=f"{_name}_{_end}",
-            meaning=f"{_meaning}, at the {'lower' if _end == 'low' else 'upper'} end of the range",
+            meaning=f"{_meaning}, at the {_where} end of the range",
             given=_given,
-        )(_law)
+        )(_part)
 
 planar_4r.graded = GradedRange(
     name="graded",
@@ -130,7 +134,11 @@ planar_4r.graded = GradedRange(
     inverse="per_sigma",
     cells=dict.fromkeys(MONOTONE, 4) | dict.fromkeys(ACCELERATIONS, 16),
     most=dict.fromkeys(MONOTONE, 2) | dict.fromkeys(ACCELERATIONS, 5),
-    rough=("loop_residual", *(f"io_residual_{pair}" for pair in IO_PRODUCTS), *(f"v{k}" for k in range(1, 5))),
+    rough=(
+        "loop_residual",
+        *(f"io_residual_{pair}" for pair in IO_PRODUCTS),
+        *(f"v{k}" for k in range(1, 5)),
+    ),
 )
 
 

@@ -1,0 +1,104 @@
+"""Which rows a refined kernel keeps its values in, and which parts of the range it searches."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from functools import cached_property
+from typing import TYPE_CHECKING
+
+from fastlink.catalogue import Fact
+
+if TYPE_CHECKING:
+    from fastlink.closure import RefinedClosure
+    from fastlink.searches import Search
+
+__all__ = ["RefinedLayout"]
+
+
+class RefinedLayout:
+    """The steps of a refined plan by loop, and the places of lane values."""
+
+    def __init__(self, plan: RefinedClosure) -> None:
+        self.plan = plan
+        graded = plan.catalogue.graded
+        assert graded is not None
+        self.graded = graded
+        self.cells = plan.searches[0].cells
+        self.samples = 2 * self.cells + 1
+        self.design_steps = [s for s in plan.steps if plan.axes[s.name] <= {"design"}]
+        self.lane_steps = [s for s in plan.steps if s not in self.design_steps]
+        self.rows: dict[str, int] = {}
+        for end in zip(*graded.ends, strict=True):
+            for name in end:
+                self.row(name)
+        self.places = 0
+
+    def row(self, name: str, count: int = 1) -> int:
+        """Return the row of a lane value, reserving it on first use."""
+        if name not in self.rows:
+            self.rows[name] = self.used()
+            for k in range(1, count):
+                self.rows[f"{name} + {k}"] = self.used()
+        return self.rows[name]
+
+    def used(self) -> int:
+        """Return how many rows are reserved."""
+        return len(self.rows)
+
+    def needed_for(self, names: Iterable[str]) -> list[Fact]:
+        """Return the lane steps that these values need, branch signs among them."""
+        needed: set[str] = set(names)
+        found: list[Fact] = []
+        for step in reversed(self.lane_steps):
+            if step.name in needed:
+                needed.update(step.needs)
+                found.insert(0, step)
+        return found
+
+    def design_needs(self, steps: Sequence[Fact]) -> list[str]:
+        """Return what a loop over lanes reads of the design."""
+        needs = dict.fromkeys(need for step in steps for need in step.needs)
+        return [name for name in needs if self.plan.axes[name] <= {"design"}]
+
+    def mirror_of(self, branch: int) -> int:
+        """Return where the results of a searched branch's mirror go, -1 for nowhere."""
+        if not self.plan.mirrored:
+            return -1
+        return next((k for k, b in enumerate(self.plan.branches) if b != branch), -1)
+
+    @property
+    def halves(self) -> int:
+        """How many halves of the range are searched: branches and sides of the ground line."""
+        return len(self.plan.computed) * self.plan.sides
+
+    def slope_names(self) -> list[str]:
+        """Return what the sampled functions are made of."""
+        return [self.graded.vanishing, *(search.slope for search in self.plan.searches)]
+
+    @cached_property
+    def item_needs(self) -> list[str]:
+        """The design values that an item carries."""
+        values = (search.quantity for search in self.plan.searches)
+        return self.design_needs(
+            self.needed_for((*self.slope_names(), *values, self.plan.catalogue.position.name))
+        )
+
+    def wants_ends(self, search: Search) -> int:
+        """Tell whether the ends of the range count: 0 for no, 1 where samples begin, 2 at the very end."""
+        asked = (o for o in self.plan.outputs if o.request.quantity == search.quantity)
+        return (2 if search.at_limit else 1) if any(o.request.can_be_refined for o in asked) else 0
+
+    def beyond(self, half: int) -> int:
+        """Return the half that continues a half beyond the ground line."""
+        sides = self.plan.sides
+        if self.plan.mirrored:
+            return 1 - half
+        return half // sides * sides + (1 - half % sides) % sides
+
+    def sample_row(self, search: int, half: int) -> int:
+        """Return the first row of a search's samples in one half of the range."""
+        return (search * self.halves + half) * self.samples
+
+    def own_place(self, branch: int) -> int:
+        """Return where the results of a searched branch go, -1 for nowhere."""
+        return self.plan.branches.index(branch) if branch in self.plan.branches else -1
