@@ -19,6 +19,7 @@ from fastlink.request import (
     SOLVERS,
     alternatives_of,
     check_branches,
+    check_extrema,
     check_positions,
     constants_of,
     given_angles,
@@ -141,6 +142,7 @@ def run_study(
             angles=study.angles,
             branch=shape.cycle.branch,
             solver=shape.cycle.solver,
+            extrema=shape.cycle.extrema,
             to=place,
             overwrite=overwrite,
             threads=threads,
@@ -182,6 +184,8 @@ def read_study(path: str | Path) -> Study:
     with found.at("cycle.angles" if shape.cycle.theta1 is None else "cycle.theta1"):
         angles = angles_of(given_angles(catalogue, shape.cycle.angles, shape.cycle.theta1))
         check_positions(catalogue, angles)
+    with found.at("cycle.extrema"):
+        check_extrema(shape.cycle.extrema, catalogue, angles)
     space = space_of(found, path, shape.design)
     alternatives: tuple[str, ...] = ()
     with found.at("links" if shape.cycle.solver in SOLVERS else "cycle.solver"):

@@ -156,6 +156,7 @@ class Cycle(_Table):
     theta1: InputAngles | None = None
     branch: Annotated[Whole | list[Whole], _or_say("assembly modes, such as [1, 2]")] = [1, 2]
     solver: Annotated[str, Field(strict=True), _or_say('"eliminated" or "dense"')] = "eliminated"
+    extrema: Annotated[str | None, Field(strict=True), _or_say('"refined" or "sampled"')] = None
 
 
 class OutputFile(_Table):

@@ -15,6 +15,7 @@ from fastlink.kernels.items import (
     LANE,
     OPEN,
     REAL,
+    STEPS,
     TOLERANCE,
     UPPER,
     WHICH,
@@ -35,6 +36,8 @@ RELATIVE = 2.0**-51
 ABSOLUTE = 2.0**-56
 # A minimum is found to half the digits; closer pairs of zeros are not told from none.
 VALLEY_RELATIVE = 2.0**-26
+# After this many steps a parabola is trusted that stays above half of the least magnitude.
+TRUSTED_STEPS = 4
 GOLDEN = 0.3819660112501051
 
 
@@ -49,7 +52,8 @@ def begin(s: Any, width: int, phase: int) -> int:
         if phase == 2:
             x, is_open = a, 0.0
         elif phase == 0:
-            a, b = min(a, b), max(a, b)
+            if b < a:
+                a, fa, b, fb = b, fb, a, fa
             c = s[XC, i]
             x = c + GOLDEN * (b - c) if b - c > c - a else c + GOLDEN * (a - c)
         else:
@@ -60,7 +64,7 @@ def begin(s: Any, width: int, phase: int) -> int:
                 is_open = 0.0
         s[X, i], s[F, i] = x, 0.0
         s[X1, i], s[F1, i], s[X2, i], s[F2, i] = a, fa, b, fb
-        s[OPEN, i] = is_open
+        s[STEPS, i], s[OPEN, i] = 0.0, is_open
         count += int(is_open)
     return count
 
@@ -105,6 +109,15 @@ def _advance_roots(
         is_open[i] = 0.0 if done else is_open[i]
 
 
+@inlined
+def _vertex(a: float, fa: float, c: float, fc: float, b: float, fb: float) -> float:
+    """Return the least value of the parabola through three points of a valley."""
+    left, right = (fc - fa) / (c - a), (fb - fc) / (b - c)
+    bend = (right - left) / (b - a)
+    slope = left + bend * (c - a)
+    return fc - slope * slope / (4.0 * bend)
+
+
 @called
 def _advance_valleys(s: Any, width: int) -> None:
     """One golden-section step towards the least magnitude; an item is done where the sign changes."""
@@ -115,16 +128,20 @@ def _advance_valleys(s: Any, width: int) -> None:
         if (f > 0.0) != (fc > 0.0):
             s[OPEN, i] = 0.0
             continue
-        inner, outer = (x, c) if abs(f) < abs(fc) else (c, x)
-        if abs(f) < abs(fc):
-            s[FC, i] = f
         # The outer of the two interior places replaces the end on its side.
+        inner, f_inner, outer, f_outer = (x, f, c, fc) if abs(f) < abs(fc) else (c, fc, x, f)
         if outer < inner:
             a = outer
+            s[F1, i] = f_outer
         else:
             b = outer
-        s[X1, i], s[X2, i], s[XC, i] = a, b, inner
-        if b - a <= VALLEY_RELATIVE * inner + s[TOLERANCE, i]:
+            s[F2, i] = f_outer
+        s[X1, i], s[X2, i], s[XC, i], s[FC, i] = a, b, inner, f_inner
+        s[STEPS, i] += 1.0
+        at_end = (inner == a) | (inner == b)
+        least = 0.0 if at_end else _vertex(a, abs(s[F1, i]), inner, abs(f_inner), b, abs(s[F2, i]))
+        high = s[STEPS, i] >= TRUSTED_STEPS and (at_end or least > 0.5 * abs(f_inner))
+        if high or b - a <= VALLEY_RELATIVE * inner + s[TOLERANCE, i]:
             s[OPEN, i] = 0.0
             continue
         s[X, i] = inner + GOLDEN * (b - inner) if b - inner > inner - a else inner + GOLDEN * (a - inner)

@@ -15,8 +15,8 @@ LANES = 64
 LANE, WHICH, HALF, UPPER, XA, FA, XB, FB, XC, FC = range(10)
 ITEM_ROWS = 10
 # Rows of the state of `LANES` items under way: the item, then what the iteration keeps.
-X, F, X1, F1, X2, F2, TOLERANCE, OPEN, REAL = range(ITEM_ROWS, ITEM_ROWS + 9)
-STATE_ROWS = ITEM_ROWS + 9
+X, F, X1, F1, X2, F2, TOLERANCE, STEPS, OPEN, REAL = range(ITEM_ROWS, ITEM_ROWS + 10)
+STATE_ROWS = ITEM_ROWS + 10
 
 
 @called

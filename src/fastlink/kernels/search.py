@@ -82,8 +82,13 @@ def _mark(before: Any, here: Any, after: Any, sign: float, flags: Any) -> None:
         a, b, c = before[i], here[i], after[i]
         differ = ((sign * b > 0.0) != (sign * c > 0.0)) & (b == b) & (c == c)
         a, b, c = abs(a), abs(b), abs(c)
-        # The parabola through three values of a valley reaches below half of the least.
-        low = (b <= a) & (b <= c) & ((a - c) * (a - c) > 4.0 * b * (a - 2.0 * b + c)) & (b > 0.0)
+        # Any least magnitude: a parabola through the three may be high above a dip that is narrower than a cell.
+        low = (
+            (b <= a)
+            & (b <= c)
+            & (((a - c) * (a - c) > 1.0 * b * (a - 2.0 * b + c)) | (b < 0.85 * a) & (b < 0.85 * c))
+            & (b > 0.0)
+        )
         flags[i] = (1 if differ else 0) + (2 if low else 0)
 
 

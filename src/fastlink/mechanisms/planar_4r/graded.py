@@ -132,7 +132,7 @@ planar_4r.graded = GradedRange(
     odd=("side", "branch_sign"),
     vanishing="sigma",
     inverse="per_sigma",
-    cells=dict.fromkeys(MONOTONE, 4) | dict.fromkeys(ACCELERATIONS, 16),
+    cells=dict.fromkeys(MONOTONE, 8) | dict.fromkeys(ACCELERATIONS, 32),
     most=dict.fromkeys(MONOTONE, 2) | dict.fromkeys(ACCELERATIONS, 5),
     rough=(
         "loop_residual",
