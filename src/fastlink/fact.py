@@ -89,7 +89,9 @@ class GradedRange:
         For some quantities half the number of cells that find every extreme, a power of two, and how many
         extremes there are at most; `cells_otherwise` and `most_otherwise` for all others.
     rough : tuple of str
-        What no derivative describes: residuals, and what jumps.
+        What no derivative describes: residuals, and what has poles.
+    jumps : mapping of str to str
+        For an angle the fact that vanishes where it passes pi, and where it passes 0.
     """
 
     name: str
@@ -101,6 +103,7 @@ class GradedRange:
     cells: Mapping[str, int]
     most: Mapping[str, int]
     rough: tuple[str, ...] = ()
+    jumps: Mapping[str, str] = field(default_factory=dict)
     cells_otherwise: int = 32
     most_otherwise: int = 12
 

@@ -15,7 +15,7 @@ from fastlink.catalogue import Catalogue, Fact, System
 __all__ = ["Grade", "grades"]
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Grade:
     """A number of which only growth and symmetry are known.
 
@@ -25,10 +25,13 @@ class Grade:
         It grows at a toggle like this power of 1/sigma at most.
     parity : int
         1 if the mirror leaves it, -1 if it changes its sign, 0 if neither.
+    choice : bool
+        Whether it is chosen by a comparison of values, and may jump.
     """
 
     order: float = 0.0
     parity: int = 1
+    choice: bool = False
 
     @property
     def context(self) -> _Functions:
@@ -39,18 +42,19 @@ class Grade:
         if isinstance(other, float) and other == 0.0:
             return self
         right = _grade(other)
-        return Grade(max(self.order, right.order), self.parity if self.parity == right.parity else 0)
+        parity = self.parity if self.parity == right.parity else 0
+        return Grade(max(self.order, right.order), parity, self.choice or right.choice)
 
     def _product(self, other: Any) -> Grade:
         right = _grade(other)
-        return Grade(self.order + right.order, self.parity * right.parity)
+        return Grade(self.order + right.order, self.parity * right.parity, self.choice or right.choice)
 
     __add__ = __radd__ = __sub__ = __rsub__ = _sum
     __mul__ = __rmul__ = _product
 
     def __truediv__(self, other: Any) -> Grade:
         right = _grade(other)
-        return Grade(self.order - right.order, self.parity * right.parity)
+        return Grade(self.order - right.order, self.parity * right.parity, self.choice or right.choice)
 
     def __rtruediv__(self, other: Any) -> Grade:
         return _grade(other) / self
@@ -59,12 +63,18 @@ class Grade:
         return self
 
     def __abs__(self) -> Grade:
-        return Grade(self.order, abs(self.parity))
+        return Grade(self.order, abs(self.parity), self.choice)
 
     def __ge__(self, other: Any) -> bool:
-        if other != 0:
+        # `fastlink.jit.sqrt` asks whether its argument is negative.
+        if isinstance(other, Grade) or other != 0:
             raise TypeError("a grade has no value to compare")
         return True
+
+    def __eq__(self, other: object) -> bool:
+        raise TypeError("a grade has no value to compare")
+
+    __hash__ = None  # type: ignore[assignment]
 
 
 class _Functions:
@@ -73,11 +83,11 @@ class _Functions:
     nan = Grade()
 
     def sqrt(self, x: Grade) -> Grade:
-        return Grade(x.order / 2.0, 1 if x.parity == 1 else 0)
+        return Grade(x.order / 2.0, 1 if x.parity == 1 else 0, x.choice)
 
     def atan2(self, y: Any, x: Any) -> Grade:
         above, beside = _grade(y), _grade(x)
-        return Grade(0.0, above.parity if beside.parity == 1 else 0)
+        return Grade(0.0, above.parity if beside.parity == 1 else 0, above.choice or beside.choice)
 
 
 def _grade(value: Any) -> Grade:
@@ -111,6 +121,5 @@ def grades(catalogue: Catalogue, steps: Iterable[Fact | System], varying: Iterab
             try:
                 found[step.name] = _grade(step.function(*(known.get(need, Grade()) for need in step.needs)))
             except TypeError:
-                # It compares values: nothing is known of it.
-                found[step.name] = Grade(max(g.order for g in known.values()), 0)
+                found[step.name] = Grade(max(g.order for g in known.values()), 0, True)
     return found

@@ -15,7 +15,7 @@ from fastlink.cycle import Extrema, Request, parse_request
 from fastlink.errors import InputError
 from fastlink.kernels import write_refined
 from fastlink.plan import ANGLES_FOR_LANES, Kernel, Plan, make_plan, output_of
-from fastlink.searches import Search, find_search, refined_closures
+from fastlink.searches import Search, find_jumps, find_search, refined_closures
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -130,10 +130,12 @@ def make_plans(
     if sampled:
         parts += _split(make_plan(catalogue, sampled, given=given, **options), angles)
     if searches:
+        bounded = {r.quantity for r in requests if r.name in refined and r.can_be_refined}
+        jumps = [find_jumps(catalogue, search) for name, search in searches.items() if name in bounded]
         closures = refined_closures(
             catalogue,
             [o for o in outputs if o.refined],
-            searches.values(),
+            [*searches.values(), *(jump for jump in jumps if jump is not None)],
             given,
             tuple(branches),
             tuple(alternatives),

@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from fastlink.catalogue import Catalogue, CatalogueError, Fact, System
 from fastlink.closure import Output, RefinedClosure
 from fastlink.derivative import NoDerivative
 from fastlink.grade import grades
 
-__all__ = ["Search", "find_search", "refined_closures"]
+__all__ = ["Search", "find_jumps", "find_search", "refined_closures"]
 
 
 @dataclass(frozen=True)
@@ -27,12 +27,12 @@ class Search:
         Half the number of cells of the graded range, a power of two, and how many extremes are kept.
     order, slope_order : int
         The powers of 1/sigma by which both grow at a toggle.
-    parity : int
-        What the mirror does to the quantity: 1, -1, or 0 for no symmetry.
+    parity, slope_parity : int
+        What the mirror does to both: 1, -1, or 0 for no symmetry.
     at_limit : bool
         Whether the quantity has a value exactly at a toggle.
-    outputs : tuple of Output
-        What is asked of it.
+    onto : str
+        Where `slope` vanishes at jumps by 2 pi instead: the quantity, which there reaches pi and -pi.
     """
 
     quantity: str
@@ -42,7 +42,9 @@ class Search:
     order: int
     slope_order: int
     parity: int
+    slope_parity: int
     at_limit: bool
+    onto: str = ""
 
 
 def find_search(
@@ -77,8 +79,20 @@ def find_search(
         round(found[quantity].order),
         max(round(found[slope].order), 0),
         found[quantity].parity,
-        graded.inverse not in needed,
+        found[slope].parity,
+        graded.inverse not in needed and not found[quantity].choice,
     )
+
+
+def find_jumps(catalogue: Catalogue, search: Search) -> Search | None:
+    """Return where the angle of a search jumps by 2 pi, or None where it does not."""
+    graded = catalogue.graded
+    assert graded is not None
+    vanishing = graded.jumps.get(search.quantity)
+    if vanishing is None:
+        return None
+    # It is the sine of the angle times a length: odd where the angle is.
+    return replace(search, slope=vanishing, slope_order=0, slope_parity=search.parity, onto=search.quantity)
 
 
 def _closure(
@@ -115,7 +129,9 @@ def refined_closures(
         inputs = tuple(
             name for name in catalogue.known_inputs(alternatives) if name in read and name in given
         )
-        own = tuple(o for search in group for o in asked if o.request.quantity == search.quantity)
+        own = tuple(
+            o for search in group for o in asked if o.request.quantity == search.quantity and not search.onto
+        )
         result.append(
             RefinedClosure(catalogue, own, tuple(group), tuple(steps), inputs, branches, alternatives)
         )

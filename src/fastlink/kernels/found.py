@@ -13,7 +13,7 @@ from fastlink.kernels.items import FA, FB, HALF, LANE, LANES, REAL, UPPER, WHICH
 
 __all__ = ["clear", "collect_ends", "store_best", "store_counts", "store_list", "take"]
 
-TWO_PI = 6.283185307179586
+PI, TWO_PI = 3.141592653589793, 6.283185307179586
 # Rows of the lists, and of the best.
 PLACE, VALUE, KIND = range(3)
 GREATEST, AT_GREATEST, LEAST, AT_LEAST = range(4)
@@ -59,6 +59,7 @@ def take(
     branches: int,
     own: Any,
     other: Any,
+    onto: Any,
     order: Any,
     parity: Any,
     lists: Any,
@@ -81,6 +82,8 @@ def take(
         Halves by branch that were searched, and branches that are asked for.
     own, other : array of int
         For each branch that was searched where its results go, and those of its mirror; -1 for nowhere.
+    onto : array of int
+        For each search that whose results it adds to: itself, or another if it tells where that one's angle passes pi.
     order, parity : array
         For each quantity the power of 1/sigma by which it grows at a toggle, and what the mirror does to it.
     """
@@ -91,7 +94,13 @@ def take(
         value, theta = s[row + which, i], s[row + order.size, i]
         branch, side = half // sides, half % sides
         kind = 0.0
-        if ends:
+        jumps = onto[which] != which
+        if jumps:
+            # An angle near 0 passes 0; it is pi and -pi where it jumps.
+            if abs(value) < 1.0:
+                continue
+            value = PI
+        elif ends:
             if w[toggles + int(s[UPPER, i]), lane] > 0.0 and order[which] > 0 and value != 0.0:
                 value = value * INFINITY
         else:
@@ -104,8 +113,8 @@ def take(
                 continue
             if mirror:
                 theta = TWO_PI - theta if theta > 0.0 else 0.0
-                value, kind = parity[which] * value, parity[which] * kind
-            column = (which * branches + target) * LANES + lane
+                value, kind = value if jumps else parity[which] * value, parity[which] * kind
+            column = (onto[which] * branches + target) * LANES + lane
             if kind != 0.0:
                 if lists.shape[2] > 0:
                     _insert(lists, column, found[column], theta, value, kind)
@@ -113,8 +122,9 @@ def take(
             if value > best[GREATEST, column]:
                 best[GREATEST, column] = value
                 best[AT_GREATEST, column] = theta
-            if value < best[LEAST, column]:
-                best[LEAST, column] = value
+            least = -PI if jumps else value
+            if least < best[LEAST, column]:
+                best[LEAST, column] = least
                 best[AT_LEAST, column] = theta
 
 

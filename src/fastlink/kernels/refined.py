@@ -90,6 +90,7 @@ class _Refined(RefinedLayout):
             f"other = array({[self.mirror_of(b) for b in plan.computed]})",
             f"rows = array({[self.row(name) for name in self.item_needs] or [0]})",
             f"order = array({[search.order for search in searches]})",
+            f"onto = array({[self.number_of(search.quantity) for search in searches]})",
             f"parity = array({[float(search.parity) for search in searches]})",
             f"wanted = array({[self.wants_ends(search) for search in searches]})",
         ):
@@ -243,7 +244,7 @@ class _Refined(RefinedLayout):
         text.close()
         text.add(
             f"take(s_rows, width, {value}, phase == 2, {self.row(toggle)}, w_rows, {plan.sides}, "
-            f"{len(plan.branches)}, own, other, order, parity, lists, best, found)"
+            f"{len(plan.branches)}, own, other, onto, order, parity, lists, best, found)"
         )
         text.close()
         text.close()
@@ -255,7 +256,7 @@ class _Refined(RefinedLayout):
         for half in range(self.halves):
             first = self.plan.mirrored and half == 0
             rows = f"{self.sample_row(number, half)}, {self.sample_row(number, self.beyond(half))}"
-            what = f"{number}, {half}, {-float(search.parity) if first else 1.0}"
+            what = f"{number}, {half}, {float(search.slope_parity) if first else 1.0}"
             self.text.add(
                 f"collect(w_rows, m_rows, {rows}, {self.places}, {self.cells}, lanes, {what}, "
                 "flags, counts, roots, valleys)"
@@ -304,8 +305,7 @@ class _Refined(RefinedLayout):
         else:
             name, rest = "store_list", f"lists, {PLACE if request.listed == 'place' else VALUE}"
         self.use("found", name)
-        number = [search.quantity for search in self.plan.searches].index(request.quantity)
-        base = number * len(self.plan.branches) * LANES
+        base = self.number_of(request.quantity) * len(self.plan.branches) * LANES
         self.text.add(f"{name}(out_{output.name}, i0, lanes, {base}, {rest})")
 
 

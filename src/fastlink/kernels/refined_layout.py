@@ -85,7 +85,7 @@ class RefinedLayout:
 
     def wants_ends(self, search: Search) -> int:
         """Tell whether the ends of the range count: 0 for no, 1 where samples begin, 2 at the very end."""
-        asked = (o for o in self.plan.outputs if o.request.quantity == search.quantity)
+        asked = (o for o in self.plan.outputs if o.request.quantity == search.quantity and not search.onto)
         return (2 if search.at_limit else 1) if any(o.request.can_be_refined for o in asked) else 0
 
     def beyond(self, half: int) -> int:
@@ -98,6 +98,10 @@ class RefinedLayout:
     def sample_row(self, search: int, half: int) -> int:
         """Return the first row of a search's samples in one half of the range."""
         return (search * self.halves + half) * self.samples
+
+    def number_of(self, quantity: str) -> int:
+        """Return the number of the search for a quantity's extremes, which stands before that for its jumps."""
+        return [search.quantity for search in self.plan.searches].index(quantity)
 
     def own_place(self, branch: int) -> int:
         """Return where the results of a searched branch go, -1 for nowhere."""

@@ -17,8 +17,8 @@ from fastlink.mechanisms.planar_4r.factors import IO_PRODUCTS
 
 EXTREMES = f"{NUMERICS}#extremes"
 TWO_PI = 6.283185307179586
-#: Of the first sample's distance from a toggle: so close that the power of 1/sigma leads by ten digits.
-NEAR_TOGGLE = 2.0**-40
+#: Of the first sample's distance from a toggle: so close that the highest power of 1/sigma is all there is.
+NEAR_TOGGLE = 2.0**-60
 
 # Between extremes of a rate its derivative has the sign of a polynomial of degree 6 in tan^2(theta1/2): never more
 # than one maximum and one minimum by branch; that of an acceleration is of degree 11: 5 at most were ever found.
@@ -136,9 +136,11 @@ planar_4r.graded = GradedRange(
     most=dict.fromkeys(MONOTONE, 2) | dict.fromkeys(ACCELERATIONS, 5),
     rough=(
         "loop_residual",
+        "joint_angle_1",
         *(f"io_residual_{pair}" for pair in IO_PRODUCTS),
         *(f"v{k}" for k in range(1, 5)),
     ),
+    jumps={"theta2": "AB_y", "theta4": "DB_y", "joint_angle_2": "AB_v", "joint_angle_4": "DB_y"},
 )
 
 
