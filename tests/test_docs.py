@@ -120,7 +120,8 @@ def test_the_quantity_of_contributing_works():
         + example
         + "\nimport fastlink as fl\n"
         "design = fl.grid(a1=0.4, a2=1.2, a3=0.8, a4=1.0, omega1=25.0)\n"
-        "result = fl.sweep('planar_4r', design, ['output_power', 'alpha4', 'omega4'], links=fl.round_bar(7750.0, 0.01), theta1=8)\n"
+        "asked = ['output_power', 'alpha4', 'omega4']\n"
+        "result = fl.sweep('planar_4r', design, asked, links=fl.round_bar(7750.0, 0.01), theta1=8)\n"
         "spin = result.output_power / result.alpha4 / result.omega4\n"
         # 0.62 pi kg of 0.8 m about its end; each side took a few roundings
         "assert (abs(spin / (0.62 * 3.141592653589793 * (0.64 / 3 + 0.25e-4)) - 1) < 1e-14).all()\n"

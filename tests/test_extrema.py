@@ -17,6 +17,37 @@ VALUE_ROUNDINGS = 16
 PLACE_ROUNDINGS = 8
 
 
+#: A maximum and a minimum lie closer than two samples of the graded range: once lost.
+CLOSE_PAIRS = (
+    ("alpha2", "0x1.474ec0961a020p-1 0x1.bcd14b5615ba8p-1 0x1.a738686b2965ep-1 0x1.31d3853a76442p-1"),
+    ("alpha4", "0x1.d3039c9028804p-1 0x1.d3039d8c3cd9fp-1 0x1.fa2c3bd74af26p-1 0x1.f9f4ce2efe95fp-1"),
+    ("alpha4", "0x1.b3d726abf5828p-1 0x1.b436b62c41483p-1 0x1.61b65f6c0d49ap-1 0x1.61b61c0a60451p-1"),
+    ("alpha4", "0x1.67d5089fa617dp-2 0x1.65cf1d6658557p-2 0x1.ca27dbece0cb4p-1 0x1.c92f43b8548c4p-1"),
+    ("alpha4", "0x1.2677339bf9146p-1 0x1.c7c55617245acp-2 0x1.267738e72bee3p-1 0x1.c88897b8db295p-2"),
+    ("alpha4", "0x1.e19fa7ab2b728p-2 0x1.532831e660cafp-1 0x1.e065ccbfc24a3p-2 0x1.535366117ffe7p-1"),
+    ("alpha4", "0x1.ac54ef7ecab5ap-1 0x1.4d10041aeb1a4p-1 0x1.ace3aed5a592cp-1 0x1.4d0f958befc50p-1"),
+    ("alpha4", "0x1.b1a46e04b45acp-1 0x1.d255f5a012f5ep-1 0x1.b1a4cc3485c88p-1 0x1.d231078f62e2bp-1"),
+    ("alpha4", "0x1.25589db5b6951p-1 0x1.1f40c24b99b0ap-1 0x1.255ef47e51efbp-1 0x1.1f40eaa8e391cp-1"),
+    ("alpha2", "0x1.6a7c05ec757a2p-1 0x1.85c6c662c5446p-2 0x1.6b2445c1214b6p-1 0x1.85c6e1f16056cp-2"),
+    ("alpha2", "0x1.a24373d3ab0d6p-2 0x1.e05dc1d19ccd2p-1 0x1.a2435895f2152p-2 0x1.de6a13c59994cp-1"),
+    ("alpha2", "0x1.25589db5b6951p-1 0x1.1f40c24b99b0ap-1 0x1.255ef47e51efbp-1 0x1.1f40eaa8e391cp-1"),
+    ("omega2", "0x1.c3bc7fbe3a453p-4 0x1.8bff7b5676eedp-1 0x1.7bf6dd80b1f1bp-1 0x1.668db043e8231p-4"),
+    ("omega2", "0x1.26ae37ded32cdp-2 0x1.e58dc20845636p-1 0x1.8ae56dbe3062bp-1 0x1.d3d6ead5c49f7p-4"),
+    ("omega2", "0x1.eafb308932733p-1 0x1.2c3e8de451cd4p-3 0x1.7d6151c1f3783p-1 0x1.610963aba2035p-2"),
+    ("omega4", "0x1.cf7353e5174a9p-2 0x1.367731e95ea8cp-2 0x1.aec30973e395cp-3 0x1.37973bdb900edp-4"),
+    ("omega4", "0x1.d9fcb942dc0cfp-1 0x1.0da514e60f50dp-1 0x1.01c6ead562789p-1 0x1.e8a0091f9e782p-4"),
+    ("omega4", "0x1.dfd070d6513efp-1 0x1.db6b672190e4ap-2 0x1.1b0305110c76dp-1 0x1.52caa1b84342ep-4"),
+    ("omega2", "0x1.2a8f79c9e035ap-5 0x1.74af362236deep-6 0x1.1db7552896d8fp-6 0x1.25e49316a700cp-8"),
+    ("omega2", "0x1.62201e7990eccp+4 0x1.79d3d72c42d1bp+4 0x1.ed039f431c87ep+0 0x1.574883638fda9p-1"),
+    ("omega4", "0x1.1e7bd89cbeb51p+6 0x1.f55f94b87191bp+5 0x1.5629dc2214726p+3 0x1.26e4e9343686cp+4"),
+    ("omega4", "0x1.a8ef6122b227fp-2 0x1.0adffbf59b3e8p-2 0x1.e494a46ef1dfbp-5 0x1.a4bce3c18cd79p-3"),
+    ("omega4", "0x1.36a1b410ddbc5p-5 0x1.94613b90f5b42p-6 0x1.293dc16af09adp-8 0x1.1eed221412eb0p-6"),
+    ("omega2", "0x1.3e550196c02a5p+1 0x1.7b417efb150a4p+2 0x1.1171d0781fb31p+2 0x1.4a9f3f4d6c521p+0"),
+    ("omega2", "0x1.3c42bc9636ba3p+5 0x1.a6409a4e90998p+2 0x1.0a8d6260097f2p+5 0x1.0a95c33264bb1p+6"),
+    ("omega2", "0x1.1368ceda20531p+9 0x1.09384756a1940p+8 0x1.617ed01286839p+8 0x1.36449d19cb542p+6"),
+)
+
+
 def hexadecimal(lengths: np.ndarray) -> str:
     return ", ".join(float(length).hex() for length in lengths)
 
@@ -51,6 +82,14 @@ def test_none_is_missed_and_each_is_right_to_rounding(family, n):
                     # The last of these is a rounding of an angle up to 2 pi, in the oracle and in the engine.
                     allowed = PLACE_ROUNDINGS * UNIT * point.theta1_terms + 4 * UNIT * TURN
                     assert circular(theta1[i, k, j] - point.theta1) <= allowed, about
+
+
+def test_close_pairs_are_found():
+    for quantity, text in CLOSE_PAIRS:
+        lengths = np.array([[float.fromhex(length)] for length in text.split()])
+        counted = [point.branch for point in extrema(lengths[:, 0], quantity)]
+        _, _, count, _ = found(lengths, [quantity])[quantity]
+        assert count[0].tolist() == [counted.count(1), counted.count(2)], (quantity, text)
 
 
 def taken(lengths: np.ndarray, quantity: str, **options):

@@ -69,16 +69,8 @@ def test_no_design_breaks_a_rule(family, n):
                 assert set(np.unique(count.sum(axis=1))) <= allowed, about
 
 
-LOST = pytest.mark.xfail(
-    reason="of 10^4 designs some two lose a maximum and a minimum of a rate that lie close"
-)
-
-
 @pytest.mark.parametrize("n", [20_000, pytest.param(1_000_000, marks=pytest.mark.stress)])
-@pytest.mark.parametrize(
-    "family",
-    [pytest.param(name, marks=[LOST] * (name in ("non-Grashof", "log-uniform"))) for name in FAMILIES],
-)
+@pytest.mark.parametrize("family", FAMILIES)
 def test_an_acceleration_is_zero_where_its_rate_has_extrema(family, n):
     """A maximum and a minimum of a rate that are both lost break no rule of that rate: its acceleration tells."""
     rng = np.random.default_rng(n + len(family))

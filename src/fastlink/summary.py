@@ -12,7 +12,7 @@ if TYPE_CHECKING:
 __all__ = ["contents", "summary"]
 
 SIZES = (" B", " kB", " MB", " GB")
-SPEEDS = tuple(f"{word} configurations/s" for word in ("", " thousand", " million", " billion"))
+MULTIPLES = ("", " thousand", " million", " billion")
 
 
 def summary(dataset: xr.Dataset) -> str:
@@ -26,14 +26,14 @@ def summary(dataset: xr.Dataset) -> str:
     Returns
     -------
     str
-        Lines of text: designs and how many have each status, configurations, run time, configurations per
-        second; and the file with its size, for a dataset that is opened from one.
+        Lines of text: designs and how many have each status, configurations where there were given input
+        positions, run time and speed; and the file with its size, for a dataset that is opened from one.
 
     Examples
     --------
     >>> import fastlink as fl
     >>> space = fl.grid(a1=[0.4, 0.6], a2=1.2, a3=0.8, a4=1.0)
-    >>> print(summary(fl.sweep("planar_4r", space, ["transmission_angle_min"])).partition("run time")[0])
+    >>> print(summary(fl.sweep("planar_4r", space, ["transmission_angle"])).partition("run time")[0])
     designs         2
                     1  rotates fully                     50.0 %
                     0  assembles over part of the turn    0.0 %
@@ -64,8 +64,11 @@ def summary(dataset: xr.Dataset) -> str:
         if "threads" in attrs:
             text += f", {_counted(int(attrs['threads']), 'thread')}"
         rows.append(("run time", text))
-    if "configurations_per_second" in attrs:
-        rows.append(("speed", _scaled(float(attrs["configurations_per_second"]), SPEEDS)))
+    for what in ("configurations", "designs"):
+        if f"{what}_per_second" in attrs:
+            units = [f"{multiple} {what}/s" for multiple in MULTIPLES]
+            rows.append(("speed", _scaled(float(attrs[f"{what}_per_second"]), units)))
+            break
     source = dataset.encoding.get("source")
     if source and Path(source).is_file():
         rows.append(("file", f"{source} ({_scaled(Path(source).stat().st_size, SIZES)})"))

@@ -159,15 +159,12 @@ def sweep(
 
     def report() -> dict[str, Any]:
         run_time = time.perf_counter() - before
-        configurations = space.size * len(branches) * (positions.size if plan.uses_position else 1)
-        return {
-            "designs": space.size,
-            "configurations": configurations,
-            "set_up_time_s": before - started,
-            "run_time_s": run_time,
-            "configurations_per_second": configurations / run_time,
-            **counts.attrs(),
-        }
+        found = {"designs": space.size, "set_up_time_s": before - started, "run_time_s": run_time}
+        found["designs_per_second"] = space.size / run_time
+        if plan.uses_position:
+            found["configurations"] = space.size * len(branches) * positions.size
+            found["configurations_per_second"] = found["configurations"] / run_time
+        return found | counts.attrs()
 
     with bar:
         if target is None:
