@@ -45,7 +45,9 @@ class Grade:
         parity = self.parity if self.parity == right.parity else 0
         return Grade(max(self.order, right.order), parity, self.choice or right.choice)
 
-    def _product(self, other: Any) -> Grade:
+    def _product(self, other: Any) -> Any:
+        if isinstance(other, float) and other == 0.0:
+            return 0.0
         right = _grade(other)
         return Grade(self.order + right.order, self.parity * right.parity, self.choice or right.choice)
 
@@ -56,8 +58,8 @@ class Grade:
         right = _grade(other)
         return Grade(self.order - right.order, self.parity * right.parity, self.choice or right.choice)
 
-    def __rtruediv__(self, other: Any) -> Grade:
-        return _grade(other) / self
+    def __rtruediv__(self, other: Any) -> Any:
+        return 0.0 if isinstance(other, float) and other == 0.0 else _grade(other) / self
 
     def __neg__(self) -> Grade:
         return self
@@ -94,8 +96,8 @@ def _grade(value: Any) -> Grade:
     return value if isinstance(value, Grade) else Grade()
 
 
-def grades(catalogue: Catalogue, steps: Iterable[Fact | System], varying: Iterable[str]) -> dict[str, Grade]:
-    """Return the grades of all values of a closure.
+def grades(catalogue: Catalogue, steps: Iterable[Fact | System], varying: Iterable[str]) -> dict[str, Any]:
+    """Return the grades of all values of a closure; a float where it is a constant.
 
     Parameters
     ----------
@@ -108,18 +110,24 @@ def grades(catalogue: Catalogue, steps: Iterable[Fact | System], varying: Iterab
     """
     graded = catalogue.graded
     assert graded is not None
-    found: dict[str, Grade] = {name: Grade(0.0, -1 if name in graded.odd else 1) for name in varying}
+    found: dict[str, Any] = {name: Grade(0.0, -1 if name in graded.odd else 1) for name in varying}
+    moving = set(found)
     for step in steps:
-        known = {need: found[need] for need in step.needs if need in found}
-        if isinstance(step, System) or not known:
+        if isinstance(step, System):
             continue
+        if moving.intersection(step.needs):
+            moving.add(step.name)
         if step.name == graded.vanishing:
             found[step.name] = Grade(-1.0, 1)
         elif step.name in graded.odd:
             found[step.name] = Grade(0.0, -1)
         else:
+            # A mass centre on its link's line is no more than 0.0 across it, whose products are nothing.
+            known = [found.get(need, Grade()) for need in step.needs]
             try:
-                found[step.name] = _grade(step.function(*(known.get(need, Grade()) for need in step.needs)))
+                found[step.name] = step.function(*known)
             except TypeError:
-                found[step.name] = Grade(max(g.order for g in known.values()), 0, True)
-    return found
+                # It compares values: of one that moves nothing else is known.
+                order = max((_grade(value).order for value in known), default=0.0)
+                found[step.name] = Grade(order, 0, True) if step.name in moving else Grade()
+    return {name: value if isinstance(value, float) else _grade(value) for name, value in found.items()}

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 from fastlink.catalogue import Catalogue, CatalogueError, Fact, System
 from fastlink.closure import Output, RefinedClosure
 from fastlink.derivative import NoDerivative
-from fastlink.grade import grades
+from fastlink.grade import Grade, grades
 
 __all__ = ["Search", "find_jumps", "find_search", "refined_closures"]
 
@@ -67,7 +67,10 @@ def find_search(
         return None
     if any(isinstance(step, System) for step in steps):
         return None
-    found = grades(catalogue, steps, (*graded.leaves, "branch"))
+    found = {
+        name: value if isinstance(value, Grade) else Grade()
+        for name, value in grades(catalogue, steps, (*graded.leaves, "branch")).items()
+    }
     needed = {
         step.name for step in _closure(catalogue, (quantity,), given, alternatives) if isinstance(step, Fact)
     }

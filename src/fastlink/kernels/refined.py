@@ -22,6 +22,9 @@ if TYPE_CHECKING:
 
 __all__ = ["write_refined"]
 
+# Facts of a branch, beyond which the text of both would take longer to compile than it saves.
+MOST_ABREAST = 30
+
 HEADER = '''"""Kernel of {mechanism}, written by fastlink: {names}."""
 
 from numpy import array, empty, inf, int8, int64, nan, uint64
@@ -133,27 +136,29 @@ class _Refined(RefinedLayout):
         text.close()
 
     def write_sample_loops(self) -> None:
-        """One place of the range: both branches side by side where the mirror gives the rest, else half by half.
+        """One place of the range: both branches side by side where few facts tell them apart, else half by half.
 
         What the branches share is computed once in the first case; the second keeps the text of forces short.
         """
         text, plan = self.text, self.plan
         near, far, side = self.graded.leaves
         steps = self.needed_for(self.slope_names())
+        of_branch = [s for s in steps if "branch" in plan.axes[s.name]]
+        abreast = plan.mirrored and len(of_branch) <= MOST_ABREAST
         self.loop = tag = "__s"
-        if not plan.mirrored:
+        if not abreast:
             text.open(f"for half in range({self.halves}):")
             self.write_half("half", "0", "1", "2")
         text.open(f"for i in range({LANES}):")
         for name in (near, far, *self.design_needs(steps)):
             text.add(f"{name}{tag} = w[{self.row(name) * LANES} + i]")
-        if plan.mirrored:
+        if abreast:
             text.add(f"{side}{tag} = 1.0")
             for step in (s for s in steps if "branch" not in plan.axes[s.name]):
                 self.paste(step)
             for k, branch in enumerate(plan.computed):
                 text.add(f"branch{tag}__{branch} = {branch}.0")
-                for step in (s for s in steps if "branch" in plan.axes[s.name]):
+                for step in of_branch:
                     self.paste(step, f"__{branch}")
                 self.store_samples(f"{k}", f"__{branch}")
         else:
