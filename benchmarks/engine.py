@@ -6,9 +6,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from benchmarks.inputs import CASES, INPUTS, aligned_copy, designs, empty
+from fastlink.kernels import LANES
 from fastlink.mechanisms import catalogue
 from fastlink.plan import Plan, make_plan
-from fastlink.run import BLOCK_DESIGNS, Job, Part, run
+from fastlink.plans import RefinedPlan
+from fastlink.run import BLOCK_DESIGNS, Job, Part, aligned, run
 
 DENSE = ("dense",)
 
@@ -25,12 +27,13 @@ def plan_of(case, K=360, *, further=(), alternatives=()):
 
 
 def rows_of(plan, x):
-    """Return the rows of the design array that the plan's kernel reads."""
-    return aligned_copy(x[[INPUTS.index(name) for name in plan.inputs]])
+    """Return the rows of the design array that the plan's kernel reads, padded to whole lanes."""
+    rows = x[[INPUTS.index(name) for name in plan.inputs]]
+    return aligned_copy(np.pad(rows, ((0, 0), (0, -x.shape[1] % LANES)), mode="edge"))
 
 
 def shapes(plan, K):
-    lengths = {"branch": 2, "theta1": K}
+    lengths = {"branch": len(plan.branches), "theta1": K}
     return [tuple(lengths[axis] for axis in output.axes) for output in plan.outputs]
 
 
@@ -38,7 +41,7 @@ def shapes(plan, K):
 class Bound:
     """A kernel bound to its arguments; calling it evaluates into ``arrays``."""
 
-    plan: Plan
+    plan: Plan | RefinedPlan
     arguments: tuple
     arrays: list
 
@@ -50,13 +53,16 @@ class Bound:
 def bind(case, x, theta1, **options):
     """Return the kernel of a case bound to designs and angles; compiles it."""
     theta = angles(theta1)
-    n, K = x.shape[1], theta.size
-    plan = plan_of(case, K, **options)
+    return bind_plan(plan_of(case, theta.size, **options), x, theta)
+
+
+def bind_plan(plan, x, theta=()):
+    """Return a kernel whose results are alike in shape, bound to designs and angles; compiles it."""
+    n, tables = x.shape[1], aligned_copy(plan.angle_tables(np.asarray(theta)))
     scratch = [empty((size,)) for size in plan.scratch]
-    per_design = shapes(plan, K)
-    whole = empty((len(plan.outputs), n, *per_design[0]))  # as the C kernel has it
-    tables = aligned_copy(plan.angle_tables(theta))
-    bound = Bound(plan, (rows_of(plan, x), tables, n, K, *scratch, *whole), list(whole))
+    shape = shapes(plan, len(theta))[0]
+    whole = aligned((len(plan.outputs), n, *shape), plan.outputs[0].dtype)  # as the C kernel has it
+    bound = Bound(plan, (rows_of(plan, x), tables, n, len(theta), *scratch, *whole), list(whole))
     bound()
     return bound
 

@@ -4,18 +4,12 @@ from __future__ import annotations
 
 import json
 import math
-import sys
-from pathlib import Path
 
 import pytest
-
-ROOT = Path(__file__).parents[1]
-sys.path.insert(0, str(ROOT))  # `pytest` alone does not put it there
-
-from benchmarks import c_kernel, facts, output, report, table  # noqa: E402
-from benchmarks.__main__ import quick  # noqa: E402
-from benchmarks.agree import agree  # noqa: E402
-from benchmarks.inputs import CASES  # noqa: E402
+from benchmarks import c_kernel, facts, output, report, table
+from benchmarks.__main__ import quick
+from benchmarks.agree import agree
+from benchmarks.inputs import CASES
 
 # A reaction next to a toggle goes as 1/sigma^3: some 40 roundings times a condition of up to 100, relative to
 # the greatest value over the cycle; 7e-15 is the worst seen.
