@@ -33,7 +33,7 @@ LAYERS = [
         "plan",
         "plans",
     ),
-    *("space", "table", "design", "links", "request", "reading", "planar", "run"),
+    *("space", "table", "design", "links", "request", "reading", "planar", "minkowski", "run"),
     *("label", "target", "layout", "write_back", "store", "labelling", "sweep"),
     *("listing", "summary", "study_schema", "study_design", "study"),
     *("plot_colour", "plot_text", "plot_draw", "plot", "cli"),

@@ -10,7 +10,7 @@ from types import ModuleType
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from fastlink import planar
+    from fastlink import minkowski, planar
     from fastlink.design import DesignSpace, grid, latin_hypercube, sobol, table
     from fastlink.errors import InputError
     from fastlink.links import round_bar
@@ -40,7 +40,7 @@ _PLACES = {
 }
 
 #: Packages that are imported when first named.
-_PACKAGES = ("planar",)
+_PACKAGES = ("minkowski", "planar")
 
 __all__ = [
     "DesignSpace",
@@ -48,6 +48,7 @@ __all__ = [
     "evaluate",
     "grid",
     "latin_hypercube",
+    "minkowski",
     "open",
     "planar",
     "plot_map",

@@ -14,28 +14,10 @@ from scipy.spatial import ConvexHull, QhullError
 from fastlink.errors import InputError
 from fastlink.geometry import cross
 from fastlink.planar.designs import CURVE, broadcast, curve_designs
+from fastlink.planar.sextics import coupler_sextic
 from fastlink.reading import evaluate
 
 __all__ = ["curve_area", "curve_length", "curve_straightness", "sextic", "straightness"]
-
-
-def _polynomial(size: int, **terms: Any) -> Any:
-    """Return coefficients (..., size, size) from terms named by their powers, x1y2 for X Y^2."""
-    first = np.asarray(next(iter(terms.values())))
-    result = np.zeros((*first.shape, size, size))
-    for powers, coefficient in terms.items():
-        result[..., int(powers[1]), int(powers[3])] = coefficient
-    return result
-
-
-def _product(f: Any, g: Any) -> Any:
-    """Multiply two polynomials in X and Y of total degree n - 1, coefficients (..., n, n)."""
-    n, m = f.shape[-1], g.shape[-1]
-    result = np.zeros((*f.shape[:-2], n + m - 1, n + m - 1))
-    for i in range(n):
-        for j in range(n - i):
-            result[..., i : i + m, j : j + m] += f[..., i, j, None, None] * g
-    return result
 
 
 def sextic(a1: Any, a2: Any, a3: Any, a4: Any, P_u: Any, P_v: Any) -> Any:
@@ -88,20 +70,7 @@ def sextic(a1: Any, a2: Any, a3: Any, a4: Any, P_u: Any, P_v: Any) -> Any:
     0.0
     """
     a1, a2, a3, a4, u, v = curve_designs("sextic", a1, a2, a3, a4, P_u, P_v)
-    square = u * u + v * v
-    k = square - a1 * a1
-    middle = 2.0 * a2 * u - (a1 - a3) * (a1 + a3) - a2 * a2 - a4 * a4
-    along, across = u / a2, v / a2
-    # g = a4 z^2 + middle z - k a4, then W = (z conj(z) + k)(z - a4) - (along - i across) g.
-    real = _polynomial(4, x2y0=a4, x0y2=-a4, x1y0=middle, x0y0=-k * a4)
-    imaginary = _polynomial(4, x1y1=2.0 * a4, x0y1=middle)
-    one = np.ones_like(a4)
-    along, across = along[..., None, None], across[..., None, None]
-    W_real = _polynomial(4, x3y0=one, x1y2=one, x2y0=-a4, x0y2=-a4, x1y0=k, x0y0=-k * a4)
-    W_real -= along * real + across * imaginary
-    W_imaginary = _polynomial(4, x2y1=one, x0y3=one, x0y1=k) - (along * imaginary - across * real)
-    V = _polynomial(4, x0y1=a4 * (square / a2 - u), x2y0=-v, x0y2=-v, x1y0=v * a4)
-    return _product(W_real, W_real) + _product(W_imaginary, W_imaginary) - 4.0 * _product(V, V)
+    return coupler_sextic(-1, a1, a2, a3, a4, u, v)
 
 
 def _along(

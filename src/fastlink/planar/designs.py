@@ -1,4 +1,4 @@
-"""The numbers of one or many designs as the functions of this package take them."""
+"""The numbers of one or many designs as functions of the two planes take them."""
 
 from __future__ import annotations
 
@@ -13,6 +13,8 @@ __all__ = ["CURVE", "broadcast", "curve_designs"]
 #: The inputs of planar_4r that must be lengths, and those that determine a coupler curve.
 LENGTHS = ("a1", "a2", "a3", "a4")
 CURVE = (*LENGTHS, "P_u", "P_v")
+#: Those of minkowski_4r.
+MINKOWSKI_LENGTHS = ("a", "b", "g", "h")
 
 
 def broadcast(function: str, **numbers: Any) -> list[Any]:
@@ -23,7 +25,7 @@ def broadcast(function: str, **numbers: Any) -> list[Any]:
     function : str
         Who asks, for the messages.
     **numbers : float or array_like
-        The numbers by name; a1 ... a4 must be positive and finite.
+        The numbers by name; a1 ... a4 and a, b, g, h must be positive and finite.
 
     Raises
     ------
@@ -41,7 +43,9 @@ def broadcast(function: str, **numbers: Any) -> list[Any]:
             arrays[name] = np.asarray(value, dtype=float)
         except (TypeError, ValueError) as error:
             raise InputError(f"{function}: {name} is not a number or an array of numbers") from error
-        if name in LENGTHS and not np.all((arrays[name] > 0.0) & np.isfinite(arrays[name])):
+        if name in LENGTHS + MINKOWSKI_LENGTHS and not np.all(
+            (arrays[name] > 0.0) & np.isfinite(arrays[name])
+        ):
             raise InputError(f"{function}: {name} must be positive and finite")
     try:
         return list(np.broadcast_arrays(*arrays.values()))

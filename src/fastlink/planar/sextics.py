@@ -1,0 +1,71 @@
+"""The coupler sextic over the complex and over the double numbers: one formula for both planes."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+__all__ = ["coupler_sextic"]
+
+
+def _polynomial(size: int, **terms: Any) -> Any:
+    """Return coefficients (..., size, size) from terms named by their powers, x1y2 for X Y^2."""
+    first = np.asarray(next(iter(terms.values())))
+    result = np.zeros((*first.shape, size, size))
+    for powers, coefficient in terms.items():
+        result[..., int(powers[1]), int(powers[3])] = coefficient
+    return result
+
+
+def _product(f: Any, g: Any) -> Any:
+    """Multiply two polynomials in X and Y of total degree n - 1, coefficients (..., n, n)."""
+    n, m = f.shape[-1], g.shape[-1]
+    result = np.zeros((*f.shape[:-2], n + m - 1, n + m - 1))
+    for i in range(n):
+        for j in range(n - i):
+            result[..., i : i + m, j : j + m] += f[..., i, j, None, None] * g
+    return result
+
+
+def coupler_sextic(jj: int, crank: Any, coupler: Any, output: Any, ground: Any, u: Any, v: Any) -> Any:
+    """Return the coefficients (..., 7, 7) of the equation that all coupler points of a four-bar satisfy.
+
+    Parameters
+    ----------
+    jj : {-1, 1}
+        The square of the unit j: -1 for the Euclidean plane of the complex numbers, 1 for the Minkowskian plane of
+        the double numbers.
+    crank, coupler, output, ground : ndarray
+        Lengths of one shape.
+    u, v : ndarray
+        The coupler point p = u + j v in the coupler's frame.
+
+    Notes
+    -----
+    With N(z) = z conj(z) and the W and V of `fastlink.planar.sextic` the equation is
+    N(W) + 4 jj V^2 = 0: nothing in its elimination asks what j^2 is, nor whether N(p) is positive.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> c = coupler_sextic(1, *np.array([3.0, 4.0, 5.0, 6.0, 0.0, 0.0]))  # p = 0: on X^2 - Y^2 = 9
+    >>> float(np.polynomial.polynomial.polyval2d(5.0, 4.0, c))
+    0.0
+    """
+    square = (u - v) * (u + v) if jj > 0 else u * u + v * v
+    k = square - crank * crank
+    middle = 2.0 * coupler * u - (crank - output) * (crank + output) - coupler * coupler - ground * ground
+    along, across = u / coupler, v / coupler
+    # g = ground z^2 + middle z - k ground, then W = (N(z) + k)(z - ground) - (along - j across) g.
+    real = _polynomial(4, x2y0=ground, x0y2=jj * ground, x1y0=middle, x0y0=-k * ground)
+    unit = _polynomial(4, x1y1=2.0 * ground, x0y1=middle)
+    one = np.ones_like(ground)
+    along, across = along[..., None, None], across[..., None, None]
+    W_real = _polynomial(
+        4, x3y0=one, x1y2=-jj * one, x2y0=-ground, x0y2=jj * ground, x1y0=k, x0y0=-k * ground
+    )
+    W_real -= along * real - jj * across * unit
+    W_unit = _polynomial(4, x2y1=one, x0y3=-jj * one, x0y1=k) - (along * unit - across * real)
+    V = _polynomial(4, x0y1=ground * (square / coupler - u), x2y0=-v, x0y2=jj * v, x1y0=v * ground)
+    return _product(W_real, W_real) - jj * _product(W_unit, W_unit) + 4.0 * jj * _product(V, V)
