@@ -92,6 +92,25 @@ def test_close_pairs_are_found():
         assert count[0].tolist() == [counted.count(1), counted.count(2)], (quantity, text)
 
 
+@pytest.mark.parametrize(
+    ("lengths", "greatest", "least"),
+    [
+        ((0.5, 1.0, 0.5, 1.0), 1.0, -3.0),
+        ((0.5, 1.0, 1.0, 0.5), 0.75, 0.25),
+        ((0.5, 0.5, 1.0, 1.0), 2.0 / 3.0, -2.0),
+        ((1.0, 1.0, 1.0, 1.0), 1.0, 0.0),
+    ],
+)
+def test_at_a_change_point_limits_count_and_errors_are_no_extrema(lengths, greatest, least):
+    """Both modes meet at folds, where omega4 has its limits; where it is constant there is no extreme."""
+    one = fl.grid(**dict(zip(("a1", "a2", "a3", "a4"), lengths, strict=True)), omega1=1.0)
+    result = fl.sweep("planar_4r", one, ["omega4_max", "omega4_min", "omega4_extrema_count"])
+    # Ten roundings of terms of a size of 4.
+    np.testing.assert_allclose(result.omega4_max, greatest, rtol=0, atol=40 * UNIT)
+    np.testing.assert_allclose(result.omega4_min, least, rtol=0, atol=40 * UNIT)
+    assert (result.omega4_extrema_count == 0).all()
+
+
 def taken(lengths: np.ndarray, quantity: str, **options):
     """Return max, min and their places, and the extrema with their places."""
     names = [f"{quantity}_max", f"{quantity}_min"]

@@ -12,7 +12,7 @@ from numpy.testing import assert_allclose, assert_array_equal
 
 import fastlink as fl
 from fastlink.plot_colour import limits_of
-from fastlink.plot_draw import ABSENT
+from fastlink.plot_draw import ABSENT, WITHOUT_BOUND
 from fastlink.plot_text import mathematical
 
 BARS = fl.round_bar(7750.0, 0.01)
@@ -49,12 +49,17 @@ def legend(figure):
 # -- maps ------------------------------------------------------------------------------------------
 
 
+def finite(values):
+    """Return values with NaN for those that are not finite, as a map's cells have them."""
+    return np.where(np.isfinite(values), values, np.nan)
+
+
 def test_a_map_shows_the_values_where_they_belong(maps):
     figure = fl.plot_map(maps, "omega4_max", branch=2, at={"a4": 1.0})
     (axes,) = panels(figure)
     mesh = axes.collections[0]
     expected = maps["omega4_max"].sel(branch=2, a4=1.0).transpose("a2", "a1").values
-    assert_array_equal(mesh.get_array().filled(np.nan), expected)
+    assert_array_equal(mesh.get_array().filled(np.nan), finite(expected))
     corners = mesh.get_coordinates()
     assert_allclose(corners[0, 1:3, 0], [0.35, 0.75])  # half-way between the values of a1
     assert axes.get_xlabel() == "length of the input crank OA $a_{1}$ [m]"
@@ -70,12 +75,34 @@ def test_what_does_not_assemble_is_grey_and_in_the_legend(maps):
     figure = fl.plot_map(maps, "omega4_max", at={"a4": 1.0})
     (axes,) = panels(figure)
     assert axes.get_facecolor() == mpl.colors.to_rgba(ABSENT)
-    assert (
-        axes.collections[0].get_array().mask.sum() == np.isnan(maps["omega4_max"].sel(branch=1, a4=1.0)).sum()
-    )
-    assert "does not assemble" in legend(figure)
-    assert any("assembles over part of the turn" in text for text in legend(figure))
+    shown = maps["omega4_max"].sel(branch=1, a4=1.0).T
+    assert_array_equal(axes.collections[0].get_array().mask, ~np.isfinite(shown))
+    assert any("does not assemble" in text for text in legend(figure))
     assert not any("never" in text for text in legend(figure))
+
+
+def test_designs_that_do_not_turn_fully_are_veiled_and_named():
+    space = fl.grid(a1=[0.5, 1.0, 1.5], a2=np.linspace(0.9, 1.5, 5), a3=0.8, a4=1.0)
+    figure = fl.plot_map(fl.sweep("planar_4r", space, ["transmission_angle_max"]), "transmission_angle_max")
+    assert any("assembles over part of the turn" in text for text in legend(figure))
+
+
+def test_what_grows_without_bound_is_marked(maps):
+    shown = maps["omega4_max"].sel(branch=1, a4=1.0).T
+    assert np.isposinf(shown).any()
+    figure = fl.plot_map(maps, "omega4_max", at={"a4": 1.0})
+    cells = panels(figure)[0].collections[1].get_array()
+    assert_array_equal(cells.filled(False), np.isinf(shown))
+    assert WITHOUT_BOUND in legend(figure)
+    line = fl.plot_map(maps, "omega4_max", branch=1, at={"a4": 1.0, "a2": float(maps.a2[0])})
+    assert WITHOUT_BOUND in [text.get_text() for text in line.axes[0].get_legend().get_texts()]
+
+
+def test_what_has_no_value_though_it_assembles_is_not_said_not_to():
+    space = fl.grid(a1=[0.4, 0.9], a2=[1.1, 1.2], a3=0.8, a4=1.0)
+    figure = fl.plot_map(fl.sweep("planar_4r", space, ["time_ratio"]), "time_ratio")
+    assert "has no value" in legend(figure)
+    assert "does not assemble" not in legend(figure)
 
 
 def test_where_everything_turns_there_is_no_legend():
@@ -99,7 +126,7 @@ def test_the_order_of_an_axis_does_not_matter(maps):
     for dataset in (maps, shuffled):
         figure = fl.plot_map(dataset, "omega4_max", branch=1, at={"a4": 0.9})
         values = panels(figure)[0].collections[0].get_array().filled(np.nan)
-        assert_array_equal(values, maps["omega4_max"].sel(branch=1, a4=0.9).T)
+        assert_array_equal(values, finite(maps["omega4_max"].sel(branch=1, a4=0.9).T))
 
 
 def test_the_nearest_value_is_taken(maps):

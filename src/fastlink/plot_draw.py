@@ -24,7 +24,8 @@ if TYPE_CHECKING:
 __all__ = ["draw", "kinds", "style"]
 
 MOST_CELLS = 1600  # along each side: more than a picture has pixels
-ABSENT = "0.78"
+ABSENT, ENDLESS = "0.78", "0.45"
+WITHOUT_BOUND = "grows without bound"
 VEIL = (1.0, 1.0, 1.0, 0.55)
 LINES = ("#0b5fa5", "#d1495b", "#2a9d5c", "#8a5fbf")
 CONTOURS = 8
@@ -97,7 +98,8 @@ def _draw_maps(
     figure.set_size_inches(1.6 + 5.2 * len(panels), 5.0)
     axes = figure.subplots(1, len(panels), sharey=True, squeeze=False)[0]
     values = np.stack([panel.transpose(free[1], free[0]).values for _, panel in panels]).astype(float)
-    values[~np.isfinite(values)] = np.nan
+    endless = np.isinf(values)
+    values[endless] = np.nan
     x, y = (variable[dim].values for dim in free)
     # where a design does not rotate fully, rates grow without bound towards the ends of its motion
     odd = np.zeros(values.shape[1:], bool)
@@ -107,11 +109,14 @@ def _draw_maps(
     norm, colours, extend = (
         flag_colours(variable) if flags else colours_of(values, ~odd, variable.attrs.get("units") == "rad")
     )
-    for axis, (title, _), shown in zip(axes, panels, values, strict=True):
+    for axis, (title, _), shown, beyond in zip(axes, panels, values, endless, strict=True):
         axis.set_facecolor(ABSENT)
         image = axis.pcolormesh(
             x, y, np.ma.masked_invalid(shown), norm=norm, cmap=colours, shading="nearest", rasterized=True
         )
+        if beyond.any():
+            cells = np.ma.masked_equal(beyond, False)
+            axis.pcolormesh(x, y, cells, cmap=ListedColormap([ENDLESS]), shading="nearest", rasterized=True)
         if not flags:
             _add_contours(axis, x, y, np.where(odd, np.nan, shown), norm, colours.name == "twilight_shifted")
             _veil(axis, x, y, odd)
@@ -123,8 +128,11 @@ def _draw_maps(
         handles.append(
             Patch(facecolor=VEIL, edgecolor="0.35", linewidth=0, hatch="////", label=_meanings(status, odd))
         )
-    if np.isnan(values).any():
-        handles.append(Patch(facecolor=ABSENT, label="does not assemble"))
+    if endless.any():
+        handles.append(Patch(facecolor=ENDLESS, label=WITHOUT_BOUND))
+    absent = np.isnan(values) & ~endless
+    if absent.any():
+        handles.append(Patch(facecolor=ABSENT, label=_why_absent(status, absent.any(axis=0))))
     if not flags:
         bar = figure.colorbar(image, ax=list(axes), extend=extend, pad=0.02)
         bar.set_label(label_of(variable, name=False))
@@ -177,6 +185,16 @@ def _add_legend(axis: Any, handles: Sequence[Any]) -> None:
         )
 
 
+def _why_absent(status: xr.DataArray | None, absent: Any) -> str:
+    """Tell why cells have no value: a design that assembles may have none for another reason."""
+    if status is None:
+        return "does not assemble"
+    pairs = zip(status.attrs["flag_values"], status.attrs["flag_meanings"].split(), strict=True)
+    never = [code for code, meaning in pairs if meaning in ("never_assembles", "invalid_input")]
+    fails = np.isin(status.values[absent], never)
+    return " or ".join(["does not assemble"] * bool(fails.any()) + ["has no value"] * bool((~fails).any()))
+
+
 def _meanings(status: xr.DataArray, odd: Any) -> str:
     """Return what the statuses but the first mean, the most frequent one first."""
     pairs = zip(status.attrs["flag_values"], status.attrs["flag_meanings"].split(), strict=True)
@@ -212,8 +230,9 @@ def _draw_lines(figure: Any, variable: xr.DataArray, dim: str) -> None:
     for (title, panel), colour in zip(panels, LINES, strict=False):
         places, values = _unwrapped(x, panel.values.astype(float), variable.attrs.get("units"))
         axis.plot(places, values, color=colour, label=title, linewidth=1.6, **marks)
-    absent = np.all([~np.isfinite(panel.values.astype(float)) for _, panel in panels], axis=0)
-    _shade(axis, x, absent)
+    every = np.array([panel.values.astype(float) for _, panel in panels])
+    _shade(axis, x, np.isnan(every).all(axis=0), ABSENT, "does not assemble")
+    _shade(axis, x, np.isinf(every).any(axis=0), ENDLESS, WITHOUT_BOUND)
     if dim != "design":
         axis.set_xlim(x[0], x[-1])
     if coordinate.attrs.get("units") == "rad" and x[0] >= 0.0 and x[-1] <= 2.0 * np.pi:
@@ -247,10 +266,10 @@ def _unwrapped(x: Any, values: Any, units: str | None) -> tuple[Any, Any]:
     return np.insert(x.astype(float), jumps, x[jumps]), np.insert(values, jumps, np.nan)
 
 
-def _shade(axis: Any, x: Any, absent: Any) -> None:
-    """Shade where nothing assembles, half-way to the next place that does."""
+def _shade(axis: Any, x: Any, absent: Any, colour: str, label: str) -> None:
+    """Shade where there is no value to draw, half-way to the next place that has one."""
     edges = np.flatnonzero(np.diff(np.concatenate(([False], absent, [False])).astype(int)))
     middles = np.concatenate((x[:1], 0.5 * (x[:-1] + x[1:]), x[-1:]))
     for number, (start, stop) in enumerate(edges.reshape(-1, 2)):
-        label = "_further" if number else "does not assemble"
-        axis.axvspan(middles[start], middles[stop], color=ABSENT, linewidth=0, label=label)
+        known = "_further" if number else label
+        axis.axvspan(middles[start], middles[stop], color=colour, linewidth=0, label=known)

@@ -258,6 +258,10 @@ class _Refined(RefinedLayout):
     def write_collect(self, number: int, search: Search) -> None:
         """Make items of all halves of one function."""
         self.use("search", "collect")
+        if self.plan.mirrored:
+            self.use("search", "silence")
+            rows = f"{self.sample_row(number, 0)}, {self.sample_row(number, 1)}"
+            self.text.add(f"silence(m_rows, {rows}, {self.samples})")
         for half in range(self.halves):
             first = self.plan.mirrored and half == 0
             rows = f"{self.sample_row(number, half)}, {self.sample_row(number, self.beyond(half))}"
