@@ -19,6 +19,7 @@ from fastlink.errors import InputError
 from fastlink.fact import Fact, Input, System
 from fastlink.graph import Graph, Node, is_power_of_two
 from fastlink.jit import INFINITY, NOT_A_NUMBER, atan2, cosine, select, sine, sqrt
+from fastlink.logarithm import log, log1p, log_scaled
 
 __all__ = ["Derivation", "NoDerivative", "derivative_name", "labelled"]
 
@@ -255,6 +256,10 @@ class Derivation:
             return graph.mul(graph.call(cosine, *args), slopes[0])
         if function is cosine:
             return graph.neg(graph.mul(graph.call(sine, *args), slopes[0]))
+        if function in (log, log_scaled):
+            return graph.div(slopes[0], args[0])
+        if function is log1p:
+            return graph.div(slopes[0], graph.add(graph.one, args[0]))
         if function is atan2:
             return graph.call(geometry.turn_rate, *args, *slopes)
         if function is abs:
@@ -288,6 +293,9 @@ FUNCTIONS: dict[str, Any] = {
     "atan2": atan2,
     "cosine": cosine,
     "sine": sine,
+    "log": log,
+    "log1p": log1p,
+    "log_scaled": log_scaled,
     "select": select,
     "INFINITY": INFINITY,
     "NOT_A_NUMBER": NOT_A_NUMBER,

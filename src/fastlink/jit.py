@@ -17,7 +17,10 @@ import numpy as np
 from numba.core.compiler import Compiler
 from numba.extending import overload, register_jitable
 
-__all__ = ["KERNEL_OPTIONS", "atan2", "called", "cos", "cosine", "inlined", "select", "sin", "sine", "sqrt"]
+__all__ = [
+    *("KERNEL_OPTIONS", "called", "inlined", "select", "sqrt", "atan2", "cosine", "sine"),
+    *("sin", "cos", "exp", "doublings", "compiled_as", "context_of"),
+]
 
 INFINITY = float("inf")
 NOT_A_NUMBER = float("nan")
@@ -37,6 +40,16 @@ def inlined(function: F) -> F:
     return result
 
 
+def compiled_as(text: Callable[..., Any]) -> Callable[[F], F]:
+    """Make a function callable from kernels as an `inlined` text, beside its other readings."""
+
+    def declare(function: F) -> F:
+        overload(function, jit_options=INLINE_OPTIONS, strict=False)(lambda *types: text)
+        return function
+
+    return declare
+
+
 def called(function: F) -> F:
     """Make a function with loops of its own callable from kernels: compiled once per machine.
 
@@ -49,7 +62,7 @@ def called(function: F) -> F:
     return result
 
 
-def _context(*values: Any) -> Any:
+def context_of(*values: Any) -> Any:
     """Return the mpmath context of the first mpmath number among the values, else None."""
     for value in values:
         context = getattr(value, "context", None)
@@ -60,7 +73,7 @@ def _context(*values: Any) -> Any:
 
 def sqrt(x: Any) -> Any:
     """Square root; NaN below zero in every reading."""
-    context = _context(x)
+    context = context_of(x)
     if context is None:
         return np.sqrt(x)
     return context.sqrt(x) if x >= 0 else context.nan
@@ -86,14 +99,26 @@ def _select(condition: Any, if_true: Any, if_false: Any) -> Any:
 
 def sin(x: Any) -> Any:
     """Sine of an input angle; tabled once per sweep, never called in a kernel."""
-    context = _context(x)
+    context = context_of(x)
     return np.sin(x) if context is None else context.sin(x)
 
 
 def cos(x: Any) -> Any:
     """Cosine of an input angle; tabled once per sweep, never called in a kernel."""
-    context = _context(x)
+    context = context_of(x)
     return np.cos(x) if context is None else context.cos(x)
+
+
+def exp(x: Any) -> Any:
+    """Exponential of an input rapidity; tabled once per sweep, never called in a kernel."""
+    context = context_of(x)
+    return np.exp(x) if context is None else context.exp(x)
+
+
+def doublings(x: Any) -> Any:
+    """Whole number of doublings nearest to e^x, x/log(2); tabled once per sweep, never called in a kernel."""
+    context = context_of(x)
+    return np.rint(x / np.log(2.0)) if context is None else context.nint(x / context.ln2)
 
 
 # Minimax coefficients of (atan(r)/r - 1)/r^2 in r^2 for |r| <= tan(pi/8), degree 23 in r: 0.012 units of rounding.
@@ -157,7 +182,7 @@ def atan2(y: Any, x: Any) -> Any:
     Signed zeros and infinities as IEEE 754 has them. A libm call in a loop stops its vectorisation
     (10 ns a call, measured); this takes about 1 ns.
     """
-    context = _context(y, x)
+    context = context_of(y, x)
     if context is not None:
         return context.atan2(y, x)
     with np.errstate(invalid="ignore"):  # inf - inf in the branch that is not selected
@@ -209,13 +234,13 @@ def cosine(x: Any) -> Any:
 
     The same polynomials in every reading, for the same bits on every machine.
     """
-    context = _context(x)
+    context = context_of(x)
     return _polynomial_cos_sin(np.asarray(x, dtype=float))[0][()] if context is None else context.cos(x)
 
 
 def sine(x: Any) -> Any:
     """Sine of a direction that a design gives: see `cosine`."""
-    context = _context(x)
+    context = context_of(x)
     return _polynomial_cos_sin(np.asarray(x, dtype=float))[1][()] if context is None else context.sin(x)
 
 

@@ -31,7 +31,7 @@ if TYPE_CHECKING:
 __all__ = ["cache_folder", "load_kernel"]
 
 HELPERS = (
-    *("jit.py", "geometry.py", "kernels/dense.py", "kernels/whole.py"),
+    *("jit.py", "logarithm.py", "geometry.py", "kernels/dense.py", "kernels/whole.py"),
     *("kernels/items.py", "kernels/search.py", "kernels/bracket.py", "kernels/found.py"),
 )
 _lock = threading.Lock()
