@@ -17,6 +17,7 @@ __all__ = [
     "largest",
     "pair_product",
     "power_of_two_below",
+    "sign",
     "turn_rate",
     "two_product",
     "two_sum",
@@ -120,3 +121,9 @@ def turn_rate(y: Any, x: Any, dy: Any, dx: Any) -> Any:
     v = y / size
     u = x / size
     return (u * dy - v * dx) / (size * (u * u + v * v))
+
+
+@inlined
+def sign(x: Any) -> Any:
+    """Return 1, 0 or -1 with the sign of x; 0 of NaN."""
+    return select(x > 0.0, 1.0, select(x < 0.0, -1.0, 0.0))

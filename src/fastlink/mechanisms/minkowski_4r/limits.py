@@ -1,0 +1,282 @@
+"""Facts of one design of the Minkowskian 4R: the sums T_i, the limits of both cranks, branching, status.
+
+Every limit is a product of two T_i over two lengths, and each T_i is summed without loss: nothing cancels near a
+hyperbolic cosine of 1, and the signs, which decide what there is, are exact in the lengths as given. The input
+`tolerance` is the one that widens them: a T_i, or a difference of two lengths, of no more than `tolerance` times the
+sum of all four lengths then counts as 0. Ratios are taken length by length, so that no product overflows.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+from fastlink.geometry import gap, sign, zero_where
+from fastlink.jit import INFINITY, NOT_A_NUMBER, select, sqrt
+from fastlink.logarithm import arsinh
+from fastlink.mechanisms.minkowski_4r.declare import HEGEDUS, minkowski_4r
+
+LIMITS = f"{HEGEDUS}, section 3.6"
+BRANCHING = f"{HEGEDUS}, Corollaries 3.2 to 3.4"
+THEOREMS = "docs/minkowski_theorems.md"
+TOLERANCE = "tolerance"
+STATUS_FLAGS = {
+    0: "assembles_at_every_theta",
+    1: "assembles_over_part_of_theta",
+    2: "branches_meet_at_theta_0",
+    3: "undetermined_at_theta_0",
+    4: "invalid_input",
+}
+BRANCHING_FLAGS = {
+    0: "none",
+    1: "isolated_one_root_at_infinity",
+    2: "isolated_undetermined_at_theta_0",
+    3: "all_one_root_at_infinity",
+    4: "all_and_undetermined_at_theta_0",
+    5: "invalid_input",
+}
+
+minkowski_4r.input(
+    TOLERANCE,
+    units="1",
+    symbol="epsilon",
+    meaning="what counts as 0 of a T_i or a difference of lengths, over the sum of all lengths",
+    rule="non-negative",
+    alternative=TOLERANCE,
+    default=0.0,
+)
+
+
+@minkowski_4r.quantity(units="m", symbol="T_7", source=LIMITS, internal=True)
+def length_sum(a: Any, b: Any, g: Any, h: Any) -> Any:
+    """Sum of the four lengths, whatever they are."""
+    return (a + b) + (g + h)
+
+
+@minkowski_4r.quantity(units="1", symbol="valid", source=THEOREMS, internal=True)
+def sums_are_valid(a: Any, b: Any, g: Any, h: Any, length_sum: Any) -> Any:
+    """1 where the lengths are positive and their sum is finite, else 0."""
+    positive = (a > 0.0) & (b > 0.0) & (g > 0.0) & (h > 0.0)
+    return select(positive & (length_sum < INFINITY), 1.0, 0.0)
+
+
+@minkowski_4r.quantity(units="m", symbol="T_7", source=LIMITS)
+def T7(length_sum: Any, sums_are_valid: Any) -> Any:
+    """Sum of the lengths, g + b + a + h."""
+    return select(sums_are_valid == 1.0, length_sum, NOT_A_NUMBER)
+
+
+# -- the sums T_i and what is taken as 0 ----------------------------------------------------------------------
+
+
+def two_against_two(p: Any, q: Any, r: Any, s: Any, sums_are_valid: Any) -> Any:
+    """Return p + q - r - s, its sign exact."""
+    total, _low = gap(p, q, -r, -s)
+    return select(sums_are_valid == 1.0, total, NOT_A_NUMBER)
+
+
+def three_against_one(p: Any, q: Any, r: Any, s: Any, sums_are_valid: Any) -> Any:
+    """Return p + q + r - s, its sign exact."""
+    total, _low = gap(p, q, r, -s)
+    return select(sums_are_valid == 1.0, total, NOT_A_NUMBER)
+
+
+def one_against_three(p: Any, q: Any, r: Any, s: Any, sums_are_valid: Any) -> Any:
+    """Return p - q - r - s, its sign exact."""
+    total, _low = gap(p, -q, -r, -s)
+    return select(sums_are_valid == 1.0, total, NOT_A_NUMBER)
+
+
+def difference(p: Any, q: Any) -> Any:
+    """Return p - q, its sign exact."""
+    return p - q
+
+
+def as_it_is(value: Any) -> Any:
+    """Return what is 0 only where it is."""
+    return value
+
+
+def zero_within(replaced: Any, tolerance: Any, length_sum: Any) -> Any:
+    """Return a sum of lengths, 0 within the tolerance."""
+    return zero_where(abs(replaced) <= tolerance * length_sum, replaced)
+
+
+def _declare_sure(name: str, of: str, symbol: str, source: str) -> None:
+    """Declare a sum as it is, and in the set of facts that a tolerance chooses 0 within it."""
+    labels: dict[str, Any] = {
+        "units": "m",
+        "symbol": symbol,
+        "source": source,
+        "internal": True,
+        "name": name,
+    }
+    labels["meaning"] = f"{symbol}, 0 within the tolerance if one is given"
+    minkowski_4r.quantity(**labels, given={"value": of})(as_it_is)
+    minkowski_4r.quantity(**labels, given={"replaced": name}, alternative=TOLERANCE)(zero_within)
+
+
+# T6 and T8 are not in the paper: the fourth condition of "normal", and the third pairing of Grashof's criterion.
+for _name, _law, _p, _q, _r, _s in (
+    ("T1", two_against_two, "g", "b", "h", "a"),
+    ("T2", two_against_two, "a", "b", "g", "h"),
+    ("T3", one_against_three, "g", "a", "b", "h"),
+    ("T4", three_against_one, "g", "b", "h", "a"),
+    ("T5", three_against_one, "a", "g", "b", "h"),
+    ("T6", three_against_one, "a", "g", "h", "b"),
+    ("T8", two_against_two, "b", "h", "a", "g"),
+):
+    _signs = {two_against_two: "+--", three_against_one: "++-", one_against_three: "---"}[_law]
+    minkowski_4r.quantity(
+        units="m",
+        symbol=f"T_{_name[1]}",
+        source=LIMITS if _name not in ("T6", "T8") else THEOREMS,
+        internal=_name in ("T6", "T8"),
+        name=_name,
+        meaning=_p + "".join(f" {sign} {x}" for sign, x in zip(_signs, (_q, _r, _s), strict=True)),
+        given={"p": _p, "q": _q, "r": _r, "s": _s},
+    )(_law)
+    _declare_sure(f"sure_{_name}", _name, f"T_{_name[1]}", LIMITS)
+
+for _p, _q in (("g", "a"), ("b", "h"), ("g", "b")):
+    minkowski_4r.quantity(
+        units="m",
+        symbol=f"{_p} - {_q}",
+        source=THEOREMS,
+        internal=True,
+        name=f"{_p}_minus_{_q}",
+        meaning=f"{_p} - {_q}",
+        given={"p": _p, "q": _q},
+    )(difference)
+    _declare_sure(f"sure_{_p}_minus_{_q}", f"{_p}_minus_{_q}", f"{_p} - {_q}", THEOREMS)
+
+
+# -- limits ---------------------------------------------------------------------------------------------------
+
+
+def cosh_above(first: Any, second: Any, x: Any, y: Any, sums_are_valid: Any) -> Any:
+    """Return 1 + first second/(2 x y)."""
+    return select(sums_are_valid == 1.0, 1.0 + 0.5 * (first / x) * (second / y), NOT_A_NUMBER)
+
+
+def cosh_below(first: Any, second: Any, x: Any, y: Any, sums_are_valid: Any) -> Any:
+    """Return 1 - first second/(2 x y)."""
+    return select(sums_are_valid == 1.0, 1.0 - 0.5 * (first / x) * (second / y), NOT_A_NUMBER)
+
+
+def angle_above(first: Any, second: Any, x: Any, y: Any) -> Any:
+    """Return arch(1 + first second/(2 x y)), NaN unless that exceeds 1."""
+    angle = 2.0 * arsinh(0.5 * sqrt(abs(first) / x) * sqrt(abs(second) / y))
+    return select(sign(first) * sign(second) > 0.0, angle, NOT_A_NUMBER)
+
+
+def angle_below(first: Any, second: Any, x: Any, y: Any) -> Any:
+    """Return arch(1 - first second/(2 x y)), NaN unless that exceeds 1."""
+    angle = 2.0 * arsinh(0.5 * sqrt(abs(first) / x) * sqrt(abs(second) / y))
+    return select(sign(first) * sign(second) < 0.0, angle, NOT_A_NUMBER)
+
+
+for _name, _theorem, _cosh, _angle, _first, _second, _x, _y, _meaning in (
+    (
+        "theta_min",
+        3.8,
+        cosh_above,
+        angle_above,
+        "sure_T3",
+        "sure_T4",
+        "a",
+        "g",
+        "greatest |theta| of the inner",
+    ),
+    ("theta_max", 3.8, cosh_below, angle_below, "sure_T1", "sure_T2", "a", "g", "least |theta| of the outer"),
+    (
+        "psi_min",
+        "3.10",
+        cosh_below,
+        angle_below,
+        "sure_T4",
+        "sure_T5",
+        "b",
+        "g",
+        "greatest |psi| of the inner",
+    ),
+    ("psi_max", "3.10", cosh_below, angle_below, "sure_T1", "T7", "b", "g", "least |psi| of the outer"),
+):
+    _given = {"first": _first, "second": _second, "x": _x, "y": _y}
+    _symbol = _name.replace("_", "_{") + "}"
+    minkowski_4r.quantity(
+        units="1",
+        symbol=f"ch({_symbol})",
+        source=f"{HEGEDUS}, Theorem {_theorem}",
+        name=f"cosh_{_name}",
+        meaning=f"hyperbolic cosine of {_name} as the theorem has it: no angle below 1",
+        given=_given,
+    )(_cosh)
+    minkowski_4r.quantity(
+        units="1",
+        symbol=_symbol,
+        source=f"{HEGEDUS}, Theorem {_theorem}",
+        name=_name,
+        meaning=f"{_meaning} range; NaN where there is no such limit",
+        given=_given,
+    )(_angle)
+
+
+@minkowski_4r.quantity(units="1", symbol="ln(g/a)", source=f"{HEGEDUS}, eq. (3); {THEOREMS}#escape")
+def theta_escape(a: Any, g: Any, g_minus_a: Any, sums_are_valid: Any) -> Any:
+    """|ln(g/a)|: at this theta and minus it a root runs to infinity, A and C being lightlike separated."""
+    # The hyperbolic sine of half of it is (sqrt(g/a) - sqrt(a/g))/2.
+    angle = 2.0 * arsinh(0.5 * (abs(g_minus_a) / sqrt(a)) / sqrt(g))
+    return select(sums_are_valid == 1.0, angle, NOT_A_NUMBER)
+
+
+# -- branching ------------------------------------------------------------------------------------------------
+
+
+@minkowski_4r.quantity(units="1", symbol="undetermined", source=f"{THEOREMS}#branching", internal=True)
+def pins_may_coincide(sure_T1: Any, sure_T2: Any) -> Any:
+    """1 where g = a and b = h: at theta = 0 the pins A and C coincide and psi is undetermined; else 0."""
+    return select((sure_T1 == 0.0) & (sure_T2 == 0.0), 1.0, 0.0)
+
+
+@minkowski_4r.quantity(units="1", symbol="folded", source=f"{THEOREMS}#branching", internal=True)
+def folds_at_every_theta(sure_T2: Any, sure_T8: Any) -> Any:
+    """1 where g = b and h = a: B may lie at O whatever theta is; else 0."""
+    return select((sure_T2 == 0.0) & (sure_T8 == 0.0), 1.0, 0.0)
+
+
+@minkowski_4r.quantity(units="1", symbol="ch(theta)", source=BRANCHING)
+def cosh_theta_branching(sure_T2: Any, sure_T3: Any, a: Any, sure_g_minus_b: Any, sums_are_valid: Any) -> Any:
+    """Hyperbolic cosine of theta where A + C = 0 in eq. (3): no angle below 1; NaN where g = b."""
+    # eq. (8) is 1 - T2 T3/(2 a (g - b))
+    cosine = 1.0 - 0.5 * (sure_T2 / a) * (sure_T3 / sure_g_minus_b)
+    return select((sums_are_valid == 1.0) & (sure_g_minus_b != 0.0), cosine, NOT_A_NUMBER)
+
+
+@minkowski_4r.quantity(units="1", symbol="theta", source=BRANCHING)
+def theta_branching(sure_T2: Any, sure_T3: Any, a: Any, sure_g_minus_b: Any) -> Any:
+    """The paper's branching point: |theta| where A + C = 0 in eq. (3); NaN where there is none, or all are."""
+    root = (sqrt(abs(sure_T2)) / sqrt(a)) * (sqrt(abs(sure_T3)) / sqrt(abs(sure_g_minus_b)))
+    there = sign(sure_T2) * sign(sure_T3) * sign(sure_g_minus_b) <= 0.0
+    return select(there & (sure_g_minus_b != 0.0), 2.0 * arsinh(0.5 * root), NOT_A_NUMBER)
+
+
+@minkowski_4r.quantity(
+    units="1", symbol="kind", source=f"{BRANCHING}; {THEOREMS}#branching", flags=BRANCHING_FLAGS
+)
+def branching_kind(
+    theta_branching: Any, folds_at_every_theta: Any, pins_may_coincide: Any, sums_are_valid: Any
+) -> Any:
+    """What happens where A + C = 0 in eq. (3): one root at infinity (q = -1), or psi undetermined."""
+    isolated = select(theta_branching >= 0.0, 1.0, 0.0)
+    code = select(folds_at_every_theta == 1.0, 3.0, isolated)
+    code = select(pins_may_coincide == 1.0, select(folds_at_every_theta == 1.0, 4.0, 2.0), code)
+    return select(sums_are_valid == 1.0, code, 5.0)
+
+
+@minkowski_4r.quantity(units="1", symbol="status", source=f"{LIMITS}; {THEOREMS}#status", flags=STATUS_FLAGS)
+def status(sure_T1: Any, sure_T2: Any, pins_may_coincide: Any, sums_are_valid: Any) -> Any:
+    """Where the loop closes, with CB of either orientation: no design never does, theta being unbounded."""
+    product = sign(sure_T1) * sign(sure_T2)
+    code = select(product < 0.0, 1.0, select(product > 0.0, 0.0, 2.0))
+    code = select(pins_may_coincide == 1.0, 3.0, code)
+    return select(sums_are_valid == 1.0, code, 4.0)
