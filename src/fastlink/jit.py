@@ -257,6 +257,12 @@ def _sine(x: Any) -> Any:
     return lambda x: _polynomial_cos_sin(x)[1]
 
 
+def separate(function: F) -> F:
+    """Make a part of a kernel's text a function of its own: what is called twice is compiled once."""
+    result: F = numba.njit(**KERNEL_OPTIONS)(function)
+    return result
+
+
 class _Restrict(Compiler):  # type: ignore[misc]
     """Numba's compiler with one promise more: the array arguments of a kernel do not overlap.
 

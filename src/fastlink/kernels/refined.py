@@ -50,6 +50,8 @@ class _Refined(RefinedLayout):
 
     def write(self) -> str:
         text, plan = self.text, self.plan
+        self.write_evaluation()
+        text.add()
         text.open(
             f"def kernel(x, angles, n, n_angles, w, m, {', '.join(f'out_{o.name}' for o in plan.outputs)}):"
         )
@@ -78,7 +80,7 @@ class _Refined(RefinedLayout):
         for line in (
             f"w_rows = w.reshape(w.size // {LANES}, {LANES})",
             f"m_rows = m.reshape(m.size // {LANES}, {LANES})",
-            f"s = empty({(STATE_ROWS + len(self.item_needs) + len(searches) + 1) * LANES})",
+            f"s = empty({(self.slope_row + len(searches)) * LANES})",
             f"s_rows = s.reshape(s.size // {LANES}, {LANES})",
             f"valleys = empty(({room * self.samples}, {ITEM_ROWS}))",
             f"roots = empty(({3 * room * self.samples}, {ITEM_ROWS}))",
@@ -121,10 +123,16 @@ class _Refined(RefinedLayout):
         rows = self.row("places", 2 * (cells + 1))
         self.places = rows
         spare = self.row("spare", 4)
-        at_near, at_far = self.row(near), self.row(far)
         scale, start = self.row(self.graded.ends[0][0]), self.row(self.graded.ends[0][1])
-        self.use("search", "place_samples", "fractions")
+        self.use("search", "place_samples")
         text.add(f"place_samples(w_rows, {scale}, {start}, {rows}, {spare}, {cells})")
+        steps = self.needed_for(self.slope_names())
+        of_branch = [s for s in steps if "branch" in self.plan.axes[s.name]]
+        if not self.plan.mirrored or len(of_branch) > MOST_ABREAST:
+            self.write_sample_calls()
+            return
+        self.use("search", "fractions")
+        at_near, at_far = self.row(near), self.row(far)
         text.open(f"for j in range({self.samples}):")
         text.open(f"if j <= {cells}:")
         text.add(f"fractions(w_rows, {rows} + j, {at_near}, {at_far})")
@@ -132,47 +140,44 @@ class _Refined(RefinedLayout):
         text.open("else:")
         text.add(f"fractions(w_rows, {rows + 3 * cells + 1} - j, {at_far}, {at_near})")
         text.close()
-        self.write_sample_loops()
+        self.write_sample_loop(steps, of_branch)
         text.close()
 
-    def write_sample_loops(self) -> None:
-        """One place of the range: both branches side by side where few facts tell them apart, else half by half.
+    def write_sample_calls(self) -> None:
+        """Sample half by half with what evaluates items: one text of the facts, which are many."""
+        text, rows, cells = self.text, self.places, self.cells
+        self.use("search", "load_designs", "set_places")
+        text.add("load_designs(w_rows, rows, s_rows)")
+        text.open(f"for j in range({self.samples}):")
+        text.add(f"place = {rows} + j if j <= {cells} else {rows + 3 * cells + 1} - j")
+        text.open(f"for half in range({self.halves}):")
+        text.add(f"set_places(w_rows, place, j > {cells}, half, s_rows)")
+        text.add(f"evaluate(s, {LANES})")
+        for number in range(len(self.plan.searches)):
+            row = f"{self.sample_row(number, 0)} + half * {self.samples} + j"
+            text.add(f"m_rows[{row}] = s_rows[{self.slope_row + number}]")
+        text.close()
+        text.close()
 
-        What the branches share is computed once in the first case; the second keeps the text of forces short.
-        """
+    def write_sample_loop(self, steps: Sequence[Fact], of_branch: Sequence[Fact]) -> None:
+        """Sample both branches side by side: what they share is computed once."""
         text, plan = self.text, self.plan
         near, far, side = self.graded.leaves
-        steps = self.needed_for(self.slope_names())
-        of_branch = [s for s in steps if "branch" in plan.axes[s.name]]
-        abreast = plan.mirrored and len(of_branch) <= MOST_ABREAST
         self.loop = tag = "__s"
-        if not abreast:
-            text.open(f"for half in range({self.halves}):")
-            self.write_half("half", "0", "1", "2")
         text.open(f"for i in range({LANES}):")
         for name in (near, far, *self.design_needs(steps)):
             text.add(f"{name}{tag} = w[{self.row(name) * LANES} + i]")
-        if abreast:
-            text.add(f"{side}{tag} = 1.0")
-            for step in (s for s in steps if "branch" not in plan.axes[s.name]):
-                self.paste(step)
-            for k, branch in enumerate(plan.computed):
-                text.add(f"branch{tag}__{branch} = {branch}.0")
-                for step in of_branch:
-                    self.paste(step, f"__{branch}")
-                self.store_samples(f"{k}", f"__{branch}")
-        else:
-            for step in steps:
-                self.paste(step)
-            self.store_samples("half")
-            text.close()
+        text.add(f"{side}{tag} = 1.0")
+        for step in (s for s in steps if "branch" not in plan.axes[s.name]):
+            self.paste(step)
+        for k, branch in enumerate(plan.computed):
+            text.add(f"branch{tag}__{branch} = {branch}.0")
+            for step in of_branch:
+                self.paste(step, f"__{branch}")
+            for number, search in enumerate(plan.searches):
+                row = f"{self.sample_row(number, k)} + j"
+                text.add(f"m[({row}) * {LANES} + i] = {self.scaled(search, f'__{branch}')}")
         text.close()
-
-    def store_samples(self, half: str, copy: str = "") -> None:
-        """Store the sampled functions of one half."""
-        for number, search in enumerate(self.plan.searches):
-            row = f"{self.sample_row(number, 0)} + {half} * {self.samples} + j"
-            self.text.add(f"m[({row}) * {LANES} + i] = {self.scaled(search, copy)}")
 
     def write_half(self, half: str, first: str, second: str, third: str) -> None:
         """Tell branch and side of a half: halves are numbered branch by branch, both sides of each."""
@@ -208,7 +213,6 @@ class _Refined(RefinedLayout):
         """Cells that hold a zero, their refinement, and what is found there."""
         text, plan = self.text, self.plan
         (_, start, toggle), _ = self.graded.ends
-        value = STATE_ROWS + len(self.item_needs)
         self.use("items", "gather")
         self.use("bracket", "advance", "begin", "split")
         self.use("found", "clear", "collect_ends", "take")
@@ -227,13 +231,7 @@ class _Refined(RefinedLayout):
         text.add("width = gather(items, start, total, w_rows, rows, s_rows, lane)")
         text.add("open_items = begin(s_rows, width, phase)")
         text.open("while True:")
-        self.loop = "__r"
-        values = [search.quantity for search in plan.searches]
-        self.write_items([*self.slope_names(), *values])
-        self.write_choice()
-        for number, name in enumerate(values):
-            text.add(f"s[{(value + number) * LANES} + i] = {self.named(name)}")
-        text.close()
+        text.add("evaluate(s, width)")
         text.open("if open_items == 0:")
         text.add("break")
         text.close()
@@ -245,10 +243,11 @@ class _Refined(RefinedLayout):
         text.open("else:")
         self.loop = "__t"
         self.write_items([plan.catalogue.position.name])
-        text.add(f"s[{(value + len(values)) * LANES} + i] = {self.named(plan.catalogue.position.name)}")
+        angle = self.value_row + len(plan.searches)
+        text.add(f"s[{angle * LANES} + i] = {self.named(plan.catalogue.position.name)}")
         text.close()
         text.add(
-            f"take(s_rows, width, {value}, phase == 2, {self.row(toggle)}, w_rows, {plan.sides}, "
+            f"take(s_rows, width, {self.value_row}, phase == 2, {self.row(toggle)}, w_rows, {plan.sides}, "
             f"{len(plan.branches)}, own, other, onto, order, parity, lists, best, found)"
         )
         text.close()
@@ -271,15 +270,25 @@ class _Refined(RefinedLayout):
                 "flags, counts, roots, valleys)"
             )
 
-    def write_choice(self) -> None:
-        """Store the value of the function that each item is of."""
-        searches = self.plan.searches
+    def write_evaluation(self) -> None:
+        """A function of its own: the sampled functions and the quantities at the places of items."""
+        text, searches = self.text, self.plan.searches
+        text.imports.setdefault("fastlink.jit", set()).add("separate")
+        text.add("@separate")
+        text.open("def evaluate(s, width):")
+        self.loop = ""
+        values = [search.quantity for search in searches]
+        self.write_items([*self.slope_names(), *values])
         for number, search in enumerate(searches):
-            self.text.add(f"f_{number} = {self.scaled(search)}")
+            text.add(f"f_{number} = {self.scaled(search)}")
+            text.add(f"s[{(self.slope_row + number) * LANES} + i] = f_{number}")
+            text.add(f"s[{(self.value_row + number) * LANES} + i] = {self.named(search.quantity)}")
         choice = f"f_{len(searches) - 1}"
         for number in range(len(searches) - 2, -1, -1):
             choice = f"(f_{number} if s[{WHICH * LANES} + i] == {number}.0 else {choice})"
-        self.text.add(f"s[{F_ROW * LANES} + i] = {choice}")
+        text.add(f"s[{F_ROW * LANES} + i] = {choice}")
+        text.close()
+        text.close()
 
     def write_items(self, names: Sequence[str]) -> None:
         """Open the loop over items and compute values at their places."""

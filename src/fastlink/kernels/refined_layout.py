@@ -7,6 +7,7 @@ from functools import cached_property
 from typing import TYPE_CHECKING
 
 from fastlink.catalogue import Fact
+from fastlink.kernels.items import STATE_ROWS
 
 if TYPE_CHECKING:
     from fastlink.closure import RefinedClosure
@@ -98,6 +99,16 @@ class RefinedLayout:
     def sample_row(self, search: int, half: int) -> int:
         """Return the first row of a search's samples in one half of the range."""
         return (search * self.halves + half) * self.samples
+
+    @property
+    def value_row(self) -> int:
+        """Row of the state that holds the first search's quantity; the others and the input angle follow."""
+        return STATE_ROWS + len(self.item_needs)
+
+    @property
+    def slope_row(self) -> int:
+        """Row of the state that holds the first sampled function; the others follow."""
+        return self.value_row + len(self.plan.searches) + 1
 
     def number_of(self, quantity: str) -> int:
         """Return the number of the search for a quantity's extremes, which stands before that for its jumps."""

@@ -11,9 +11,9 @@ from typing import Any
 import numpy as np
 
 from fastlink.jit import called, inlined, sqrt
-from fastlink.kernels.items import FC, LANES, XC, append_item
+from fastlink.kernels.items import FC, HALF, LANES, STATE_ROWS, UPPER, XC, X, append_item
 
-__all__ = ["collect", "fractions", "place_samples", "silence"]
+__all__ = ["collect", "fractions", "load_designs", "place_samples", "set_places", "silence"]
 
 ROOT, VALLEY = 1, 2
 # Of a derivative, over its terms: some ten roundings.
@@ -75,6 +75,21 @@ def fractions(w: Any, place: int, near: int, far: int) -> None:
         rest = 1.0 / (1.0 + square)
         n[i] = square * rest
         f[i] = rest
+
+
+@called
+def load_designs(w: Any, rows: Any, s: Any) -> None:
+    """Copy the design values that items carry into their state: item i is of design i."""
+    for r in range(rows.size):
+        s[STATE_ROWS + r] = w[rows[r]]
+
+
+@called
+def set_places(w: Any, place: int, upper: bool, half: int, s: Any) -> None:
+    """Put all items at a row of places, from the upper end or the lower one, in one half."""
+    s[X] = w[place]
+    s[UPPER] = 1.0 if upper else 0.0
+    s[HALF] = half
 
 
 @called
