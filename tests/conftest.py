@@ -3,22 +3,21 @@
 from __future__ import annotations
 
 import os
+import shutil
 import tempfile
-from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
 
-# Before fastlink is imported anywhere: the tests neither use nor fill the user's cache.
-os.environ.setdefault("FASTLINK_CACHE_DIR", tempfile.mkdtemp(prefix="fastlink-tests-"))
+# Before fastlink is imported anywhere: the tests neither use nor fill the user's cache. Workers share the first one's.
+MADE_HERE = "FASTLINK_CACHE_DIR" not in os.environ
+if MADE_HERE:
+    os.environ["FASTLINK_CACHE_DIR"] = tempfile.mkdtemp(prefix="fastlink-tests-")
 
 
-@pytest.fixture(scope="session", autouse=True)
-def _kernel_cache() -> Iterator[None]:
-    yield
-    import shutil
-
-    shutil.rmtree(os.environ["FASTLINK_CACHE_DIR"], ignore_errors=True)
+def pytest_unconfigure() -> None:
+    if MADE_HERE:
+        shutil.rmtree(os.environ["FASTLINK_CACHE_DIR"], ignore_errors=True)
 
 
 @pytest.fixture

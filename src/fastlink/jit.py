@@ -19,7 +19,7 @@ from numba.extending import overload, register_jitable
 
 __all__ = [
     *("KERNEL_OPTIONS", "called", "inlined", "select", "sqrt", "atan2", "cosine", "sine"),
-    *("sin", "cos", "exp", "doublings", "compiled_as", "context_of"),
+    *("sin", "cos", "exp", "doublings", "compiled_as", "context_of", "separate"),
 ]
 
 INFINITY = float("inf")
