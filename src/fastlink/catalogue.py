@@ -34,6 +34,8 @@ class Catalogue(Declarations):
         The assembly modes and what tells them apart.
     position : Input
         The input position over which a cycle is taken.
+    positions : (first, last, number), optional
+        The input positions unless some are given, of an input without bounds; without them it turns, in equal steps.
     """
 
     @property

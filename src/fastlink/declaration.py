@@ -17,11 +17,19 @@ F = TypeVar("F", bound=Callable[..., Any])
 class Declarations:
     """What is declared of one mechanism; `fastlink.catalogue.Catalogue` reads it."""
 
-    def __init__(self, name: str, title: str, branches: Mapping[int, str], position: Input) -> None:
+    def __init__(
+        self,
+        name: str,
+        title: str,
+        branches: Mapping[int, str],
+        position: Input,
+        positions: tuple[float, float, int] | None = None,
+    ) -> None:
         self.name = name
         self.title = title
         self.branches = dict(branches)
         self.position = position
+        self.positions = positions
         self.inputs: dict[str, Input] = {}
         self.facts: dict[str, Fact] = {}
         self.tables: dict[str, Fact] = {}

@@ -75,7 +75,7 @@ class QuantityList(list[Quantity]):
         self.inputs = _inputs(catalogue)
         self._title = catalogue.title
         self._branches = catalogue.branches
-        self._position = catalogue.position.name
+        self._position = catalogue.position
 
     def __repr__(self) -> str:
         return "\n\n".join(
@@ -114,7 +114,8 @@ class QuantityList(list[Quantity]):
 
     def _naming(self, quote: str) -> str:
         """Tell how the names of what is taken over the cycle are formed."""
-        position = self._position
+        position = self._position.name
+        unit = "" if self._position.units == "1" else f" in {self._position.units}"
         ways = [
             f"{quote}NAME_{reduction.suffix}{quote} ({reduction.phrase})" for reduction in REDUCTIONS.values()
         ]
@@ -125,7 +126,7 @@ class QuantityList(list[Quantity]):
         ]
         return (
             f"For any NAME with the dimension {quote}{position}{quote} there are {_and(ways)}, and "
-            f"{_and(places)} (the {position} in rad where that is), with the dimensions "
+            f"{_and(places)} (the {position}{unit} where that is), with the dimensions "
             f"({DESIGN}, {BRANCH}). Configurations that do not assemble are NaN and never enter. "
             f"{quote}d_NAME_d_PARAM{quote} is the derivative of NAME by an input or by {quote}{position}{quote}, and "
             "itself such a NAME. "

@@ -136,7 +136,9 @@ def evaluate(
     values = constants_of(catalogue, links, alternatives) | inputs | {"branch": branch}
     position = catalogue.position.name
     if position not in values:
-        raise InputError(f"evaluate: {position} is missing ({catalogue.position.meaning}); give it in rad")
+        declared = catalogue.position
+        unit = "" if declared.units == "1" else f" in {declared.units}"
+        raise InputError(f"evaluate: {position} is missing ({declared.meaning}); give it{unit}")
     template, arrays = _to_arrays(values)
     theta = arrays.pop(position)
     tables = (position, *catalogue.tables, *catalogue.table_low_parts)

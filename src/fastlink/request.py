@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
-from typing import TYPE_CHECKING, Any, TypeVar
+from collections.abc import Iterable, Mapping, Sequence
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -32,7 +32,6 @@ __all__ = [
 SOLVERS = ("eliminated", "dense")
 EXTREMA: tuple[Extrema, ...] = ("refined", "sampled")
 ANGLES = 360
-T = TypeVar("T")
 RULES = {"positive": "greater than 0", "non-negative": "at least 0"}
 
 
@@ -126,21 +125,25 @@ def check_branches(catalogue: Catalogue, branch: Any) -> tuple[int, ...]:
     return tuple(int(value) for value in given)
 
 
-def given_angles(catalogue: Catalogue, angles: T | None, theta1: T | None) -> T | int:
-    """Return what was given of the input angles, of which theta1 is a name where theta1 is the input.
+def given_angles(catalogue: Catalogue, angles: Any, by_name: Mapping[str, Any]) -> Any:
+    """Return the input positions that were given, as `angles` or by the name of the input, else the usual ones.
 
     Raises
     ------
     InputError
-        They are given twice, or theta1 is not the input.
+        They are given twice, or by the name of another input.
     """
-    if theta1 is None:
-        return ANGLES if angles is None else angles
-    if catalogue.position.name != "theta1":
-        raise InputError(f"theta1: the input is {catalogue.position.name}; write its angles as angles")
+    for name, values in by_name.items():
+        if values is None:
+            continue
+        if catalogue.position.name != name:
+            raise InputError(f"{name}: the input is {catalogue.position.name}; write its angles as angles")
+        if angles is not None:
+            raise InputError(f"{name}: angles are given too; write one of them")
+        return values
     if angles is not None:
-        raise InputError("theta1: angles are given too; write one of them")
-    return theta1
+        return angles
+    return ANGLES if catalogue.positions is None else np.linspace(*catalogue.positions)
 
 
 def check_extrema(extrema: str | None, catalogue: Catalogue, angles: Any) -> Extrema:
@@ -157,10 +160,13 @@ def check_extrema(extrema: str | None, catalogue: Catalogue, angles: Any) -> Ext
     if extrema not in EXTREMA:
         raise InputError(f"extrema {extrema!r} is unknown; {suggest(str(extrema), EXTREMA)}")
     if chosen and extrema == "refined":
-        name = catalogue.position.name
+        name, other = (
+            catalogue.position.name,
+            ", or a number of angles" if catalogue.positions is None else "",
+        )
         raise InputError(
             f"extrema: 'refined' is over the whole turn of {name}, but {name} is an array; "
-            "write extrema='sampled', or a number of angles"
+            f"write extrema='sampled'{other}"
         )
     return "refined" if extrema == "refined" else "sampled"
 
@@ -176,9 +182,9 @@ def check_turn(catalogue: Catalogue, names: Iterable[str], angles: Any) -> None:
     for request in (parse_request(name, catalogue) for name in names):
         if request.reduction is not None and request.reduction.whole and np.ndim(angles) > 0:
             position = catalogue.position.name
+            remedy = "write a number of angles" if catalogue.positions is None else "leave it out"
             raise InputError(
-                f"quantity {request.name!r} is over a whole turn, but {position} is an array; "
-                "write a number of angles"
+                f"quantity {request.name!r} is over a whole turn, but {position} is an array; {remedy}"
             )
 
 
@@ -190,7 +196,12 @@ def check_positions(catalogue: Catalogue, given: int | ArrayLike) -> NDArray[Any
     InputError
         The number is not positive, or a position is not finite or repeated.
     """
-    name = catalogue.position.name
+    name, noun = catalogue.position.name, "angles in rad" if catalogue.positions is None else "numbers"
+    if catalogue.positions is not None and np.ndim(given) == 0:
+        usual = "numpy.linspace({:g}, {:g}, {})".format(*catalogue.positions)
+        raise InputError(
+            f"{name}: {given!r} is no array, and {name} has no bounds; write an array, such as {usual}"
+        )
     if isinstance(given, (int, np.integer)) and not isinstance(given, bool):
         if given < 1:
             raise InputError(
@@ -202,12 +213,12 @@ def check_positions(catalogue: Catalogue, given: int | ArrayLike) -> NDArray[Any
     except (TypeError, ValueError):
         values = np.empty((0, 0))
     if values.ndim != 1 or isinstance(given, (bool, str)):
-        raise InputError(f"{name}: {given!r} is neither a number of angles nor a flat array of angles in rad")
+        raise InputError(f"{name}: {given!r} is neither a number of angles nor a flat array of {noun}")
     if values.size == 0:
         raise InputError(f"{name}: the array of input angles is empty; give at least one")
     bad = np.flatnonzero(~np.isfinite(values))
     if bad.size:
-        raise InputError(f"{name}[{bad[0]}] is {values[bad[0]]}; write finite angles in rad")
+        raise InputError(f"{name}[{bad[0]}] is {values[bad[0]]}; write finite {noun}")
     order = np.argsort(values, kind="stable")
     twice = np.flatnonzero(np.diff(values[order]) == 0.0)
     if twice.size:

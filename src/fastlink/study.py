@@ -181,8 +181,11 @@ def read_study(path: str | Path) -> Study:
     with found.at("cycle.branch"):
         check_branches(catalogue, shape.cycle.branch)
     angles: int | NDArray[Any] = 0
-    with found.at("cycle.angles" if shape.cycle.theta1 is None else "cycle.theta1"):
-        angles = angles_of(given_angles(catalogue, shape.cycle.angles, shape.cycle.theta1))
+    by_name = {
+        name: values for name in ("theta1", "theta") if (values := getattr(shape.cycle, name)) is not None
+    }
+    with found.at(f"cycle.{next(iter(by_name), 'angles')}"):
+        angles = angles_of(given_angles(catalogue, shape.cycle.angles, by_name))
         check_positions(catalogue, angles)
     with found.at("cycle.extrema"):
         check_extrema(shape.cycle.extrema, catalogue, angles)

@@ -23,9 +23,9 @@ if TYPE_CHECKING:
 SAMPLES = {"sobol": sobol, "latin_hypercube": latin_hypercube}
 
 
-def angles_of(given: int | Angles) -> int | NDArray[Any]:
+def angles_of(given: int | Angles | NDArray[Any]) -> int | NDArray[Any]:
     """Return the number of input angles, or the angles."""
-    return given if isinstance(given, int) else np.asarray(_values(given))
+    return np.asarray(_values(given)) if isinstance(given, Angles) else given
 
 
 def _values(axis: Angles) -> Any:

@@ -48,6 +48,7 @@ def sweep(
     input: str | None = None,
     angles: int | ArrayLike | None = None,
     theta1: int | ArrayLike | None = None,
+    theta: ArrayLike | None = None,
     branch: int | Sequence[int] = (1, 2),
     solver: str = "eliminated",
     extrema: str | None = None,
@@ -80,9 +81,10 @@ def sweep(
         planar 4R (see docs/conventions.md); ``fastlink.quantities(mechanism, input=...)`` lists what there is then.
         The input takes the place of theta1: as dimension, in ``INPUT_at_NAME_max``, in the design its rate.
     angles : int or array_like, default 360
-        Number of equally spaced input angles over one turn, or the angles themselves in rad.
-    theta1 : int or array_like, optional
-        The same as `angles`, where theta1 is the input.
+        Number of equally spaced input angles over one turn, or the angles themselves in rad. An input without bounds
+        takes an array; unless given, theta of ``"minkowski_4r"`` is ``numpy.linspace(-4, 4, 401)``.
+    theta1, theta : int or array_like, optional
+        The same as `angles`, where that is the name of the input.
     branch : int or sequence of int, default (1, 2)
         Assembly modes.
     solver : {"eliminated", "dense"}
@@ -134,8 +136,9 @@ def sweep(
     check_inputs(catalogue, space, alternatives, allow_invalid)
     space = space.with_constants(constants_of(catalogue, links, alternatives))
     branches = check_branches(catalogue, branch)
-    positions = check_positions(catalogue, given_angles(catalogue, angles, theta1))
-    check_turn(catalogue, names, angles if theta1 is None else theta1)
+    given = given_angles(catalogue, angles, {"theta1": theta1, "theta": theta})
+    positions = check_positions(catalogue, given)
+    check_turn(catalogue, names, given)
     count = _check_threads(threads)
     plan = make_plans(
         catalogue,
@@ -144,7 +147,7 @@ def sweep(
         branches=branches,
         alternatives=alternatives,
         angles=positions.size,
-        extrema=check_extrema(extrema, catalogue, angles if theta1 is None else theta1),
+        extrema=check_extrema(extrema, catalogue, given),
     )
     variables = [labelling.variable(output, plan, space, positions.size) for output in plan.outputs]
     nbytes = sum(variable.nbytes for variable in variables)

@@ -1,28 +1,18 @@
 """Facts of one design of the planar 4R: link-length factors, toggles, status.
 
-Lengths enter the kinematics as ratios only. They are first divided by a power of two near the longest,
-which is exact and keeps their products from overflow and underflow.
+Lengths are first divided by a power of two near the longest, see `fastlink.mechanisms.lengths`.
 """
 
 from __future__ import annotations
 
 from typing import Any
 
-from fastlink.geometry import (
-    UNIT_ROUNDING,
-    gap,
-    gap_product_quotient,
-    largest,
-    power_of_two_below,
-    zero_where,
-)
-from fastlink.jit import INFINITY, NOT_A_NUMBER, select
+from fastlink.geometry import UNIT_ROUNDING, gap, gap_product_quotient, zero_where
+from fastlink.jit import select
+from fastlink.mechanisms import lengths
 from fastlink.mechanisms.planar_4r.declare import HAYES, LINKS, NUMERICS, planar_4r
 
 IO_FACTORS = f"{HAYES}, eq. (1)"
-# Powers of two: beyond SMALL and LARGE the products of lengths need a lift.
-SMALL, LARGE = 2.0**-500, 2.0**500
-UP, DOWN = 2.0**540, 2.0**-540
 STATUS_FLAGS = {
     0: "rotates_fully",
     1: "assembles_over_part_of_the_turn",
@@ -32,31 +22,14 @@ STATUS_FLAGS = {
 }
 
 
-@planar_4r.quantity(units="1", symbol="valid", source=f"{NUMERICS}#status", internal=True)
-def valid(a1: Any, a2: Any, a3: Any, a4: Any) -> Any:
-    """1 where all four lengths are positive and finite, else NaN."""
-    positive = (a1 > 0.0) & (a2 > 0.0) & (a3 > 0.0) & (a4 > 0.0)
-    finite = (a1 < INFINITY) & (a2 < INFINITY) & (a3 < INFINITY) & (a4 < INFINITY)
-    return select(positive & finite, 1.0, NOT_A_NUMBER)
-
-
-@planar_4r.quantity(units="1", symbol="lift", source=f"{NUMERICS}#scaling", internal=True)
-def lift(a1: Any, a2: Any, a3: Any, a4: Any) -> Any:
-    """A power of two that brings the longest link into the middle of the exponents."""
-    longest = largest(a1, a2, a3, a4)
-    return select(longest < SMALL, UP, select(longest > LARGE, DOWN, 1.0))
-
-
-@planar_4r.quantity(units="m", symbol="unit", source=f"{NUMERICS}#scaling", internal=True)
-def unit(a1: Any, a2: Any, a3: Any, a4: Any, lift: Any) -> Any:
-    """The power of two at or below the longest link, times lift."""
-    return power_of_two_below(largest(a1, a2, a3, a4) * lift)
-
-
-def scaled(length: Any, lift: Any, unit: Any) -> Any:
-    """Length over the power of two near the longest."""
-    return length * lift / unit
-
+for _law, _units, _anchor in (
+    (lengths.valid, "1", "status"),
+    (lengths.lift, "1", "scaling"),
+    (lengths.unit, "m", "scaling"),
+):
+    planar_4r.quantity(units=_units, symbol=_law.__name__, source=f"{NUMERICS}#{_anchor}", internal=True)(
+        _law
+    )
 
 for _i, _link in (LINKS | {4: "ground link OD"}).items():
     planar_4r.quantity(
@@ -67,7 +40,7 @@ for _i, _link in (LINKS | {4: "ground link OD"}).items():
         name=f"s{_i}",
         meaning=f"scaled length of the {_link}",
         given={"length": f"a{_i}"},
-    )(scaled)
+    )(lengths.scaled)
 
 
 @planar_4r.quantity(units="1", symbol="u P", source=f"{NUMERICS}#status", internal=True)
