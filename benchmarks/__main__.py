@@ -3,12 +3,13 @@
 import argparse
 import sys
 
-from benchmarks import facts, output, report, table
+from benchmarks import extrema, facts, output, report, table
 
 
 def quick():
     """Return rows and facts at small sizes: whether everything runs, not how fast."""
-    return table.measure(quick=True), facts.angles(8, 64, rounds=1) + facts.system(8, 64, rounds=1, count=2)
+    others = facts.angles(8, 64, rounds=1) + facts.system(8, 64, rounds=1, count=2)
+    return table.measure(quick=True), others + extrema.measure(quick=True)
 
 
 def full(folder, log):
@@ -23,7 +24,7 @@ def full(folder, log):
         for row in found
         if "run_ns" in row
     ]
-    return found, others + output.measure(folder, log)
+    return found, others + extrema.measure(log=log) + output.measure(folder, log)
 
 
 def main():

@@ -5,8 +5,9 @@ from __future__ import annotations
 import json
 import math
 
+import numpy as np
 import pytest
-from benchmarks import c_kernel, facts, output, report, table
+from benchmarks import c_kernel, extrema, facts, output, report, table
 from benchmarks.__main__ import quick
 from benchmarks.agree import agree
 from benchmarks.inputs import CASES
@@ -37,7 +38,30 @@ def test_every_case_is_timed(results):
 
 def test_every_fact_is_a_positive_number(results):
     _, found = results
-    assert all(math.isfinite(value) and value > 0 for _, value, _, _ in found)
+    assert all(math.isfinite(value) and (value > 0 or aim == "0") for _, value, _, aim in found)
+
+
+def test_refined_extremes_are_right_and_none_is_missed(results):
+    _, found = results
+    values = {what: value for what, value, _, aim in found if aim in ("0", "<= 1e-14")}
+    assert len(values) == 2
+    assert all(value <= (1e-14 if "error" in what else 0) for what, value in values.items())
+
+
+def test_what_a_coarser_search_misses_is_counted():
+    """A sixteenth of the cells is four: too few for accelerations next to a change point."""
+    ((_, differ, _, _),) = extrema.missed(500, ["near parallelogram"], ["alpha4"], finer=1 / 16)
+    assert differ > 0
+
+
+def test_scipy_finds_the_same_extremes():
+    x = extrema.draw("crank", 20)
+    greatest, least = extrema.by_scipy(x)
+    (ours,) = extrema.bind(extrema.extremes(["omega4"]), x)
+    for theirs, refined in zip((greatest, least), ours.arrays, strict=True):
+        for branch in (0, 1):
+            # The textbook form loses what |AD|^2 - (b - c)^2 cancels by, in these cranks some four digits at most.
+            np.testing.assert_allclose(theirs, refined[:, branch], rtol=1e-11)
 
 
 def test_errors_are_a_few_roundings(results):
@@ -77,6 +101,14 @@ def test_output_is_measured_and_leaves_nothing(tmp_path):
 def test_processes_are_measured(tmp_path):
     found = facts.compilation(["positions"]) + facts.start(repeats=1)
     found += output.memory(tmp_path, curves_side=2, map_side=2)
+    assert all(math.isfinite(value) and value > 0 for _, value, _, _ in found)
+
+
+def test_compilation_of_refined_extremes_is_measured(monkeypatch):
+    """In the folders of the tests, where the kernel is already: fresh ones take half a minute."""
+    monkeypatch.setattr(extrema, "python", lambda code, **environment: facts.python(code))
+    found = extrema.compilation([("omega4",)])
+    assert len(found) == 3
     assert all(math.isfinite(value) and value > 0 for _, value, _, _ in found)
 
 

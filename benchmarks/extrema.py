@@ -1,0 +1,226 @@
+"""Refined extremes: their time, also against samples and scipy, their error, what is missed, compilation.
+
+A fact is (what, value, unit, aim). Times are of the bare kernel, one thread, by design and branch: a quantity with a
+mirror symmetry is searched in both branches whichever are asked for, so that one alone costs as much as both.
+"""
+
+import math
+import tempfile
+from dataclasses import replace
+
+import mpmath
+import numpy as np
+from scipy.optimize import brentq
+
+from benchmarks import engine
+from benchmarks.errors import DIGITS
+from benchmarks.facts import python
+from benchmarks.families import FAMILIES
+from benchmarks.inputs import INPUTS, race, round_bars
+from fastlink.mechanisms import catalogue
+from fastlink.plans import make_plans
+from fastlink.reading import read_facts
+
+PLANAR = catalogue("planar_4r")
+RATES = ("omega2", "omega4", "alpha2", "alpha4")
+#: What is timed, by label: quantities, branches, and the aim in ns by design and branch.
+TIMED = {
+    "omega4": (("omega4",), (1, 2), "<= 200"),
+    "omega4, one branch alone": (("omega4",), (1,), "<= 200"),
+    "omega4 and alpha4": (("omega4", "alpha4"), (1, 2), "<= 450"),
+    "omega2, omega4, alpha2, alpha4, shaking_force, T41": ((*RATES, "shaking_force", "T41"), (1, 2), ""),
+}
+TIMED_FAMILIES = ("crank", "drag-link", "rocker input", "non-Grashof")
+BLOCK = 4096
+COMPILED = (
+    "import time; from benchmarks.extrema import extremes, plans; parts = plans(extremes({!r})); "
+    "start = time.perf_counter(); [part.kernel for part in parts]; print(time.perf_counter() - start)"
+)
+
+
+def extremes(quantities):
+    """Return the names of the greatest and least values."""
+    return [f"{quantity}_{kind}" for quantity in quantities for kind in ("max", "min")]
+
+
+def plans(names, **options):
+    """Return the plans of names, of designs that give every input."""
+    return make_plans(PLANAR, names, given=INPUTS, **options).parts
+
+
+def draw(family, n, seed=0):
+    """Return designs of round bars of a family."""
+    return round_bars(FAMILIES[family](np.random.default_rng(seed), n))
+
+
+def bind(names, x, **options):
+    """Return the bound kernels of names."""
+    return [engine.bind_plan(part, x) for part in plans(names, **options)]
+
+
+def together(kernels):
+    """Return one call for several kernels."""
+
+    def call():
+        for kernel in kernels:
+            kernel()
+
+    return call
+
+
+def times(n=BLOCK, rounds=12, labels=tuple(TIMED)):
+    """Every extreme of some quantities, in families of linkages."""
+    calls, facts = {}, []
+    for label in labels:
+        quantities, branches, _ = TIMED[label]
+        for family in TIMED_FAMILIES:
+            kernels = bind(extremes(quantities), draw(family, n), branches=branches)
+            calls[label, family] = together(kernels)
+    best = race(calls, rounds)
+    for (label, family), seconds in best.items():
+        _, branches, aim = TIMED[label]
+        ns = 1e9 * seconds / (n * len(branches))
+        facts.append((f"extremes of {label}, {family}", ns, "ns", aim))
+    return facts
+
+
+# ---- error ----
+
+
+def exact_extreme(quantity, x, branch, theta1):
+    """Return the extreme next to an angle, with 50 digits, as a number of mpmath."""
+    slope = f"d_{quantity}_d_theta1"
+    known = {name: mpmath.mpf(float(value)) for name, value in zip(INPUTS, x, strict=True)}
+
+    def at(name, t):
+        return read_facts(PLANAR, [name], known | {"theta1": t, "branch": branch})[name]
+
+    place = mpmath.findroot(lambda t: at(slope, t), (mpmath.mpf(theta1), mpmath.mpf(theta1) + 1e-12))
+    return at(quantity, place)
+
+
+def error(n=40, K=360, quantities=("omega4", "alpha4")):
+    """The greatest error of maxima of cranks, refined and over samples."""
+    x, facts = draw("crank", n), []
+    for quantity in quantities:
+        name = f"{quantity}_max"
+        (refined,) = bind([name, f"theta1_at_{name}"], x)
+        (sampling,) = plans([name], angles=K, extrema="sampled")
+        sampled = engine.bind_plan(sampling, x, engine.angles(K))
+        worst = {"refined": 0.0, f"of {K} samples": 0.0}
+        with mpmath.workdps(DIGITS):
+            for i in range(n):
+                branch = i % 2
+                value, place = (array[i, branch] for array in refined.arrays)
+                exact = exact_extreme(quantity, x[:, i], branch + 1, place)
+                for way, found in zip(worst, (value, sampled.arrays[0][i, branch]), strict=True):
+                    worst[way] = max(worst[way], float(abs(mpmath.mpf(float(found)) / exact - 1)))
+        for (way, value), aim in zip(worst.items(), ("<= 1e-14", ""), strict=True):
+            facts.append((f"max relative error of {name} {way}, crank", value, "", aim))
+    return facts
+
+
+# ---- what is missed ----
+
+
+def with_cells(plan, times):
+    """Return a plan that searches so many times as many cells."""
+    return replace(plan, searches=tuple(replace(s, cells=int(times * s.cells)) for s in plan.searches))
+
+
+def missed(n=100_000, families=FAMILIES, quantities=RATES, finer=8):
+    """Designs whose number of extremes is another in a search that is so many times as fine."""
+    facts = []
+    counts = plans([f"{quantity}_extrema_count" for quantity in quantities])
+    for family in families:
+        x, differ = draw(family, n, seed=1), np.zeros(n, dtype=bool)
+        for plan in counts:
+            found = zip(
+                *(engine.bind_plan(p, x).arrays for p in (plan, with_cells(plan, finer))), strict=True
+            )
+            for one, other in found:
+                differ |= np.any(one != other, axis=1)
+        facts.append((f"missed by rates: designs of {n:,}, {family}", int(differ.sum()), "", "0"))
+    return facts
+
+
+# ---- against scipy ----
+
+
+def output_rate(m, t, a, b, c, d, w):
+    """Return omega4 and its derivative in branch 2, the textbook way, by the functions of a module."""
+    G, dG, ddG = a * a + d * d - 2 * a * d * m.cos(t), 2 * a * d * m.sin(t), 2 * a * d * m.cos(t)
+    P, R = G - (b - c) ** 2, (b + c) ** 2 - G
+    S = m.sqrt(P * R)
+    e, k = (a * a - d * d) / G, (b * b - c * c) / G
+    odd = dG * (1 + k) / S
+    slope = (ddG * (1 + k) - dG * dG * k / G) / S - odd * dG * (R - P) / (2 * S * S)
+    return 0.5 * w * (1 + e + odd), 0.5 * w * (slope - e * dG / G)
+
+
+def by_scipy(x, K=360):
+    """Return the greatest and least omega4 of designs that turn fully: samples, then brentq in each cell."""
+    theta = np.linspace(0.0, 2 * np.pi, K + 1)
+    found = np.empty((2, x.shape[1]))
+    for i, design in enumerate(x[:5].T):
+        samples = output_rate(np, theta, *design)[1]
+        values = []
+        for j in np.flatnonzero((samples[1:] > 0) != (samples[:-1] > 0)):
+            place = brentq(lambda t, *rest: output_rate(math, t, *rest)[1], *theta[j : j + 2], tuple(design))
+            values.append(output_rate(math, place, *design)[0])
+        found[:, i] = max(values), min(values)
+    return found
+
+
+def against_scipy(n=100, rounds=12):
+    """What NumPy and scipy take."""
+    x = draw("crank", BLOCK)
+    calls = {"ours": together(bind(extremes(["omega4"]), x)), "scipy": lambda: by_scipy(x[:, :n])}
+    best = race(calls, rounds)
+    ratio = (best["scipy"] / n) / (best["ours"] / BLOCK)
+    return [("extremes of omega4 by 360 samples and brentq / refined, crank", ratio, "times", "")]
+
+
+# ---- derivatives and compilation ----
+
+
+def derivative(n=64, K=360, rounds=12):
+    """The derivative of a curve against the curve."""
+    x, theta = engine.designs(n), engine.angles(K)
+    best = race(
+        {name: engine.bind_plan(plans([name], angles=K)[0], x, theta) for name in ("T41", "d_T41_d_theta1")},
+        rounds,
+    )
+    return [("d_T41_d_theta1 / T41, curves", best["d_T41_d_theta1"] / best["T41"], "times", "")]
+
+
+def compilation(asked=(("omega4", "alpha4"), ("T41",))):
+    """The first use on a machine, the first use of other plans with their helpers compiled, use in a second process."""
+    facts = []
+    for quantities in asked:
+        label, code = f"extremes of {' and '.join(quantities)}", COMPILED.format(quantities)
+        with (
+            tempfile.TemporaryDirectory() as helpers,
+            tempfile.TemporaryDirectory() as one,
+            tempfile.TemporaryDirectory() as two,
+        ):
+            nothing, first, second = (
+                python(code, NUMBA_CACHE_DIR=helpers, FASTLINK_CACHE_DIR=folder) for folder in (one, two, two)
+            )
+        facts.append((f"compile {label}, nothing compiled", nothing, "s", "< 3"))
+        facts.append((f"compile {label}, first time", first, "s", "< 3"))
+        facts.append((f"load {label} in a second process", second, "s", ""))
+    return facts
+
+
+def measure(quick=False, log=lambda text: None):
+    """Return all facts; quick: small sizes, one quantity, no compilation."""
+    if quick:
+        few = ("omega4",)
+        facts = times(64, 1, few) + error(2, 36, few) + missed(64, ("crank",), few)
+        return facts + against_scipy(2, 1) + derivative(8, 64, 1)
+    facts = []
+    for part in (times, error, missed, against_scipy, derivative, compilation):
+        log(f"extrema: {part.__name__}")
+        facts += part()
+    return facts
