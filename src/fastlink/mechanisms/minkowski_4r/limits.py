@@ -225,7 +225,7 @@ for _name, _theorem, _cosh, _angle, _first, _second, _x, _y, _meaning in (
 def theta_escape(a: Any, g: Any, g_minus_a: Any, sums_are_valid: Any) -> Any:
     """|ln(g/a)|: at this theta and minus it a root runs to infinity, A and C being lightlike separated."""
     # The hyperbolic sine of half of it is (sqrt(g/a) - sqrt(a/g))/2.
-    angle = 2.0 * arsinh(0.5 * (abs(g_minus_a) / sqrt(a)) / sqrt(g))
+    angle = 2.0 * arsinh(0.5 * sqrt(abs(g_minus_a) / a) * sqrt(abs(g_minus_a) / g))
     return select(sums_are_valid == 1.0, angle, NOT_A_NUMBER)
 
 
@@ -248,16 +248,18 @@ def folds_at_every_theta(sure_T2: Any, sure_T8: Any) -> Any:
 def cosh_theta_branching(sure_T2: Any, sure_T3: Any, a: Any, sure_g_minus_b: Any, sums_are_valid: Any) -> Any:
     """Hyperbolic cosine of theta where A + C = 0 in eq. (3): no angle below 1; NaN where g = b."""
     # eq. (8) is 1 - T2 T3/(2 a (g - b))
-    cosine = 1.0 - 0.5 * (sure_T2 / a) * (sure_T3 / sure_g_minus_b)
-    return select((sums_are_valid == 1.0) & (sure_g_minus_b != 0.0), cosine, NOT_A_NUMBER)
+    apart = (sums_are_valid == 1.0) & (sure_g_minus_b != 0.0)
+    cosine = 1.0 - 0.5 * (sure_T2 / a) * (sure_T3 / select(apart, sure_g_minus_b, 1.0))
+    return select(apart, cosine, NOT_A_NUMBER)
 
 
 @minkowski_4r.quantity(units="1", symbol="theta", source=BRANCHING)
 def theta_branching(sure_T2: Any, sure_T3: Any, a: Any, sure_g_minus_b: Any) -> Any:
     """The paper's branching point: |theta| where A + C = 0 in eq. (3); NaN where there is none, or all are."""
-    root = (sqrt(abs(sure_T2)) / sqrt(a)) * (sqrt(abs(sure_T3)) / sqrt(abs(sure_g_minus_b)))
+    apart = sure_g_minus_b != 0.0
     there = sign(sure_T2) * sign(sure_T3) * sign(sure_g_minus_b) <= 0.0
-    return select(there & (sure_g_minus_b != 0.0), 2.0 * arsinh(0.5 * root), NOT_A_NUMBER)
+    root = sqrt(abs(sure_T2) / a) * sqrt(abs(sure_T3) / select(apart, abs(sure_g_minus_b), 1.0))
+    return select(apart & there, 2.0 * arsinh(0.5 * root), NOT_A_NUMBER)
 
 
 @minkowski_4r.quantity(
