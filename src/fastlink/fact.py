@@ -83,8 +83,9 @@ class GradedRange:
         A place: the distances from the ends over the width, and the side of the ground line (1 or -1).
     odd : tuple of str
         What changes sign in the mirror that exchanges the sides and the branches.
-    vanishing, inverse : str
-        A fact that vanishes at toggles like the root of the distance, and the one that is its reciprocal.
+    vanishing, inverse, sine : str
+        A fact that vanishes at toggles like the root of the distance, the one that is its reciprocal, and one in
+        proportion to it that is 1 at most.
     cells, most : mapping of str to int
         For some quantities half the number of cells that find every extreme, a power of two, and how many
         extremes there are at most; `cells_otherwise` and `most_otherwise` for all others.
@@ -100,6 +101,7 @@ class GradedRange:
     odd: tuple[str, ...]
     vanishing: str
     inverse: str
+    sine: str
     cells: Mapping[str, int]
     most: Mapping[str, int]
     rough: tuple[str, ...] = ()

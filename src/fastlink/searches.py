@@ -125,7 +125,7 @@ def refined_closures(
     ends = [name for end in graded.ends for name in end]
     result = []
     for group in groups.values():
-        names = [catalogue.position.name, graded.vanishing, *ends]
+        names = [catalogue.position.name, graded.sine, *ends]
         names += [name for search in group for name in (search.slope, search.quantity)]
         steps = [s for s in _closure(catalogue, names, given, alternatives) if isinstance(s, Fact)]
         read = {need for step in steps for need in step.needs}

@@ -156,7 +156,8 @@ def _is_slow(step: Step) -> bool:
         return False
     nodes = [node for statement in statements(step.function) for node in ast.walk(statement)]
     return any(
-        isinstance(node, ast.Div) or (isinstance(node, ast.Name) and node.id in ("sqrt", "atan2", "log_scaled"))
+        isinstance(node, ast.Div)
+        or (isinstance(node, ast.Name) and node.id in ("sqrt", "atan2", "log_scaled"))
         for node in nodes
     )
 

@@ -195,8 +195,8 @@ class _Refined(RefinedLayout):
         return name + self.loop + (copy if "branch" in self.plan.axes[name] else "")
 
     def scaled(self, search: Search, copy: str = "") -> str:
-        """Return the derivative times the power of sigma that keeps it finite and not zero at a toggle."""
-        factors = [search.slope, *[self.graded.vanishing] * search.slope_order]
+        """Return the derivative times the power of sin mu that keeps it finite and not zero at a toggle."""
+        factors = [search.slope, *[self.graded.sine] * search.slope_order]
         return " * ".join(self.named(name, copy) for name in factors)
 
     def paste(self, step: Fact, copy: str = "") -> None:

@@ -74,7 +74,7 @@ class RefinedLayout:
 
     def slope_names(self) -> list[str]:
         """Return what the sampled functions are made of."""
-        return [self.graded.vanishing, *(search.slope for search in self.plan.searches)]
+        return [self.graded.sine, *(search.slope for search in self.plan.searches)]
 
     @cached_property
     def item_needs(self) -> list[str]:

@@ -126,7 +126,7 @@ def driven_by(joint: int) -> Catalogue:
     assert graded is not None
     places = [fact for fact in planar_4r.alternatives[graded.name].values() if isinstance(fact, Fact)]
     of_places = {need for fact in places for need in fact.needs}.intersection(planar_4r.facts)
-    of_ends = {name for end in graded.ends for name in end}
+    of_ends = {graded.sine, *(name for end in graded.ends for name in end)}
     offered = {*KEPT, *(moved_name(name, joint) for name in MOVED)}
     for fact in _with_derivatives((*MOVED, *HALF_ANGLES, *of_places, *of_ends)):
         moved = _moved(fact, joint)

@@ -132,6 +132,7 @@ planar_4r.graded = GradedRange(
     odd=("side", "branch_sign"),
     vanishing="sigma",
     inverse="per_sigma",
+    sine="sine_mu",
     cells=dict.fromkeys(MONOTONE, 8) | dict.fromkeys(ACCELERATIONS, 32),
     most=dict.fromkeys(MONOTONE, 2) | dict.fromkeys(ACCELERATIONS, 5),
     rough=(
@@ -142,6 +143,18 @@ planar_4r.graded = GradedRange(
     ),
     jumps={"theta2": "AB_y", "theta4": "DB_y", "joint_angle_2": "AB_v", "joint_angle_4": "DB_y"},
 )
+
+
+@planar_4r.quantity(units="1", symbol="2 a_1 a_4/(a_2 a_3)", source=EXTREMES, internal=True)
+def sine_scale(s1: Any, s2: Any, s3: Any, s4: Any) -> Any:
+    """Sine of the transmission angle over sigma."""
+    return 2.0 * (s1 / s2) * (s4 / s3)
+
+
+@planar_4r.quantity(units="1", symbol="sin mu", source=EXTREMES, internal=True)
+def sine_mu(sigma: Any, sine_scale: Any) -> Any:
+    """Sine of the transmission angle."""
+    return sigma * sine_scale
 
 
 def from_end(least: Any, range_width: Any, fraction: Any) -> Any:
