@@ -28,6 +28,8 @@ LOG_COEFFICIENTS = (
 # log(2) = high + low; high has 32 bits, so that multiples of it up to 2^21 are exact.
 LN_2_HIGH = float.fromhex("0x1.62e42feep-1")
 LN_2_LOW = float.fromhex("0x1.a39ef35793c76p-33")
+# Beyond it sqrt(1 + x x) is x, and x x may overflow.
+LARGE = 2.0**500
 BITS_OF_ONE, BITS_OF_ROOT_HALF, FRACTION_BITS = 0x3FF0000000000000, 0x3FE6A09E667F3BCD, 0x000FFFFFFFFFFFFF
 
 
@@ -101,4 +103,4 @@ def log(x: Any) -> Any:
 @inlined
 def arsinh(x: Any) -> Any:
     """Area hyperbolic sine of x >= 0, within 3 units in the last place; beyond 2^500 it is log(2 x)."""
-    return log1p(x + x * select(x < 2.0**500, x / (1.0 + sqrt(1.0 + x * x)), 1.0))
+    return log1p(x + x * select(x < LARGE, x / (1.0 + sqrt(1.0 + x * x)), 1.0))
