@@ -79,8 +79,8 @@ def linkage_type(
 @minkowski_4r.quantity(units="1", symbol="Grashof", source=f"{HEGEDUS}, section 3.6", flags=GRASHOF_FLAGS)
 def grashof(sure_T1: Any, sure_T2: Any, sure_T8: Any, sums_are_valid: Any) -> Any:
     """Grashof's criterion with the reversed triangle inequality: longest plus shortest against the other two."""
-    # Of T1, T2, T8, in each of which b is added, two have the sign of b - (the longest but for b), or so: their
-    # product has the sign of l + s - p - q.
+    # Each has b with one other link against the rest. If b is l or s, the two that do not pair l with s have one sign
+    # and the third is l + s - p - q; if b is p or q, they have two signs and the third is p + q - l - s.
     criterion = sign(sure_T1) * sign(sure_T2) * sign(sure_T8) >= 0.0
     return select(sums_are_valid == 1.0, select(criterion, 1.0, 0.0), 2.0)
 
