@@ -115,10 +115,28 @@ def exp(x: Any) -> Any:
     return np.exp(x) if context is None else context.exp(x)
 
 
+def sinh(x: Any) -> Any:
+    """Hyperbolic sine of an input rapidity; tabled once per sweep, never called in a kernel."""
+    context = context_of(x)
+    return np.sinh(x) if context is None else context.sinh(x)
+
+
+def cosh(x: Any) -> Any:
+    """Hyperbolic cosine of an input rapidity; tabled once per sweep, never called in a kernel."""
+    context = context_of(x)
+    return np.cosh(x) if context is None else context.cosh(x)
+
+
 def doublings(x: Any) -> Any:
-    """Whole number of doublings nearest to e^x, x/log(2); tabled once per sweep, never called in a kernel."""
+    """Whole number nearest to x/log(2): how often e^x doubles; tabled once per sweep, never called in a kernel."""
     context = context_of(x)
     return np.rint(x / np.log(2.0)) if context is None else context.nint(x / context.ln2)
+
+
+def doubled(x: Any, times: Any) -> Any:
+    """Return x times 2 to a whole number; tabled once per sweep, never called in a kernel."""
+    context = context_of(x, times)
+    return x * 2.0**times if context is None else context.ldexp(x, int(times))
 
 
 # Minimax coefficients of (atan(r)/r - 1)/r^2 in r^2 for |r| <= tan(pi/8), degree 23 in r: 0.012 units of rounding.

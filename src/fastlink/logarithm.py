@@ -80,7 +80,7 @@ def log_scaled(x: Any, twos: Any) -> Any:
         below = -context.inf if x == 0 else context.nan
         return context.log(x) + twos * context.ln2 if x > 0 else below
     with np.errstate(all="ignore"):
-        return _polynomial_log(np.asarray(x, dtype=float), twos)[()]
+        return np.asarray(_polynomial_log(np.asarray(x, dtype=float), twos))[()]
 
 
 @compiled_as(_polynomial_log1p)
@@ -91,7 +91,7 @@ def log1p(x: Any) -> Any:
         below = -context.inf if x == -1 else context.nan
         return context.log1p(x) if x > -1 else below
     with np.errstate(all="ignore"):
-        return _polynomial_log1p(np.asarray(x, dtype=float))[()]
+        return np.asarray(_polynomial_log1p(np.asarray(x, dtype=float)))[()]
 
 
 @inlined

@@ -53,7 +53,7 @@ class _Refined(RefinedLayout):
         self.write_evaluation()
         text.add()
         text.open(
-            f"def kernel(x, angles, n, n_angles, w, m, {', '.join(f'out_{o.name}' for o in plan.outputs)}):"
+            f"def kernel(designs, angles, n, n_angles, w, m, {', '.join(f'out_{o.name}' for o in plan.outputs)}):"
         )
         self.write_arrays()
         text.open(f"for i0 in range(0, n, {LANES}):")
@@ -106,7 +106,7 @@ class _Refined(RefinedLayout):
         text, plan = self.text, self.plan
         text.open(f"for i in range({LANES}):")
         for k, name in enumerate(plan.inputs):
-            text.add(f"{name} = x[{k}, i0 + i]")
+            text.add(f"{name} = designs[{k}, i0 + i]")
         for step in self.design_steps:
             paste_fact(
                 step, {p: n for p, n in zip(parameters(step.function), step.needs, strict=True)}, "", text

@@ -37,7 +37,7 @@ class _Writer(KernelLayout):
     def write(self) -> str:
         text = self.text
         outputs = ", ".join(f"out_{o.name}" for o in self.plan.outputs)
-        text.open(f"def kernel(x, angles, n, n_angles, w, m, {outputs}):")
+        text.open(f"def kernel(designs, angles, n, n_angles, w, m, {outputs}):")
         for step in self.constant_steps:
             for branch in self.plan.branches:
                 assert isinstance(step, Fact)
@@ -103,7 +103,7 @@ class _Writer(KernelLayout):
         text, plan = self.text, self.plan
         text.open(f"for i in range({LANES}):")
         for k, name in enumerate(plan.inputs):
-            text.add(f"{name} = x[{k}, i0 + i]")
+            text.add(f"{name} = designs[{k}, i0 + i]")
         self.paste(self.design_steps)
         for name in dict.fromkeys((*self.lane_needs(), *(o.request.quantity for o in self.per_design))):
             text.add(f"{self.row(name)} = {name}  # {name}")

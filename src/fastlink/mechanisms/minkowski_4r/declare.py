@@ -26,5 +26,8 @@ for _name, _link in LINKS.items():
         _name, units="m", symbol=_name, meaning=f"hyperbolic length of the {_link}", rule="positive"
     )
 
-for _name, _where in (("x", "along AB from A"), ("y", "across AB, of rapidity AB where AB is future-pointing")):
+for _name, _where in (
+    ("x", "along AB from A"),
+    ("y", "across AB, of rapidity AB where AB is future-pointing"),
+):
     minkowski_4r.input(_name, units="m", symbol=_name, meaning=f"coupler point, {_where}")

@@ -1,0 +1,215 @@
+"""Facts of position of the Minkowskian 4R: both cranks and the coupler in null coordinates.
+
+The null coordinates of a vector are u = x + y and v = x - y. Turning by a rapidity t multiplies them by e^t and
+e^-t: OA is (a p, a/p) with p = e^theta, CB is (b q, b/q), AC is (alpha, beta) = (g - a p, g - a/p), AB is AC + CB.
+All is told of |theta|, of which p is the greater: for a negative theta u and v change places. What grows like p is
+tabled and computed times r, a power of two near 1/p, so nothing overflows.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+from fastlink.jit import INFINITY, NOT_A_NUMBER, cosh, doubled, doublings, exp, select, sinh, sqrt
+from fastlink.logarithm import log_scaled
+from fastlink.mechanisms.minkowski_4r.declare import HEGEDUS, minkowski_4r
+from fastlink.mechanisms.minkowski_4r.design_facts import POSITION, SCALING
+
+ORIENTATION_FLAGS = {-1: "past_pointing", 0: "none", 1: "future_pointing"}
+
+# -- tables of the input rapidity ------------------------------------------------------------------------------
+
+
+@minkowski_4r.table(symbol="sgn theta", source=SCALING)
+def side(theta: Any) -> Any:
+    """-1 for a negative input rapidity, else 1."""
+    return select(theta < 0.0, -1.0, 1.0)
+
+
+@minkowski_4r.table(symbol="k", source=SCALING)
+def twos(theta: Any) -> Any:
+    """Number of doublings nearest to e^abs(theta)."""
+    return doublings(abs(theta))
+
+
+@minkowski_4r.table(symbol="r", source=SCALING)
+def r(theta: Any) -> Any:
+    """Power of two near e^-abs(theta); it may underflow, where nothing of its size counts."""
+    return doubled(1.0, -doublings(abs(theta)))
+
+
+@minkowski_4r.table(symbol="p r", source=POSITION, low="p_r_low")
+def p_r(theta: Any) -> Any:
+    """e^abs(theta) times r."""
+    return doubled(exp(abs(theta)), -doublings(abs(theta)))
+
+
+@minkowski_4r.table(symbol="1/p", source=POSITION, low="per_p_low")
+def per_p(theta: Any) -> Any:
+    """e^-abs(theta)."""
+    return exp(-abs(theta))
+
+
+@minkowski_4r.table(symbol="S r", source=POSITION, low="S_r_low")
+def S_r(theta: Any) -> Any:
+    """sinh^2(theta/2) times r."""
+    return doubled(sinh(theta / 2) * sinh(theta / 2), -doublings(abs(theta)))
+
+
+@minkowski_4r.table(symbol="r sinh", source=POSITION)
+def sinh_r(theta: Any) -> Any:
+    """Sinh of abs(theta), times r."""
+    return doubled(sinh(abs(theta)), -doublings(abs(theta)))
+
+
+@minkowski_4r.table(symbol="cosh theta", source=POSITION)
+def cosh_theta(theta: Any) -> Any:
+    """Hyperbolic cosine of the input rapidity."""
+    return cosh(theta)
+
+
+@minkowski_4r.table(symbol="sinh theta", source=POSITION)
+def sinh_theta(theta: Any) -> Any:
+    """Hyperbolic sine of the input rapidity."""
+    return sinh(theta)
+
+
+# -- the loop --------------------------------------------------------------------------------------------------
+
+
+@minkowski_4r.quantity(units="1", symbol="s", source=POSITION, internal=True)
+def branch_sign(branch: Any) -> Any:
+    """1 for branch 1, -1 for branch 2: the sign of the root; the mirror theta -> -theta exchanges the branches."""
+    return 3.0 - 2.0 * branch
+
+
+@minkowski_4r.quantity(units="1", symbol="P", source=POSITION, internal=True)
+def inside(inner_limit: Any, inner_limit_low: Any, S_r: Any, S_r_low: Any, r: Any, product_two: Any) -> Any:
+    """((AC)^2 - (b + h)^2) r kappa/(4 a g): positive inside the inner limit."""
+    return (inner_limit * r - S_r * product_two) + (inner_limit_low * r - S_r_low * product_two)
+
+
+@minkowski_4r.quantity(units="1", symbol="Q", source=POSITION, internal=True)
+def outside(outer_limit: Any, outer_limit_low: Any, S_r: Any, S_r_low: Any, r: Any, product_two: Any) -> Any:
+    """((b - h)^2 - (AC)^2) r kappa/(4 a g): positive outside the outer limit."""
+    return (S_r * product_two - outer_limit * r) + (S_r_low * product_two - outer_limit_low * r)
+
+
+@minkowski_4r.quantity(units="1", symbol="sigma", source=POSITION, internal=True)
+def half_root(inside: Any, outside: Any, product_one: Any) -> Any:
+    """Half the root of the discriminant, times r; NaN where the loop does not close."""
+    root = sqrt(abs(inside)) * sqrt(abs(outside))
+    return select((inside >= 0.0) | (outside >= 0.0), product_one * root, NOT_A_NUMBER)
+
+
+@minkowski_4r.quantity(units="1", symbol="alpha", source=POSITION, internal=True)
+def alpha_r(
+    ground_share: Any, ground_share_low: Any, p_r: Any, p_r_low: Any, r: Any, a_two: Any, a_one: Any
+) -> Any:
+    """The greater null coordinate of AC for abs(theta), g - a p, times r."""
+    return a_one * ((ground_share * r - p_r * a_two) + (ground_share_low * r - p_r_low * a_two))
+
+
+@minkowski_4r.quantity(units="1", symbol="beta", source=POSITION, internal=True)
+def beta(ground_share: Any, ground_share_low: Any, per_p: Any, per_p_low: Any, a_two: Any, a_one: Any) -> Any:
+    """The other null coordinate of AC, g - a/p."""
+    return a_one * ((ground_share - per_p * a_two) + (ground_share_low - per_p_low * a_two))
+
+
+@minkowski_4r.quantity(units="1", symbol="m/2", source=POSITION, internal=True)
+def CB_half(CB_inner: Any, CB_outer: Any, inside: Any, outside: Any, r: Any, product_one: Any) -> Any:
+    """(h^2 - b^2 - (AC)^2) r/2: minus half the middle coefficient of the quadratic of q."""
+    beyond = product_one * outside - CB_outer * r
+    return select(inside >= 0.0, -(CB_inner * r + product_one * inside), beyond)
+
+
+@minkowski_4r.quantity(units="1", symbol="n/2", source=POSITION, internal=True)
+def AB_half(AB_inner: Any, AB_outer: Any, inside: Any, outside: Any, r: Any, product_one: Any) -> Any:
+    """(h^2 - b^2 + (AC)^2) r/2: the same for AB."""
+    return select(inside >= 0.0, AB_inner * r + product_one * inside, AB_outer * r - product_one * outside)
+
+
+# An arm of length l has u = (half + root)/beta and v = (half - root)/alpha, u v = l^2: the one that does not cancel
+# gives the other. Its ratio is u r/l where the sum is that one, else u/l.
+
+
+def takes_sum(half: Any, branch_sign: Any, side: Any) -> Any:
+    """Return 1 where half and the signed root do not cancel, else 0."""
+    return select((half < 0.0) == (branch_sign * side < 0.0), 1.0, 0.0)
+
+
+def arm_ratio(half: Any, half_root: Any, takes_sum: Any, length: Any, alpha_r: Any, beta: Any) -> Any:
+    """Return u r/l or u/l; NaN where that is zero or infinite."""
+    total = select(half < 0.0, half - half_root, half + half_root)
+    top = select(takes_sum == 1.0, total, length * alpha_r)
+    bottom = select(takes_sum == 1.0, length * beta, total)
+    found = top / select(bottom == 0.0, INFINITY, bottom)
+    return select((abs(found) > 0.0) & (abs(found) < INFINITY), found, NOT_A_NUMBER)
+
+
+def scale_of(takes_sum: Any, r: Any) -> Any:
+    """Return what the ratio was multiplied by."""
+    return select(takes_sum == 1.0, r, 1.0)
+
+
+def grown(ratio: Any, takes_sum: Any, r: Any) -> Any:
+    """Return u r/l."""
+    return ratio * select(takes_sum == 1.0, 1.0, r)
+
+
+def shrunk(ratio: Any, scale: Any) -> Any:
+    """Return v/l."""
+    return scale / ratio
+
+
+def rapidity(ratio: Any, takes_sum: Any, twos: Any, side: Any) -> Any:
+    """Return the logarithm of abs(u)/l, with the sign for a negative theta."""
+    return side * log_scaled(abs(ratio), select(takes_sum == 1.0, twos, 0.0))
+
+
+def orientation(ratio: Any) -> Any:
+    """Return 1 for a future-pointing, -1 for a past-pointing arm, 0 where there is none."""
+    return select(ratio > 0.0, 1.0, select(ratio < 0.0, -1.0, 0.0))
+
+
+for _arm, _length in (("CB", "s_b"), ("AB", "s_h")):
+    _given = {
+        "half": f"{_arm}_half",
+        "takes_sum": f"{_arm}_takes_sum",
+        "length": _length,
+        "ratio": f"{_arm}_ratio",
+        "scale": f"{_arm}_scale",
+    }
+    for _law, _name, _meaning in (
+        (takes_sum, "takes_sum", "1 where the sum of half and root does not cancel"),
+        (arm_ratio, "ratio", "first null coordinate over the length, times scale"),
+        (scale_of, "scale", "what the ratio is multiplied by"),
+        (grown, "u", "first null coordinate over the length, times r"),
+        (shrunk, "v", "second null coordinate over the length"),
+    ):
+        minkowski_4r.quantity(
+            units="1",
+            symbol=_name,
+            source=POSITION,
+            internal=True,
+            name=f"{_arm}_{_name}",
+            meaning=f"{_meaning}, of {_arm}",
+            given=_given,
+        )(_law)
+    minkowski_4r.quantity(
+        units="1",
+        symbol="psi" if _arm == "CB" else "theta + phi - pi",
+        source=f"{HEGEDUS}, eq. (3); {POSITION}" if _arm == "CB" else f"{HEGEDUS}, eq. (9); {POSITION}",
+        name="psi" if _arm == "CB" else "AB_rapidity",
+        meaning=f"rapidity of {'the output crank CB' if _arm == 'CB' else 'the coupler AB'}",
+        given=_given,
+    )(rapidity)
+    minkowski_4r.quantity(
+        units="1",
+        symbol=f"sgn {_arm}",
+        source=POSITION,
+        flags=ORIENTATION_FLAGS,
+        name=f"{_arm}_orientation",
+        meaning=f"whether {_arm} is future- or past-pointing; 0 where it is not determined",
+        given=_given,
+    )(orientation)
