@@ -19,6 +19,7 @@ PLACE_ROUNDINGS = 8
 
 #: A maximum and a minimum lie closer than two samples of the graded range: once lost.
 CLOSE_PAIRS = (
+    ("omega2", "0x1.e3c0507757806p-5 0x1.05a089228ac14p-1 0x1.1855aba3b20c5p-1 0x1.ffba3a14b9370p-1"),
     ("alpha2", "0x1.474ec0961a020p-1 0x1.bcd14b5615ba8p-1 0x1.a738686b2965ep-1 0x1.31d3853a76442p-1"),
     ("alpha4", "0x1.d3039c9028804p-1 0x1.d3039d8c3cd9fp-1 0x1.fa2c3bd74af26p-1 0x1.f9f4ce2efe95fp-1"),
     ("alpha4", "0x1.b3d726abf5828p-1 0x1.b436b62c41483p-1 0x1.61b65f6c0d49ap-1 0x1.61b61c0a60451p-1"),

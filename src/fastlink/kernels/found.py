@@ -112,8 +112,7 @@ def take(
             if target < 0:
                 continue
             if mirror:
-                theta = TWO_PI - theta
-                theta = theta if theta < TWO_PI else 0.0
+                theta = TWO_PI - theta if theta > 0.0 else 0.0
                 value, kind = value if jumps else parity[which] * value, parity[which] * kind
             column = (onto[which] * branches + target) * LANES + lane
             if kind != 0.0:

@@ -133,7 +133,7 @@ planar_4r.graded = GradedRange(
     vanishing="sigma",
     inverse="per_sigma",
     sine="sine_mu",
-    cells=dict.fromkeys(MONOTONE, 8) | dict.fromkeys(ACCELERATIONS, 32),
+    cells=dict.fromkeys(MONOTONE, 16) | dict.fromkeys(ACCELERATIONS, 32),
     most=dict.fromkeys(MONOTONE, 2) | dict.fromkeys(ACCELERATIONS, 5),
     rough=(
         "loop_residual",
@@ -189,7 +189,7 @@ def cos_theta1(Z: Any, C: Any) -> Any:
 
 @planar_4r.quantity(units="rad", symbol="theta_1", source=EXTREMES, internal=True, alternative="graded")
 def theta1(side: Any, Z: Any, C: Any) -> Any:
-    """Input angle in [0, 2 pi)."""
+    """Input angle in [0, 2 pi), rounded."""
     half_turn = 2.0 * atan2(sqrt(Z), sqrt(C))
-    mirrored = TWO_PI - half_turn
-    return select(side > 0.0, half_turn, select(mirrored < TWO_PI, mirrored, 0.0))
+    mirrored = select(half_turn > 0.0, TWO_PI - half_turn, 0.0)
+    return select(side > 0.0, half_turn, mirrored)
