@@ -8,9 +8,9 @@ from __future__ import annotations
 
 import numpy as np
 
-STEP = 0.03
+STEP = 0.06
 #: Half a step off 0: there branches may meet.
-GRID = (np.arange(200) + 0.5) * STEP
+GRID = (np.arange(110) + 0.5) * STEP
 HALVINGS = 50
 CHUNK = 2000
 
