@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from minkowski_designs import MANY, THEOREMS, facts, one_long, random_lengths, reducible
+import fastlink as fl
+from minkowski_designs import LENGTHS, MANY, THEOREMS, facts, one_long, random_lengths, reducible
 from minkowski_scan import (
     STEP,
     closes,
@@ -214,3 +215,21 @@ def test_the_output_of_theorem_3_14_is_a_rocker_with_OA_ahead():
     x, y, z = quadratic_of_input(lengths, 0.0)
     assert np.all((y * y - 4.0 * x * z > 0.0) & (x * z > 0.0) & (x * y > 0.0))
     assert np.all(np.isnan(got["psi_min_future"]))
+
+
+def test_the_orientations_of_the_engine_agree():
+    """CB_orientation is +1 in some branch exactly where the facts `..._future` say so."""
+    lengths = random_lengths(np.random.default_rng(24), 500)
+    lengths[0, ::5] += lengths[1:, ::5].sum(axis=0)
+    got = facts(lengths)
+    theta = np.linspace(-5.0, 5.0, 101)[None, :] + 0.01
+    given = dict(zip(LENGTHS, lengths[:, :, None], strict=True))
+    ahead = [
+        fl.evaluate("minkowski_4r", ["CB_orientation"], **given, theta=theta, branch=branch)["CB_orientation"]
+        > 0
+        for branch in (1, 2)
+    ]
+    inner = abs(theta) <= np.nan_to_num(got["theta_min_future"], nan=-1.0)[:, None]
+    outer = abs(theta) >= np.nan_to_num(got["theta_max_future"], nan=0.0)[:, None]
+    np.testing.assert_array_equal(ahead[0] | ahead[1], inner | outer)
+    assert {1.0, 2.0, 3.0} == set(got["assembly_count_future"])
