@@ -29,37 +29,47 @@ def available():
 
 @functools.cache
 def library():
-    """Return the compiled and loaded ``kernels.c``."""
+    """Return the compiled and loaded C files of this folder."""
     if not available():
         raise RuntimeError("the C limit kernels need gcc: install it, or name another C compiler in CC")
-    source = Path(__file__).with_name("kernels.c")
+    sources = sorted(Path(__file__).parent.glob("*.c"))
     width = ["-mprefer-vector-width=512"] if platform.machine().lower() in ("x86_64", "amd64") else []
     with tempfile.TemporaryDirectory() as folder:
         target = Path(folder, "kernels.so")
-        command = [compiler(), *FLAGS, *width, "-std=c11", "-fPIC", "-shared", source, "-o", target, "-lm"]
+        command = [compiler(), *FLAGS, *width, "-std=c11", "-fPIC", "-shared", *sources, "-o", target, "-lm"]
         subprocess.run(command, check=True)
         return ctypes.CDLL(str(target))  # stays loaded when the file goes
 
 
-def bind(case, x, tables):
-    """Return ``call, arrays``: ``call()`` evaluates into the arrays, one for each name of ``CASES[case]``.
+def call_of(name, lengths, arrays):
+    """Return a call of a C function with these arguments, the last array being what it evaluates into.
 
     What Python does per call is next to nothing, so that the clock sees the kernel alone.
     """
-    n, K = x.shape[1], tables.shape[1]
-    whole = empty((len(CASES[case]), *outputs(case, n, K)[0].shape))
-    kernel = getattr(library(), f"c_{case}")
+    kernel = getattr(library(), f"c_{name}")
     kernel.restype = None
-    held = [x, tables, whole]  # the arrays live as long as the call
-    if any(not a.flags.c_contiguous or a.dtype != np.float64 for a in held):
-        raise ValueError("x and tables must be C-contiguous arrays of doubles")
-    arguments = [ctypes.c_long(n), ctypes.c_long(K), *(a.ctypes.data_as(ADDRESS) for a in held)]
+    if any(not a.flags.c_contiguous or a.dtype != np.float64 for a in arrays):
+        raise ValueError("C kernels take C-contiguous arrays of doubles")
+    arguments = [*map(ctypes.c_long, lengths), *(a.ctypes.data_as(ADDRESS) for a in arrays)]
 
     def call():
         kernel(*arguments)
-        return held
+        return arrays  # they live as long as the call
 
-    return call, tuple(whole)
+    return call
+
+
+def bind(case, x, tables):
+    """Return ``call, arrays``: ``call()`` evaluates into the arrays, one for each name of ``CASES[case]``."""
+    n, K = x.shape[1], tables.shape[1]
+    whole = empty((len(CASES[case]), *outputs(case, n, K)[0].shape))
+    return call_of(case, (n, K), [x, tables, whole]), tuple(whole)
+
+
+def bind_extrema(x):
+    """Return ``call, arrays`` for every extreme of omega4: its greatest and its least value."""
+    whole = empty((2, x.shape[1], 2))
+    return call_of("extrema", (x.shape[1],), [x, whole]), tuple(whole)
 
 
 def evaluate(case, x, tables):

@@ -12,7 +12,7 @@ import mpmath
 import numpy as np
 from scipy.optimize import brentq
 
-from benchmarks import engine
+from benchmarks import c_kernel, engine
 from benchmarks.errors import DIGITS
 from benchmarks.facts import python
 from benchmarks.families import FAMILIES
@@ -81,6 +81,18 @@ def times(n=BLOCK, rounds=12, labels=tuple(TIMED)):
         _, branches, aim = TIMED[label]
         ns = 1e9 * seconds / (n * len(branches))
         facts.append((f"extremes of {label}, {family}", ns, "ns", aim))
+    return facts
+
+
+def against_c(n=BLOCK, rounds=12):
+    """Every extreme of omega4 against C."""
+    facts = []
+    if c_kernel.available():
+        for family in TIMED_FAMILIES:
+            x = draw(family, n)
+            calls = {"ours": together(bind(extremes(["omega4"]), x)), "C": c_kernel.bind_extrema(x)[0]}
+            best = race(calls, rounds)
+            facts.append((f"extremes of omega4 / C, {family}", best["ours"] / best["C"], "", "<= 1.1"))
     return facts
 
 
@@ -214,13 +226,13 @@ def compilation(asked=(("omega4", "alpha4"), ("T41",))):
 
 
 def measure(quick=False, log=lambda text: None):
-    """Return all facts; quick: small sizes, one quantity, no compilation."""
+    """Return all facts; quick: small sizes, few quantities, no compilation."""
     if quick:
         few = ("omega4",)
-        facts = times(64, 1, few) + error(2, 36, few) + missed(64, ("crank",), few)
+        facts = times(64, 1, few) + against_c(64, 1) + error(2, 36, few) + missed(64, ("crank",), ("alpha4",))
         return facts + against_scipy(2, 1) + derivative(8, 64, 1)
     facts = []
-    for part in (times, error, missed, against_scipy, derivative, compilation):
+    for part in (times, against_c, error, missed, against_scipy, derivative, compilation):
         log(f"extrema: {part.__name__}")
         facts += part()
     return facts

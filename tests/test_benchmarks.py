@@ -10,6 +10,7 @@ import pytest
 from benchmarks import c_kernel, extrema, facts, output, report, table
 from benchmarks.__main__ import quick
 from benchmarks.agree import agree
+from benchmarks.families import FAMILIES
 from benchmarks.inputs import CASES
 
 # A reaction next to a toggle goes as 1/sigma^3: some 40 roundings times a condition of up to 100, relative to
@@ -62,6 +63,25 @@ def test_scipy_finds_the_same_extremes():
         for branch in (0, 1):
             # The textbook form loses what |AD|^2 - (b - c)^2 cancels by, in these cranks some four digits at most.
             np.testing.assert_allclose(theirs, refined[:, branch], rtol=1e-11)
+
+
+@pytest.mark.parametrize("family", FAMILIES)
+def test_c_finds_the_same_extremes(family):
+    if not c_kernel.available():
+        pytest.skip("the C limit kernels need gcc, which is not here")
+    x = extrema.draw(family, 1000)
+    call, found = c_kernel.bind_extrema(x)
+    call()
+    (ours,) = extrema.bind(extrema.extremes(["omega4"]), x)
+    # Even and odd part of a value are products of a dozen factors, each of the size of the greatest of both extremes
+    # at most; the sums of lengths differ in the order of their last words. 6 roundings are the worst seen.
+    greatest = np.max(np.abs([np.where(np.isfinite(array), array, 0.0) for array in found]), axis=0)
+    for theirs, refined in zip(found, ours.arrays, strict=True):
+        finite = np.isfinite(theirs)
+        np.testing.assert_array_equal(
+            np.where(finite, 0.0, theirs), np.where(np.isfinite(refined), 0.0, refined)
+        )
+        assert np.all(np.abs(theirs[finite] - refined[finite]) <= 16 * 2.0**-53 * greatest[finite])
 
 
 def test_errors_are_a_few_roundings(results):
