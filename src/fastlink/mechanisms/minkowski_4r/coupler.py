@@ -32,9 +32,9 @@ def half_angle_root(CB_ratio: Any, CB_scale: Any, side: Any) -> Any:
 
 
 @minkowski_4r.quantity(units="1", symbol="phi", source=f"{HEGEDUS}, Theorem 3.5")
-def phi(AB_rapidity: Any, theta: Any) -> Any:
-    """Coupler angle as printed: rapidity of AB, minus theta, plus pi."""
-    return AB_rapidity - theta + PI
+def phi(AB_ratio: Any, AB_takes_sum: Any, p_r: Any, twos: Any, side: Any) -> Any:
+    """Coupler angle as printed: rapidity of AB less theta, plus pi."""
+    return side * log_scaled(abs(AB_ratio) / p_r, select(AB_takes_sum == 1.0, 0.0, -twos)) + PI
 
 
 @minkowski_4r.quantity(units="1", symbol="r (ch(zeta) - 1)", source=POSITION, internal=True)

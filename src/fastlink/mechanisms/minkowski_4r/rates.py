@@ -6,14 +6,23 @@ b q v - b u/q, which is the root of the discriminant,
     psi'  = a (p v - u/p)/d
     psi'' = a b g {(p q v^2 - u^2/(p q)) (u - v) - h^2 (p/q - q/p) [a (p - 1/p) + b (q - 1/q)]}/d^3
 
-where each null coordinate is right to a few roundings of its own. Differentiated instead of reduced, psi'' would be
-a difference of terms that grow against it like e^theta.
+where each null coordinate is right to a few roundings of its own. With N = (AC)^2, S = sinh^2(theta/2), C = 1 + S, the
+limits S1 and S2 of S, P = S1 - S, Q = S2 - S and n = N + h^2 - b^2 the same is
+
+    psi'  = (a/N) [g sh(theta) n/d - (g ch(theta) - a)]
+    psi'' = 16 a^3 g^3 (n/N) [C P S2 + S Q (1 + S1)]/d^3
+            + (a g sh(theta)/N^2) [2 a g sh(theta) (h^2 - b^2)/d - (g^2 - a^2)]
+
+which keeps its digits where the linkage nearly folds (p, q, u/v near 1, d near 0) and loses them where N
+is near 0 and for great theta. The one with the smaller terms is taken. Where psi follows theta, psi' is taken as
+1 - g (u - v)/d.
 """
 
 from __future__ import annotations
 
 from typing import Any
 
+from fastlink.geometry import gap
 from fastlink.jit import NOT_A_NUMBER, select
 from fastlink.mechanisms.minkowski_4r import position  # noqa: F401 (whose rates these are)
 from fastlink.mechanisms.minkowski_4r.declare import NUMERICS, minkowski_4r
@@ -27,17 +36,78 @@ def per_root(half_root: Any, branch_sign: Any, side: Any) -> Any:
     return branch_sign * side * 0.5 / select(half_root == 0.0, NOT_A_NUMBER, half_root)
 
 
+@minkowski_4r.quantity(units="1", symbol="N", source=RATES, internal=True)
+def diagonal(alpha_r: Any, beta: Any) -> Any:
+    """(AC)^2 times r; NaN where A and C are lightlike separated."""
+    product = alpha_r * beta
+    return select(product == 0.0, NOT_A_NUMBER, product)
+
+
+@minkowski_4r.quantity(units="1", symbol="g^2 - a^2", source=RATES, internal=True)
+def ground_excess(s_a: Any, s_g: Any) -> Any:
+    """Square of the ground link less that of the input crank."""
+    return (s_g - s_a) * (s_g + s_a)
+
+
+@minkowski_4r.quantity(units="1", symbol="h^2 - b^2", source=RATES, internal=True)
+def coupler_excess(s_b: Any, s_h: Any) -> Any:
+    """Square of the coupler less that of the output crank."""
+    return (s_h - s_b) * (s_h + s_b)
+
+
+@minkowski_4r.quantity(units="1", symbol="2 a g", source=RATES, internal=True)
+def twice_s_a_s_g(s_a: Any, s_g: Any) -> Any:
+    """Twice the product of input crank and ground link."""
+    return 2.0 * (s_a * s_g)
+
+
+@minkowski_4r.quantity(units="1", symbol="1 + S_1", source=RATES, internal=True)
+def inner_square(s_a: Any, s_b: Any, s_g: Any, s_h: Any, product_one: Any) -> Any:
+    """Times kappa: cosh^2(theta_min/2), (g + a - b - h) (g + a + b + h) kappa/(4 a g)."""
+    short, _low = gap(s_g, s_a, -s_b, -s_h)
+    return 0.5 * (short * ((s_g + s_a) + (s_b + s_h))) / product_one
+
+
 @minkowski_4r.quantity(units="1", symbol="dpsi/dtheta", source=RATES)
-def dpsi_dtheta(s_a: Any, s_h: Any, p_r: Any, per_p: Any, AB_u: Any, AB_v: Any, per_root: Any) -> Any:
+def dpsi_dtheta(
+    s_a: Any,
+    s_g: Any,
+    s_h: Any,
+    sinh_r: Any,
+    S_r: Any,
+    p_r: Any,
+    per_p: Any,
+    r: Any,
+    AB_u: Any,
+    AB_v: Any,
+    AB_half: Any,
+    diagonal: Any,
+    per_root: Any,
+) -> Any:
     """Transmission ratio: rate of psi by theta."""
-    return s_a * s_h * (p_r * AB_v - per_p * AB_u) * per_root
+    one, other = s_a * s_h * per_root * (p_r * AB_v), s_a * s_h * per_root * (per_p * AB_u)
+    odd = s_a * s_g * sinh_r * (2.0 * AB_half * per_root) / diagonal
+    ground, rise = s_a * ((s_g - s_a) * r) / diagonal, 2.0 * s_a * s_g * S_r / diagonal
+    folded = abs(odd) + (abs(ground) + abs(rise)) < abs(one) + abs(other)
+    ratio = select(folded, odd - (ground + rise), one - other)
+    # Where psi follows theta, 1 is nearly all of it.
+    u, v = s_g * s_h * per_root * AB_u, s_g * s_h * per_root * (AB_v * r)
+    return select(abs(u) + abs(v) < 0.25, 1.0 - (u - v), ratio)
 
 
-@minkowski_4r.quantity(units="1", symbol="d2psi/dtheta2", source=RATES)
-def d2psi_dtheta2(
+# Each form of psi'' with what its terms add up to in size.
+
+
+@minkowski_4r.quantity(units="1", symbol="1/d^3", source=RATES, internal=True)
+def bend_scale(s_a: Any, s_b: Any, s_g: Any, s_h: Any, per_root: Any) -> Any:
+    """Product a b g h^2/d^3, over the third power of r."""
+    return s_a * s_b * s_g * (s_h * s_h) * per_root * per_root * per_root
+
+
+@minkowski_4r.quantity(units="1", symbol="psi''", source=RATES, internal=True)
+def null_bend(
     s_a: Any,
     s_b: Any,
-    s_g: Any,
     s_h: Any,
     sinh_r: Any,
     p_r: Any,
@@ -47,15 +117,81 @@ def d2psi_dtheta2(
     CB_v: Any,
     AB_u: Any,
     AB_v: Any,
-    side: Any,
-    per_root: Any,
+    bend_scale: Any,
 ) -> Any:
-    """Rate of the transmission ratio by theta."""
+    """Psi'' by null coordinates, for abs(theta)."""
     squares = p_r * CB_u * (AB_v * AB_v) - per_p * CB_v * (AB_u * AB_u)
-    across = s_h * squares * (AB_u - AB_v * r)
     heights = 2.0 * s_a * sinh_r + s_b * (CB_u - CB_v * r)
     turning = (p_r * CB_v - per_p * CB_u) * heights * r
-    return side * (s_a * s_b * s_g * (s_h * s_h)) * ((across - turning) * per_root * per_root * per_root)
+    return bend_scale * (s_h * squares * (AB_u - AB_v * r) - turning)
+
+
+@minkowski_4r.quantity(units="1", symbol="|psi''|", source=RATES, internal=True)
+def null_bend_size(
+    s_a: Any,
+    s_b: Any,
+    s_h: Any,
+    sinh_r: Any,
+    p_r: Any,
+    per_p: Any,
+    r: Any,
+    CB_u: Any,
+    CB_v: Any,
+    AB_u: Any,
+    AB_v: Any,
+    bend_scale: Any,
+) -> Any:
+    """Sum of the sizes of the terms of null_bend."""
+    squares = abs(p_r * CB_u) * (AB_v * AB_v) + abs(per_p * CB_v) * (AB_u * AB_u)
+    heights = 2.0 * s_a * sinh_r + s_b * (abs(CB_u) + abs(CB_v) * r)
+    turning = (abs(p_r * CB_v) + abs(per_p * CB_u)) * heights * r
+    return abs(bend_scale) * (s_h * squares * (abs(AB_u) + abs(AB_v) * r) + turning)
+
+
+@minkowski_4r.quantity(units="1", symbol="psi''", source=RATES, internal=True)
+def odd_bend(
+    inside: Any,
+    outside: Any,
+    outer_limit: Any,
+    inner_square: Any,
+    S_r: Any,
+    r: Any,
+    twice_s_a_s_g: Any,
+    product_one: Any,
+    AB_half: Any,
+    diagonal: Any,
+    per_root: Any,
+) -> Any:
+    """First term of psi'' by (AC)^2."""
+    change = (r + S_r) * inside * outer_limit - S_r * outside * inner_square
+    roots = per_root * per_root * per_root
+    return 4.0 * twice_s_a_s_g * (product_one * product_one) * change * r * (AB_half / diagonal) * roots
+
+
+@minkowski_4r.quantity(units="1", symbol="psi''", source=RATES, internal=True)
+def tilt(sinh_r: Any, r: Any, twice_s_a_s_g: Any, diagonal: Any) -> Any:
+    """Product a g sh(theta)/N^2."""
+    return 0.5 * twice_s_a_s_g * (sinh_r / diagonal) * (r / diagonal)
+
+
+@minkowski_4r.quantity(units="1", symbol="d2psi/dtheta2", source=RATES)
+def d2psi_dtheta2(
+    null_bend: Any,
+    null_bend_size: Any,
+    odd_bend: Any,
+    tilt: Any,
+    sinh_r: Any,
+    twice_s_a_s_g: Any,
+    coupler_excess: Any,
+    ground_excess: Any,
+    per_root: Any,
+    side: Any,
+) -> Any:
+    """Rate of the transmission ratio by theta."""
+    coupler = tilt * (twice_s_a_s_g * sinh_r * coupler_excess * per_root)
+    ground = tilt * ground_excess
+    folded = abs(odd_bend) + (abs(coupler) + abs(ground)) < null_bend_size
+    return side * select(folded, odd_bend + (coupler - ground), null_bend)
 
 
 def same(x: Any) -> Any:
