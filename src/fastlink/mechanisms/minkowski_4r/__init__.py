@@ -4,13 +4,23 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from fastlink.mechanisms.minkowski_4r import coupler, design_facts, limits, position, rates, types
+from fastlink.mechanisms.minkowski_4r import coupler, design_facts, limits, position, rates, sextic, types
 from fastlink.mechanisms.minkowski_4r.declare import minkowski_4r
 
 if TYPE_CHECKING:
     from fastlink.catalogue import Catalogue
 
-__all__ = ["DRIVEN", "coupler", "design_facts", "limits", "minkowski_4r", "position", "rates", "types"]
+__all__ = [
+    "DRIVEN",
+    "coupler",
+    "design_facts",
+    "limits",
+    "minkowski_4r",
+    "position",
+    "rates",
+    "sextic",
+    "types",
+]
 
 minkowski_4r.check()
 #: No other input drives it.
