@@ -18,12 +18,27 @@ DOCUMENT = Path(__file__).parents[1] / "docs" / "quantities.md"
 LISTED = [(name, row) for name in NAMES for row in fl.quantities(name)]
 
 
+#: Designs of each mechanism over one swept input, with what further options they need.
+SPACES = {
+    "planar_4r": (
+        {"a1": [0.3, 0.4], "a2": 1.2, "a3": 0.8, "a4": 1.0, "omega1": 25.0, "P_u": 0.5, "P_v": 0.1},
+        {"links": fl.round_bar(7750.0, 0.01), "angles": 4},
+    ),
+    "minkowski_4r": (
+        {"a": [1.0, 1.2], "b": 0.8, "g": 1.5, "h": 0.7, "x": 0.5, "y": 0.1},
+        {"angles": [-1.0, 0.0, 0.5, 1.0]},
+    ),
+}
+
+
 @pytest.fixture(scope="module")
-def result():
-    """Every public quantity of the planar 4R, over a swept input."""
-    space = fl.grid(a1=[0.3, 0.4], a2=1.2, a3=0.8, a4=1.0, omega1=25.0, P_u=0.5, P_v=0.1)
-    names = [row.name for row in fl.quantities("planar_4r")]
-    return fl.sweep("planar_4r", space, names, links=fl.round_bar(7750.0, 0.01), theta1=4)
+def results():
+    """Every public quantity of each mechanism, over a swept input."""
+    found = {}
+    for mechanism, (inputs, options) in SPACES.items():
+        names = [row.name for row in fl.quantities(mechanism)]
+        found[mechanism] = fl.sweep(mechanism, fl.grid(**inputs), names, **options)
+    return found
 
 
 def test_the_documentation_is_up_to_date():
@@ -46,10 +61,11 @@ def test_every_public_quantity_is_listed_once(name):
 
 
 @pytest.mark.parametrize(("mechanism", "row"), LISTED, ids=[row.name for _, row in LISTED])
-def test_a_row_says_what_the_result_says(mechanism, row, result):
+def test_a_row_says_what_the_result_says(mechanism, row, results):
     assert isinstance(row, Quantity)
-    found = result[row.name]
-    swept = tuple("design" if dim == "a1" else dim for dim in found.dims)
+    found = results[mechanism][row.name]
+    over = next(name for name, value in SPACES[mechanism][0].items() if isinstance(value, list))
+    swept = tuple("design" if dim == over else dim for dim in found.dims)
     assert row.dims == swept
     assert row.units == found.attrs.get("units", "1")
     assert row.meaning == found.attrs["long_name"]
@@ -81,7 +97,7 @@ def test_the_inputs_are_a_table_of_their_own():
     assert all(f"\n{name} " in below for name in rows)
 
 
-def test_how_names_are_formed_is_said_once_and_is_true(result):
+def test_how_names_are_formed_is_said_once_and_is_true():
     listed = fl.quantities("planar_4r")
     for text in (str(listed), listed.markdown()):
         for suffix in REDUCTIONS:

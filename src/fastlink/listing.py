@@ -76,6 +76,7 @@ class QuantityList(list[Quantity]):
         self._title = catalogue.title
         self._branches = catalogue.branches
         self._position = catalogue.position
+        self._graded = catalogue.graded is not None
 
     def __repr__(self) -> str:
         return "\n\n".join(
@@ -124,10 +125,16 @@ class QuantityList(list[Quantity]):
             for reduction in REDUCTIONS.values()
             if reduction.has_place
         ]
+        lists = (
+            f"{quote}NAME_extrema{quote} lists all extremes over the reachable range by growing {position}, along "
+            f"the dimension {quote}extremum{quote}, and brings {quote}{position}_at_NAME_extrema{quote}, "
+            f"{quote}NAME_extrema_count{quote} and {quote}NAME_extrema_kind{quote}. "
+        )
         return (
             f"For any NAME with the dimension {quote}{position}{quote} there are {_and(ways)}, and "
             f"{_and(places)} (the {position}{unit} where that is), with the dimensions "
-            f"({DESIGN}, {BRANCH}). Configurations that do not assemble are NaN and never enter. "
+            f"({DESIGN}, {BRANCH}). {lists if self._graded else ''}"
+            "Configurations that do not assemble are NaN and never enter. "
             f"{quote}d_NAME_d_PARAM{quote} is the derivative of NAME by an input or by {quote}{position}{quote}, and "
             "itself such a NAME. "
             f"{quote}{DESIGN}{quote} stands for the swept dimensions."

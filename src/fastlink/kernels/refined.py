@@ -11,7 +11,6 @@ from typing import TYPE_CHECKING
 
 from fastlink.catalogue import Fact, parameters
 from fastlink.kernels.emit import Text, paste_fact
-from fastlink.kernels.found import GREATEST, LEAST, PLACE, VALUE
 from fastlink.kernels.items import HALF, ITEM_ROWS, LANES, STATE_ROWS, UPPER, WHICH, X
 from fastlink.kernels.items import F as F_ROW
 from fastlink.kernels.refined_layout import RefinedLayout
@@ -312,19 +311,10 @@ class _Refined(RefinedLayout):
 
     def write_result(self, output: Output) -> None:
         """Copy one result of a search."""
-        request = output.request
-        if request.reduction is not None:
-            row = (GREATEST if request.reduction.suffix == "max" else LEAST) + int(request.place)
-            name, rest = "store_best", f"best, {row}"
-        elif request.listed == "count":
-            name, rest = "store_counts", "found"
-        elif request.listed == "kind":
-            name, rest = "store_kinds", "lists"
-        else:
-            name, rest = "store_list", f"lists, {PLACE if request.listed == 'place' else VALUE}"
+        name, values = self.store_of(output)
         self.use("found", name)
-        base = self.number_of(request.quantity) * len(self.plan.branches) * LANES
-        self.text.add(f"{name}(out_{output.name}, i0, lanes, {base}, {rest})")
+        base = self.number_of(output.request.quantity) * len(self.plan.branches) * LANES
+        self.text.add(f"{name}(out_{output.name}, i0, lanes, {base}, {values})")
 
 
 def write_refined(plan: RefinedClosure) -> tuple[str, tuple[int, int]]:

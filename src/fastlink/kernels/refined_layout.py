@@ -7,10 +7,11 @@ from functools import cached_property
 from typing import TYPE_CHECKING
 
 from fastlink.catalogue import Fact
+from fastlink.kernels.found import GREATEST, LEAST, PLACE, VALUE
 from fastlink.kernels.items import STATE_ROWS
 
 if TYPE_CHECKING:
-    from fastlink.closure import RefinedClosure
+    from fastlink.closure import Output, RefinedClosure
     from fastlink.searches import Search
 
 __all__ = ["RefinedLayout"]
@@ -113,6 +114,19 @@ class RefinedLayout:
     def number_of(self, quantity: str) -> int:
         """Return the number of the search for a quantity's extremes, which stands before that for its jumps."""
         return [search.quantity for search in self.plan.searches].index(quantity)
+
+    @staticmethod
+    def store_of(output: Output) -> tuple[str, str]:
+        """Return the function that copies a result, and what it copies from."""
+        request = output.request
+        if request.reduction is not None:
+            row = (GREATEST if request.reduction.suffix == "max" else LEAST) + int(request.place)
+            return "store_best", f"best, {row}"
+        if request.listed == "count":
+            return "store_counts", "found"
+        if request.listed == "kind":
+            return "store_kinds", "lists"
+        return "store_list", f"lists, {PLACE if request.listed == 'place' else VALUE}"
 
     def own_place(self, branch: int) -> int:
         """Return where the results of a searched branch go, -1 for nowhere."""
