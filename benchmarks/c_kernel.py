@@ -66,6 +66,11 @@ def bind(case, x, tables):
     return call_of(case, (n, K), [x, tables, whole]), tuple(whole)
 
 
+def extrema_cells():
+    """Return half the number of cells that C searches."""
+    return ctypes.c_long.in_dll(library(), "c_extrema_cells").value
+
+
 def bind_extrema(x):
     """Return ``call, arrays`` for every extreme of omega4: its greatest and its least value."""
     whole = empty((2, x.shape[1], 2))

@@ -1,21 +1,22 @@
 /* Every extreme of omega4 in plain C: the speed limit of the refined kernels.
  *
- * Arithmetic and search of the engine (docs/numerics.md, Extremes), strict IEEE: samples on the graded range with lanes =
- * designs, marks, and then lanes = cells: golden section in valleys, Chandrupatla's method for zeros. omega4 is the same in
- * both branches up to a mirror, so half the range in both branches says all. Not computed: where the extremes are.
+ * Arithmetic and search of the engine (docs/numerics.md, Extremes), strict IEEE, to the bit: samples on the graded
+ * range with lanes = designs, marks, and then lanes = cells: golden section in valleys, Chandrupatla's method for
+ * zeros. omega4 is the same in both branches up to a mirror, so half the range in both branches says all. Where the
+ * extremes are is not computed.
  */
 #include <stdint.h>
 #include <string.h>
 
-#include "sums.h"
+#include "bracket.h"
 
-#define CELLS 8 /* half the cells of the range */
+#define CELLS 16 /* half the cells of the range */
 #define SAMPLES (2 * CELLS + 1)
 #define ROOM (2 * LANES * SAMPLES)
 
 #define CONSTANTS(_)                                                                                              \
-    _(Z_least) _(width) _(C_least) _(p_least) _(q_least) _(gamma0) _(eps) _(C0_4) _(Z0_4) _(kappa) _(w) _(half_w) \
-    _(excess)
+    _(Z_least) _(width) _(C_least) _(p_least) _(q_least) _(sine) _(gamma0) _(eps) _(C0_4) _(Z0_4) _(kappa) _(w)   \
+    _(half_w) _(excess)
 
 typedef struct { CONSTANTS(AS_SCALAR) } design;
 typedef struct {
@@ -28,9 +29,9 @@ typedef struct { long lane; double branch, upper, xa, fa, xb, fb, xc, fc; } item
 typedef struct { item *at; long count; } list;
 
 /* Cells under way. */
-#define STATE(_) _(branch) _(upper) _(x) _(f) _(x1) _(f1) _(x2) _(f2) _(xc) _(fc) _(tolerance) _(steps) _(open) _(value)
 typedef struct {
-    STATE(AS_ARRAY)
+    brackets z;
+    double branch[LANES], upper[LANES], value[LANES];
     block of; /* of each cell's design */
 } __attribute__((aligned(64))) state;
 
@@ -67,7 +68,7 @@ INLINE void prepare(block *restrict o, const double *restrict x, long n, long fi
         o->scale[1][i] = high, o->start[1][i] = C0 >= 0 ? 0x1p-60 * high : 0, o->toggle[1][i] = C0 > 0;
         o->Z_least[i] = Z0 > 0 ? Z0 : 0, o->p_least[i] = Z0 < 0 ? -Z0 : 0;
         o->C_least[i] = C0 > 0 ? C0 : 0, o->q_least[i] = C0 < 0 ? -C0 : 0;
-        o->width[i] = width, o->gamma0[i] = gamma0;
+        o->width[i] = width, o->gamma0[i] = gamma0, o->sine[i] = 2 * (a / b) * (d / c);
         o->eps[i] = (a - d) * (a + d) * r, o->kappa[i] = (b - c) * (b + c) * r;
         o->C0_4[i] = 0.25 * C0, o->Z0_4[i] = 0.25 * Z0;
         o->w[i] = w, o->half_w[i] = 0.5 * w, o->excess[i] = 0.5 * (a - d) / d;
@@ -76,7 +77,7 @@ INLINE void prepare(block *restrict o, const double *restrict x, long n, long fi
 
 /* ---- at a place of the range ---- */
 
-typedef struct { pair omega4, slope; double sigma; } rate; /* even +- odd */
+typedef struct { pair omega4, slope; double sine; } rate; /* even +- odd; sine of the transmission angle */
 
 /* low, high: distances from both ends over the width. */
 INLINE rate rate_at(design d, double low, double high)
@@ -87,13 +88,13 @@ INLINE rate rate_at(design d, double low, double high)
     double h = 0.5 * (2 * sqrt(Z * C)), j = 0.5 * (h * r_gamma), k = d.kappa * r_gamma, H = h * r_sigma;
     double dH = (d.C0_4 * Z * p - d.Z0_4 * C * q) * (r_sigma * r_sigma * r_sigma);
     pair slope = {-(d.eps * j * r_gamma), dH * (1 + k) - H * k * j};
-    return (rate){{d.half_w * ((d.excess + Z) * r_gamma), d.half_w * H * (1 + k)}, slope, sigma};
+    return (rate){{d.half_w * ((d.excess + Z) * r_gamma), d.half_w * H * (1 + k)}, slope, d.sine * sigma};
 }
 
-/* The derivative times the power of sigma that keeps it finite and not zero at a toggle. */
+/* The derivative times the power of the sine that keeps it finite and not zero at a toggle. */
 INLINE double scaled(design d, rate r, double branch)
 {
-    return d.w * (r.slope.even + branch * r.slope.odd) * r.sigma * r.sigma * r.sigma;
+    return d.w * (r.slope.even + branch * r.slope.odd) * r.sine * r.sine * r.sine;
 }
 
 INLINE void sample(const block *restrict b, double (*restrict places)[CELLS + 1][LANES],
@@ -129,8 +130,9 @@ INLINE void sample(const block *restrict b, double (*restrict places)[CELLS + 1]
         for (int i = 0; i < LANES; i++) {
             design d = design_at(b, i);
             rate r = rate_at(d, low[i], high[i]);
-            f[0][j][i] = scaled(d, r, -1);
-            f[1][j][i] = scaled(d, r, 1);
+            double one = scaled(d, r, -1), two = scaled(d, r, 1), noise = 0x1p-50 * (fabs(one) + fabs(two));
+            f[0][j][i] = fabs(one) <= noise ? 0 : one; /* else rounding errors would look like zeros */
+            f[1][j][i] = fabs(two) <= noise ? 0 : two;
         }
     }
 }
@@ -139,15 +141,15 @@ INLINE void sample(const block *restrict b, double (*restrict places)[CELLS + 1]
 
 enum { ROOT = 1, VALLEY = 2 };
 
-INLINE void mark(const double *restrict before, const double *restrict here, const double *restrict after, double sign,
-                 int8_t *restrict flags)
+INLINE void mark(const double *restrict before, const double *restrict here, const double *restrict after,
+                 double sign, int8_t *restrict flags)
 {
 #pragma GCC ivdep
     for (int i = 0; i < LANES; i++) {
         double a = before[i], b = here[i], c = after[i];
         int differ = ((sign * b > 0) != (sign * c > 0)) & (b == b) & (c == c);
         a = fabs(a), b = fabs(b), c = fabs(c);
-        int deep = ((a - c) * (a - c) > b * (a - 2 * b + c)) | ((b < 0.85 * a) & (b < 0.85 * c));
+        int deep = ((a - c) * (a - c) > b * (a - 2 * b + c)) | ((b < 0.97 * a) & (b < 0.97 * c));
         int low = (b <= a) & (b <= c) & deep & (b > 0);
         flags[i] = (int8_t)(differ * ROOT + low * VALLEY);
     }
@@ -161,8 +163,8 @@ INLINE double place_of(double (*restrict places)[CELLS + 1][LANES], int j, int u
     return j <= CELLS ? places[0][j][i] : 1 / places[1][SAMPLES - 1 - j][i];
 }
 
-INLINE void collect(double (*restrict places)[CELLS + 1][LANES], double (*restrict f)[SAMPLES][LANES], int half, int lanes,
-                    list *valleys, list *roots)
+INLINE void collect(double (*restrict places)[CELLS + 1][LANES], double (*restrict f)[SAMPLES][LANES], int half,
+                    int lanes, list *valleys, list *roots)
 {
     double (*own)[LANES] = f[half], (*beyond)[LANES] = f[1 - half], branch = half ? 1 : -1;
     for (int j = 0; j < SAMPLES; j++) {
@@ -193,13 +195,11 @@ INLINE void collect(double (*restrict places)[CELLS + 1][LANES], double (*restri
 
 /* ---- refinement ---- */
 
-#define GOLDEN 0.3819660112501051
-INLINE double golden(double a, double c, double b) { return c + GOLDEN * (b - c > c - a ? b - c : a - c); }
-
 enum { VALLEYS, ROOTS, ENDS };
 
 /* Copy cells into the state, with their first places; return how many lanes are in use and how many of them open. */
-INLINE int gather(state *restrict s, const block *restrict b, const item *restrict items, int real, int phase, int *open)
+INLINE int gather(state *restrict s, const block *restrict b, const item *restrict items, int real, int phase,
+                  int *open)
 {
     int width = (real + 7) / 8 * 8;
     long lane[LANES];
@@ -219,10 +219,10 @@ INLINE int gather(state *restrict s, const block *restrict b, const item *restri
                 x = fa == 0 ? a : c, is_open = 0;
         }
         lane[i] = t.lane;
-        s->branch[i] = t.branch, s->upper[i] = t.upper, s->x[i] = x, s->xc[i] = t.xc, s->fc[i] = t.fc;
-        s->x1[i] = a, s->f1[i] = fa, s->x2[i] = c, s->f2[i] = fc;
-        s->tolerance[i] = 0x1p-56 * (t.xa > t.xb ? t.xa : t.xb);
-        s->steps[i] = 0, s->open[i] = is_open;
+        s->branch[i] = t.branch, s->upper[i] = t.upper, s->z.x[i] = x, s->z.xc[i] = t.xc, s->z.fc[i] = t.fc;
+        s->z.x1[i] = a, s->z.f1[i] = fa, s->z.x2[i] = c, s->z.f2[i] = fc;
+        s->z.tolerance[i] = 0x1p-56 * (t.xa > t.xb ? t.xa : t.xb);
+        s->z.steps[i] = 0, s->z.open[i] = is_open;
         *open += is_open;
     }
 #define GATHER(name)                                                                                              \
@@ -236,78 +236,19 @@ INLINE void evaluate(state *restrict s, int width)
 {
 #pragma GCC ivdep
     for (int i = 0; i < width; i++) {
-        double square = s->x[i] * s->x[i], rest = 1 / (1 + square), near = square * rest;
+        double square = s->z.x[i] * s->z.x[i], rest = 1 / (1 + square), near = square * rest;
         int upper = s->upper[i] > 0;
         design d = design_at(&s->of, i);
         rate r = rate_at(d, upper ? rest : near, upper ? near : rest);
-        s->f[i] = scaled(d, r, s->branch[i]);
+        s->z.f[i] = scaled(d, r, s->branch[i]);
         s->value[i] = r.omega4.even + s->branch[i] * r.omega4.odd;
     }
 }
 
-/* One step of Chandrupatla's method: inverse quadratic interpolation where it is safe, else bisection. */
-INLINE void advance_roots(state *restrict s, int width)
-{
-#pragma GCC ivdep
-    for (int i = 0; i < width; i++) {
-        double x = s->x[i], f = s->f[i], x1 = s->x1[i], f1 = s->f1[i], x2 = s->x2[i], f2 = s->f2[i];
-        int same = (f > 0) == (f1 > 0);
-        double x3 = same ? x1 : x2, f3 = same ? f1 : f2;
-        x2 = same ? x2 : x1, f2 = same ? f2 : f1;
-        int nearer = fabs(f2) < fabs(f);
-        double best = nearer ? x2 : x, best_f = nearer ? f2 : f;
-        double gap = x2 - x, r_gap = 1 / gap, limit = (0x1p-51 * fabs(best) + s->tolerance[i]) * fabs(r_gap);
-        double r_f2 = 1 / f2, a = f * r_f2, b = f3 * r_f2, r_b = 1 / (1 - b);
-        double xi = gap / (x2 - x3), phi = (1 - a) * r_b, skew = (x3 - x) * r_gap;
-        int smooth = (phi * phi < xi) & ((1 - phi) * (1 - phi) < 1 - xi);
-        double step = a * r_b * ((b * (b - a) - skew * (1 - a)) / ((1 - a) * (b - a)));
-        double t = smooth ? step : 0.5;
-        t = t > limit ? t : limit;
-        t = t < 1 - limit ? t : 1 - limit;
-        int done = (limit > 0.5) | (best_f == 0);
-        double next = done ? best : x + t * gap;
-        s->x[i] = s->open[i] > 0 ? next : x;
-        s->x1[i] = x, s->f1[i] = f, s->x2[i] = x2, s->f2[i] = f2;
-        s->open[i] = done ? 0 : s->open[i];
-    }
-}
-
-/* The least value of the parabola through three points of a valley. */
-INLINE double vertex(double a, double fa, double c, double fc, double b, double fb)
-{
-    double left = (fc - fa) / (c - a), right = (fb - fc) / (b - c), bend = (right - left) / (b - a);
-    double slope = left + bend * (c - a);
-    return fc - slope * slope / (4 * bend);
-}
-
-/* One golden-section step towards the least magnitude; a cell is done where the sign changes. */
-INLINE void advance_valley(state *restrict s, int i)
-{
-    double c = s->xc[i], fc = s->fc[i], x = s->x[i], f = s->f[i];
-    if ((f > 0) != (fc > 0)) {
-        s->open[i] = 0;
-        return;
-    }
-    int better = fabs(f) < fabs(fc);
-    double inner = better ? x : c, f_inner = better ? f : fc, outer = better ? c : x, f_outer = better ? fc : f;
-    if (outer < inner)
-        s->x1[i] = outer, s->f1[i] = f_outer;
-    else
-        s->x2[i] = outer, s->f2[i] = f_outer;
-    double a = s->x1[i], b = s->x2[i];
-    s->xc[i] = inner, s->fc[i] = f_inner, s->steps[i]++;
-    int at_end = (inner == a) | (inner == b);
-    double least = at_end ? 0 : vertex(a, fabs(s->f1[i]), inner, fabs(f_inner), b, fabs(s->f2[i]));
-    int high = s->steps[i] >= 4 && (at_end || least > 0.5 * fabs(f_inner));
-    if (high || b - a <= 0x1p-26 * inner + s->tolerance[i])
-        s->open[i] = 0;
-    else
-        s->x[i] = golden(a, inner, b);
-}
-
 typedef struct { double greatest[LANES], least[LANES]; } extremes;
 
-static void refine(state *restrict s, const block *restrict b, list items, int phase, list *roots, extremes *restrict best)
+static void refine(state *restrict s, const block *restrict b, list items, int phase, list *roots,
+                   extremes *restrict best)
 {
     for (long start = 0; start < items.count; start += LANES) {
         int real = items.count - start < LANES ? (int)(items.count - start) : LANES, open;
@@ -315,21 +256,21 @@ static void refine(state *restrict s, const block *restrict b, list items, int p
         int width = gather(s, b, at, real, phase, &open);
         for (evaluate(s, width); open > 0; evaluate(s, width)) {
             if (phase == ROOTS)
-                advance_roots(s, width);
+                advance_roots(&s->z, width);
             else
                 for (int i = 0; i < width; i++)
-                    if (s->open[i] > 0)
-                        advance_valley(s, i);
+                    if (s->z.open[i] > 0)
+                        advance_valley(&s->z, i);
             double count = 0;
             for (int i = 0; i < width; i++)
-                count += s->open[i];
+                count += s->z.open[i];
             open = (int)count;
         }
         for (int i = 0; i < real; i++) {
             item t = at[i];
-            double value = s->value[i], x = s->x[i], f = s->f[i];
+            double value = s->value[i], x = s->z.x[i], f = s->z.f[i];
             if (phase == VALLEYS) {
-                if ((f > 0) != (s->fc[i] > 0)) {
+                if ((f > 0) != (s->z.fc[i] > 0)) {
                     append(roots, (item){t.lane, t.branch, t.upper, t.xa, t.fa, x, f, 0, 0});
                     append(roots, (item){t.lane, t.branch, t.upper, x, f, t.xb, t.fb, 0, 0});
                 }
@@ -344,6 +285,8 @@ static void refine(state *restrict s, const block *restrict b, list items, int p
         }
     }
 }
+
+const long c_extrema_cells = CELLS;
 
 /* x: rows a1 a2 a3 a4 omega1, each of n designs. out: (2, n, 2) omega4_max omega4_min. */
 void c_extrema(long n, const double *restrict x, double *restrict out)
