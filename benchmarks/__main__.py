@@ -3,13 +3,14 @@
 import argparse
 import sys
 
-from benchmarks import extrema, facts, output, report, table
+from benchmarks import extrema, facts, minkowski, output, report, table
 
 
 def quick():
     """Return rows and facts at small sizes: whether everything runs, not how fast."""
     others = facts.angles(8, 64, rounds=1) + facts.system(8, 64, rounds=1, count=2)
-    return table.measure(quick=True), others + extrema.measure(quick=True)
+    others += extrema.measure(quick=True) + minkowski.measure(quick=True)
+    return table.measure(quick=True), others
 
 
 def full(folder, log):
@@ -24,7 +25,8 @@ def full(folder, log):
         for row in found
         if "run_ns" in row
     ]
-    return found, others + extrema.measure(log=log) + output.measure(folder, log)
+    others += extrema.measure(log=log) + minkowski.measure(log=log)
+    return found, others + output.measure(folder, log)
 
 
 def main():
