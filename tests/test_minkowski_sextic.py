@@ -67,8 +67,8 @@ def value(c, X, Y):
 
 def majorant(design, X, Y):
     """Every term of the sextic with its absolute value: what one relative rounding of each may do to it."""
-    a, b, g, h, x, y = (abs(float(value)) for value in design)
-    z, p = abs(float(X)) + abs(float(Y)), x + y
+    a, b, g, h, x, y = np.abs(design)
+    z, p = np.abs(X) + np.abs(Y), x + y
     k = p * p + a * a
     middle = 2 * h * x + a * a + h * h + b * b + g * g
     W = (z * z + k) * (z + g) + p / h * (g * z * z + middle * z + k * g)
@@ -109,6 +109,26 @@ def test_the_sextic_vanishes_on_the_traced_curve(AX, BX):
                     assert abs(value(c[i], X, Y)) <= allowed, (i, theta)
                     points += 1
     assert points > 100
+
+
+@pytest.mark.parametrize("branch", [1, 2])
+def test_the_sextic_vanishes_on_the_points_of_the_mechanism(branch):
+    designs = random_designs(64, 400)
+    c = sextic(*designs)
+    inputs = dict(zip(DESIGN, designs[:, :, None], strict=True))
+    theta = np.linspace(-2.9, 3.0, 24)
+    names = ["X_x", "X_y", "sextic_residual"]
+    found = fl.evaluate("minkowski_4r", names, branch=branch, theta=theta, **inputs)
+    X, Y = found["X_x"], found["X_y"]
+    closes = np.isfinite(X)
+    assert closes.sum() > 50000
+    size = majorant(designs[:, :, None], X, Y)
+    values = sum(c[:, i, j, None] * X**i * Y**j for i in range(7) for j in range(7 - i))
+    # A point is within some four roundings of one of a linkage whose lengths are within as many of these: of degree
+    # eight in all, 32. Powers and partial sums add a few.
+    assert np.all(np.abs(values)[closes] <= 40 * UNIT * size[closes])
+    # The same relative to the terms that the mechanism takes, which are fewer.
+    assert np.all(np.abs(found["sextic_residual"][closes]) <= 40 * UNIT)
 
 
 def test_the_sextic_tells_the_curve_from_its_neighbours():
