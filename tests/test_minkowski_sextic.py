@@ -9,6 +9,7 @@ import pytest
 import fastlink as fl
 from configurations import UNIT
 from fastlink.minkowski import sextic
+from fastlink.planar.sextics import BLOCK
 
 DESIGN = ("a", "b", "g", "h", "x", "y")
 #: Causal types of a vector: the sign of its square.
@@ -255,6 +256,12 @@ def test_designs_broadcast():
     many = sextic([1.0, 2.0], 1.0, 4.0, np.ones((3, 1)), 0.5, [[0.0], [0.5], [1.0]])
     assert many.shape == (3, 2, 7, 7)
     np.testing.assert_array_equal(many[2, 1], sextic(2.0, 1.0, 4.0, 1.0, 0.5, 1.0))
+    # More than are taken at once.
+    designs = np.tile(random_designs(65, 3), 40)
+    many = sextic(*designs)
+    assert many.shape[0] > 2 * BLOCK
+    np.testing.assert_array_equal(many, np.tile(sextic(*designs[:, :27]), (40, 1, 1)))
+    assert sextic(np.ones(0), 1.0, 4.0, 1.0, 0.5, 0.0).shape == (0, 7, 7)
 
 
 @pytest.mark.parametrize(

@@ -8,23 +8,27 @@ import numpy as np
 
 __all__ = ["coupler_sextic"]
 
+#: Designs at once: their coefficients stay in the cache, and stand in the first two axes, so that what is done to each
+#: runs over all of them (ten times as fast as in the last two axes and all designs at once).
+BLOCK = 512
+
 
 def _polynomial(size: int, **terms: Any) -> Any:
-    """Return coefficients (..., size, size) from terms named by their powers, x1y2 for X Y^2."""
-    first = np.asarray(next(iter(terms.values())))
-    result = np.zeros((*first.shape, size, size))
+    """Return coefficients (size, size, designs) from terms named by their powers, x1y2 for X Y^2."""
+    result = np.zeros((size, size, next(iter(terms.values())).size))
     for powers, coefficient in terms.items():
-        result[..., int(powers[1]), int(powers[3])] = coefficient
+        result[int(powers[1]), int(powers[3])] = coefficient
     return result
 
 
 def _product(f: Any, g: Any) -> Any:
-    """Multiply two polynomials in X and Y of total degree n - 1, coefficients (..., n, n)."""
-    n, m = f.shape[-1], g.shape[-1]
-    result = np.zeros((*f.shape[:-2], n + m - 1, n + m - 1))
-    for i in range(n):
-        for j in range(n - i):
-            result[..., i : i + m, j : j + m] += f[..., i, j, None, None] * g
+    """Multiply two polynomials in X and Y of total degree n - 1, coefficients (n, n, designs)."""
+    n = f.shape[0]
+    powers = [(i, j) for i in range(n) for j in range(n - i)]
+    result = np.zeros((2 * n - 1, 2 * n - 1, *f.shape[2:]))
+    for i, j in powers:
+        for k, m in powers:
+            result[i + k, j + m] += f[i, j] * g[k, m]
     return result
 
 
@@ -53,6 +57,16 @@ def coupler_sextic(jj: int, crank: Any, coupler: Any, output: Any, ground: Any, 
     >>> float(np.polynomial.polynomial.polyval2d(5.0, 4.0, c))
     0.0
     """
+    numbers = [np.ravel(number) for number in (crank, coupler, output, ground, u, v)]
+    result = np.empty((ground.size, 7, 7))
+    for first in range(0, ground.size, BLOCK):
+        part = slice(first, first + BLOCK)
+        result[part] = np.moveaxis(_sextics(jj, *(number[part] for number in numbers)), -1, 0)
+    return result.reshape(*ground.shape, 7, 7)
+
+
+def _sextics(jj: int, crank: Any, coupler: Any, output: Any, ground: Any, u: Any, v: Any) -> Any:
+    """Return the coefficients (7, 7, designs) of a row of designs."""
     square = (u - v) * (u + v) if jj > 0 else u * u + v * v
     k = square - crank * crank
     middle = 2.0 * coupler * u - (crank - output) * (crank + output) - coupler * coupler - ground * ground
@@ -61,7 +75,6 @@ def coupler_sextic(jj: int, crank: Any, coupler: Any, output: Any, ground: Any, 
     real = _polynomial(4, x2y0=ground, x0y2=jj * ground, x1y0=middle, x0y0=-k * ground)
     unit = _polynomial(4, x1y1=2.0 * ground, x0y1=middle)
     one = np.ones_like(ground)
-    along, across = along[..., None, None], across[..., None, None]
     W_real = _polynomial(
         4, x3y0=one, x1y2=-jj * one, x2y0=-ground, x0y2=jj * ground, x1y0=k, x0y0=-k * ground
     )
