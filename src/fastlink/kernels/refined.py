@@ -24,6 +24,9 @@ __all__ = ["write_refined"]
 # Facts of a branch, beyond which the text of both would take longer to compile than it saves.
 MOST_ABREAST = 30
 
+# Bisection alone halves a cell to nothing in half as many; values that are no numbers must not go on for ever.
+MOST_STEPS = 200
+
 HEADER = '''"""Kernel of {mechanism}, written by fastlink: {names}."""
 
 from numpy import array, empty, inf, int8, int64, nan, uint64
@@ -229,7 +232,7 @@ class _Refined(RefinedLayout):
         text.open(f"for start in range(0, total, {LANES}):")
         text.add("width = gather(items, start, total, w_rows, rows, s_rows, lane)")
         text.add("open_items = begin(s_rows, width, phase)")
-        text.open("while True:")
+        text.open(f"for step in range({MOST_STEPS}):")
         text.add("evaluate(s, width)")
         text.open("if open_items == 0:")
         text.add("break")
