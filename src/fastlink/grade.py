@@ -87,6 +87,17 @@ class _Functions:
     def sqrt(self, x: Grade) -> Grade:
         return Grade(x.order / 2.0, 1 if x.parity == 1 else 0, x.choice)
 
+    def cos(self, x: Grade) -> Grade:
+        return Grade(0.0, abs(x.parity), x.choice)
+
+    def sin(self, x: Grade) -> Grade:
+        return Grade(0.0, x.parity, x.choice)
+
+    def exp(self, x: Grade) -> Grade:
+        return Grade(0.0, 1 if x.parity == 1 else 0, x.choice)
+
+    log = exp
+
     def atan2(self, y: Any, x: Any) -> Grade:
         above, beside = _grade(y), _grade(x)
         return Grade(0.0, above.parity if beside.parity == 1 else 0, above.choice or beside.choice)

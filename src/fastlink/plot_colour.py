@@ -14,7 +14,11 @@ if TYPE_CHECKING:
 
 __all__ = ["colours_of", "flag_colours", "flag_handles", "limits_of"]
 
-FLAGS = ("#2a9d5c", "#e9c46a", "#b0b7c3", "#d1495b", "#333333", "#8a5fbf")
+# Of the codes that most mechanisms have, then of long lists of types.
+FLAGS = (
+    *("#2a9d5c", "#e9c46a", "#b0b7c3", "#d1495b", "#333333", "#8a5fbf"),
+    *("#0b5fa5", "#f4a261", "#7fc8a9", "#8c564b", "#e377c2", "#17becf", "#bcbd22", "#5c6f7b", "#c9a0dc"),
+)
 
 
 def colours_of(values: Any, regular: Any, angle: bool) -> tuple[Any, Any, str]:
