@@ -137,7 +137,7 @@ def grades(catalogue: Catalogue, steps: Iterable[Fact | System], varying: Iterab
             known = [found.get(need, Grade()) for need in step.needs]
             try:
                 found[step.name] = step.function(*known)
-            except TypeError:
+            except (TypeError, AttributeError):
                 # It compares values: of one that moves nothing else is known.
                 order = max((_grade(value).order for value in known), default=0.0)
                 found[step.name] = Grade(order, 0, True) if step.name in moving else Grade()
