@@ -41,6 +41,11 @@ def family(kind: str, rng: np.random.Generator, n: int) -> tuple[dict[str, np.nd
         a, b, g, _h = lengths
         lengths[3] = abs(np.where(rng.random(n) < 0.5, g + b - a, a - g + b) - float(size))
         theta = sides * np.exp(rng.uniform(np.log(1e-6), 0.0, n))
+    elif name == "rigid":  # T3 or T4 nearly 0: a link nearly as long as the others together
+        a, b, g, h = lengths
+        lengths[[0, 2]] = np.where(rng.random(n) < 0.5, (a, a + b + h), (g + b + h, g))
+        lengths[3] += float(size) * sides
+        theta = sides * np.exp(rng.uniform(np.log(1e-6), 0.0, n))
     elif name == "limit":
         for i in range(n):
             lengths[:, i], theta[i] = near_limit(rng, float(size))

@@ -314,18 +314,3 @@ def test_bad_input_is_told_in_one_line(options, message):
         fl.sweep("minkowski_4r", fl.grid(a=1.0, b=1.0, g=4.0, h=1.0), options.pop("quantities"), **options)
     assert message in str(told.value)
     assert "\n" not in str(told.value)
-
-
-def test_derivatives_follow_from_the_declaration():
-    """By a length, against the 50-digit difference; by theta, the declared rate."""
-    design = {"a": 0.7, "b": 1.3, "g": 1.9, "h": 0.4, "theta": 1.7, "branch": 1}
-    names = ["d_psi_d_g", "d_B_x_d_h", "d_psi_d_theta", "dpsi_dtheta"]
-    got = fl.evaluate("minkowski_4r", names, **design)
-    assert got["d_psi_d_theta"] == got["dpsi_dtheta"]
-    with mp.workdps(DIGITS):
-        values, step = {name: mp.mpf(value) for name, value in design.items()}, mp.mpf(10) ** -20
-        for of, by in (("psi", "g"), ("B_x", "h")):
-            moved = [read_facts(MINKOWSKI, [of], values | {by: values[by] + k * step})[of] for k in (-1, 1)]
-            slope = (moved[1] - moved[0]) / (2 * step)
-            # Some 40 operations without cancellation.
-            assert abs(mp.mpf(got[f"d_{of}_d_{by}"]) - slope) <= 64 * UNIT * abs(slope)

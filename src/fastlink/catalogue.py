@@ -126,7 +126,9 @@ class Catalogue(Declarations):
         axes["branch"] = frozenset({"branch"})
         for name in (self.position.name, *self.tables, *self.table_low_parts):
             axes[name] = frozenset({self.position.name})
-        for found in self.closure(self.facts, tuple(axes)):
+        # a derivative varies with what it is of, see `varies`; that of a constant table is none
+        names = [name for name in self.facts if not self._derivative_in(name)]
+        for found in self.closure(names, tuple(axes)):
             if isinstance(found, Fact):
                 axes[found.name] = frozenset().union(*(axes[need] for need in found.needs))
         return axes
@@ -155,7 +157,7 @@ class Catalogue(Declarations):
         for option in ((), *((name,) for name in {*self.alternatives, *self.alternative_inputs})):
             replaced = {name for key in option for name in self.alternatives.get(key, {})}
             known = leaves | (set(self.known_inputs(option)) - replaced)
-            for _ in self.closure(names, known, option):
+            for _ in self.closure(sorted(names), known, option):
                 pass
 
     def is_quantity(self, name: str) -> bool:

@@ -24,7 +24,7 @@ from typing import Any
 
 from fastlink.geometry import gap
 from fastlink.jit import NOT_A_NUMBER, select
-from fastlink.mechanisms.minkowski_4r import position  # noqa: F401 (whose rates these are)
+from fastlink.mechanisms.minkowski_4r import coupler, position  # noqa: F401 (whose rates these are)
 from fastlink.mechanisms.minkowski_4r.declare import NUMERICS, minkowski_4r
 
 RATES = f"{NUMERICS}#rates"
@@ -188,10 +188,23 @@ def d2psi_dtheta2(
     side: Any,
 ) -> Any:
     """Rate of the transmission ratio by theta."""
-    coupler = tilt * (twice_s_a_s_g * sinh_r * coupler_excess * per_root)
+    bent = tilt * (twice_s_a_s_g * sinh_r * coupler_excess * per_root)
     ground = tilt * ground_excess
-    folded = abs(odd_bend) + (abs(coupler) + abs(ground)) < null_bend_size
-    return side * select(folded, odd_bend + (coupler - ground), null_bend)
+    folded = abs(odd_bend) + (abs(bent) + abs(ground)) < null_bend_size
+    return side * select(folded, odd_bend + (bent - ground), null_bend)
+
+
+@minkowski_4r.quantity(units="1", symbol="lambda'", source=RATES, internal=True)
+def AB_rate(
+    s_a: Any, s_b: Any, s_g: Any, p_r: Any, per_p: Any, r: Any, CB_u: Any, CB_v: Any, per_root: Any
+) -> Any:
+    """Rate of the rapidity of AB by theta, a b (p/q - q/p)/d, or 1 - g b (q - 1/q)/d."""
+    ratio = s_a * s_b * per_root * (p_r * CB_v - per_p * CB_u)
+    u, v = s_g * s_b * per_root * CB_u, s_g * s_b * per_root * (CB_v * r)
+    return select(abs(u) + abs(v) < 0.25, 1.0 - (u - v), ratio)
+
+
+# -- declared derivatives by theta: of the tables, and where the closed form is there already --------------------
 
 
 def same(x: Any) -> Any:
@@ -199,5 +212,63 @@ def same(x: Any) -> Any:
     return x
 
 
-for _of, _need in (("psi", "dpsi_dtheta"), ("dpsi_dtheta", "d2psi_dtheta2")):
-    minkowski_4r.derivative(_of, "theta", given={"x": _need})(same)
+def constant() -> Any:
+    """Return 0."""
+    return 0.0
+
+
+def growing(x: Any, side: Any) -> Any:
+    """Derivative of what grows like e^abs(theta)."""
+    return side * x
+
+
+def shrinking(x: Any, side: Any) -> Any:
+    """Derivative of what shrinks like e^-abs(theta)."""
+    return -(side * x)
+
+
+def half_sinh(sinh_r: Any, side: Any) -> Any:
+    """Derivative of sinh^2(theta/2)."""
+    return 0.5 * (side * sinh_r)
+
+
+def cosh_part(r: Any, S_r: Any, side: Any) -> Any:
+    """Derivative of sinh abs(theta)."""
+    return side * (r + 2.0 * S_r)
+
+
+def arm_grows(x: Any, rate: Any, side: Any) -> Any:
+    """Derivative of the first null coordinate of an arm, for abs(theta)."""
+    return side * (x * rate)
+
+
+def arm_shrinks(x: Any, rate: Any, side: Any) -> Any:
+    """Derivative of the second null coordinate of an arm."""
+    return -(side * (x * rate))
+
+
+def half_angle_slope(CB_ratio: Any, CB_scale: Any, dpsi_dtheta: Any) -> Any:
+    """Derivative of (q - 1)/(q + 1)."""
+    below = CB_ratio + CB_scale
+    return 2.0 * (CB_ratio / below) * (CB_scale / below) * dpsi_dtheta
+
+
+for _of in ("side", "twos", "r"):
+    minkowski_4r.derivative(_of, "theta")(constant)
+for _of, _law, _need in (
+    ("p_r", growing, "p_r"),
+    ("per_p", shrinking, "per_p"),
+    ("cosh_theta", same, "sinh_theta"),
+    ("sinh_theta", same, "cosh_theta"),
+    ("psi", same, "dpsi_dtheta"),
+    ("AB_rapidity", same, "AB_rate"),
+    ("dpsi_dtheta", same, "d2psi_dtheta2"),
+):
+    minkowski_4r.derivative(_of, "theta", given={"x": _need})(_law)
+minkowski_4r.derivative("S_r", "theta")(half_sinh)
+minkowski_4r.derivative("sinh_r", "theta")(cosh_part)
+minkowski_4r.derivative("half_angle_root", "theta")(half_angle_slope)
+for _arm, _rate in (("CB", "dpsi_dtheta"), ("AB", "AB_rate")):
+    for _coordinate, _law in (("u", arm_grows), ("v", arm_shrinks)):
+        _of = f"{_arm}_{_coordinate}"
+        minkowski_4r.derivative(_of, "theta", given={"x": _of, "rate": _rate})(_law)
