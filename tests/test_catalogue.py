@@ -48,7 +48,7 @@ def test_a_duplicate_is_rejected(catalogue, name):
 def test_a_circle_is_rejected(catalogue):
     declare(catalogue, "b", ["c"])
     declare(catalogue, "c", ["b"])
-    with pytest.raises(CatalogueError, match="circular: b -> c -> b"):
+    with pytest.raises(CatalogueError, match=r"circular: (b -> c -> b|c -> b -> c)"):
         catalogue.check()
 
 
