@@ -5,15 +5,12 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING, Literal
+from typing import Literal
 
 from fastlink.catalogue import Catalogue, Fact, System
 from fastlink.cycle import Request
 
-if TYPE_CHECKING:
-    from fastlink.searches import Search
-
-__all__ = ["EXTREMUM", "Closure", "Lanes", "Output", "RefinedClosure"]
+__all__ = ["EXTREMUM", "Closure", "Lanes", "Output", "RefinedClosure", "Search"]
 
 Lanes = Literal["designs", "angles"]
 #: The dimension along which the extremes of a quantity stand.
@@ -77,6 +74,40 @@ class Closure:
     def uses_position(self) -> bool:
         """Whether anything depends on the input position; a map of design facts touches none."""
         return bool(self.tables)
+
+
+@dataclass(frozen=True)
+class Search:
+    """One quantity whose extremes are looked for.
+
+    Attributes
+    ----------
+    quantity : str
+        What is extreme.
+    slope : str
+        The fact that vanishes where it is.
+    cells, most : int
+        Half the number of cells of the graded range, a power of two, and how many extremes are kept.
+    order, slope_order : int
+        The powers of 1/sigma by which both grow at a toggle.
+    parity, slope_parity : int
+        What the mirror does to both: 1, -1, or 0 for no symmetry.
+    at_limit : bool
+        Whether the quantity has a value exactly at a toggle.
+    onto : str
+        Where `slope` vanishes at jumps by 2 pi instead: the quantity, which there reaches pi and -pi.
+    """
+
+    quantity: str
+    slope: str
+    cells: int
+    most: int
+    order: int
+    slope_order: int
+    parity: int
+    slope_parity: int
+    at_limit: bool
+    onto: str = ""
 
 
 @dataclass(frozen=True)

@@ -10,12 +10,12 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from fastlink.catalogue import Catalogue, System
-from fastlink.closure import Output, RefinedClosure
+from fastlink.closure import Output, RefinedClosure, Search
 from fastlink.cycle import Extrema, Request, parse_request
 from fastlink.errors import InputError
 from fastlink.kernels import write_refined
 from fastlink.plan import ANGLES_FOR_LANES, Kernel, Plan, make_plan, output_of
-from fastlink.searches import Search, find_jumps, find_search, refined_closures
+from fastlink.searches import find_jumps, find_search, refined_closures
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray

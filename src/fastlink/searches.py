@@ -3,48 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 from fastlink.catalogue import Catalogue, CatalogueError, Fact, System
-from fastlink.closure import Output, RefinedClosure
+from fastlink.closure import Output, RefinedClosure, Search
 from fastlink.derivative import NoDerivative
 from fastlink.grade import Grade, grades
 
-__all__ = ["Search", "find_jumps", "find_search", "refined_closures"]
-
-
-@dataclass(frozen=True)
-class Search:
-    """One quantity whose extremes are looked for.
-
-    Attributes
-    ----------
-    quantity : str
-        What is extreme.
-    slope : str
-        The fact that vanishes where it is.
-    cells, most : int
-        Half the number of cells of the graded range, a power of two, and how many extremes are kept.
-    order, slope_order : int
-        The powers of 1/sigma by which both grow at a toggle.
-    parity, slope_parity : int
-        What the mirror does to both: 1, -1, or 0 for no symmetry.
-    at_limit : bool
-        Whether the quantity has a value exactly at a toggle.
-    onto : str
-        Where `slope` vanishes at jumps by 2 pi instead: the quantity, which there reaches pi and -pi.
-    """
-
-    quantity: str
-    slope: str
-    cells: int
-    most: int
-    order: int
-    slope_order: int
-    parity: int
-    slope_parity: int
-    at_limit: bool
-    onto: str = ""
+__all__ = ["find_jumps", "find_search", "refined_closures"]
 
 
 def find_search(

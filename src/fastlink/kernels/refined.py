@@ -16,8 +16,7 @@ from fastlink.kernels.items import F as F_ROW
 from fastlink.kernels.refined_layout import RefinedLayout
 
 if TYPE_CHECKING:
-    from fastlink.closure import Output, RefinedClosure
-    from fastlink.searches import Search
+    from fastlink.closure import Output, RefinedClosure, Search
 
 __all__ = ["write_refined"]
 

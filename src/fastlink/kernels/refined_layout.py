@@ -11,8 +11,7 @@ from fastlink.kernels.found import GREATEST, LEAST, PLACE, VALUE
 from fastlink.kernels.items import STATE_ROWS
 
 if TYPE_CHECKING:
-    from fastlink.closure import Output, RefinedClosure
-    from fastlink.searches import Search
+    from fastlink.closure import Output, RefinedClosure, Search
 
 __all__ = ["RefinedLayout"]
 
