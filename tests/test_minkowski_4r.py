@@ -314,3 +314,16 @@ def test_bad_input_is_told_in_one_line(options, message):
         fl.sweep("minkowski_4r", fl.grid(a=1.0, b=1.0, g=4.0, h=1.0), options.pop("quantities"), **options)
     assert message in str(told.value)
     assert "\n" not in str(told.value)
+
+
+def test_a_study_gives_theta_by_its_name(tmp_path):
+    text = 'mechanism = "minkowski_4r"\nquantities = ["A_x"]\n[design]\na = 1.0\nb = 1.0\ng = 4.0\nh = 1.0\n[cycle]\n'
+    study = tmp_path / "study.toml"
+    study.write_text(text + "theta = {linspace = [-1.0, 1.0, 5]}\n")
+    with fl.run_study(study, to=tmp_path / "maps.h5") as found:
+        np.testing.assert_array_equal(found.theta, [-1.0, -0.5, 0.0, 0.5, 1.0])
+    study.write_text(text + "theta = 5\n")
+    with pytest.raises(
+        InputError, match=r"cycle\.theta: 5 is no array.*write such as \{linspace = \[-4, 4, 401\]\}"
+    ):
+        fl.run_study(study, to=tmp_path / "more.h5")

@@ -21,7 +21,11 @@ LONGEST_AXIS = 10_000_000  # 80 MB: axes are held in memory
 MOST_LINES = 20
 WHERE = re.compile(r"^(grid|table|sobol|latin_hypercube|design|links|branch|theta1?|joint_angle_\d): ")
 # what the functions say to who calls them in Python, and how a study file has it
-PHRASES = {"(lo, hi)": "[lo, hi]", ", or pass allow_invalid=True to keep such designs": ""}
+PHRASES = {
+    "(lo, hi)": "[lo, hi]",
+    ", or pass allow_invalid=True to keep such designs": "",
+    "an array, such as numpy.linspace(-4, 4, 401)": "such as {linspace = [-4, 4, 401]}",
+}
 
 T = TypeVar("T")
 

@@ -162,7 +162,8 @@ def _axis(dataset: xr.Dataset, dim: str, size: int) -> str:
 def _span(coord: xr.DataArray) -> str:
     values = coord.values
     ends = f"{values[0]:g}" if len(values) == 1 else f"{values.min():g} to {values.max():g}"
-    return f"{ends} {coord.attrs.get('units', '')}".rstrip() + _meaning(coord)
+    units = coord.attrs.get("units", "")
+    return f"{ends} {'' if units == '1' else units}".rstrip() + _meaning(coord)
 
 
 def _meaning(array: xr.DataArray) -> str:

@@ -269,6 +269,5 @@ minkowski_4r.derivative("S_r", "theta")(half_sinh)
 minkowski_4r.derivative("sinh_r", "theta")(cosh_part)
 minkowski_4r.derivative("half_angle_root", "theta")(half_angle_slope)
 for _arm, _rate in (("CB", "dpsi_dtheta"), ("AB", "AB_rate")):
-    for _coordinate, _law in (("u", arm_grows), ("v", arm_shrinks)):
-        _of = f"{_arm}_{_coordinate}"
-        minkowski_4r.derivative(_of, "theta", given={"x": _of, "rate": _rate})(_law)
+    for _of, _slope in ((f"{_arm}_u", arm_grows), (f"{_arm}_v", arm_shrinks)):
+        minkowski_4r.derivative(_of, "theta", given={"x": _of, "rate": _rate})(_slope)
