@@ -8,17 +8,17 @@ import numpy as np
 from configurations import DIGITS
 
 FAMILIES = [
-    *("random", "great theta", "small theta", "unequal"),
     *(
+        "random",
+        "great theta",
+        "small theta",
+        "unequal",
         "limit 1e-3",
         "limit 1e-9",
         "escape 1e-3",
         "escape 1e-9",
-        "gap 1e-4",
-        "gap 1e-9",
-        "gap 0",
-        "light 1e-3",
     ),
+    *("gap 1e-4", "gap 1e-9", "gap 0", "light 1e-3", "rigid 1e-4", "rigid 1e-9"),
 ]
 
 
@@ -41,11 +41,14 @@ def family(kind: str, rng: np.random.Generator, n: int) -> tuple[dict[str, np.nd
         a, b, g, _h = lengths
         lengths[3] = abs(np.where(rng.random(n) < 0.5, g + b - a, a - g + b) - float(size))
         theta = sides * np.exp(rng.uniform(np.log(1e-6), 0.0, n))
-    elif name == "rigid":  # T3 or T4 nearly 0: a link nearly as long as the others together
+    elif (
+        name == "rigid"
+    ):  # T3 or T4 nearly 0: a link nearly as long as the others together, near the folded position
         a, b, g, h = lengths
         lengths[[0, 2]] = np.where(rng.random(n) < 0.5, (a, a + b + h), (g + b + h, g))
-        lengths[3] += float(size) * sides
-        theta = sides * np.exp(rng.uniform(np.log(1e-6), 0.0, n))
+        lengths[3] -= float(size)
+        limit = np.sqrt(2.0 * float(size) * (b + h) / (lengths[0] * lengths[2]))
+        theta = sides * limit * rng.uniform(0.0, 1.1, n)
     elif name == "limit":
         for i in range(n):
             lengths[:, i], theta[i] = near_limit(rng, float(size))
