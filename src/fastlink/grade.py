@@ -107,8 +107,8 @@ def _grade(value: Any) -> Grade:
     return value if isinstance(value, Grade) else Grade()
 
 
-def grades(catalogue: Catalogue, steps: Iterable[Fact | System], varying: Iterable[str]) -> dict[str, Any]:
-    """Return the grades of all values of a closure; a float where it is a constant.
+def grades(catalogue: Catalogue, steps: Iterable[Fact | System], varying: Iterable[str]) -> dict[str, Grade]:
+    """Return the grades of all values of a closure.
 
     Parameters
     ----------
@@ -141,4 +141,4 @@ def grades(catalogue: Catalogue, steps: Iterable[Fact | System], varying: Iterab
                 # It compares values: of one that moves nothing else is known.
                 order = max((_grade(value).order for value in known), default=0.0)
                 found[step.name] = Grade(order, 0, True) if step.name in moving else Grade()
-    return {name: value if isinstance(value, float) else _grade(value) for name, value in found.items()}
+    return {name: _grade(value) for name, value in found.items()}

@@ -22,6 +22,7 @@ __all__ = [
     *("sin", "cos", "exp", "doublings", "compiled_as", "context_of", "separate"),
 ]
 
+PI, TWO_PI = 3.141592653589793, 6.283185307179586
 INFINITY = float("inf")
 NOT_A_NUMBER = float("nan")
 
@@ -97,34 +98,34 @@ def _select(condition: Any, if_true: Any, if_false: Any) -> Any:
     return lambda condition, if_true, if_false: if_true if condition else if_false
 
 
+def _tabled(name: str, x: Any) -> Any:
+    """Return an elementary function by NumPy, or by the context of an mpmath number."""
+    return getattr(context_of(x) or np, name)(x)
+
+
 def sin(x: Any) -> Any:
     """Sine of an input angle; tabled once per sweep, never called in a kernel."""
-    context = context_of(x)
-    return np.sin(x) if context is None else context.sin(x)
+    return _tabled("sin", x)
 
 
 def cos(x: Any) -> Any:
     """Cosine of an input angle; tabled once per sweep, never called in a kernel."""
-    context = context_of(x)
-    return np.cos(x) if context is None else context.cos(x)
+    return _tabled("cos", x)
 
 
 def exp(x: Any) -> Any:
     """Exponential of an input rapidity; tabled once per sweep, never called in a kernel."""
-    context = context_of(x)
-    return np.exp(x) if context is None else context.exp(x)
+    return _tabled("exp", x)
 
 
 def sinh(x: Any) -> Any:
     """Hyperbolic sine of an input rapidity; tabled once per sweep, never called in a kernel."""
-    context = context_of(x)
-    return np.sinh(x) if context is None else context.sinh(x)
+    return _tabled("sinh", x)
 
 
 def cosh(x: Any) -> Any:
     """Hyperbolic cosine of an input rapidity; tabled once per sweep, never called in a kernel."""
-    context = context_of(x)
-    return np.cosh(x) if context is None else context.cosh(x)
+    return _tabled("cosh", x)
 
 
 def doublings(x: Any) -> Any:

@@ -8,7 +8,7 @@ from dataclasses import replace
 from fastlink.catalogue import Catalogue, CatalogueError, Fact, System
 from fastlink.closure import Output, RefinedClosure, Search
 from fastlink.derivative import NoDerivative
-from fastlink.grade import Grade, grades
+from fastlink.grade import grades
 
 __all__ = ["find_jumps", "find_search", "refined_closures"]
 
@@ -33,10 +33,7 @@ def find_search(
         return None
     if any(isinstance(step, System) for step in steps):
         return None
-    found = {
-        name: value if isinstance(value, Grade) else Grade()
-        for name, value in grades(catalogue, steps, (*graded.leaves, "branch")).items()
-    }
+    found = grades(catalogue, steps, (*graded.leaves, "branch"))
     needed = {
         step.name for step in _closure(catalogue, (quantity,), given, alternatives) if isinstance(step, Fact)
     }

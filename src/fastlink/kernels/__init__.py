@@ -1,7 +1,7 @@
 """Kernels: from a plan's facts to text, to machine code."""
 
 from fastlink.kernels.compiled import load_kernel
-from fastlink.kernels.layout import LANES
+from fastlink.kernels.items import LANES
 from fastlink.kernels.refined import write_refined
 from fastlink.kernels.text import write_kernel
 

@@ -9,11 +9,21 @@ import ast
 import math
 from collections.abc import Callable, Mapping
 from copy import deepcopy
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from fastlink.fact import Fact, System, statements
 
+if TYPE_CHECKING:
+    from fastlink.closure import Closure, RefinedClosure
+
 __all__ = ["Text", "paste_fact", "paste_system"]
+
+HEADER = '''"""Kernel of {mechanism}, written by fastlink: {names}."""
+
+from numpy import {of_numpy}
+{imports}
+
+'''
 
 
 class Text:
@@ -36,6 +46,16 @@ class Text:
     def close(self) -> None:
         """Leave a block."""
         self.indent -= 1
+
+    def module(self, plan: Closure | RefinedClosure, of_numpy: str) -> str:
+        """Return the lines as a module: what it gives, its imports, the kernel."""
+        imports = "\n".join(
+            f"from {module} import {', '.join(sorted(found))}"
+            for module, found in sorted(self.imports.items())
+        )
+        names = ", ".join(output.name for output in plan.outputs)
+        header = HEADER.format(mechanism=plan.catalogue.name, names=names, of_numpy=of_numpy, imports=imports)
+        return header + "\n".join(self.lines) + "\n"
 
 
 class _Rename(ast.NodeTransformer):

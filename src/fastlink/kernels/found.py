@@ -8,12 +8,11 @@ from __future__ import annotations
 
 from typing import Any
 
-from fastlink.jit import INFINITY, NOT_A_NUMBER, called
+from fastlink.jit import INFINITY, NOT_A_NUMBER, PI, TWO_PI, called
 from fastlink.kernels.items import FA, FB, HALF, LANE, LANES, REAL, UPPER, WHICH, append_item
 
 __all__ = ["clear", "collect_ends", "store_best", "store_counts", "store_list", "take"]
 
-PI, TWO_PI = 3.141592653589793, 6.283185307179586
 # Rows of the lists, and of the best.
 PLACE, VALUE, KIND = range(3)
 GREATEST, AT_GREATEST, LEAST, AT_LEAST = range(4)

@@ -12,15 +12,15 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from fastlink.fact import Fact, System, statements
+from fastlink.kernels.items import LANES
 
 if TYPE_CHECKING:
     from fastlink.closure import Closure, Output
 
-__all__ = ["LANES", "KernelLayout", "Step", "names_of"]
+__all__ = ["KernelLayout", "Step", "names_of"]
 
 Step = Fact | System
 
-LANES = 64
 # A lane loop of fewer facts than this is short enough for the processor to look past its roots and divisions.
 FEW_STEPS = 24
 

@@ -26,13 +26,6 @@ MOST_ABREAST = 30
 # Bisection alone halves a cell to nothing in half as many; values that are no numbers must not go on for ever.
 MOST_STEPS = 200
 
-HEADER = '''"""Kernel of {mechanism}, written by fastlink: {names}."""
-
-from numpy import array, empty, inf, int8, int64, nan, uint64
-{imports}
-
-'''
-
 
 class _Refined(RefinedLayout):
     """One kernel while it is written."""
@@ -64,13 +57,7 @@ class _Refined(RefinedLayout):
         self.write_search()
         for output in plan.outputs:
             self.write_result(output)
-        names = ", ".join(o.name for o in plan.outputs)
-        imports = "\n".join(
-            f"from {module} import {', '.join(sorted(found))}"
-            for module, found in sorted(text.imports.items())
-        )
-        header = HEADER.format(mechanism=plan.catalogue.name, names=names, imports=imports)
-        return header + "\n".join(text.lines) + "\n"
+        return text.module(plan, "array, empty, inf, int8, int64, nan, uint64")
 
     def write_arrays(self) -> None:
         """Scratch, and what tells the searches and branches apart."""
@@ -109,12 +96,9 @@ class _Refined(RefinedLayout):
         for k, name in enumerate(plan.inputs):
             text.add(f"{name} = designs[{k}, i0 + i]")
         for step in self.design_steps:
-            paste_fact(
-                step, {p: n for p, n in zip(parameters(step.function), step.needs, strict=True)}, "", text
-            )
-        kept = [name for name in self.rows]
-        for name in dict.fromkeys((*kept, *self.item_needs)):
-            text.add(f"w[{self.row(name) * LANES} + i] = {name}")
+            paste_fact(step, dict(zip(parameters(step.function), step.needs, strict=True)), "", text)
+        for name, row in self.rows.items():
+            text.add(f"w[{row * LANES} + i] = {name}")
         text.close()
 
     def write_samples(self) -> None:
@@ -180,15 +164,14 @@ class _Refined(RefinedLayout):
                 text.add(f"m[({row}) * {LANES} + i] = {self.scaled(search, f'__{branch}')}")
         text.close()
 
-    def write_half(self, half: str, first: str, second: str, third: str) -> None:
+    def write_half(self, half: str) -> None:
         """Tell branch and side of a half: halves are numbered branch by branch, both sides of each."""
         side, tag, computed = self.graded.leaves[2], self.loop, self.plan.computed
-        above = f"({half} == {first}) | ({half} == {third})"
+        above = f"({half} == 0.0) | ({half} == 2.0)"
         self.text.add(
             f"{side}{tag} = 1.0 if {above} else -1.0" if self.plan.sides == 2 else f"{side}{tag} = 1.0"
         )
-        last = second if self.plan.sides == 2 else first
-        former = f"{computed[0]}.0 if {half} <= {last} else " if len(computed) > 1 else ""
+        former = f"{computed[0]}.0 if {half} <= {self.plan.sides - 1.0} else " if len(computed) > 1 else ""
         self.text.add(f"branch{tag} = {former}{computed[-1]}.0")
 
     def named(self, name: str, copy: str = "") -> str:
@@ -303,7 +286,7 @@ class _Refined(RefinedLayout):
         text.add(f"{near}{tag} = rest{tag} if upper{tag} else square{tag} * rest{tag}")
         text.add(f"{far}{tag} = square{tag} * rest{tag} if upper{tag} else rest{tag}")
         text.add(f"half{tag} = s[{HALF * LANES} + i]")
-        self.write_half(f"half{tag}", "0.0", "1.0", "2.0")
+        self.write_half(f"half{tag}")
         used = {need for step in steps for need in step.needs} | set(names)
         for r, name in enumerate(self.item_needs):
             if name in used:

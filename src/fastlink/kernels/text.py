@@ -12,19 +12,13 @@ from typing import TYPE_CHECKING
 
 from fastlink.catalogue import Fact, System, parameters
 from fastlink.kernels.emit import Text, paste_fact, paste_system
-from fastlink.kernels.layout import LANES, KernelLayout, Step, names_of
+from fastlink.kernels.items import LANES
+from fastlink.kernels.layout import KernelLayout, Step, names_of
 
 if TYPE_CHECKING:
     from fastlink.closure import Closure, Output
 
 __all__ = ["write_kernel"]
-
-HEADER = '''"""Kernel of {mechanism}, written by fastlink: {names}."""
-
-from numpy import inf, nan
-{imports}
-
-'''
 
 
 class _Writer(KernelLayout):
@@ -54,13 +48,7 @@ class _Writer(KernelLayout):
             else:
                 self.write_curve_loop()
         self.write_results()
-        names = ", ".join(o.name for o in self.plan.outputs)
-        imports = "\n".join(
-            f"from {module} import {', '.join(sorted(found))}"
-            for module, found in sorted(text.imports.items())
-        )
-        header = HEADER.format(mechanism=self.plan.catalogue.name, names=names, imports=imports)
-        return header + "\n".join(text.lines) + "\n"
+        return text.module(self.plan, "inf, nan")
 
     def paste(self, steps: Sequence[Step], stores: Mapping[str, list[str]] | None = None) -> None:
         """Append steps branch by branch, and each value's lines of `stores` as soon as it is known.

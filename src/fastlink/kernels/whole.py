@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from fastlink.jit import called
+from fastlink.jit import TWO_PI, called
 
 __all__ = ["fluctuation_lanes"]
 
@@ -43,4 +43,4 @@ def fluctuation_lanes(curve: Any, result: Any) -> None:
             total[i] += (13.0 * (here[i] + after[i]) - (before[i] + later[i])) / 24.0 - mean[i]
     for i in range(lanes):
         # Zero times the mean is the NaN of a curve that has one.
-        result[i] = (high[i] - low[i]) * (6.283185307179586 / count) + 0.0 * mean[i]
+        result[i] = (high[i] - low[i]) * (TWO_PI / count) + 0.0 * mean[i]

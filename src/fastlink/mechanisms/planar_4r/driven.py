@@ -19,9 +19,8 @@ from dataclasses import replace
 from typing import Any
 
 from fastlink.catalogue import Catalogue, Fact, Input
-from fastlink.jit import atan2, cos, select, sin, sqrt
+from fastlink.jit import TWO_PI, atan2, cos, select, sin, sqrt
 from fastlink.mechanisms.planar_4r.declare import planar_4r
-from fastlink.mechanisms.planar_4r.graded import TWO_PI
 
 __all__ = ["driven_by", "driven_catalogues"]
 
