@@ -4,13 +4,12 @@ from __future__ import annotations
 
 from typing import Any
 
-from fastlink.jit import INFINITY, NOT_A_NUMBER, select, sqrt
+from fastlink.jit import INFINITY, NOT_A_NUMBER, PI, select, sqrt
 from fastlink.logarithm import arsinh, log_scaled
 from fastlink.mechanisms.minkowski_4r import position  # noqa: F401 (on which it builds)
 from fastlink.mechanisms.minkowski_4r.declare import HEGEDUS, NUMERICS, minkowski_4r
 
 POSITION = f"{NUMERICS}#position"
-PI = 3.141592653589793
 # Beyond it 2 arsinh(sqrt(x/2)) is log(2 x) to rounding.
 GREAT = 2.0**100
 CONFIGURATION_FLAGS = {

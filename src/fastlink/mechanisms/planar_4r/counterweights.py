@@ -8,12 +8,11 @@ from __future__ import annotations
 
 from typing import Any
 
-from fastlink.jit import cosine, select, sine
+from fastlink.jit import PI, cosine, select, sine
 from fastlink.mechanisms.planar_4r import loads  # noqa: F401 (declares what is replaced)
 from fastlink.mechanisms.planar_4r.declare import HAYES, LINKS, build_on, planar_4r, plus
 
 COUNTERWEIGHTS = f"{HAYES}, Fig. 2, with counterweights"
-PI = 3.141592653589793
 
 
 def along(mass: Any, radius: Any, direction: Any) -> Any:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
+from fastlink.jit import PI
 from fastlink.mechanisms.planar_4r.declare import HAYES, LINKS, planar_4r
 
 ROUND_BAR = "round_bar"
@@ -30,7 +31,7 @@ planar_4r.input(
 @planar_4r.quantity(units="kg m-1", symbol="rho pi r^2", source=SOURCE, internal=True, alternative=ROUND_BAR)
 def bar_mass_per_length(density: Any, radius: Any) -> Any:
     """Mass of a round bar per length."""
-    return density * 3.141592653589793 * (radius * radius)
+    return density * PI * (radius * radius)
 
 
 @planar_4r.quantity(units="m2", symbol="r^2/4", source=SOURCE, internal=True, alternative=ROUND_BAR)
