@@ -51,12 +51,16 @@ class Catalogue(Declarations):
         return known
 
     def chosen_by(self, given: Iterable[str]) -> tuple[str, ...]:
-        """Return the sets of facts that giving these inputs chooses: those with an input that may be left out."""
+        """Return the sets of facts that giving these inputs chooses.
+
+        Those with an input that may be left out, and those named after an input, which stands for another one.
+        """
         names = set(given)
         return tuple(
             alternative
             for alternative, inputs in self.alternative_inputs.items()
-            if names & set(inputs) and any(i.default is not None for i in inputs.values())
+            if alternative in names
+            or (names & set(inputs) and any(i.default is not None for i in inputs.values()))
         )
 
     def lookup(

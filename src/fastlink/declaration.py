@@ -48,13 +48,15 @@ class Declarations:
         rule: Rule = "any",
         alternative: str | None = None,
         default: float | None = None,
+        choices: Mapping[int, str] | None = None,
     ) -> None:
         """Declare a number that the user gives; `alternative` restricts it to a named set of facts.
 
-        Giving an input of a set that has one with a default chooses the set: see `chosen_by`.
+        Giving an input of a set that has one with a default, or that the set is named after, chooses the set: see
+        `chosen_by`. The codes of `choices` become a dimension of the result unless the design names one.
         """
         self._check_new(name, alternative)
-        declared = Input(name, units, symbol, meaning, rule, default)
+        declared = Input(name, units, symbol, meaning, rule, default, dict(choices or {}))
         if alternative is None:
             self.inputs[name] = declared
         else:

@@ -32,7 +32,10 @@ class CatalogueError(Exception):
 
 @dataclass(frozen=True)
 class Input:
-    """A number that the user gives for each design; one with a default may be left out."""
+    """A number that the user gives for each design; one with a default may be left out.
+
+    One with `choices` is a code; where it is left out, every choice of each design is evaluated.
+    """
 
     name: str
     units: str
@@ -40,6 +43,7 @@ class Input:
     meaning: str
     rule: Rule = "any"
     default: float | None = None
+    choices: Mapping[int, str] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)
