@@ -84,6 +84,20 @@ def test_a_missing_input_is_named_with_what_needs_it(catalogue):
         list(catalogue.closure(["b"], []))
 
 
+def test_inputs_that_determine_each_other(catalogue):
+    catalogue.input("rho", units="1", symbol="rho", meaning="ratio")
+    for other in ("s", "lambda_"):
+        catalogue.input(other, units="1", symbol=other, meaning=other, alternative=other)
+        declare(catalogue, "rho", [other], alternative=other)
+    declare(catalogue, "r", ["rho"])
+    catalogue.check()
+    assert catalogue.chosen_by(["s"]) == ("s",)
+    assert catalogue.instead_of("rho") == ("s", "lambda_")
+    assert catalogue.instead_of("s") == ("rho", "lambda_")
+    with pytest.raises(InputError, match=r"'rho' is missing .*add it, or 's' instead, or 'lambda_' instead"):
+        list(catalogue.closure(["r"], []))
+
+
 def every_fact():
     alternatives = [found for alternative in PLANAR.alternatives.values() for found in alternative.values()]
     facts = [*PLANAR.facts.values(), *PLANAR.tables.values(), *alternatives]

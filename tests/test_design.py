@@ -123,6 +123,20 @@ def test_with_constants_adds_only_what_is_missing():
         designs.with_constants({"m1": np.inf})
 
 
+@pytest.mark.parametrize(
+    "designs", [grid(a1=[1.0, 2.0], a2=[3.0, 4.0, 5.0]), table.table({"a1": [6.0, 7.0, 8.0]})]
+)
+def test_one_more_axis_repeats_every_design(designs):
+    crossed = designs.with_axis("completion", (1, 2))
+    assert crossed.dims == (*designs.dims, "completion")
+    assert crossed.size == 2 * designs.size
+    before, after = np.empty((1, designs.size)), np.empty((2, 5))
+    designs.fill(["a1"], 0, designs.size, before)
+    crossed.fill(["a1", "completion"], 1, 6, after)
+    np.testing.assert_array_equal(after[0], np.repeat(before[0], 2)[1:6])
+    np.testing.assert_array_equal(after[1], [2, 1, 2, 1, 2])
+
+
 def test_an_input_without_a_value_is_named_with_the_nearest():
     message = "^design: 'omega_1' has no value; did you mean 'omega1'\\?$"
     with pytest.raises(InputError, match=message):

@@ -63,6 +63,14 @@ class Catalogue(Declarations):
             or (names & set(inputs) and any(i.default is not None for i in inputs.values()))
         )
 
+    def instead_of(self, name: str) -> tuple[str, ...]:
+        """Return the inputs that giving this one makes a result, or that make this one a result."""
+        replaced = [other for other in self.alternatives.get(name, {}) if other in self.inputs]
+        replacing = [key for key, facts in self.alternatives.items() if name in facts and name in self.inputs]
+        named = [key for key in replacing if key in self.alternative_inputs.get(key, {})]
+        siblings = [key for other in replaced for key in self.instead_of(other) if key != name]
+        return (*replaced, *named, *siblings)
+
     def lookup(
         self, name: str, alternatives: Iterable[str] = (), given: Iterable[str] = ()
     ) -> Fact | System | None:
@@ -232,8 +240,9 @@ class Catalogue(Declarations):
         declared = self.known_inputs(self.alternative_inputs).get(name)
         if declared is not None:
             about = f"({declared.meaning} [{declared.units}])"
+            others = "".join(f", or {other!r} instead" for other in self.instead_of(name))
             return InputError(
-                f"input {name!r} is missing {about}; {asked_by} depends on it: add it to the design"
+                f"input {name!r} is missing {about}; {asked_by} depends on it: add it{others} to the design"
             )
         if asked_by is not None:
             raise CatalogueError(f"{self.name}: {asked_by} depends on {name}, which is not declared")

@@ -11,7 +11,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from fastlink.space import DesignSpace
+from fastlink.space import DESIGN, DesignSpace
 
 FORMAT = "fastlink_map"  # global attribute: version of the layout; absent from a file that is not complete
 FORMAT_VERSION = 1
@@ -73,11 +73,14 @@ def coordinates(
     """
     coords: dict[str, Any] = {}
     for name, axis in space.axes.items():
-        coords[name] = ((name,), axis, plain_attrs(described[name]))
-    if space.dims == ("design",):
-        coords["design"] = (("design",), np.arange(space.size), {"long_name": "number of the design"})
+        labels = plain_attrs(described[name])
+        # an input that is a code: as the flags of results, an integer
+        coords[name] = ((name,), axis.astype(np.int32) if "flag_values" in labels else axis, labels)
+    if DESIGN in space.dims:
+        number = np.arange(space.shape[space.dims.index(DESIGN)])
+        coords[DESIGN] = ((DESIGN,), number, {"long_name": "number of the design"})
     for name, column in space.columns.items():
-        coords[name] = (("design",), column, plain_attrs(described[name]))
+        coords[name] = ((DESIGN,), column, plain_attrs(described[name]))
     for name, value in space.constants.items():
         coords[name] = ((), value, plain_attrs(described[name]))
     for name, (dims, values, attrs) in further.items():

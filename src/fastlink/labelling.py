@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from importlib.metadata import PackageNotFoundError, version
 from typing import TYPE_CHECKING, Any
 
@@ -54,8 +55,7 @@ def variable(output: Output, plan: PlanSet, space: DesignSpace, positions: int) 
         attrs["extrema"] = "refined" if output.refined else "sampled"
     if fact.flags:
         del attrs["units"]
-        attrs["flag_values"] = np.array(list(fact.flags), dtype=output.dtype)
-        attrs["flag_meanings"] = " ".join(fact.flags.values())
+        attrs |= _flags(fact.flags, output.dtype)
     return Variable(
         output.name,
         (*space.dims, *output.axes),
@@ -82,8 +82,7 @@ def _of_list(part: str, fact: Fact, position: Input) -> dict[str, Any]:
     return {
         "long_name": f"kinds of the extremes of {fact.symbol}",
         "symbol": f"kind of ext {fact.symbol}",
-        "flag_values": np.array([-1, 0, 1], dtype=np.int8),
-        "flag_meanings": "minimum none maximum",
+        **_flags({-1: "minimum", 0: "none", 1: "maximum"}, "int8"),
     }
 
 
@@ -127,7 +126,14 @@ def about(mechanism: str, plan: PlanSet, solver: str, positions: int, threads: i
 
 def _describe(declared: Input) -> dict[str, Any]:
     """Return the labels of an input."""
-    return {"units": declared.units, "long_name": declared.meaning, "symbol": declared.symbol}
+    labels: dict[str, Any] = {"long_name": declared.meaning, "symbol": declared.symbol}
+    return labels | (_flags(declared.choices, "int32") if declared.choices else {"units": declared.units})
+
+
+def _flags(meanings: Mapping[int, str], dtype: str) -> dict[str, Any]:
+    """Return CF's labels of a code."""
+    words = " ".join(meaning.replace(" ", "_") for meaning in meanings.values())
+    return {"flag_values": np.array(list(meanings), dtype=dtype), "flag_meanings": words}
 
 
 def _version(distribution: str) -> str:

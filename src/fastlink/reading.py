@@ -15,7 +15,7 @@ from fastlink.catalogue import Catalogue, System
 from fastlink.errors import InputError
 from fastlink.links import Links
 from fastlink.mechanisms import catalogue as find_catalogue
-from fastlink.request import alternatives_of, constants_of
+from fastlink.request import all_choices, alternatives_of, constants_of
 from fastlink.tables import angle_tables
 
 __all__ = ["evaluate", "read_facts"]
@@ -110,7 +110,7 @@ def evaluate(
     solver : {"eliminated", "dense"}
         As in `fastlink.sweep`.
     **inputs : float, array_like or xarray.DataArray
-        The inputs and the input position, broadcast against each other.
+        The inputs and the input position, broadcast against each other. A choice that is not given is its first.
 
     Returns
     -------
@@ -133,7 +133,9 @@ def evaluate(
     names = [quantities] if isinstance(quantities, str) else list(quantities)
     for name in names:
         catalogue.require(name)
-    values = constants_of(catalogue, links, alternatives) | inputs | {"branch": branch}
+    codes = all_choices(catalogue, inputs, alternatives)
+    values = constants_of(catalogue, links, alternatives) | {name: of[0] for name, of in codes.items()}
+    values |= inputs | {"branch": branch}
     position = catalogue.position.name
     if position not in values:
         declared = catalogue.position

@@ -19,6 +19,7 @@ if TYPE_CHECKING:
 
 __all__ = [
     "SOLVERS",
+    "all_choices",
     "alternatives_of",
     "check_branches",
     "check_inputs",
@@ -62,6 +63,14 @@ def constants_of(catalogue: Catalogue, links: Links | None, alternatives: Iterab
     return defaults | dict(links.values if links is not None else {})
 
 
+def all_choices(
+    catalogue: Catalogue, given: Iterable[str], alternatives: Iterable[str]
+) -> dict[str, tuple[int, ...]]:
+    """Return the codes of each input that has choices and is not given."""
+    inputs = catalogue.known_inputs(alternatives).values()
+    return {i.name: tuple(i.choices) for i in inputs if i.choices and i.name not in given}
+
+
 def check_inputs(
     catalogue: Catalogue, space: DesignSpace, alternatives: Sequence[str], allow_invalid: bool
 ) -> None:
@@ -76,6 +85,11 @@ def check_inputs(
     for name in space.names:
         if name not in known:
             raise InputError(_unknown_input(catalogue, name, known))
+        for other in catalogue.instead_of(name):
+            if other in space.names:
+                raise InputError(
+                    f"design: {other!r} and {name!r} determine each other; leave one of them out"
+                )
         if not allow_invalid:
             _check_values(known[name], space)
 
@@ -91,7 +105,9 @@ def _check_values(declared: Input, space: DesignSpace) -> None:
     name = declared.name
     values = space.values(name)
     bad = ~np.isfinite(values)
-    if declared.rule == "positive":
+    if declared.choices:
+        bad |= ~np.isin(values, list(declared.choices))
+    elif declared.rule == "positive":
         bad |= ~(values > 0)
     elif declared.rule == "non-negative":
         bad |= ~(values >= 0)
@@ -100,6 +116,10 @@ def _check_values(declared: Input, space: DesignSpace) -> None:
         place = f"{name}[{where}]" if values.size > 1 else name
         allowed = RULES.get(declared.rule, "")
         remedy = f"a finite number{' ' if allowed else ''}{allowed}"
+        if declared.choices:
+            remedy = "one of " + ", ".join(
+                f"{code} ({meaning})" for code, meaning in declared.choices.items()
+            )
         raise InputError(f"design: {place} is {values[where]}; {declared.meaning}: write {remedy}")
 
 

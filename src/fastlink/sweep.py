@@ -18,6 +18,7 @@ from fastlink.mechanisms import catalogue as find_catalogue
 from fastlink.plan import Plan
 from fastlink.plans import PlanSet, RefinedPlan, make_plans
 from fastlink.request import (
+    all_choices,
     alternatives_of,
     check_branches,
     check_extrema,
@@ -110,7 +111,8 @@ def sweep(
     Returns
     -------
     xarray.Dataset
-        In memory, or opened lazily from the file. Dimensions: the swept ones, then ``branch``, then the input.
+        In memory, or opened lazily from the file. Dimensions: the swept ones (and the choices that the design leaves
+        open, such as ``completion``), then ``branch``, then the input.
         A configuration that does not assemble is NaN; ``status`` tells why.
 
     Raises
@@ -135,6 +137,8 @@ def sweep(
     alternatives = alternatives_of(catalogue, links, solver, space.names)
     check_inputs(catalogue, space, alternatives, allow_invalid)
     space = space.with_constants(constants_of(catalogue, links, alternatives))
+    for name, codes in all_choices(catalogue, space.names, alternatives).items():
+        space = space.with_axis(name, codes)
     branches = check_branches(catalogue, branch)
     given = given_angles(catalogue, angles, {"theta1": theta1, "theta": theta})
     positions = check_positions(catalogue, given)
