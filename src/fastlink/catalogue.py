@@ -236,14 +236,16 @@ class Catalogue(Declarations):
         for name in names:
             yield from visit(name, None)
 
+    def absence(self, declared: Input, asked_by: str | None) -> str:
+        """Return what to say of an input that something depends on and nothing gives."""
+        others = "".join(f", or {other!r} instead" for other in self.instead_of(declared.name))
+        about = f"{declared.meaning} [{declared.units}]"
+        return f"is missing ({about}); {asked_by} depends on it: add it{others}"
+
     def _missing(self, name: str, asked_by: str | None, given: set[str]) -> InputError:
         declared = self.known_inputs(self.alternative_inputs).get(name)
         if declared is not None:
-            about = f"({declared.meaning} [{declared.units}])"
-            others = "".join(f", or {other!r} instead" for other in self.instead_of(name))
-            return InputError(
-                f"input {name!r} is missing {about}; {asked_by} depends on it: add it{others} to the design"
-            )
+            return InputError(f"input {name!r} {self.absence(declared, asked_by)} to the design")
         if asked_by is not None:
             raise CatalogueError(f"{self.name}: {asked_by} depends on {name}, which is not declared")
         raise CatalogueError(f"{self.name}: {name} is not declared")

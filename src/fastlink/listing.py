@@ -10,7 +10,7 @@ import textwrap
 from collections.abc import Iterable, Sequence
 from dataclasses import astuple, dataclass, fields
 
-from fastlink.catalogue import Catalogue, Fact
+from fastlink.catalogue import Catalogue, Fact, Input
 from fastlink.cycle import REDUCTIONS
 from fastlink.mechanisms import NAMES
 from fastlink.mechanisms import catalogue as find_catalogue
@@ -223,15 +223,28 @@ def _inputs(catalogue: Catalogue) -> list[GivenInput]:
             model
             for model in catalogue.alternative_inputs
             if given.name in catalogue.alternatives.get(model, {})
+            and model not in catalogue.instead_of(given.name)
         ]
-        links = f"given by {', '.join(models)}" if models else ""
-        rows.append(GivenInput(given.name, given.units, RULES.get(given.rule, "any"), given.meaning, links))
+        links = f"given by {', '.join(models)}" if models else _instead(catalogue, given)
+        rows.append(_given(given, links))
     for model, inputs in catalogue.alternative_inputs.items():
         for given in inputs.values():
-            allowed = RULES.get(given.rule, "any")
             default = "" if given.default is None else f", {given.default:.6g} by default"
-            rows.append(GivenInput(given.name, given.units, allowed, given.meaning, f"of {model}{default}"))
+            rows.append(_given(given, _instead(catalogue, given) or f"of {model}{default}"))
     return rows
+
+
+def _given(given: Input, links: str) -> GivenInput:
+    codes = "; ".join(f"{code}: {meaning}" for code, meaning in given.choices.items())
+    allowed = ", ".join(map(str, given.choices)) or RULES.get(given.rule, "any")
+    links = links or ("all unless one is given" if codes else "")
+    meaning = f"{given.meaning} ({codes})" if codes else given.meaning
+    return GivenInput(given.name, given.units, allowed, meaning, links)
+
+
+def _instead(catalogue: Catalogue, given: Input) -> str:
+    others = catalogue.instead_of(given.name)
+    return f"or {', '.join(others)} instead" if others else ""
 
 
 def _and(parts: Sequence[str]) -> str:

@@ -18,9 +18,11 @@ if TYPE_CHECKING:
     from fastlink.space import DesignSpace
 
 __all__ = [
+    "POSITIONS",
     "SOLVERS",
     "all_choices",
     "alternatives_of",
+    "check_apart",
     "check_branches",
     "check_inputs",
     "check_positions",
@@ -33,6 +35,8 @@ __all__ = [
 SOLVERS = ("eliminated", "dense")
 EXTREMA: tuple[Extrema, ...] = ("refined", "sampled")
 ANGLES = 360
+#: By these names input positions may be given, where that is the input.
+POSITIONS = ("theta1", "theta", "phi", "sigma")
 RULES = {"positive": "greater than 0", "non-negative": "at least 0"}
 
 
@@ -82,16 +86,26 @@ def check_inputs(
         With the input, the first bad value, where it stands and what is allowed.
     """
     known = catalogue.known_inputs(alternatives)
+    check_apart(catalogue, space.names)
     for name in space.names:
         if name not in known:
             raise InputError(_unknown_input(catalogue, name, known))
-        for other in catalogue.instead_of(name):
-            if other in space.names:
-                raise InputError(
-                    f"design: {other!r} and {name!r} determine each other; leave one of them out"
-                )
         if not allow_invalid:
             _check_values(known[name], space)
+
+
+def check_apart(catalogue: Catalogue, names: Sequence[str]) -> None:
+    """Refuse inputs that determine each other.
+
+    Raises
+    ------
+    InputError
+        With two of them.
+    """
+    for name in names:
+        for other in catalogue.instead_of(name):
+            if other in names:
+                raise InputError(f"design: {other} and {name} determine each other; leave one of them out")
 
 
 def _unknown_input(catalogue: Catalogue, name: str, known: dict[str, Input]) -> str:

@@ -16,7 +16,9 @@ from fastlink.errors import InputError
 from fastlink.links import Links, links_from
 from fastlink.mechanisms import catalogue as find_catalogue
 from fastlink.request import (
+    POSITIONS,
     SOLVERS,
+    all_choices,
     alternatives_of,
     check_branches,
     check_extrema,
@@ -181,9 +183,7 @@ def read_study(path: str | Path) -> Study:
     with found.at("cycle.branch"):
         check_branches(catalogue, shape.cycle.branch)
     angles: int | NDArray[Any] = 0
-    by_name = {
-        name: values for name in ("theta1", "theta") if (values := getattr(shape.cycle, name)) is not None
-    }
+    by_name = {name: values for name in POSITIONS if (values := getattr(shape.cycle, name)) is not None}
     with found.at(f"cycle.{next(iter(by_name), 'angles')}"):
         angles = angles_of(given_angles(catalogue, shape.cycle.angles, by_name))
         check_positions(catalogue, angles)
@@ -197,6 +197,7 @@ def read_study(path: str | Path) -> Study:
     if space is not None:
         check_values(found, catalogue, shape.design, space, alternatives)
         given = {*space.names, *constants_of(catalogue, links, alternatives)}
+        given |= set(all_choices(catalogue, given, alternatives))
         if not found.lines:
             for name, fault in missing_inputs(catalogue, requests, alternatives, given):
                 of_links = links is not None and name in catalogue.alternative_inputs[links.model]

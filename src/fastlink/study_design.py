@@ -13,7 +13,7 @@ from fastlink.catalogue import Catalogue
 from fastlink.cycle import Request
 from fastlink.design import grid, latin_hypercube, sobol, table
 from fastlink.errors import InputError
-from fastlink.request import check_inputs
+from fastlink.request import check_apart, check_inputs
 from fastlink.space import DesignSpace
 from fastlink.study_schema import Angles, Design, Problems
 
@@ -95,6 +95,8 @@ def check_values(
         )
         with found.at(f"{inside}.{name}" if alone.columns else f"design.{name}"):
             check_inputs(catalogue, alone, alternatives, False)
+    with found.at("design"):
+        check_apart(catalogue, space.names)
 
 
 def missing_inputs(
@@ -110,5 +112,4 @@ def missing_inputs(
         for name in (name for name in known if name in needed):
             absent.discard(name)
             given.add(name)
-            meaning = f"{known[name].meaning} [{known[name].units}]"
-            yield name, f"is missing ({meaning}); {request.name} depends on it: add it"
+            yield name, catalogue.absence(known[name], request.name)

@@ -19,7 +19,9 @@ __all__ = ["LONGEST_AXIS", "Angles", "Design", "LinkModel", "Problems", "StudyFi
 LONGEST_AXIS = 10_000_000  # 80 MB: axes are held in memory
 
 MOST_LINES = 20
-WHERE = re.compile(r"^(grid|table|sobol|latin_hypercube|design|links|branch|theta1?|joint_angle_\d): ")
+WHERE = re.compile(
+    r"^(grid|table|sobol|latin_hypercube|design|links|branch|theta1?|phi|sigma|joint_angle_\d): "
+)
 # what the functions say to who calls them in Python, and how a study file has it
 PHRASES = {
     "(lo, hi)": "[lo, hi]",
@@ -159,6 +161,8 @@ class Cycle(_Table):
     angles: InputAngles | None = None
     theta1: InputAngles | None = None
     theta: InputAngles | None = None
+    phi: InputAngles | None = None
+    sigma: InputAngles | None = None
     branch: Annotated[Whole | list[Whole], _or_say("assembly modes, such as [1, 2]")] = [1, 2]
     solver: Annotated[str, Field(strict=True), _or_say('"eliminated" or "dense"')] = "eliminated"
     extrema: Annotated[str | None, Field(strict=True), _or_say('"refined" or "sampled"')] = None

@@ -18,6 +18,7 @@ from fastlink.mechanisms import catalogue as find_catalogue
 from fastlink.plan import Plan
 from fastlink.plans import PlanSet, RefinedPlan, make_plans
 from fastlink.request import (
+    POSITIONS,
     all_choices,
     alternatives_of,
     check_branches,
@@ -50,6 +51,8 @@ def sweep(
     angles: int | ArrayLike | None = None,
     theta1: int | ArrayLike | None = None,
     theta: ArrayLike | None = None,
+    phi: int | ArrayLike | None = None,
+    sigma: int | ArrayLike | None = None,
     branch: int | Sequence[int] = (1, 2),
     solver: str = "eliminated",
     extrema: str | None = None,
@@ -84,7 +87,7 @@ def sweep(
     angles : int or array_like, default 360
         Number of equally spaced input angles over one turn, or the angles themselves in rad. An input without bounds
         takes an array; unless given, theta of ``"minkowski_4r"`` is ``numpy.linspace(-4, 4, 401)``.
-    theta1, theta : int or array_like, optional
+    theta1, theta, phi, sigma : int or array_like, optional
         The same as `angles`, where that is the name of the input.
     branch : int or sequence of int, default (1, 2)
         Assembly modes.
@@ -140,7 +143,7 @@ def sweep(
     for name, codes in all_choices(catalogue, space.names, alternatives).items():
         space = space.with_axis(name, codes)
     branches = check_branches(catalogue, branch)
-    given = given_angles(catalogue, angles, {"theta1": theta1, "theta": theta})
+    given = given_angles(catalogue, angles, dict(zip(POSITIONS, (theta1, theta, phi, sigma), strict=True)))
     positions = check_positions(catalogue, given)
     check_turn(catalogue, names, given)
     count = _check_threads(threads)
