@@ -34,7 +34,7 @@ LAYERS = [
         "plan",
         "plans",
     ),
-    *("space", "table", "design", "links", "request", "reading", "planar", "minkowski", "run"),
+    *("space", "table", "design", "links", "request", "reading", "exact", "planar", "minkowski", "focal", "run"),
     *("label", "target", "layout", "write_back", "store", "labelling", "sweep"),
     *("listing", "summary", "study_schema", "study_design", "study"),
     *("plot_colour", "plot_text", "plot_draw", "plot", "cli"),

@@ -10,7 +10,7 @@ from types import ModuleType
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from fastlink import minkowski, planar
+    from fastlink import focal, minkowski, planar
     from fastlink.design import DesignSpace, grid, latin_hypercube, sobol, table
     from fastlink.errors import InputError
     from fastlink.links import round_bar
@@ -40,12 +40,13 @@ _PLACES = {
 }
 
 #: Packages that are imported when first named.
-_PACKAGES = ("minkowski", "planar")
+_PACKAGES = ("focal", "minkowski", "planar")
 
 __all__ = [
     "DesignSpace",
     "InputError",
     "evaluate",
+    "focal",
     "grid",
     "latin_hypercube",
     "minkowski",
