@@ -1,44 +1,20 @@
-"""The largest error of a case against the facts with 50 digits.
+"""The largest error of a case against the facts with 50 digits, in the unit of `fastlink.exact`."""
 
-The unit is what one rounding does: 2^-53 (|f| + sum over the inputs x of |x df/dx|), the last digit of f and
-of all that f was made of.
-"""
-
-import mpmath
 import numpy as np
 
 from benchmarks import numpy_baseline
 from benchmarks.engine import angles
 from benchmarks.inputs import CASES, INPUTS, angle_tables, designs
+from fastlink.exact import Exact, in_roundings
 from fastlink.mechanisms import catalogue
-from fastlink.reading import read_facts
-
-DIGITS = 50
-STEP = 20  # digits of the relative step of the derivatives
 
 
 def in_units(values, inputs):
-    """Return the largest error of the named values of one configuration, in the unit above."""
-    names, mechanism = list(values), catalogue("planar_4r")
-    with mpmath.workdps(DIGITS):
-        exact = {name: mpmath.mpf(float(value)) for name, value in inputs.items()}
-
-        def facts(**moved):
-            found = read_facts(mechanism, names, exact | moved)
-            return [found[name] for name in names]
-
-        base = facts()
-        condition = [abs(f) for f in base]
-        step = mpmath.mpf(10) ** -STEP
-        for name in (*INPUTS, "theta1"):
-            moved = facts(**{name: exact[name] * (1 + step)})
-            pairs = zip(moved, base, strict=True)
-            condition = [c + abs(m - f) / step for c, (m, f) in zip(condition, pairs, strict=True)]
-        errors = [
-            abs(mpmath.mpf(float(values[name])) - f) / (c * mpmath.mpf(2) ** -53)
-            for name, f, c in zip(names, base, condition, strict=True)
-        ]
-        return max(map(float, errors))
+    """Return the largest error of the named values of one configuration, in that unit."""
+    facts = Exact(catalogue("planar_4r"), values, inputs)
+    exact = facts.at(inputs)
+    sums = facts.condition(exact, (*INPUTS, "theta1"))
+    return max(in_roundings(value, exact[name], sums[name]) for name, value in values.items())
 
 
 def configurations(case, arrays, x, K, count):

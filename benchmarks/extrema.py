@@ -13,10 +13,10 @@ import numpy as np
 from scipy.optimize import brentq
 
 from benchmarks import c_kernel, engine
-from benchmarks.errors import DIGITS
 from benchmarks.facts import python
 from benchmarks.families import FAMILIES
 from benchmarks.inputs import INPUTS, race, round_bars
+from fastlink.exact import DIGITS
 from fastlink.mechanisms import catalogue
 from fastlink.plans import make_plans
 from fastlink.reading import read_facts

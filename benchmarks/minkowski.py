@@ -8,10 +8,10 @@ from functools import partial
 import mpmath
 import numpy as np
 
-from benchmarks.errors import DIGITS, STEP
 from benchmarks.inputs import aligned_copy, empty, race
 from benchmarks.numpy_baseline import PIECE
 from benchmarks.report import fact_table
+from fastlink.exact import DIGITS, STEP
 from fastlink.kernels import LANES
 from fastlink.mechanisms import catalogue
 from fastlink.plan import make_plan
@@ -129,10 +129,9 @@ def exact(a, b, g, h, theta, branch):
 
 def condition(one, branch, value):
     """Return |psi| + sum |x dpsi/dx| over lengths and theta: what one rounding each may do."""
-    step = mpmath.mpf(10) ** -STEP
     found = abs(value)
     for k, number in enumerate(one):
-        found += abs(exact(*one[:k], number * (1 + step), *one[k + 1 :], branch) - value) / step
+        found += abs(exact(*one[:k], number * (1 + STEP), *one[k + 1 :], branch) - value) / STEP
     return found
 
 

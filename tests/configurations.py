@@ -9,11 +9,11 @@ import mpmath as mp
 import numpy as np
 
 from fastlink.catalogue import Catalogue, Input
+from fastlink.exact import DIGITS as DIGITS
+from fastlink.exact import UNIT as UNIT
+from fastlink.exact import Exact
 from fastlink.mechanisms import catalogue
-from fastlink.reading import read_facts
 
-DIGITS = 50
-UNIT = 2.0**-53
 PLANAR: Catalogue = catalogue("planar_4r")
 LENGTHS = ("a1", "a2", "a3", "a4")
 #: The sets of facts that giving one of their inputs chooses.
@@ -77,10 +77,8 @@ def reference(
     catalogue: Catalogue = PLANAR,
 ) -> dict[str, Any]:
     """Return the facts of one configuration with 50 digits."""
-    with mp.workdps(DIGITS):
-        values = {name: mp.mpf(float(value)) for name, value in inputs.items()}
-        found = read_facts(catalogue, names, values, alternatives)
-        return {name: found[name] for name in names}
+    found = Exact(catalogue, names, inputs, alternatives).at(inputs)
+    return {name: found[name] for name in names}
 
 
 def condition_sums(
@@ -90,15 +88,5 @@ def condition_sums(
     catalogue: Catalogue = PLANAR,
 ) -> dict[str, Any]:
     """Return sum over the inputs of |x df/dx|: what one rounding of each input does to each quantity."""
-    with mp.workdps(DIGITS):
-        values = {name: mp.mpf(float(value)) for name, value in inputs.items()}
-        base = read_facts(catalogue, names, values, alternatives)
-        step = mp.mpf(10) ** -20
-        sums = dict.fromkeys(names, mp.mpf(0))
-        for name in inputs:
-            if name == "branch":
-                continue
-            moved = read_facts(catalogue, names, values | {name: values[name] * (1 + step)}, alternatives)
-            for quantity in names:
-                sums[quantity] += abs(moved[quantity] - base[quantity]) / step
-        return sums
+    facts = Exact(catalogue, names, inputs, alternatives)
+    return facts.condition(facts.at(inputs), [name for name in inputs if name != "branch"])

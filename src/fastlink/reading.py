@@ -11,14 +11,14 @@ from typing import Any
 
 import numpy as np
 
-from fastlink.catalogue import Catalogue, System
+from fastlink.catalogue import Catalogue, Fact, System
 from fastlink.errors import InputError
 from fastlink.links import Links
 from fastlink.mechanisms import catalogue as find_catalogue
 from fastlink.request import all_choices, alternatives_of, constants_of
 from fastlink.tables import angle_tables
 
-__all__ = ["evaluate", "read_facts"]
+__all__ = ["evaluate", "read_facts", "tables_at", "take_step"]
 
 
 def read_facts(
@@ -45,19 +45,28 @@ def read_facts(
     known = dict(values)
     position = catalogue.position.name
     if position in known:
-        theta = known[position]
-        for low, name in catalogue.table_low_parts.items():
-            known.setdefault(low, 0 * theta)
-            known.setdefault(name, catalogue.tables[name].function(theta))
-        for name, fact in catalogue.tables.items():
-            known.setdefault(name, fact.function(theta))
+        tables = (*catalogue.tables, *catalogue.table_low_parts)
+        known |= tables_at(catalogue, known[position], [name for name in tables if name not in known])
     for step in catalogue.closure(names, tuple(known), alternatives):
-        result = step.function(*(known[need] for need in step.needs))
-        if isinstance(step, System):
-            known.update(zip(step.unknowns, _solve(result), strict=True))
-        else:
-            known[step.name] = result
+        take_step(step, known)
     return known
+
+
+def tables_at(catalogue: Catalogue, theta: Any, names: Iterable[str]) -> dict[str, Any]:
+    """Return functions of the input position by name, of whatever numbers these are: low parts are zero."""
+    return {
+        name: catalogue.tables[name].function(theta) if name in catalogue.tables else 0 * theta
+        for name in names
+    }
+
+
+def take_step(step: Fact | System, known: dict[str, Any]) -> None:
+    """Add to the known values what a step of a closure gives."""
+    result = step.function(*(known[need] for need in step.needs))
+    if isinstance(step, System):
+        known.update(zip(step.unknowns, _solve(result), strict=True))
+    else:
+        known[step.name] = result
 
 
 def _solve(rows: Any) -> list[Any]:
