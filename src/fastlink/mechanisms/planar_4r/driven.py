@@ -20,6 +20,7 @@ from typing import Any
 
 from fastlink.catalogue import Catalogue, Fact, Input
 from fastlink.jit import TWO_PI, atan2, cos, select, sin, sqrt
+from fastlink.mechanisms.borrow import facts_of, moved, with_derivatives
 from fastlink.mechanisms.planar_4r.declare import planar_4r
 
 __all__ = ["driven_by", "driven_catalogues"]
@@ -127,16 +128,16 @@ def driven_by(joint: int) -> Catalogue:
     of_places = {need for fact in places for need in fact.needs}.intersection(planar_4r.facts)
     of_ends = {graded.sine, *(name for end in graded.ends for name in end)}
     offered = {*KEPT, *(moved_name(name, joint) for name in MOVED)}
-    for fact in _with_derivatives((*MOVED, *HALF_ANGLES, *of_places, *of_ends)):
-        moved = _moved(fact, joint)
-        driven.facts[moved.name] = replace(moved, internal=moved.name not in offered)
-    for fact in _facts(KEPT, driven.facts):
+    for fact in with_derivatives(planar_4r, (*MOVED, *HALF_ANGLES, *of_places, *of_ends)).values():
+        found = _moved(fact, joint)
+        driven.facts[found.name] = replace(found, internal=found.name not in offered)
+    for fact in facts_of(planar_4r, KEPT, driven.facts):
         driven.facts[fact.name] = fact
     # Angles jump where they pass pi, which no derivative tells: their extremes are taken over the given angles.
     driven.graded = replace(graded, rough=(*graded.rough, *(f"joint_angle_{i}" for i in (1, 2, 3, 4))))
-    found = {fact.name: fact for fact in (_moved(place, joint) for place in places)}
-    found[driven.position.name] = replace(found[driven.position.name], function=angle_of_place)
-    driven.alternatives[graded.name] = dict(found)
+    placed = {fact.name: fact for fact in (_moved(place, joint) for place in places)}
+    placed[driven.position.name] = replace(placed[driven.position.name], function=angle_of_place)
+    driven.alternatives[graded.name] = dict(placed)
     driven.check()
     return driven
 
@@ -188,29 +189,10 @@ def _declared(joint: int) -> Catalogue:
     return driven
 
 
-def _facts(names: Iterable[str], known: Iterable[str]) -> list[Fact]:
-    leaves = {*known, *planar_4r.inputs, *planar_4r.tables, *planar_4r.table_low_parts, "branch"}
-    return [step for step in planar_4r.closure(names, leaves) if isinstance(step, Fact)]
-
-
-def _with_derivatives(names: Iterable[str]) -> Iterable[Fact]:
-    """Return what is computed for the names, and all that is declared of their derivatives by the input."""
-    facts: dict[str, Fact] = {}
-    new = [*names, *planar_4r.tables]
-    while new:
-        found = {fact.name: fact for fact in _facts(new, facts)}
-        slopes = [f"d_{name}_d_{planar_4r.position.name}" for name in (*new, *found)]
-        declared = {name: planar_4r.facts[name] for name in slopes if name in planar_4r.facts}
-        facts |= found | declared
-        needs = {need for fact in declared.values() for need in fact.needs}
-        new = sorted(needs.intersection(planar_4r.facts).difference(facts))
-    return facts.values()
-
-
 def _moved(fact: Fact, joint: int) -> Fact:
     """Return a fact under the names that it has where `joint` is driven, with what is said of them."""
     name = moved_name(fact.name, joint)
-    law = replace(fact, name=name, needs=tuple(moved_name(need, joint) for need in fact.needs))
+    law = moved(fact, lambda other: moved_name(other, joint))
     if name == "transmission_angle":
         _, left, far, right = _points(joint)
         return replace(law, meaning=f"Transmission angle: between {far}{left} and {far}{right}")

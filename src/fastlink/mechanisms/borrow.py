@@ -1,0 +1,91 @@
+"""Facts of one mechanism under the names that they have in another, which has it as a part."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import replace
+from typing import Any
+
+from fastlink.catalogue import Catalogue, Fact
+from fastlink.derivative import derivative_name
+
+__all__ = ["borrow", "facts_of", "moved", "renaming", "with_derivatives"]
+
+Renaming = Callable[[str], str]
+
+
+def facts_of(lender: Catalogue, names: Iterable[str], known: Iterable[str] = ()) -> list[Fact]:
+    """Return what is computed for the names, in order, but for what is known."""
+    leaves = {*known, *lender.inputs, *lender.tables, *lender.table_low_parts, "branch"}
+    return [step for step in lender.closure(names, leaves) if isinstance(step, Fact)]
+
+
+def with_derivatives(lender: Catalogue, names: Iterable[str], known: Iterable[str] = ()) -> dict[str, Fact]:
+    """Return what is computed for the names, and all that is declared of their derivatives."""
+    facts: dict[str, Fact] = {}
+    new = list(names)
+    while new:
+        found = {fact.name: fact for fact in facts_of(lender, new, (*known, *facts))}
+        tables = {need for fact in found.values() for need in fact.needs}.intersection(lender.tables)
+        slopes = [derivative_name(name, by) for name in (*found, *sorted(tables)) for by in lender.variables]
+        declared = {name: lender.facts[name] for name in slopes if name in lender.facts}
+        facts |= found | declared
+        needs = {need for fact in declared.values() for need in fact.needs}
+        new = sorted(needs.intersection(lender.facts).difference(facts, known))
+    return facts
+
+
+def moved(fact: Fact, rename: Renaming) -> Fact:
+    """Return a fact under other names."""
+    return replace(fact, name=rename(fact.name), needs=tuple(map(rename, fact.needs)))
+
+
+def renaming(lender: Catalogue, names: Mapping[str, str], prefix: str) -> Renaming:
+    """Return what renames: some names as told, derivatives by their parts, all others by a prefix.
+
+    Examples
+    --------
+    >>> from fastlink.mechanisms.planar_4r import planar_4r
+    >>> rename = renaming(planar_4r, {"a1": "a", "theta1": "phi"}, "bar_")
+    >>> [rename(name) for name in ("a1", "sigma", "branch", "d_Z_d_theta1")]
+    ['a', 'bar_sigma', 'branch', 'd_bar_Z_d_phi']
+    """
+
+    def rename(name: str) -> str:
+        of, sign, by = name.removeprefix("d_").rpartition("_d_")
+        if name in names or name == "branch":
+            return names.get(name, name)
+        if name.startswith("d_") and sign and by in lender.variables:
+            return derivative_name(rename(of), rename(by))
+        return prefix + name
+
+    return rename
+
+
+def borrow(
+    borrower: Catalogue,
+    lender: Catalogue,
+    names: Mapping[str, str],
+    prefix: str,
+    labels: Mapping[str, Mapping[str, Any]],
+) -> None:
+    """Declare facts of one mechanism in another, with all that they need and what is declared of their derivatives.
+
+    Parameters
+    ----------
+    borrower, lender : Catalogue
+        Where they are declared, and whose they are.
+    names : mapping of str to str
+        What the lender's inputs, its position, its tables and some of its facts are called by the borrower. What the
+        borrower has under such a name already is its own.
+    prefix : str
+        Before the names of all other facts.
+    labels : mapping of str to mapping
+        The facts that are asked for by name, and what is said of them otherwise than by the lender: ``symbol``,
+        ``meaning``, ... What these need in turn is internal.
+    """
+    rename = renaming(lender, names, prefix)
+    own = [name for name, other in names.items() if other in borrower.facts]
+    for name, fact in with_derivatives(lender, labels, own).items():
+        said = {"internal": fact.internal, **labels[name]} if name in labels else {"internal": True}
+        borrower.facts.setdefault(rename(name), replace(moved(fact, rename), **said))

@@ -1,0 +1,180 @@
+"""The two completions of a four-bar to a focal mechanism, by the ratio that is given.
+
+With rho = mp : nq and x = lambda - 1 = pq : mn, what the paper asks of lambda (2.5) is one symmetric equation,
+
+    (1 + rho) (a^2 + rho b^2)/rho  =  (1 + x) (c^2 + x d^2)/x,    rho and x of one sign.
+
+So the laws below find x of a given rho by the pair c, d, and rho of a given x (`lambda_`) by the pair a, b. Their
+unknown is t u/v, where t and 1/t have the product 1: it is told by square roots of sums that do not cancel, and what is
+1 + the unknown by the product of both roots, (1 + t u/v)(1 + u/(v t)) = W/v^2.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+from fastlink.geometry import gap, pair_product, power_of_two_below, two_product, two_sum
+from fastlink.geometry import sign as sign_of
+from fastlink.jit import NOT_A_NUMBER, select, sqrt
+from fastlink.mechanisms.focal.declare import DESIGN, GIVEN_LAMBDA, GIVEN_S, WUNDERLICH, focal
+
+COMPLETION = f"{WUNDERLICH}, eq. (2.5); {DESIGN}#completion"
+
+
+# -- the ratio that is given ----------------------------------------------------------------------------------
+
+
+@focal.quantity(units="1", symbol="1 + rho", source=COMPLETION, internal=True)
+def rho_plus_1(rho: Any) -> Any:
+    """1 + rho."""
+    return 1.0 + rho
+
+
+@focal.quantity(units="1", symbol="1 + rho", source=COMPLETION, internal=True)
+def rho_plus_1_low(rho: Any) -> Any:
+    """What 1 + rho lost in rounding to double."""
+    _high, low = two_sum(1.0, rho)
+    return low
+
+
+@focal.quantity(
+    units="1", symbol="rho", source=f"{WUNDERLICH}, eq. (1.9)", internal=True, alternative=GIVEN_S
+)
+def rho(s: Any, d: Any) -> Any:
+    """Ratio mp : nq of a given crank support."""
+    return s / (d - s)
+
+
+def one_plus_ratio_of_support(s: Any, d: Any) -> Any:
+    """1 + rho of a given crank support."""
+    return d / (d - s)
+
+
+def nothing(rho: Any) -> Any:
+    """No low part."""
+    return 0.0 * rho
+
+
+for _name, _law in (("rho_plus_1", one_plus_ratio_of_support), ("rho_plus_1_low", nothing)):
+    focal.quantity(
+        units="1", symbol="1 + rho", source=COMPLETION, internal=True, alternative=GIVEN_S, name=_name
+    )(_law)
+
+
+@focal.quantity(units="1", symbol="lambda - 1", source=COMPLETION, internal=True, alternative=GIVEN_LAMBDA)
+def x(lambda_: Any) -> Any:
+    """Ratio pq : mn of a given lambda."""
+    return lambda_ - 1.0
+
+
+@focal.quantity(units="1", symbol="0", source=COMPLETION, internal=True, alternative=GIVEN_LAMBDA)
+def lambda_low(lambda_: Any) -> Any:
+    """Nothing: a given lambda is exact."""
+    return 0.0 * lambda_
+
+
+# -- the other ratio ------------------------------------------------------------------------------------------
+
+
+def common(ratio: Any, plus_1: Any, first: Any, second: Any) -> Any:
+    """W, what both sides of the equation are, over the squared unit."""
+    return plus_1 * (first * first + ratio * (second * second)) / ratio
+
+
+def excess(
+    ratio: Any, plus_1: Any, plus_1_low: Any, first: Any, second: Any, u: Any, v: Any, assembles: Any
+) -> Any:
+    """|W - (u + v)^2|, or with a negative ratio |W - (u - v)^2|, negative where no root is real."""
+    # (1 + ratio)(first^2 + ratio second^2) - ratio (u +- v)^2 in twice the working precision, over a power of two.
+    two = power_of_two_below(abs(ratio))
+    square, square_low = two_product(second, second)
+    part, part_low = pair_product(ratio, 0.0, square, square_low)
+    whole, whole_low = two_product(first, first)
+    total, total_low = gap(whole, whole_low, part, part_low)
+    side, side_low = pair_product(plus_1 / two, plus_1_low / two, total, total_low)
+    reach, reach_low = two_sum(u, select(ratio < 0.0, -v, v))
+    reach, reach_low = pair_product(reach, reach_low, reach, reach_low)
+    other, other_low = pair_product(ratio / two, 0.0, reach, reach_low)
+    high, _low = gap(side, side_low, -other, -other_low)
+    return select(assembles == 1.0, high / abs(ratio / two), NOT_A_NUMBER)
+
+
+def root_of(value: Any) -> Any:
+    """Square root of the excess."""
+    return sqrt(value)
+
+
+def root_beyond(value: Any, u: Any, v: Any) -> Any:
+    """Square root of the excess of the other reach."""
+    return sqrt(value + 4.0 * (u * v))
+
+
+def root_of_ratio(root_near: Any, root_far: Any, u: Any, v: Any, completion: Any) -> Any:
+    """Square root of the size of the ratio that is found."""
+    size = 0.5 * (root_near + root_far)
+    return select(completion == 1.0, size / v, u / size)
+
+
+def one_plus_found(
+    sign: Any,
+    root: Any,
+    common: Any,
+    excess: Any,
+    root_near: Any,
+    root_far: Any,
+    u: Any,
+    v: Any,
+    completion: Any,
+) -> Any:
+    """1 + the ratio that is found."""
+    # Of the negative ratios, 1 + ratio is (middle -+ R)/(2 v^2), of the product W/v^2: the greater first.
+    R = root_near * root_far
+    middle = select(u < v, (v - u) * (v + u) + common, -(excess + 2.0 * v * (u - v)))
+    greater = middle + select(middle < 0.0, -R, R)
+    far = greater / (2.0 * (v * v))
+    near = select(greater == 0.0, 0.0, 2.0 * common / greater)
+    is_far = select(middle < 0.0, completion == 1.0, completion == 2.0)
+    return select(sign < 0.0, select(is_far, far, near), 1.0 + root * root)
+
+
+def with_sign(sign: Any, root: Any) -> Any:
+    """A ratio of its sign and the square root of its size."""
+    return sign * (root * root)
+
+
+def root_of_size(ratio: Any) -> Any:
+    """Square root of the size of the ratio that is given."""
+    return sqrt(abs(ratio))
+
+
+BY_RHO = {"ratio": "rho", "plus_1": "rho_plus_1", "plus_1_low": "rho_plus_1_low"}
+BY_RHO |= {"first": "s_a", "second": "s_b", "u": "s_c", "v": "s_d", "root": "root_x", "value": "excess"}
+BY_X = {"ratio": "x", "plus_1": GIVEN_LAMBDA, "plus_1_low": "lambda_low"}
+BY_X |= {"first": "s_c", "second": "s_d", "u": "s_a", "v": "s_b", "root": "root_rho", "value": "excess"}
+
+for _alternative, _given, _names in (
+    (None, BY_RHO, ("root_rho", "root_x", "x", GIVEN_LAMBDA)),
+    (GIVEN_LAMBDA, BY_X, ("root_x", "root_rho", "rho", "rho_plus_1")),
+):
+    _known, _found, _other, _plus = _names
+    for _law, _name, _symbol in (
+        (sign_of, "sign", "sgn rho"),
+        (common, "common", "W"),
+        (excess, "excess", "|W - (c +- d)^2|"),
+        (root_of, "root_near", "sqrt|W - (c +- d)^2|"),
+        (root_beyond, "root_far", "sqrt|W - (c -+ d)^2|"),
+        (root_of_size, _known, "sqrt|rho|"),
+        (root_of_ratio, _found, "sqrt|lambda - 1|"),
+        (with_sign, _other, "lambda - 1"),
+        (one_plus_found, _plus, "lambda"),
+    ):
+        focal.quantity(
+            units="1",
+            symbol=_symbol,
+            source=COMPLETION,
+            internal=_name != GIVEN_LAMBDA,
+            alternative=_alternative,
+            name=_name,
+            meaning="factor a/m = b/n of both sides" if _name == GIVEN_LAMBDA else None,
+            given={"x": _given["ratio"], **_given} if _law is sign_of else _given,
+        )(_law)
