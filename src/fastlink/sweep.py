@@ -29,7 +29,8 @@ from fastlink.request import (
     constants_of,
     given_angles,
 )
-from fastlink.run import Job, Part, default_threads, run
+from fastlink.run import Job, Part, block_length, default_threads, run
+from fastlink.spread import find_spread
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -161,10 +162,15 @@ def sweep(
     target = None if to is None else store.check_target(to, nbytes, overwrite)
     coords = labelling.coordinates(plan, space, positions)
     shapes = [(labelling.trailing(output, plan, positions.size), output.dtype) for output in plan.outputs]
-    job = Job([_part(part, plan, space, positions) for part in plan.parts], shapes, space.size)
+    spread = find_spread(plan, space)
+    evaluated = space if spread is None else spread.space
+    job = Job([_part(part, plan, evaluated, positions) for part in plan.parts], shapes, evaluated.size)
     counts = _StatusCounts(plan)
     bar = _progress_bar(space.size, progress)
     about = labelling.about(mechanism, plan, solver, positions.size, count) | dict(attrs or {})
+    if spread is not None:
+        about["scaling_axis"] = spread.name
+        block = block or max(1, block_length(job, count) // spread.length)
     before = time.perf_counter()
 
     def report() -> dict[str, Any]:
@@ -179,7 +185,15 @@ def sweep(
     with bar:
         if target is None:
             arrays = [np.empty((space.size, *shape), dtype) for shape, dtype in job.outputs]
-            run(job, targets=arrays, deliver=_all(counts.take, bar.take), threads=count, block=block)
+            if spread is None:
+                run(job, targets=arrays, deliver=_all(counts.take, bar.take), threads=count, block=block)
+            else:
+                run(
+                    job,
+                    deliver=spread.over(_all(_into(arrays), counts.take, bar.take)),
+                    threads=count,
+                    block=block,
+                )
             named = {variable.name: array for variable, array in zip(variables, arrays, strict=True)}
             return label.assemble(coords, variables, named, about | report())
         with store.Writer(target, coords, variables, about, overwrite=overwrite) as writer:
@@ -188,7 +202,8 @@ def sweep(
                 for variable, array in zip(variables, arrays, strict=True):
                     writer.write(variable.name, start, array)
 
-            run(job, deliver=_all(write, counts.take, bar.take), threads=count, block=block)
+            take = _all(write, counts.take, bar.take)
+            run(job, deliver=spread.over(take) if spread else take, threads=count, block=block)
             writer.finish(report())
     return store.open_map(target)
 
@@ -228,6 +243,14 @@ def _all(
     def deliver(start: int, stop: int, arrays: list[NDArray[Any]]) -> None:
         for take in takers:
             take(start, stop, arrays)
+
+    return deliver
+
+
+def _into(whole: list[NDArray[Any]]) -> Callable[[int, int, list[NDArray[Any]]], None]:
+    def deliver(start: int, stop: int, arrays: list[NDArray[Any]]) -> None:
+        for kept, array in zip(whole, arrays, strict=True):
+            kept[start:stop] = array
 
     return deliver
 

@@ -1,0 +1,135 @@
+"""Use an axis that only scales results: evaluate one of its values, and multiply.
+
+Rates grow in proportion to omega1, forces to its square or to the density of the links, places not at all (see
+`fastlink.degree`). A swept axis of such an input costs the output of its results and no more.
+"""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from fastlink.degree import degrees
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from fastlink.closure import Output
+    from fastlink.plans import PlanSet
+    from fastlink.space import DesignSpace
+
+__all__ = ["Spread", "find_spread"]
+
+Deliver = Callable[[int, int, "list[NDArray[Any]]"], None]
+
+
+@dataclass(frozen=True)
+class Spread:
+    """A design space without one axis, and what its values do to each result.
+
+    Attributes
+    ----------
+    name : str
+        The input that only scales.
+    space : DesignSpace
+        The designs that are evaluated, at 1 for that input.
+    inner : int
+        How many of them follow each other before the axis moves on.
+    factors : tuple of (array or None)
+        For each result what it is multiplied by at each value of the axis.
+    """
+
+    name: str
+    space: DesignSpace
+    inner: int
+    factors: tuple[NDArray[Any] | None, ...]
+    length: int
+
+    def over(self, deliver: Deliver) -> Deliver:
+        """Return what takes results of the space without the axis, and delivers those of the whole space."""
+
+        def spread(start: int, stop: int, arrays: list[NDArray[Any]]) -> None:
+            for first, last, slabs in self._pieces(start, stop):
+                parts = [array[first - start : last - start] for array in arrays]
+                if slabs:
+                    whole = [
+                        self._all(part, factor) for part, factor in zip(parts, self.factors, strict=True)
+                    ]
+                    deliver(first * self.length, last * self.length, whole)
+                    continue
+                slab, offset = divmod(first, self.inner)
+                for k in range(self.length):
+                    begin = (slab * self.length + k) * self.inner + offset
+                    scaled = [
+                        part if factor is None else part * factor[k]
+                        for part, factor in zip(parts, self.factors, strict=True)
+                    ]
+                    deliver(begin, begin + last - first, scaled)
+
+        return spread
+
+    def _pieces(self, start: int, stop: int) -> list[tuple[int, int, bool]]:
+        """Cut a range where the axis moves on: whole slabs lie side by side in the whole space."""
+        first, last = -(-start // self.inner) * self.inner, stop // self.inner * self.inner
+        if first >= last:
+            cuts = sorted({start, *([first] if start < first < stop else []), stop})
+            return [(a, b, False) for a, b in itertools.pairwise(cuts)]
+        pieces = [(start, first, False), (first, last, True), (last, stop, False)]
+        return [piece for piece in pieces if piece[0] < piece[1]]
+
+    def _all(self, part: NDArray[Any], factor: NDArray[Any] | None) -> NDArray[Any]:
+        """Return whole slabs at every value of the axis, in the order of the whole space."""
+        slabs = part.reshape(-1, 1, self.inner, *part.shape[1:])
+        if factor is None:
+            found = np.repeat(slabs, self.length, axis=1)
+        else:
+            found = slabs * factor.reshape(-1, *[1] * (slabs.ndim - 2))
+        return found.reshape(-1, *part.shape[1:])
+
+
+def find_spread(plan: PlanSet, space: DesignSpace) -> Spread | None:
+    """Return how to use the longest axis of a grid that only scales what was asked for, if there is one.
+
+    Its values must be positive: a rate's greatest value is minus its least one where the sense of rotation changes.
+    """
+    axes = [name for name in space.dims if name in space.axes and len(space.axes[name]) > 1]
+    for name in sorted(axes, key=lambda name: -len(space.axes[name])):
+        values = space.axes[name]
+        powers = _powers(plan, space, name) if (values > 0.0).all() else None
+        if powers is None:
+            continue
+        place = space.dims.index(name)
+        rest = replace(
+            space,
+            dims=space.dims[:place] + space.dims[place + 1 :],
+            shape=space.shape[:place] + space.shape[place + 1 :],
+            axes={key: axis for key, axis in space.axes.items() if key != name},
+            constants={**space.constants, name: 1.0},
+        )
+        factors = tuple(None if power == 0.0 else values**power for power in powers)
+        return Spread(name, rest, math.prod(space.shape[place + 1 :]), factors, len(values))
+    return None
+
+
+def _powers(plan: PlanSet, space: DesignSpace, name: str) -> list[float] | None:
+    """Return by which power of an input each result grows, or None where one does not."""
+    catalogue = plan.catalogue
+    if catalogue.known_inputs(plan.alternatives)[name].choices:
+        return None
+    tables = (catalogue.position.name, *catalogue.tables, *catalogue.table_low_parts)
+    asked = [output.request.quantity for output in plan.outputs]
+    found = degrees(catalogue.closure(asked, (*space.names, *tables, "branch"), plan.alternatives), name)
+    powers = [_power(output, found) for output in plan.outputs]
+    return None if None in powers else [power for power in powers if power is not None]
+
+
+def _power(output: Output, found: dict[str, float | None]) -> float | None:
+    request = output.request
+    power = found.get(request.quantity)
+    scaled = not request.place and request.listed in ("", "value")
+    return power if power is None or scaled else 0.0
