@@ -89,7 +89,7 @@ def select(condition: Any, if_true: Any, if_false: Any) -> Any:
     """Return `if_true` where the condition holds, else `if_false`; both are evaluated."""
     if isinstance(condition, np.ndarray):
         return np.where(condition, if_true, if_false)
-    if hasattr(condition, "choose"):  # of numbers that know no value
+    if hasattr(condition, "choose") and not isinstance(condition, np.bool_):  # of numbers that know no value
         return condition.choose(if_true, if_false)
     return if_true if condition else if_false
 
