@@ -11,10 +11,10 @@ unknown is t u/v, where t and 1/t have the product 1: it is told by square roots
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any
 
-from fastlink.geometry import gap, pair_product, power_of_two_below, two_product, two_sum
-from fastlink.geometry import sign as sign_of
+from fastlink.geometry import gap, pair_product, power_of_two_below, sign, two_product, two_sum
 from fastlink.jit import NOT_A_NUMBER, select, sqrt
 from fastlink.mechanisms.focal.declare import DESIGN, GIVEN_LAMBDA, GIVEN_S, WUNDERLICH, focal
 
@@ -99,14 +99,14 @@ def excess(
     return select(assembles == 1.0, high / abs(ratio / two), NOT_A_NUMBER)
 
 
-def root_of(value: Any) -> Any:
-    """Square root of the excess."""
+def far_excess(excess: Any, u: Any, v: Any) -> Any:
+    """The excess with the other sign of v; negative where the roots are real, but not of the sign of the ratio."""
+    return excess + 4.0 * (u * v)
+
+
+def root(value: Any) -> Any:
+    """Square root of an excess."""
     return sqrt(value)
-
-
-def root_beyond(value: Any, u: Any, v: Any) -> Any:
-    """Square root of the excess of the other reach."""
-    return sqrt(value + 4.0 * (u * v))
 
 
 def root_of_ratio(root_near: Any, root_far: Any, u: Any, v: Any, completion: Any) -> Any:
@@ -147,27 +147,28 @@ def root_of_size(ratio: Any) -> Any:
     return sqrt(abs(ratio))
 
 
-BY_RHO = {"ratio": "rho", "plus_1": "rho_plus_1", "plus_1_low": "rho_plus_1_low"}
-BY_RHO |= {"first": "s_a", "second": "s_b", "u": "s_c", "v": "s_d", "root": "root_x", "value": "excess"}
-BY_X = {"ratio": "x", "plus_1": GIVEN_LAMBDA, "plus_1_low": "lambda_low"}
-BY_X |= {"first": "s_c", "second": "s_d", "u": "s_a", "v": "s_b", "root": "root_rho", "value": "excess"}
+BY_RHO = {"ratio": "rho", "plus_1": "rho_plus_1", "plus_1_low": "rho_plus_1_low", "root": "root_x"}
+BY_RHO |= {"first": "s_a", "second": "s_b", "u": "s_c", "v": "s_d"}
+BY_X = {"ratio": "x", "plus_1": GIVEN_LAMBDA, "plus_1_low": "lambda_low", "root": "root_rho"}
+BY_X |= {"first": "s_c", "second": "s_d", "u": "s_a", "v": "s_b"}
 
-for _alternative, _given, _names in (
-    (None, BY_RHO, ("root_rho", "root_x", "x", GIVEN_LAMBDA)),
-    (GIVEN_LAMBDA, BY_X, ("root_x", "root_rho", "rho", "rho_plus_1")),
+for _alternative, _given, _known, _found, _ratio, _plus_1 in (
+    (None, BY_RHO, "root_rho", "root_x", "x", GIVEN_LAMBDA),
+    (GIVEN_LAMBDA, BY_X, "root_x", "root_rho", "rho", "rho_plus_1"),
 ):
-    _known, _found, _other, _plus = _names
-    for _law, _name, _symbol in (
-        (sign_of, "sign", "sgn rho"),
-        (common, "common", "W"),
-        (excess, "excess", "|W - (c +- d)^2|"),
-        (root_of, "root_near", "sqrt|W - (c +- d)^2|"),
-        (root_beyond, "root_far", "sqrt|W - (c -+ d)^2|"),
-        (root_of_size, _known, "sqrt|rho|"),
-        (root_of_ratio, _found, "sqrt|lambda - 1|"),
-        (with_sign, _other, "lambda - 1"),
-        (one_plus_found, _plus, "lambda"),
-    ):
+    _laws: tuple[tuple[Callable[..., Any], str, str, dict[str, str]], ...] = (
+        (sign, "sign", "sgn rho", {"x": _given["ratio"]}),
+        (common, "common", "W", {}),
+        (excess, "excess", "|W - (c + d)^2|", {}),
+        (far_excess, "far_excess", "|W - (c - d)^2|", {}),
+        (root, "root_near", "sqrt|W - (c + d)^2|", {"value": "excess"}),
+        (root, "root_far", "sqrt|W - (c - d)^2|", {"value": "far_excess"}),
+        (root_of_size, _known, "sqrt|rho|", {}),
+        (root_of_ratio, _found, "sqrt|lambda - 1|", {}),
+        (with_sign, _ratio, "lambda - 1", {}),
+        (one_plus_found, _plus_1, "lambda", {}),
+    )
+    for _law, _name, _symbol, _more in _laws:
         focal.quantity(
             units="1",
             symbol=_symbol,
@@ -175,6 +176,6 @@ for _alternative, _given, _names in (
             internal=_name != GIVEN_LAMBDA,
             alternative=_alternative,
             name=_name,
-            meaning="factor a/m = b/n of both sides" if _name == GIVEN_LAMBDA else None,
-            given={"x": _given["ratio"], **_given} if _law is sign_of else _given,
+            meaning="Factor a/m = b/n" if _name == GIVEN_LAMBDA else None,
+            given={**_given, **_more},
         )(_law)

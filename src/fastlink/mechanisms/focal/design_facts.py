@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from typing import Any
 
-from fastlink.jit import NOT_A_NUMBER, select
+from fastlink.geometry import gap
+from fastlink.jit import NOT_A_NUMBER, select, sqrt
 from fastlink.mechanisms.borrow import borrow
 from fastlink.mechanisms.focal.declare import DESIGN, GIVEN_S, LINKS, WUNDERLICH, focal
 from fastlink.mechanisms.planar_4r import planar_4r
@@ -98,3 +99,70 @@ def s_s(s_d: Any, T_share: Any) -> Any:
 def share_of_support(s: Any, d: Any, valid: Any) -> Any:
     """Share s/d of MS in MN, and of AT in AB."""
     return select(valid == 1.0, s / d, NOT_A_NUMBER)
+
+
+# -- what users ask for ---------------------------------------------------------------------------------------
+
+
+def length_of(scaled: Any, lift: Any, unit: Any) -> Any:
+    """A length from its scaled length."""
+    return scaled * unit / lift
+
+
+for _name, _scaled, _source, _meaning in (
+    ("m", "s_m", "eq. (2.5)", "Distance MP along MA, negative beyond M"),
+    ("n", "s_n", "eq. (2.5)", "Distance NQ along NB, negative beyond N"),
+    ("p", "s_p", "eqs. (1.9), (2.6)", "Length PF, of the sign of rho (see docs/focal.md)"),
+    ("q", "s_q", "eqs. (1.9), (2.6)", "Length QF"),
+    ("r", "s_r", "eq. (1.8)", "Length SF, radius of the circle of F: the crank"),
+    ("FT", "s_FT", "section 3", "Length FT"),
+    ("s", "s_s", "eqs. (1.8) corrected, (1.9)", "Crank support S on MN, from M towards N"),
+    ("S_x", "s_s", "eqs. (1.8) corrected, (1.9)", "Crank support S, x"),
+):
+    focal.quantity(
+        units="m",
+        symbol=_name,
+        source=f"{WUNDERLICH}, {_source}",
+        name=_name,
+        meaning=_meaning,
+        given={"scaled": _scaled},
+    )(length_of)
+
+
+@focal.quantity(units="1", symbol="AT/AB", source=f"{WUNDERLICH}, eq. (3.2)")
+def T_ratio(T_share: Any) -> Any:
+    """Share of AT in AB, the same as that of MS in MN."""
+    return T_share
+
+
+def height(s_a: Any, s_b: Any, c: Any, s_d: Any, valid: Any, lift: Any, unit: Any) -> Any:
+    """Height of a trapezoid with the sides a = b, the base d and the other base c."""
+    near, _low = gap(s_a, s_a, -s_d, c)
+    far, _low = gap(s_a, s_a, s_d, -c)
+    symmetric = (s_a == s_b) & (valid == 1.0)
+    return select(symmetric, 0.5 * sqrt(near) * sqrt(far) * unit / lift, NOT_A_NUMBER)
+
+
+@focal.quantity(units="1", symbol="-c", source=f"{WUNDERLICH}, eq. (6.2)", internal=True)
+def minus_s_c(s_c: Any) -> Any:
+    """Minus the scaled length of the coupler."""
+    return -s_c
+
+
+for _name, _c, _meaning in (("h1", "s_c", "MN and AB"), ("h2", "minus_s_c", "MN and the opposite AB")):
+    focal.quantity(
+        units="m",
+        symbol=f"h_{_name[1]}",
+        source=f"{WUNDERLICH}, eq. (6.2)",
+        name=_name,
+        meaning=f"Distance of parallel {_meaning} where a = b, NaN of others",
+        given={"c": _c},
+    )(height)
+
+
+@focal.quantity(units="m", symbol="x", source=f"{WUNDERLICH}, eq. (7.5) corrected")
+def line_x(s_a: Any, s_b: Any, s_d: Any, lambda_: Any, rho_plus_1: Any, lift: Any, unit: Any) -> Any:
+    """Place of the straight line that F moves on, x; NaN unless rho is -1."""
+    offset = (s_a - s_b) * (s_a + s_b) / (lambda_ * s_d)
+    on_a_line = (rho_plus_1 == 0.0) & (lambda_ != 0.0)
+    return select(on_a_line, 0.5 * (s_d + offset) * unit / lift, NOT_A_NUMBER)
