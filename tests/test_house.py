@@ -35,8 +35,8 @@ LAYERS = [
         "plan",
         "plans",
     ),
-    *("space", "table", "design", "links", "request", "reading", "exact", "planar", "minkowski", "focal", "hart", "run", "spread"),
-    *("label", "target", "layout", "write_back", "store", "labelling", "sweep"),
+    *("space", "table", "design", "links", "request", "reading", "exact", "planar", "minkowski", "focal", "run", "spread", "asked"),
+    *("label", "target", "layout", "write_back", "store", "labelling", "hart", "sweep"),
     *("listing", "summary", "study_schema", "study_design", "study"),
     *("plot_colour", "plot_text", "plot_draw", "plot", "cli"),
 ]

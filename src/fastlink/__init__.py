@@ -10,7 +10,7 @@ from types import ModuleType
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from fastlink import focal, minkowski, planar
+    from fastlink import focal, hart, minkowski, planar
     from fastlink.design import DesignSpace, grid, latin_hypercube, sobol, table
     from fastlink.errors import InputError
     from fastlink.links import round_bar
@@ -40,7 +40,7 @@ _PLACES = {
 }
 
 #: Packages that are imported when first named.
-_PACKAGES = ("focal", "minkowski", "planar")
+_PACKAGES = ("focal", "hart", "minkowski", "planar")
 
 __all__ = [
     "DesignSpace",
@@ -48,6 +48,7 @@ __all__ = [
     "evaluate",
     "focal",
     "grid",
+    "hart",
     "latin_hypercube",
     "minkowski",
     "open",

@@ -1,0 +1,122 @@
+"""Hart's linkages whose sizes are whole numbers (Wunderlich, section 7), by exact arithmetic.
+
+With kappa = i/j in lowest terms the eight sizes m, n, p = kappa n, q = -kappa m, a = (1 - kappa^2) m,
+b = (1 - kappa^2) n, c = kappa d and d are whole if and only if
+
+    m = j^2 M,   n = j^2 N,   d = j D,   and then   p = i j N,  q = -i j M,  a = (j^2 - i^2) M,  b = (j^2 - i^2) N,
+    c = i D
+
+for whole M, N, D: i and j have no common divisor, nor have j^2 and j^2 - i^2. The greatest common divisor of the
+eight sizes is that of M, N and D.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from math import gcd, isqrt
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+from fastlink.errors import InputError
+
+__all__ = ["integer_designs"]
+
+#: The list grows with the cube; at this size it has 4.7 million designs (0.4 GB).
+GREATEST = 500
+LENGTHS = {
+    "m": "length of MP",
+    "n": "length of NQ",
+    "d": "length of the ground link MN",
+    "p": "kappa n: length of PF",
+    "q": "-kappa m: length of QF, with the sign of eq. (7.2)",
+    "a": "(1 - kappa^2) m: MA along MP; negative: on the extension beyond M",
+    "b": "(1 - kappa^2) n: NB along NQ; negative: on the extension beyond N",
+    "c": "kappa d: length of AB",
+}
+
+
+def integer_designs(max_size: int, *, movable: bool = False) -> xr.Dataset:
+    """Return every Hart linkage with whole sizes m, n, p, q, a, b, c, d up to a greatest one.
+
+    Each stands there once: with no common divisor of its sizes (the others are multiples), with kappa > 0 (the sign
+    of kappa changes nothing but that of p, q and c) and with m <= n (exchanging M and N mirrors the linkage).
+    Those with kappa > 1 are the ones with 1/kappa with AB held in place of MN: other mechanisms of the same
+    bars, and listed. The arithmetic is of whole numbers: nothing is rounded but kappa, where it is no double.
+
+    Parameters
+    ----------
+    max_size : int
+        Greatest magnitude of the eight sizes, 1 to 500.
+    movable : bool, default False
+        Leave out those that assemble in isolated positions only, where d = (1 + kappa)(m + n) or
+        d = |1 - kappa| |m - n|. Linkages that assemble nowhere are never listed.
+
+    Returns
+    -------
+    xarray.Dataset
+        Along the dimension ``design``, small linkages first: the inputs ``m``, ``n``, ``d`` and ``kappa``, which
+        `fastlink.table` takes as they are, and as whole coordinates the other sizes ``p``, ``q``, ``a``, ``b``, ``c``
+        with the signs of eqs. (7.2) and (7.4), ``kappa_numerator`` and ``kappa_denominator``.
+
+    Raises
+    ------
+    InputError
+        The greatest size is no whole number from 1 to 500.
+
+    Examples
+    --------
+    >>> import fastlink as fl
+    >>> designs = fl.hart.integer_designs(8)
+    >>> wunderlich = (designs.n == 8) & (designs.m == 4) & (designs.d == 6)
+    >>> {name: int(value) for name, value in designs.isel(design=wunderlich).squeeze().coords.items()}
+    {'p': 4, 'q': -2, 'a': 3, 'b': 6, 'c': 3, 'kappa_numerator': 1, 'kappa_denominator': 2}
+    >>> maps = fl.sweep("hart", fl.table(designs), ["stroke", "is_kite"])
+    >>> int((maps.is_kite > 0).sum())
+    2
+    """
+    if isinstance(max_size, bool) or not isinstance(max_size, (int, np.integer)):
+        raise InputError(f"integer_designs: max_size is {max_size!r}; write a whole number")
+    if not 1 <= max_size <= GREATEST:
+        raise InputError(f"integer_designs: max_size is {max_size}; write 1 to {GREATEST}")
+    size = int(max_size)
+    none = (np.zeros((5, 0), dtype=np.int64),)
+    found = np.concatenate((*none, *(_with_kappa(i, j, size, movable) for i, j in _kappas(size))), axis=1)
+    i, j, M, N, D = found
+    sizes = {"m": j * j * M, "n": j * j * N, "d": j * D, "p": i * j * N, "q": -i * j * M}
+    sizes |= {"a": (j - i) * (j + i) * M, "b": (j - i) * (j + i) * N, "c": i * D}
+    order = np.lexsort((sizes["d"], sizes["m"], sizes["n"], i / j, np.max(np.abs([*sizes.values()]), axis=0)))
+    columns: dict[str, Any] = {
+        name: ("design", sizes[name][order], {"long_name": meaning}) for name, meaning in LENGTHS.items()
+    }
+    inputs = {name: columns.pop(name) for name in ("m", "n", "d")}
+    inputs["kappa"] = ("design", (i / j)[order], {"long_name": "ratio of eq. (7.2)"})
+    columns["kappa_numerator"] = ("design", i[order], {"long_name": "numerator of kappa"})
+    columns["kappa_denominator"] = ("design", j[order], {"long_name": "denominator of kappa"})
+    return xr.Dataset(inputs, columns)
+
+
+def _kappas(size: int) -> Iterator[tuple[int, int]]:
+    """Yield numerator and denominator of each kappa for which there may be a linkage."""
+    for j in range(1, isqrt(size) + 1):
+        # i^2 - j^2 is the greatest square that enters a size
+        for i in range(1, isqrt(size + j * j) + 1):
+            if i != j and gcd(i, j) == 1:
+                yield i, j
+
+
+def _with_kappa(i: int, j: int, size: int, movable: bool) -> Any:
+    """Return i, j, M, N, D of every linkage with kappa = i/j, in columns."""
+    greatest = size // max(j * j, i * j, abs(j * j - i * i))
+    m, n = np.triu_indices(greatest)
+    m, n = m + 1, n + 1
+    # It assembles where |1 - kappa| |m - n| <= d <= (1 + kappa)(m + n), and moves between the two.
+    first = np.maximum(abs(j - i) * (n - m) + movable, 1)
+    last = np.minimum((i + j) * (m + n) - movable, size // max(i, j))
+    counts = np.maximum(last - first + 1, 0)
+    m, n = np.repeat(m, counts), np.repeat(n, counts)
+    starts = np.cumsum(counts) - counts
+    d = np.arange(counts.sum()) - np.repeat(starts - first, counts)
+    once = np.gcd(np.gcd(m, n), d) == 1
+    return np.stack([np.full(m.size, i), np.full(m.size, j), m, n, d])[:, once]

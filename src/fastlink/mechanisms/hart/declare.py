@@ -1,0 +1,33 @@
+"""Hart's straight-line linkage: its inputs and its two assembly modes.
+
+M = (0, 0) and N = (d, 0) are fixed; MA and NB carry P and Q, AB joins the two, and F hangs on PF and QF. Given are
+m = MP, n = NQ, d = MN, and kappa = PF/NQ = QF/MP = AB/MN.
+"""
+
+from __future__ import annotations
+
+from fastlink.catalogue import Catalogue, Input
+
+WUNDERLICH = "Wunderlich"
+PAGE = "docs/hart.md"
+
+hart = Catalogue(
+    "hart",
+    "Hart's straight-line linkage of six bars: F on bars from P and Q runs along a line perpendicular to MN",
+    branches={
+        1: "B to the right of the directed line from A to N",
+        2: "B to the left of the directed line from A to N",
+    },
+    position=Input("phi", "rad", "phi", "direction of MA in the ground frame"),
+)
+
+for _name, _meaning in (
+    ("m", "length of MP"),
+    ("n", "length of NQ"),
+    ("d", "length of the ground link MN"),
+):
+    hart.input(_name, units="m", symbol=_name, meaning=_meaning, rule="positive")
+
+hart.input(
+    "kappa", units="1", symbol="kappa", meaning="ratio PF/NQ = QF/MP = AB/MN; its sign is that of p and c"
+)

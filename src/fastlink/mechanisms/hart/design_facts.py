@@ -1,0 +1,206 @@
+"""Facts of one design of Hart's linkage, over a power of two near its longest given bar.
+
+Whether it assembles, where its toggles are, how long its line is: all of it is told by r - e and r + e for four reaches
+r = (1 +- K)(m +- n), with K = |kappa| and e = d, or -d where K > 1. They are products of sums in twice the working
+precision, so no difference from d cancels. But for factors 1 +- K they are the eight factors of the four-bar MABN
+(eq. (1) of Hayes et al.), which lose all digits where kappa is near 1 or -1; these do not.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+from fastlink.geometry import UNIT_ROUNDING, gap, gap_product_quotient, pair_product, two_sum, zero_where
+from fastlink.jit import NOT_A_NUMBER, select
+from fastlink.mechanisms import lengths
+from fastlink.mechanisms.hart.declare import PAGE, hart
+
+NUMERICS = f"{PAGE}#numerics"
+#: Beyond these powers of two the fourth power of kappa, or of its inverse, is no double.
+LEAST_KAPPA, GREATEST_KAPPA = 2.0**-200, 2.0**200
+#: What the facts of the scale, made for four lengths, take for the three that are given.
+_FOUR = {"a1": "m", "a2": "n", "a3": "d", "a4": "d"}
+_SHARED: tuple[tuple[str, str, Any], ...] = (
+    ("lengths_are_valid", "1", lengths.valid),
+    ("lift", "1", lengths.lift),
+    ("unit", "m", lengths.unit),
+)
+for _name, _units, _law in _SHARED:
+    hart.quantity(units=_units, symbol=_name, source=NUMERICS, internal=True, name=_name, given=_FOUR)(_law)
+
+for _name in "mnd":
+    hart.quantity(
+        units="1",
+        symbol=f"s_{_name}",
+        source=NUMERICS,
+        internal=True,
+        name=f"s_{_name}",
+        meaning=f"scaled length {_name}",
+        given={"length": _name},
+    )(lengths.scaled)
+
+
+@hart.quantity(units="1", symbol="K", source=NUMERICS, internal=True)
+def K(kappa: Any) -> Any:
+    """Size of kappa."""
+    return abs(kappa)
+
+
+@hart.quantity(units="1", symbol="valid", source=NUMERICS, internal=True)
+def valid(lengths_are_valid: Any, K: Any) -> Any:
+    """1 where the lengths are, and kappa is not 0, 1 or -1, nor beyond its limits; else NaN."""
+    within = (K >= LEAST_KAPPA) & (K <= GREATEST_KAPPA) & (K != 1.0)
+    return select(within & (lengths_are_valid == 1.0), 1.0, NOT_A_NUMBER)
+
+
+@hart.quantity(units="1", symbol="sgn lambda", source=NUMERICS, internal=True)
+def side(K: Any) -> Any:
+    """1 where P lies on the ray from M through A, -1 where it lies beyond M; and alike for Q."""
+    return select(K < 1.0, 1.0, -1.0)
+
+
+def opposite(x: Any) -> Any:
+    """Return -x."""
+    return -x
+
+
+def product(x: Any, y: Any) -> Any:
+    """Return x y."""
+    return x * y
+
+
+for _name, _meaning, _law, _given in (
+    ("minus_K", "-K", opposite, {"x": "K"}),
+    ("minus_s_n", "minus the scaled length n", opposite, {"x": "s_n"}),
+    ("e", "d, or -d where K > 1, scaled", product, {"x": "side", "y": "s_d"}),
+    ("minus_e", "-e", opposite, {"x": "e"}),
+):
+    hart.quantity(
+        units="1", symbol=_name, source=NUMERICS, internal=True, name=_name, meaning=_meaning, given=_given
+    )(_law)
+
+
+# -- reaches --------------------------------------------------------------------------------------------------
+
+
+def reach(K: Any, s_m: Any, s_n: Any) -> Any:
+    """Return (1 + K)(m + n)."""
+    k, k_low = two_sum(1.0, K)
+    sum_, sum_low = two_sum(s_m, s_n)
+    high, _low = pair_product(k, k_low, sum_, sum_low)
+    return high
+
+
+def reach_low(K: Any, s_m: Any, s_n: Any) -> Any:
+    """Return what the reach lost in rounding to double."""
+    k, k_low = two_sum(1.0, K)
+    sum_, sum_low = two_sum(s_m, s_n)
+    _high, low = pair_product(k, k_low, sum_, sum_low)
+    return low
+
+
+@hart.quantity(units="1", symbol="u P", source=NUMERICS, internal=True)
+def gap_rounding(far_sum: Any, s_d: Any) -> Any:
+    """What half a unit in the last place of each length may do to a reach less d: less is zero."""
+    return UNIT_ROUNDING * (far_sum + s_d)
+
+
+def unless_rounding(reach: Any, reach_low: Any, other: Any, gap_rounding: Any) -> Any:
+    """Return the sum of a reach and another length, 0 within the rounding of the lengths."""
+    total, _low = gap(reach, reach_low, other, 0.0)
+    return zero_where(abs(total) <= gap_rounding, total)
+
+
+for _name, _text, _K, _n in (
+    ("far_sum", "(1 + K)(m + n)", "K", "s_n"),
+    ("far_difference", "(1 + K)(m - n)", "K", "minus_s_n"),
+    ("near_sum", "(1 - K)(m + n)", "minus_K", "s_n"),
+    ("near_difference", "(1 - K)(m - n)", "minus_K", "minus_s_n"),
+):
+    _pair = {"reach": _name, "reach_low": f"{_name}_low"}
+    for _suffix, _meaning, _law, _given in (
+        ("", _text, reach, {"K": _K, "s_n": _n}),
+        ("_low", f"what {_name} lost in rounding to double", reach_low, {"K": _K, "s_n": _n}),
+        ("_less", f"{_text} - e", unless_rounding, _pair | {"other": "minus_e"}),
+        ("_plus", f"{_text} + e", unless_rounding, _pair | {"other": "e"}),
+        (
+            "_excess",
+            f"square of {_text} less that of d",
+            product,
+            {"x": f"{_name}_less", "y": f"{_name}_plus"},
+        ),
+    ):
+        hart.quantity(
+            units="1",
+            symbol=_text,
+            source=NUMERICS,
+            internal=True,
+            name=f"{_name}{_suffix}",
+            meaning=_meaning,
+            given=_given,
+        )(_law)
+
+
+@hart.quantity(units="1", symbol="assembles", source=f"{PAGE}#stroke", internal=True)
+def assembles(far_sum_excess: Any, near_difference_excess: Any, valid: Any) -> Any:
+    """1 where |1 - K||m - n| <= d <= (1 + K)(m + n), else 0."""
+    within = (far_sum_excess >= 0.0) & (near_difference_excess <= 0.0)
+    return select(within & (valid == 1.0), 1.0, 0.0)
+
+
+# -- toggles of the four-bar MABN by phi ----------------------------------------------------------------------
+
+
+def toggle(
+    near_sum: Any,
+    near_sum_low: Any,
+    far_difference: Any,
+    far_difference_low: Any,
+    other: Any,
+    divisor: Any,
+    s_m: Any,
+    gap_rounding: Any,
+    valid: Any,
+) -> Any:
+    """Return (near_sum + other)(far_difference + other)/(4 m divisor)."""
+    f, f_low = gap(near_sum, near_sum_low, other, 0.0)
+    g, g_low = gap(far_difference, far_difference_low, other, 0.0)
+    high, _low = gap_product_quotient(f, f_low, g, g_low, s_m, divisor)
+    none = (abs(f) <= gap_rounding) | (abs(g) <= gap_rounding)
+    return select(valid == 1.0, zero_where(none, high), NOT_A_NUMBER)
+
+
+def toggle_low(
+    near_sum: Any,
+    near_sum_low: Any,
+    far_difference: Any,
+    far_difference_low: Any,
+    other: Any,
+    divisor: Any,
+    s_m: Any,
+    gap_rounding: Any,
+) -> Any:
+    """Return what the toggle lost in rounding to double."""
+    f, f_low = gap(near_sum, near_sum_low, other, 0.0)
+    g, g_low = gap(far_difference, far_difference_low, other, 0.0)
+    _high, low = gap_product_quotient(f, f_low, g, g_low, s_m, divisor)
+    return zero_where((abs(f) <= gap_rounding) | (abs(g) <= gap_rounding), low)
+
+
+for _name, _meaning, _other in (
+    ("Z0", "squared sine of half of phi at the inner toggle, negative if none", "minus_e"),
+    ("C0", "squared cosine of half of phi at the outer toggle, negative if none", "e"),
+):
+    for _suffix, _law, _told in (
+        ("", toggle, _meaning),
+        ("_low", toggle_low, f"what {_name} lost in rounding to double"),
+    ):
+        hart.quantity(
+            units="1",
+            symbol=f"{_name[0]}_0",
+            source=NUMERICS,
+            internal=True,
+            name=_name + _suffix,
+            meaning=_told,
+            given={"other": _other, "divisor": _other},
+        )(_law)

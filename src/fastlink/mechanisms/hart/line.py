@@ -1,0 +1,166 @@
+"""Facts of one design of Hart's linkage: its bars, where the line is and how much of it F traces, the kite.
+
+With t = y of F, eqs. (1.5) say t^2 = G - H cos(omega), H = 2 K m n, and G - H and G + H are products of reaches less d:
+F runs from one end of its segment to the other and back while omega turns. Where G > H the segment does not reach the
+line MN, and there is a second one, its mirror image.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+from fastlink.geometry import gap, pair_product, two_product, two_sum
+from fastlink.jit import NOT_A_NUMBER, select, sqrt
+from fastlink.mechanisms.hart.declare import PAGE, WUNDERLICH, hart
+from fastlink.mechanisms.hart.design_facts import product
+
+STROKE = f"{PAGE}#stroke"
+KITE = f"{WUNDERLICH}, eq. (7.6)"
+STATUS_FLAGS = {
+    0: "one_segment",
+    1: "two_segments",
+    2: "change_point",
+    3: "rigid",
+    4: "never_assembles",
+    5: "kappa_is_0",
+    6: "kappa_is_1_or_minus_1",
+    7: "invalid_input",
+}
+KITE_FLAGS = {0: "no", 1: "kite_with_m_equal_p", 2: "kite_with_n_equal_q"}
+
+
+@hart.quantity(units="1", symbol="lambda", source=f"{WUNDERLICH}, eq. (7.3)")
+def lambda_(K: Any, valid: Any) -> Any:
+    """Factor a/m = b/n, 1 - kappa^2: negative where A and P lie on opposite sides of M."""
+    return select(valid == 1.0, (1.0 - K) * (1.0 + K), NOT_A_NUMBER)
+
+
+def ratio_times(ratio: Any, length: Any, valid: Any) -> Any:
+    """Return ratio times length."""
+    return select(valid == 1.0, ratio * length, NOT_A_NUMBER)
+
+
+def minus_ratio_times(ratio: Any, length: Any, valid: Any) -> Any:
+    """Return minus ratio times length."""
+    return select(valid == 1.0, -(ratio * length), NOT_A_NUMBER)
+
+
+for _name, _equation, _meaning, _law, _ratio, _length in (
+    ("p", "7.2", "length of PF, kappa n, with the sign of kappa", ratio_times, "kappa", "n"),
+    ("q", "7.2", "length of QF, -kappa m, with the sign of -kappa", minus_ratio_times, "kappa", "m"),
+    ("a", "7.4", "length of MA along MP: negative on the extension beyond M", ratio_times, "lambda_", "m"),
+    ("b", "7.4", "length of NB along NQ: negative on the extension beyond N", ratio_times, "lambda_", "n"),
+    ("c", "7.4", "length of AB, kappa d, with the sign of kappa", ratio_times, "kappa", "d"),
+):
+    hart.quantity(
+        units="m",
+        symbol=_name,
+        source=f"{WUNDERLICH}, eq. ({_equation})",
+        name=_name,
+        meaning=_meaning,
+        given={"ratio": _ratio, "length": _length},
+    )(_law)
+
+
+@hart.quantity(
+    units="m", symbol="x", source=f"{WUNDERLICH}, eq. (7.5), corrected: {PAGE}#where-the-paper-differs"
+)
+def line_x(s_m: Any, s_n: Any, s_d: Any, K: Any, lift: Any, unit: Any, assembles: Any) -> Any:
+    """Where the line of F crosses MN, from M: d/2 + (1 - kappa^2)(m^2 - n^2)/(2 d)."""
+    near, near_low = two_sum(1.0, -K)
+    far, far_low = two_sum(1.0, K)
+    total, total_low = two_sum(s_m, s_n)
+    less, less_low = two_sum(s_m, -s_n)
+    factor, factor_low = pair_product(near, near_low, far, far_low)
+    squares, squares_low = pair_product(total, total_low, less, less_low)
+    side, side_low = pair_product(factor, factor_low, squares, squares_low)
+    ground, ground_low = two_product(s_d, s_d)
+    twice, _low = gap(ground, ground_low, side, side_low)
+    return select(assembles == 1.0, 0.5 * (twice / s_d) * unit / lift, NOT_A_NUMBER)
+
+
+# -- the stroke -----------------------------------------------------------------------------------------------
+
+
+@hart.quantity(units="m", symbol="y_{outer}", source=STROKE)
+def F_y_outer(
+    far_sum_excess: Any, near_difference_excess: Any, s_d: Any, lift: Any, unit: Any, assembles: Any
+) -> Any:
+    """Greatest distance of F from MN, where MPF and NQF are stretched; as far on the other side."""
+    height = 0.5 * (sqrt(far_sum_excess) * sqrt(-near_difference_excess) / s_d)
+    return select(assembles == 1.0, height * unit / lift, NOT_A_NUMBER)
+
+
+@hart.quantity(units="m", symbol="y_{inner}", source=STROKE)
+def F_y_inner(
+    near_sum_excess: Any, far_difference_excess: Any, s_d: Any, lift: Any, unit: Any, assembles: Any
+) -> Any:
+    """Least distance of F from MN, where MPF and NQF are folded; 0 where its line is traced across MN."""
+    apart = (near_sum_excess < 0.0) != (far_difference_excess < 0.0)
+    roots = sqrt(abs(near_sum_excess)) * sqrt(abs(far_difference_excess))
+    height = select(apart, 0.5 * (roots / s_d), 0.0)
+    return select(assembles == 1.0, height * unit / lift, NOT_A_NUMBER)
+
+
+@hart.quantity(units="m", symbol="stroke", source=STROKE)
+def stroke(F_y_outer: Any, F_y_inner: Any) -> Any:
+    """Length of the line that F traces without the linkage being taken apart."""
+    return select(F_y_inner > 0.0, F_y_outer - F_y_inner, 2.0 * F_y_outer)
+
+
+# -- the kite -------------------------------------------------------------------------------------------------
+
+
+@hart.quantity(units="1", symbol="kite", source=KITE, flags=KITE_FLAGS)
+def is_kite(
+    near_sum_excess: Any, far_difference_excess: Any, far_difference: Any, side: Any, valid: Any
+) -> Any:
+    """Whether MABN is a kite, so that F's line passes through M (a = c, b = d), or through N (b = c, a = d)."""
+    kite = (near_sum_excess == 0.0) & (far_difference_excess == 0.0) & (valid == 1.0)
+    return select(kite, select(far_difference * side < 0.0, 1.0, 2.0), 0.0)
+
+
+@hart.quantity(units="m", symbol="a", source=KITE)
+def ellipse_a(is_kite: Any, m: Any) -> Any:
+    """Semi-axis along the line of F of the ellipse of the middle of PF about M; NaN if that is none."""
+    return select(is_kite == 1.0, 1.5 * m, NOT_A_NUMBER)
+
+
+@hart.quantity(units="m", symbol="b", source=KITE)
+def ellipse_b(is_kite: Any, m: Any) -> Any:
+    """Semi-axis along MN of the ellipse of the middle of PF about M; NaN if that is none."""
+    return select(is_kite == 1.0, 0.5 * m, NOT_A_NUMBER)
+
+
+hart.quantity(
+    units="1",
+    symbol="A_1",
+    source=PAGE,
+    internal=True,
+    name="sure_A1",
+    meaning="factor A1 of MABN over 1 + K",
+    given={"x": "side", "y": "near_sum_less"},
+)(product)
+
+
+@hart.quantity(units="1", symbol="status", source=f"{STROKE}; {WUNDERLICH}, section 7", flags=STATUS_FLAGS)
+def status(
+    kappa: Any,
+    F_y_inner: Any,
+    far_sum_excess: Any,
+    near_difference_excess: Any,
+    near_sum_excess: Any,
+    far_difference_excess: Any,
+    assembles: Any,
+    lengths_are_valid: Any,
+    valid: Any,
+) -> Any:
+    """How F traces its line, or why there is none."""
+    change_point = (near_sum_excess == 0.0) | (far_difference_excess == 0.0)
+    rigid = (far_sum_excess == 0.0) | (near_difference_excess == 0.0)
+    code = select(change_point, 2.0, select(F_y_inner > 0.0, 1.0, 0.0))
+    code = select(rigid, 3.0, code)
+    code = select(assembles == 1.0, code, 4.0)
+    code = select(valid == 1.0, code, 7.0)
+    code = select((lengths_are_valid == 1.0) & (abs(kappa) == 1.0), 6.0, code)
+    return select((lengths_are_valid == 1.0) & (kappa == 0.0), 5.0, code)

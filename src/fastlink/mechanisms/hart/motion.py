@@ -1,0 +1,264 @@
+"""Facts of position of Hart's linkage, driven by MA.
+
+With u = e^(i phi) and p = Z - Z0, q = C - C0, sigma^2 = p q of the four-bar MABN (docs/numerics.md) the bars from M to
+F are, for lambda > 0 (else they are turned round),
+
+    MP = m u,    PF = m (p - q + 2 i s sigma),    so that F = m (C0 - Z0) + i m (sin phi + 2 s sigma):
+
+the line, without any angle of the four-bar, whatever kappa is. P and Q are A and B as seen from M and N, over lambda,
+and e^(i omega) is minus PF over u and p.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+from fastlink.geometry import UNIT_ROUNDING, largest
+from fastlink.jit import atan2, select, sqrt
+from fastlink.mechanisms.borrow import borrow
+from fastlink.mechanisms.hart.declare import PAGE, WUNDERLICH, hart
+from fastlink.mechanisms.hart.design_facts import NUMERICS, product
+from fastlink.mechanisms.planar_4r import planar_4r
+
+POSITION = f"{WUNDERLICH}, eqs. (1.2) to (1.4); {NUMERICS}"
+
+# -- the four-bar MABN ----------------------------------------------------------------------------------------
+
+
+def size(x: Any) -> Any:
+    """Return |x|."""
+    return abs(x)
+
+
+def scaled_size(length: Any, lambda_: Any) -> Any:
+    """Return a scaled length times |lambda|."""
+    return abs(lambda_) * length
+
+
+_law: Any
+for _name, _meaning, _units, _law, _given in (
+    ("size_a", "length MA", "m", size, {"x": "a"}),
+    ("size_b", "length NB", "m", size, {"x": "b"}),
+    ("size_c", "length AB", "m", size, {"x": "c"}),
+    ("s_a", "scaled length MA", "1", scaled_size, {"length": "s_m"}),
+    ("s_b", "scaled length NB", "1", scaled_size, {"length": "s_n"}),
+    ("s_c", "scaled length AB", "1", product, {"x": "K", "y": "s_d"}),
+):
+    hart.quantity(
+        units=_units, symbol=_name, source=NUMERICS, internal=True, name=_name, meaning=_meaning, given=_given
+    )(_law)
+
+#: What MABN is called as a planar 4R.
+_NAMES = {"theta1": "phi", "cos_theta1": "cos_phi", "sin_theta1": "sin_phi"}
+_NAMES |= {name: name for name in ("Z", "Z_low", "C", "C_low", "Z0", "Z0_low", "C0", "C0_low")}
+_NAMES |= {
+    "a1": "size_a",
+    "a2": "size_c",
+    "a3": "size_b",
+    "a4": "d",
+    "s1": "s_a",
+    "s2": "s_c",
+    "s3": "s_b",
+    "s4": "s_d",
+}
+_NAMES |= {
+    "p": "past_Z0",
+    "q": "past_C0",
+    "sigma": "sigma",
+    "per_sigma": "per_sigma",
+    "branch_sign": "branch_sign",
+}
+_NAMES |= {"DB_x": "NB_x", "DB_y": "NB_y", "sure_A1": "sure_A1", "assembles": "assembles", "valid": "valid"}
+_NAMES |= {"sure_B1": "far_difference_less", "sure_C1": "far_difference_plus"}
+
+for _table in planar_4r.tables.values():
+    hart.tables[_NAMES[_table.name]] = replace(_table, name=_NAMES[_table.name], needs=("phi",))
+hart.table_low_parts = dict(planar_4r.table_low_parts)
+
+_NAMES |= {"theta4": "psi", "output_ratio": "dpsi_dphi", "grashof_class": "grashof_class"}
+_NAMES |= {name: name for name in ("A_x", "A_y", "B_x", "B_y")}
+_SAID: dict[str, dict[str, Any]] = {
+    **{name: {"source": POSITION} for name in ("A_x", "A_y", "B_x", "B_y")},
+    "theta4": {"symbol": "psi", "meaning": "Direction of NB in the ground frame", "source": POSITION},
+    "output_ratio": {
+        "symbol": "dpsi/dphi",
+        "meaning": "Rate of the direction of NB by that of MA",
+        "source": f"{WUNDERLICH}, eq. (2.4), differentiated",
+        "internal": False,
+    },
+    "grashof_class": {
+        "meaning": "Type of the four-bar MABN, with the crank MA, the coupler AB and the output link NB"
+    },
+}
+borrow(hart, planar_4r, _NAMES, "bar_", _SAID)
+
+# -- the bars from M to F -------------------------------------------------------------------------------------
+
+
+@hart.quantity(units="m", symbol="m", source=POSITION, internal=True)
+def m_along(m: Any, side: Any) -> Any:
+    """Length of MP along MA, with a sign."""
+    return side * m
+
+
+@hart.quantity(units="1", symbol="p - q", source=POSITION, internal=True)
+def PF_along(past_Z0: Any, past_C0: Any) -> Any:
+    """PF over m, x."""
+    return past_Z0 - past_C0
+
+
+@hart.quantity(units="1", symbol="2 s sigma", source=POSITION, internal=True)
+def PF_across(sigma: Any, branch_sign: Any) -> Any:
+    """PF over m, y."""
+    return branch_sign * (2.0 * sigma)
+
+
+def end(start: Any, length: Any, direction: Any) -> Any:
+    """Return where a bar ends."""
+    return start + length * direction
+
+
+def middle(start: Any, length: Any, direction: Any) -> Any:
+    """Return where the middle of a bar is."""
+    return start + 0.5 * (length * direction)
+
+
+def over_lambda(x: Any, lambda_: Any) -> Any:
+    """Return x/lambda."""
+    return x / lambda_
+
+
+def over_lambda_from(start: Any, x: Any, lambda_: Any) -> Any:
+    """Return start + x/lambda."""
+    return start + x / lambda_
+
+
+_AXES = (("x", "cos_phi", "PF_along"), ("y", "sin_phi", "PF_across"))
+for _axis, _table_name, _direction in _AXES:
+    _bar = {"start": f"P_{_axis}", "length": "m_along", "direction": _direction}
+    for _name, _meaning, _law, _given in (
+        ("P", "Joint P", product, {"x": "m_along", "y": _table_name}),
+        ("F", "Point F", end, _bar),
+        ("PF_mid", "Middle of PF", middle, _bar),
+    ):
+        hart.quantity(
+            units="m",
+            symbol=f"{_name}_{_axis}",
+            source=POSITION,
+            name=f"{_name}_{_axis}",
+            meaning=f"{_meaning}, {_axis}",
+            given=_given,
+        )(_law)
+
+for _name, _law, _given in (
+    ("Q_x", over_lambda_from, {"start": "d", "x": "NB_x"}),
+    ("Q_y", over_lambda, {"x": "NB_y"}),
+):
+    hart.quantity(
+        units="m", symbol=_name, source=POSITION, name=_name, meaning=f"Joint Q, {_name[-1]}", given=_given
+    )(_law)
+
+
+@hart.quantity(units="1", symbol="kappa n/m sin omega", source=POSITION, internal=True)
+def sine_part(PF_along: Any, PF_across: Any, cos_phi: Any, sin_phi: Any) -> Any:
+    """Sine of omega times K n/m."""
+    return PF_along * sin_phi - PF_across * cos_phi
+
+
+@hart.quantity(units="1", symbol="kappa n/m cos omega", source=POSITION, internal=True)
+def cosine_part(PF_along: Any, PF_across: Any, cos_phi: Any, sin_phi: Any) -> Any:
+    """Cosine of omega times K n/m."""
+    return -(PF_along * cos_phi + PF_across * sin_phi)
+
+
+@hart.quantity(units="rad", symbol="omega", source=f"{WUNDERLICH}, eqs. (1.1) to (1.3)")
+def omega_angle(sine_part: Any, cosine_part: Any, kappa: Any) -> Any:
+    """Angle omega of eq. (1.3), the angle MPF; half a turn more where kappa is negative."""
+    sign = select(kappa < 0.0, -1.0, 1.0)
+    return atan2(sign * sine_part + 0.0, sign * cosine_part)
+
+
+@hart.quantity(units="1", symbol="dF_y/dphi", source=f"{PAGE}#rates")
+def dF_y_dphi(m_along: Any, sine_part: Any, per_sigma: Any, branch_sign: Any) -> Any:
+    """Rate of F along its line by the direction of MA."""
+    return -(branch_sign * (0.5 * m_along * (sine_part * per_sigma)))
+
+
+# -- what rounding does ---------------------------------------------------------------------------------------
+
+
+@hart.quantity(units="1", symbol="u", source=NUMERICS)
+def F_deviation(F_x: Any, line_x: Any, m: Any, n: Any, K: Any) -> Any:
+    """Distance of the computed F from its line, in units of 2^-53 (MP + PF)."""
+    return abs(F_x - line_x) / (UNIT_ROUNDING * (m + K * n))
+
+
+@hart.quantity(units="m", symbol="l", source=NUMERICS, internal=True)
+def longest(m: Any, n: Any, d: Any, K: Any, size_a: Any, size_b: Any, size_c: Any) -> Any:
+    """Longest of the bars."""
+    return largest(largest(m, n, d, size_c), largest(size_a, size_b, K * m, K * n), 0.0, 0.0)
+
+
+def bar_error(x: Any, y: Any, x0: Any, y0: Any, length: Any, longest: Any) -> Any:
+    """Return by how much the distance of two joints misses the length of their bar, over the longest bar."""
+    u = (x - x0) / longest
+    v = (y - y0) / longest
+    return sqrt(u * u + v * v) - length / longest
+
+
+def fixed_bar_error(x: Any, y: Any, x0: Any, length: Any, longest: Any) -> Any:
+    """Return the same of a bar from a ground pivot."""
+    u = (x - x0) / longest
+    v = y / longest
+    return sqrt(u * u + v * v) - length / longest
+
+
+@hart.quantity(units="m", symbol="|p|", source=NUMERICS, internal=True)
+def size_p(K: Any, n: Any) -> Any:
+    """Length PF."""
+    return K * n
+
+
+@hart.quantity(units="m", symbol="|q|", source=NUMERICS, internal=True)
+def size_q(K: Any, m: Any) -> Any:
+    """Length QF."""
+    return K * m
+
+
+for _from, _to, _length in (
+    ("A", "B", "size_c"),
+    ("P", "F", "size_p"),
+    ("Q", "F", "size_q"),
+    ("N", "B", "size_b"),
+    ("N", "Q", "n"),
+):
+    _ends = {"x": f"{_to}_x", "y": f"{_to}_y", "length": _length}
+    _start = {"x0": "d"} if _from == "N" else {"x0": f"{_from}_x", "y0": f"{_from}_y"}
+    hart.quantity(
+        units="1",
+        symbol=f"{_from}{_to}",
+        source=NUMERICS,
+        internal=True,
+        name=f"{_from}{_to}_error",
+        meaning=f"by how much the distance {_from}{_to} misses the length of its bar, over the longest bar",
+        given=_ends | _start,
+    )(fixed_bar_error if _from == "N" else bar_error)
+
+
+@hart.quantity(units="1", symbol="r", source=NUMERICS)
+def closure_residual(AB_error: Any, PF_error: Any, QF_error: Any, NB_error: Any, NQ_error: Any) -> Any:
+    """Closure error of the bars AB, PF, QF, NB and NQ by the joints as computed, relative to the longest bar."""
+    moving = AB_error * AB_error + (PF_error * PF_error + QF_error * QF_error)
+    return sqrt(moving + (NB_error * NB_error + NQ_error * NQ_error))
+
+
+# -- declared derivatives by phi, where the closed form is there already -----------------------------------------
+
+
+def same(x: Any) -> Any:
+    """Return x."""
+    return x
+
+
+hart.derivative("F_y", "phi", given={"x": "dF_y_dphi"})(same)
