@@ -81,9 +81,7 @@ def common(ratio: Any, plus_1: Any, first: Any, second: Any) -> Any:
     return plus_1 * (first * first + ratio * (second * second)) / ratio
 
 
-def excess(
-    ratio: Any, plus_1: Any, plus_1_low: Any, first: Any, second: Any, u: Any, v: Any, assembles: Any
-) -> Any:
+def excess(ratio: Any, plus_1: Any, plus_1_low: Any, first: Any, second: Any, u: Any, v: Any) -> Any:
     """|W - (u + v)^2|, or with a negative ratio |W - (u - v)^2|, negative where no root is real."""
     # (1 + ratio)(first^2 + ratio second^2) - ratio (u +- v)^2 in twice the working precision, over a power of two.
     two = power_of_two_below(abs(ratio))
@@ -96,7 +94,7 @@ def excess(
     reach, reach_low = pair_product(reach, reach_low, reach, reach_low)
     other, other_low = pair_product(ratio / two, 0.0, reach, reach_low)
     high, _low = gap(side, side_low, -other, -other_low)
-    return select(assembles == 1.0, high / abs(ratio / two), NOT_A_NUMBER)
+    return high / abs(ratio / two)
 
 
 def far_excess(excess: Any, u: Any, v: Any) -> Any:
@@ -104,9 +102,9 @@ def far_excess(excess: Any, u: Any, v: Any) -> Any:
     return excess + 4.0 * (u * v)
 
 
-def root(value: Any) -> Any:
-    """Square root of an excess."""
-    return sqrt(value)
+def root(value: Any, assembles: Any) -> Any:
+    """Square root of an excess, of a four-bar that assembles."""
+    return select(assembles == 1.0, sqrt(value), NOT_A_NUMBER)
 
 
 def root_of_ratio(root_near: Any, root_far: Any, u: Any, v: Any, completion: Any) -> Any:

@@ -12,7 +12,7 @@ from fastlink.mechanisms.planar_4r.classes import CLASS_FLAGS
 STATUS_FLAGS = {
     0: "completed",
     1: "no_real_lambda_or_rho",
-    2: "p_and_q_and_r_imaginary",
+    2: "p_q_and_r_imaginary",
     3: "F_on_a_straight_line",
     4: "lambda_is_0",
     5: "S_in_M_or_N",
@@ -49,10 +49,11 @@ def status(
     """Whether the four-bar has this completion, and why not."""
     code = select(rho_plus_1 == 0.0, 3.0, 0.0)
     code = select(lambda_ == 0.0, 4.0, code)
-    code = select(excess < 0.0, select(far_excess < 0.0, 2.0, 1.0), code)
+    code = select(excess < 0.0, 1.0, code)
     code = select(excess < INFINITY, code, 7.0)
-    code = select((rho == 0.0) | (abs(rho) == INFINITY) | (x == 0.0), 5.0, code)
     code = select(assembles == 1.0, code, 6.0)
+    code = select(far_excess < 0.0, 2.0, code)
+    code = select((rho == 0.0) | (abs(rho) == INFINITY) | (x == 0.0), 5.0, code)
     known = (valid == 1.0) & ((completion == 1.0) | (completion == 2.0))
     return select(known, code, 7.0)
 
