@@ -69,6 +69,19 @@ class Study:
     angles: int | NDArray[Any]
     sources: tuple[Path, ...]
 
+    @property
+    def options(self) -> dict[str, Any]:
+        """What `fastlink.sweep` is told beside mechanism, designs and quantities."""
+        cycle = self.shape.cycle
+        return {
+            "links": self.links,
+            "input": cycle.input,
+            "angles": self.angles,
+            "branch": cycle.branch,
+            "solver": cycle.solver,
+            "extrema": cycle.extrema,
+        }
+
 
 def run_study(
     path: str | Path,
@@ -139,12 +152,7 @@ def run_study(
             shape.mechanism,
             study.space,
             shape.quantities,
-            links=study.links,
-            input=shape.cycle.input,
-            angles=study.angles,
-            branch=shape.cycle.branch,
-            solver=shape.cycle.solver,
-            extrema=shape.cycle.extrema,
+            **study.options,
             to=place,
             overwrite=overwrite,
             threads=threads,

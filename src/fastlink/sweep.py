@@ -6,31 +6,20 @@ import sys
 import threading
 import time
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from fastlink import label, labelling, store
-from fastlink.cycle import with_lists
+from fastlink.asked import Asked, resolve
 from fastlink.errors import InputError
-from fastlink.mechanisms import catalogue as find_catalogue
 from fastlink.plan import Plan
-from fastlink.plans import PlanSet, RefinedPlan, make_plans
-from fastlink.request import (
-    POSITIONS,
-    all_choices,
-    alternatives_of,
-    check_branches,
-    check_extrema,
-    check_inputs,
-    check_positions,
-    check_turn,
-    constants_of,
-    given_angles,
-)
+from fastlink.plans import PlanSet, RefinedPlan
+from fastlink.request import POSITIONS
 from fastlink.run import Job, Part, block_length, default_threads, run
-from fastlink.spread import find_spread
+from fastlink.verify import Verification, check_verify
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -57,6 +46,7 @@ def sweep(
     branch: int | Sequence[int] = (1, 2),
     solver: str = "eliminated",
     extrema: str | None = None,
+    verify: int | None = None,
     to: str | Path | None = None,
     overwrite: bool = False,
     threads: int | None = None,
@@ -97,6 +87,10 @@ def sweep(
     extrema : {"refined", "sampled"}, optional
         Whether ``NAME_max``, ``NAME_min`` and their places are exact over the whole turn of the input (the default), or
         taken over the given angles (the default where these are an array).
+    verify : int, optional
+        How many designs, chosen at random, are computed again with 50 digits after the sweep; the errors found are
+        attributes of each variable (see docs/accuracy.md). By default 64 where a file is written, which outlives what
+        made it, and none where the result stays in memory, as in the loop of an optimisation. 0 leaves it out.
     to : path, optional
         The HDF5 file to write; without it the result stays in memory.
     overwrite : bool
@@ -136,36 +130,29 @@ def sweep(
     ('a2', 'branch')
     """
     started = time.perf_counter()
-    catalogue = find_catalogue(mechanism, input)
-    names = _names(quantities)
-    alternatives = alternatives_of(catalogue, links, solver, space.names)
-    check_inputs(catalogue, space, alternatives, allow_invalid)
-    space = space.with_constants(constants_of(catalogue, links, alternatives))
-    for name, codes in all_choices(catalogue, space.names, alternatives).items():
-        space = space.with_axis(name, codes)
-    branches = check_branches(catalogue, branch)
-    given = given_angles(catalogue, angles, dict(zip(POSITIONS, (theta1, theta, phi, sigma), strict=True)))
-    positions = check_positions(catalogue, given)
-    check_turn(catalogue, names, given)
-    count = _check_threads(threads)
-    plan = make_plans(
-        catalogue,
-        with_lists(catalogue, names),
-        given=space.names,
-        branches=branches,
-        alternatives=alternatives,
-        angles=positions.size,
-        extrema=check_extrema(extrema, catalogue, given),
+    asked = resolve(
+        mechanism,
+        space,
+        quantities,
+        links=links,
+        input=input,
+        angles=angles,
+        by_name=dict(zip(POSITIONS, (theta1, theta, phi, sigma), strict=True)),
+        branch=branch,
+        solver=solver,
+        extrema=extrema,
+        allow_invalid=allow_invalid,
     )
+    plan, space, spread, positions = asked.plan, asked.space, asked.spread, asked.positions
+    count = _check_threads(threads)
     variables = [labelling.variable(output, plan, space, positions.size) for output in plan.outputs]
     nbytes = sum(variable.nbytes for variable in variables)
     target = None if to is None else store.check_target(to, nbytes, overwrite)
     coords = labelling.coordinates(plan, space, positions)
     shapes = [(labelling.trailing(output, plan, positions.size), output.dtype) for output in plan.outputs]
-    spread = find_spread(plan, space)
-    evaluated = space if spread is None else spread.space
-    job = Job([_part(part, plan, evaluated, positions) for part in plan.parts], shapes, evaluated.size)
+    job = Job([_part(part, asked) for part in plan.parts], shapes, asked.evaluated.size)
     counts = _StatusCounts(plan)
+    verification = Verification(plan, space, positions, check_verify(verify, to is not None))
     bar = _progress_bar(space.size, progress)
     about = labelling.about(mechanism, plan, solver, positions.size, count) | dict(attrs or {})
     if spread is not None:
@@ -178,55 +165,50 @@ def sweep(
         found = {"designs": space.size, "set_up_time_s": before - started, "run_time_s": run_time}
         found["designs_per_second"] = space.size / run_time
         if plan.uses_position:
-            found["configurations"] = space.size * len(branches) * positions.size
+            found["configurations"] = space.size * len(asked.branches) * positions.size
             found["configurations_per_second"] = found["configurations"] / run_time
         return found | counts.attrs()
 
     with bar:
         if target is None:
             arrays = [np.empty((space.size, *shape), dtype) for shape, dtype in job.outputs]
+            take = _all(counts.take, verification.take, bar.take)
             if spread is None:
-                run(job, targets=arrays, deliver=_all(counts.take, bar.take), threads=count, block=block)
+                run(job, targets=arrays, deliver=take, threads=count, block=block)
             else:
-                run(
-                    job,
-                    deliver=spread.over(_all(_into(arrays), counts.take, bar.take)),
-                    threads=count,
-                    block=block,
-                )
+                run(job, deliver=spread.over(_all(_into(arrays), take)), threads=count, block=block)
+            about |= report()
+            measured, errors = verification.measure()
+            variables = [replace(v, attrs=v.attrs | errors.get(v.name, {})) for v in variables]
             named = {variable.name: array for variable, array in zip(variables, arrays, strict=True)}
-            return label.assemble(coords, variables, named, about | report())
+            return label.assemble(coords, variables, named, about | measured)
         with store.Writer(target, coords, variables, about, overwrite=overwrite) as writer:
 
             def write(start: int, stop: int, arrays: list[NDArray[Any]]) -> None:
                 for variable, array in zip(variables, arrays, strict=True):
                     writer.write(variable.name, start, array)
 
-            take = _all(write, counts.take, bar.take)
+            take = _all(write, counts.take, verification.take, bar.take)
             run(job, deliver=spread.over(take) if spread else take, threads=count, block=block)
-            writer.finish(report())
+            found, errors = report(), {}
+            try:
+                measured, errors = verification.measure()
+                found |= measured
+            finally:  # what was computed is kept, whatever becomes of its verification
+                writer.finish(found, errors)
     return store.open_map(target)
 
 
-def _part(part: Plan | RefinedPlan, whole: PlanSet, space: DesignSpace, positions: NDArray[Any]) -> Part:
-    places = {output.name: place for place, output in enumerate(whole.outputs)}
+def _part(part: Plan | RefinedPlan, asked: Asked) -> Part:
+    places = {output.name: place for place, output in enumerate(asked.plan.outputs)}
     return Part(
         part.kernel,
         part.scratch,
         len(part.inputs),
-        part.angle_tables(positions),
+        part.angle_tables(asked.positions),
         tuple(places[output.name] for output in part.outputs),
-        lambda start, stop, x: space.fill(part.inputs, start, stop, x),
+        lambda start, stop, x: asked.evaluated.fill(part.inputs, start, stop, x),
     )
-
-
-def _names(quantities: Sequence[str]) -> list[str]:
-    if isinstance(quantities, str):
-        raise InputError(f"quantities: {quantities!r} is one text; write a list: [{quantities!r}]")
-    names = list(quantities)
-    if not names:
-        raise InputError("quantities: none is asked for; write at least one name, such as 'omega4_max'")
-    return names if "status" in names else [*names, "status"]
 
 
 def _check_threads(threads: int | None) -> int:

@@ -1,0 +1,134 @@
+"""What a sweep was asked for, resolved: designs, input positions, and the plans that give the results."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+from fastlink.cycle import with_lists
+from fastlink.errors import InputError
+from fastlink.mechanisms import catalogue as find_catalogue
+from fastlink.plans import PlanSet, make_plans
+from fastlink.request import (
+    all_choices,
+    alternatives_of,
+    check_branches,
+    check_extrema,
+    check_inputs,
+    check_positions,
+    check_turn,
+    constants_of,
+    given_angles,
+)
+from fastlink.spread import Spread, find_spread
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from numpy.typing import NDArray
+
+    from fastlink.catalogue import Catalogue
+    from fastlink.links import Links
+    from fastlink.space import DesignSpace
+
+__all__ = ["Asked", "resolve"]
+
+
+@dataclass(frozen=True, eq=False)
+class Asked:
+    """A request to sweep that was found right.
+
+    Attributes
+    ----------
+    mechanism : str
+        Its name.
+    catalogue : Catalogue
+        The mechanism by what drives it.
+    space : DesignSpace
+        The designs, with every constant and choice.
+    plan : PlanSet
+        What is computed.
+    branches : tuple of int
+        Assembly modes.
+    positions : array
+        Input positions.
+    solver : str
+        How reactions are found.
+    spread : Spread or None
+        The axis that only scales the results, if there is one.
+    """
+
+    mechanism: str
+    catalogue: Catalogue
+    space: DesignSpace
+    plan: PlanSet
+    branches: tuple[int, ...]
+    positions: NDArray[Any]
+    solver: str
+    spread: Spread | None
+
+    @property
+    def evaluated(self) -> DesignSpace:
+        """The designs that kernels see."""
+        return self.space if self.spread is None else self.spread.space
+
+
+def resolve(
+    mechanism: str,
+    space: DesignSpace,
+    quantities: Sequence[str],
+    *,
+    links: Links | None = None,
+    input: str | None = None,
+    angles: Any = None,
+    by_name: Mapping[str, Any] | None = None,
+    branch: int | Sequence[int] = (1, 2),
+    solver: str = "eliminated",
+    extrema: str | None = None,
+    allow_invalid: bool = False,
+) -> Asked:
+    """Check a request, and find what is to be computed; nothing is compiled.
+
+    Parameters
+    ----------
+    by_name : mapping of str to angles, optional
+        Input positions that were given by the name of the input.
+    mechanism, space, quantities, links, input, angles, branch, solver, extrema, allow_invalid
+        As in `fastlink.sweep`.
+
+    Raises
+    ------
+    InputError
+        Bad input; the message says what, where, and what to write instead.
+    """
+    catalogue = find_catalogue(mechanism, input)
+    names = _names(quantities)
+    alternatives = alternatives_of(catalogue, links, solver, space.names)
+    check_inputs(catalogue, space, alternatives, allow_invalid)
+    space = space.with_constants(constants_of(catalogue, links, alternatives))
+    for name, codes in all_choices(catalogue, space.names, alternatives).items():
+        space = space.with_axis(name, codes)
+    branches = check_branches(catalogue, branch)
+    given = given_angles(catalogue, angles, by_name or {})
+    positions = check_positions(catalogue, given)
+    check_turn(catalogue, names, given)
+    plan = make_plans(
+        catalogue,
+        with_lists(catalogue, names),
+        given=space.names,
+        branches=branches,
+        alternatives=alternatives,
+        angles=positions.size,
+        extrema=check_extrema(extrema, catalogue, given),
+    )
+    return Asked(mechanism, catalogue, space, plan, branches, positions, solver, find_spread(plan, space))
+
+
+def _names(quantities: Sequence[str]) -> list[str]:
+    if isinstance(quantities, str):
+        raise InputError(f"quantities: {quantities!r} is one text; write a list: [{quantities!r}]")
+    names = list(quantities)
+    if not names:
+        raise InputError("quantities: none is asked for; write at least one name, such as 'omega4_max'")
+    return names if "status" in names else [*names, "status"]
