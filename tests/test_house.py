@@ -52,7 +52,7 @@ LAYERS = [
         "verify",
     ),
     *("label", "target", "layout", "write_back", "store", "labelling", "hart", "sweep"),
-    *("listing", "summary", "study_schema", "study_design", "study"),
+    *("listing", "summary", "study_schema", "study_design", "study", "explain"),
     *("plot_colour", "plot_text", "plot_draw", "plot", "cli"),
 ]
 #: Only these know of files and of labels.

@@ -67,16 +67,17 @@ class Exact:
         self.steps = tuple(catalogue.closure(self.names, (*given, *tables), alternatives))
         needed = {need for step in self.steps for need in step.needs}
         self.tables = tuple(name for name in tables if name in needed)
-        self._after: dict[str, tuple[Fact | System, ...]] = {}
+        self._after: dict[tuple[str, ...], tuple[Fact | System, ...]] = {}
 
     def at(self, values: Mapping[str, Any]) -> dict[str, Any]:
         """Return every value of the closure at one configuration."""
         known = {name: CONTEXT.mpf(value) for name, value in values.items()}
         return self._follow(known, self.position if self.position in known else "", self.steps)
 
-    def moved(self, base: Mapping[str, Any], name: str, value: Any) -> dict[str, Any]:
-        """Return every value of the closure with one given value changed."""
-        return self._follow({**base, name: value}, name, self._steps_after(name))
+    def moved(self, base: Mapping[str, Any], changes: Mapping[str, Any]) -> dict[str, Any]:
+        """Return every value of the closure with some given values changed."""
+        changed = self.position if self.position in changes else ""
+        return self._follow({**base, **changes}, changed, self.steps_after(*changes))
 
     def condition(self, base: Mapping[str, Any], inputs: Iterable[str]) -> dict[str, Any]:
         """Return for each name the sum of |x df/dx| over the inputs x."""
@@ -84,7 +85,7 @@ class Exact:
         for name in inputs:
             if base[name] == 0:
                 continue
-            moved = self.moved(base, name, base[name] * (1 + STEP))
+            moved = self.moved(base, {name: base[name] * (1 + STEP)})
             for quantity in self.names:
                 sums[quantity] += abs(moved[quantity] - base[quantity]) / STEP
         return sums
@@ -96,16 +97,16 @@ class Exact:
             _take(step, known)
         return known
 
-    def _steps_after(self, name: str) -> tuple[Fact | System, ...]:
-        """Return the steps that depend on a given value."""
-        if name not in self._after:
-            changed, found = {name, *(self.tables if name == self.position else ())}, []
+    def steps_after(self, *names: str) -> tuple[Fact | System, ...]:
+        """Return the steps that depend on given values."""
+        if names not in self._after:
+            changed, found = {*names, *(self.tables if self.position in names else ())}, []
             for step in self.steps:
                 if changed.intersection(step.needs):
                     changed.update(step.unknowns if isinstance(step, System) else (step.name,))
                     found.append(step)
-            self._after[name] = tuple(found)
-        return self._after[name]
+            self._after[names] = tuple(found)
+        return self._after[names]
 
 
 def _take(step: Fact | System, known: dict[str, Any]) -> None:

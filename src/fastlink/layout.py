@@ -63,8 +63,10 @@ def _create(file: Any, coords: xr.Dataset, variable: Variable) -> int:
     return int(offset)
 
 
-def set_attrs(fd: int, path: Path, attrs: Mapping[str, Any]) -> None:
-    """Add global attributes to a laid-out file that this process holds by a lock on `fd`."""
+def set_attrs(
+    fd: int, path: Path, attrs: Mapping[str, Any], of_variables: Mapping[str, Mapping[str, Any]]
+) -> None:
+    """Add attributes, global ones and those of variables, to a file that this process holds by a lock on `fd`."""
     with contextlib.ExitStack() as stack:
         try:
             # this process holds the lock that HDF5 would ask for
@@ -72,5 +74,6 @@ def set_attrs(fd: int, path: Path, attrs: Mapping[str, Any]) -> None:
         except BlockingIOError:  # HDF5_USE_FILE_LOCKING=TRUE in the environment overrules locking=False
             stack.enter_context(released(fd))
             file = stack.enter_context(h5py.File(path, "r+"))
-        for name, value in attrs.items():
-            file.attrs[name] = value
+        for place, added in (("/", attrs), *of_variables.items()):
+            for name, value in added.items():
+                file[place].attrs[name] = value

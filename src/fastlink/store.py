@@ -118,22 +118,27 @@ class Writer:
                 self._writing -= 1
                 self._idle.notify_all()
 
-    def finish(self, attrs: Mapping[str, Any]) -> None:
-        """Add the last global attributes and give the file its name.
+    def finish(
+        self, attrs: Mapping[str, Any], of_variables: Mapping[str, Mapping[str, Any]] | None = None
+    ) -> None:
+        """Add the last attributes and give the file its name.
 
         Parameters
         ----------
         attrs : mapping
             Global attributes that were not known before, such as the run time.
+        of_variables : mapping, optional
+            Attributes of variables that were not known before, such as their errors.
         """
         last = plain_attrs({**attrs, FORMAT: FORMAT_VERSION})
+        further = {name: plain_attrs(added) for name, added in (of_variables or {}).items()}
         for name, count in self._written.items():
             expected = math.prod(self._variables[name].shape)
             if count != expected:
                 raise RuntimeError(f"{self.path}: {count} of {expected} values of {name} were written")
         self._close_to_writers()
         try:
-            set_attrs(self._fd, self.part, last)
+            set_attrs(self._fd, self.part, last, further)
             os.fsync(self._fd)
         except BaseException as error:
             target.discard(self._fd, self.part)

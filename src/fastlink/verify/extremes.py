@@ -1,0 +1,165 @@
+"""Exact greatest and least values, their places, and lists of extremes, against `fastlink.verify.stationary`."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from fastlink.exact import CONTEXT
+from fastlink.verify.measured import Measured
+from fastlink.verify.stationary import END, JUMP, Extreme, Stationary
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from fastlink.closure import Output
+    from fastlink.verify.chosen import Chosen
+
+__all__ = ["outermost", "refined"]
+
+TURN = 2 * CONTEXT.pi
+METHOD = "extremes refined with 50 digits"
+#: Extremes whose values differ by so much may change places: a search by doubles tells no more.
+TIE = 1e-12
+#: What finding an extreme costs in evaluations, beside its condition.
+EVALUATIONS = 12
+
+
+def outermost(stationary: Stationary, design: int, sign: int, *, near: float | None = None) -> Extreme:
+    """Return the greatest (sign 1) or least (-1) value of a design over the reachable range, with 50 digits.
+
+    Parameters
+    ----------
+    stationary : Stationary
+        The extremes of a quantity.
+    design : int
+        Which design.
+    sign : int
+        1 or -1.
+    near : float, optional
+        The input angle that a sweep found; among equal extremes the one next to it is returned, with its condition.
+    """
+    candidates = stationary.candidates[design]
+    ends = [stationary.extreme(design, candidate) for candidate in candidates if candidate.kind == END]
+    if any(candidate.kind == JUMP for candidate in candidates):
+        return Extreme(sign * CONTEXT.pi, CONTEXT.zero, CONTEXT.nan, CONTEXT.zero)
+    inner = [candidate for candidate in candidates if candidate.kind == sign]
+    best = max((sign * candidate.value for candidate in inner), default=-np.inf)
+    tied = [c for c in inner if sign * c.value >= best - TIE * abs(best)]
+    found = [
+        stationary.extreme(design, c, places=near is not None) for c in tied[: 1 if near is None else None]
+    ]
+    found += [end for end in ends if not CONTEXT.isnan(end.value)]
+    sample = stationary.largest_sample(design, sign)
+    if not found:  # a constant, or nothing that assembles
+        return Extreme(CONTEXT.mpf(sample), CONTEXT.zero, CONTEXT.nan, CONTEXT.zero)
+    greatest = max(sign * extreme.value for extreme in found)
+    if sign * sample > greatest + TIE * abs(greatest):  # an extreme that the slopes do not show
+        return Extreme(CONTEXT.mpf(sample), CONTEXT.zero, CONTEXT.nan, CONTEXT.zero)
+    equal = [
+        e for e in found if sign * e.value >= greatest - TIE * abs(greatest) or sign * e.value == greatest
+    ]
+    return equal[0] if near is None else min(equal, key=lambda e: _apart(near, e.place))
+
+
+def refined(chosen: Chosen, outputs: Sequence[Output], share: int) -> dict[str, Measured]:
+    """Measure everything that is said of the extremes of one quantity."""
+    quantity = outputs[0].request.quantity
+    names = {_part(output): output.name for output in outputs}
+    found = {output.name: Measured(METHOD, TURN if _is_place(output) else 0.0) for output in outputs}
+    count = _affordable(chosen, quantity, share, outputs)
+    stationary = Stationary(
+        chosen.catalogue,
+        quantity,
+        {name: column[:count] for name, column in chosen.inputs.items()},
+        chosen.branches[:count],
+        chosen.plan.alternatives,
+    )
+    for design in range(count):
+        results = {part: chosen.results[name][design, chosen.places[design]] for part, name in names.items()}
+        for suffix, sign in (("max", 1), ("min", -1)):
+            if suffix in names or f"at {suffix}" in names:
+                _compare_outermost(stationary, design, sign, suffix, results, names, found)
+        if "value" in names:
+            _compare_list(stationary, design, results, names, found)
+    return found
+
+
+def _compare_outermost(
+    stationary: Stationary,
+    design: int,
+    sign: int,
+    suffix: str,
+    results: dict[str, Any],
+    names: dict[str, str],
+    found: dict[str, Measured],
+) -> None:
+    place = f"at {suffix}"
+    near = float(results[place]) if place in names and np.isfinite(results[place]) else None
+    exact = outermost(stationary, design, sign, near=near)
+    if suffix in names:
+        found[names[suffix]].add(float(results[suffix]), exact.value, exact.condition)
+    if place in names and not (CONTEXT.isnan(exact.place) and CONTEXT.isfinite(exact.value)):
+        _add_place(found[names[place]], float(results[place]), exact)
+
+
+def _compare_list(
+    stationary: Stationary,
+    design: int,
+    results: dict[str, Any],
+    names: dict[str, str],
+    found: dict[str, Measured],
+) -> None:
+    candidates = [c for c in stationary.candidates[design] if c.kind in (1, -1)]
+    kinds = {part: found[name] for part, name in names.items()}
+    present = int(np.isfinite(results["value"]).sum())
+    if "count" in names:
+        kinds["count"].add_code(float(results["count"]), len(candidates))
+    for k in range(max(present, len(candidates))):
+        if k >= present or not candidates:  # one that is missed, or that is none
+            kinds["value"].values += 1
+            kinds["value"].mismatches += 1
+            continue
+        near = float(results["place"][k])
+        nearest = min(candidates, key=lambda c: _apart(near, stationary.angle(design, c)))
+        candidates.remove(nearest)
+        exact = stationary.extreme(design, nearest, places=True)
+        kinds["value"].add(float(results["value"][k]), exact.value, exact.condition)
+        if "place" in names:
+            _add_place(kinds["place"], near, exact)
+        if "kind" in names:
+            kinds["kind"].add_code(float(results["kind"][k]), nearest.kind)
+
+
+def _add_place(measured: Measured, value: float, exact: Extreme) -> None:
+    """Compare input angles over the turn; what they are relative to is a whole one."""
+    turns = CONTEXT.nint((CONTEXT.mpf(value) - exact.place) / TURN) if np.isfinite(value) else 0
+    measured.add(value, exact.place + turns * TURN, TURN + exact.place_condition)
+
+
+def _apart(angle: float, other: Any) -> float:
+    """Return the distance of two angles over the turn."""
+    return abs((angle - float(other) + np.pi) % (2 * np.pi) - np.pi)
+
+
+def _part(output: Output) -> str:
+    """Return what an output says: "max", "at max", "value", "place", "count" or "kind"."""
+    request = output.request
+    if request.reduction is None:
+        return request.listed
+    return f"at {request.reduction.suffix}" if request.place else request.reduction.suffix
+
+
+def _is_place(output: Output) -> bool:
+    return output.request.place or output.request.listed == "place"
+
+
+def _affordable(chosen: Chosen, quantity: str, share: int, outputs: Sequence[Output]) -> int:
+    """Return for how many designs the extremes may be computed again."""
+    parts = {_part(output) for output in outputs}
+    searches = len({part.removeprefix("at ") for part in parts} & {"max", "min"}) + 4 * ("value" in parts)
+    places = any(_is_place(output) for output in outputs)
+    steps = len(chosen.facts([quantity]).steps)
+    each = EVALUATIONS + len(chosen.movable) * (5 if places else 1)
+    return int(np.clip(share // (steps * each * searches), 8, chosen.count))
