@@ -1,11 +1,36 @@
 """The focal mechanism of Burmester, after Wunderlich."""
 
-from fastlink.catalogue import Catalogue
-from fastlink.mechanisms.focal import completion, design_facts, ranges, status
+from fastlink.mechanisms.focal import (
+    completion,
+    crank,
+    design_facts,
+    drives,
+    dyad,
+    graded,
+    points,
+    ranges,
+    residuals,
+    rocker,
+    status,
+)
 from fastlink.mechanisms.focal.declare import focal
 
-__all__ = ["DRIVEN", "completion", "design_facts", "focal", "ranges", "status"]
+__all__ = [
+    "DRIVEN",
+    "completion",
+    "crank",
+    "design_facts",
+    "drives",
+    "dyad",
+    "focal",
+    "graded",
+    "points",
+    "ranges",
+    "residuals",
+    "rocker",
+    "status",
+]
 
 focal.check()
 #: The same mechanism by its other inputs.
-DRIVEN: dict[str, Catalogue] = {}
+DRIVEN = {"sigma": drives.with_design_facts()}

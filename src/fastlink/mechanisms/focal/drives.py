@@ -1,0 +1,47 @@
+"""What may drive the focal mechanism: the rocker MA, or the crank SF in a catalogue of its own.
+
+What holds of both is declared in both by `either`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any, TypeVar
+
+from fastlink.catalogue import Catalogue, Input
+from fastlink.mechanisms.focal.declare import focal
+
+F = TypeVar("F", bound=Callable[..., Any])
+
+by_crank = Catalogue(
+    f"{focal.name} driven by sigma",
+    f"{focal.title}, driven by the crank SF",
+    branches={
+        1: "omega_angle from 0 to pi: P to the right of the directed line from M to F",
+        2: "omega_angle from -pi to 0: P to the left of the directed line from M to F",
+    },
+    position=Input("sigma", "rad", "sigma", "direction of SF in the ground frame"),
+)
+by_crank.inputs, by_crank.alternative_inputs = focal.inputs, focal.alternative_inputs
+
+
+def either(**labels: Any) -> Callable[[F], F]:
+    """Declare a fact that holds whatever drives: see `Catalogue.quantity`."""
+
+    def declare(law: F) -> F:
+        for catalogue in (focal, by_crank):
+            catalogue.quantity(**labels)(law)
+        return law
+
+    return declare
+
+
+def with_design_facts() -> Catalogue:
+    """Return the catalogue of the crank with what belongs to the design as a whole; after all declarations."""
+    for name, fact in focal.facts.items():
+        if not (name.startswith("d_") or focal.varies(name)):
+            by_crank.facts.setdefault(name, fact)
+    for chosen in focal.alternative_inputs:
+        by_crank.alternatives[chosen] = focal.alternatives[chosen]
+    by_crank.check()
+    return by_crank

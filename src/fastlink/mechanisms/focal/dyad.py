@@ -1,0 +1,146 @@
+"""The dyads of F, seen from the crank: sin^2(omega/2) and cos^2(omega/2) where the crank lies in the ground line.
+
+In between they are mixed: sin^2(omega/2) = C s_0 + Z s_pi with C = cos^2(sigma/2), Z = sin^2(sigma/2), sums of positive
+terms while the crank turns. The crank can stand in the ground line with omega = 0 or pi only where the four-bar folds.
+So the differences of lengths that the cosine theorem asks for hold its gaps as factors: with D = d + k c, D' = d - k c,
+k = 1 or -1, the sizes R >= L of sqrt(W - D^2) and K = (1 + rho)(a^2 + rho b^2)
+
+    s = |lambda|/(4 a b kappa (1 + rho) K) [D (a + rho b) + ..(a - b)] [..(a + b) - D' (a - rho b)]
+
+with kappa = sqrt(x/rho), where .. is sqrt|rho| R or sqrt|rho| L with its sign. A bracket that cancels is the quotient
+of gaps by its other form:
+
+    D^2 (a + rho b)^2 - rho (W - D^2)(a - b)^2 = (D - a + b)(D + a - b) K,
+    rho (W - D'^2)(a + b)^2 - D'^2 (a - rho b)^2 = (a + b - D')(a + b + D') K.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+from fastlink.geometry import zero_where
+from fastlink.jit import select
+from fastlink.mechanisms.borrow import borrow
+from fastlink.mechanisms.focal.declare import DESIGN, GIVEN_LAMBDA, focal
+from fastlink.mechanisms.focal.design_facts import FOUR_BAR, PREFIX
+from fastlink.mechanisms.planar_4r import planar_4r
+
+DYAD = f"{DESIGN}#crank"
+
+
+FACTORS = tuple(f"factor_{letter}{number}" for letter in "ABCD" for number in (1, 2))
+borrow(focal, planar_4r, FOUR_BAR, PREFIX, {name: {} for name in (*FACTORS, "gap_rounding")})
+
+
+@focal.quantity(units="1", symbol="K", source=DYAD, internal=True)
+def K(s_a: Any, s_b: Any, rho: Any, rho_plus_1: Any) -> Any:
+    """(1 + rho)(a^2 + rho b^2), scaled."""
+    return rho_plus_1 * (s_a * s_a + rho * (s_b * s_b))
+
+
+@focal.quantity(units="1", symbol="sqrt|rho| R", source=DYAD, internal=True)
+def greater_root(root_rho: Any, root_x: Any, s_c: Any, s_d: Any) -> Any:
+    """Greater of both square roots, times that of the size of rho."""
+    return root_rho * (root_x * s_d + s_c / root_x)
+
+
+@focal.quantity(units="1", symbol="sqrt|rho| L", source=DYAD, internal=True)
+def lesser_root(root_rho: Any, root_near: Any, completion: Any) -> Any:
+    """Lesser of both square roots, times that of the size of rho, negative in completion 2."""
+    return select(completion == 1.0, root_rho, -root_rho) * root_near
+
+
+@focal.quantity(
+    units="1", symbol="sqrt|rho| L", source=DYAD, internal=True, alternative=GIVEN_LAMBDA, name="lesser_root"
+)
+def lesser_root_of_lambda(root_rho: Any, root_x: Any, s_c: Any, s_d: Any) -> Any:
+    """Lesser of both square roots, times that of the size of rho, as it is with lambda given."""
+    return root_rho * (root_x * s_d - s_c / root_x)
+
+
+@focal.quantity(units="1", symbol="|lambda|/(4 a b kappa (1 + rho))", source=DYAD, internal=True)
+def per_dyad(s_a: Any, s_b: Any, lambda_: Any, root_x: Any, root_rho: Any, rho_plus_1: Any) -> Any:
+    """|lambda|/(4 a b kappa (1 + rho)), scaled."""
+    return abs(lambda_) / (4.0 * (s_a * s_b) * (root_x / root_rho) * rho_plus_1)
+
+
+@focal.quantity(units="1", symbol="sgn lambda", source=DYAD, internal=True)
+def lambda_sign(lambda_: Any) -> Any:
+    """Sign of lambda."""
+    return select(lambda_ < 0.0, -1.0, 1.0)
+
+
+@focal.quantity(units="1", symbol="k", source=DYAD, internal=True)
+def crank_sign(rho_plus_1: Any, lambda_sign: Any) -> Any:
+    """Sign of (1 + rho) lambda."""
+    return select(rho_plus_1 < 0.0, -lambda_sign, lambda_sign)
+
+
+def opposite(sign: Any) -> Any:
+    """The opposite sign."""
+    return -sign
+
+
+for _sign in ("lambda_sign", "crank_sign"):
+    focal.quantity(
+        units="1", symbol="k", source=DYAD, internal=True, name=f"minus_{_sign}", given={"sign": _sign}
+    )(opposite)
+
+
+def of_half_angle(
+    side: Any,
+    spin: Any,
+    lambda_sign: Any,
+    sign: Any,
+    greater_root: Any,
+    lesser_root: Any,
+    s_a: Any,
+    s_b: Any,
+    s_c: Any,
+    s_d: Any,
+    rho: Any,
+    K: Any,
+    per_dyad: Any,
+    A1: Any,
+    A2: Any,
+    B1: Any,
+    B2: Any,
+    C1: Any,
+    C2: Any,
+    D1: Any,
+    D2: Any,
+    rounding: Any,
+) -> Any:
+    """Squared sine or cosine of omega/2 with the crank in the ground line."""
+    sure_A1 = zero_where(abs(A1) <= rounding, A1)
+    sure_B1 = zero_where(abs(B1) <= rounding, B1)
+    sure_C1 = zero_where(abs(C1) <= rounding, C1)
+    root = select(side == sign, lesser_root, -greater_root)
+    other_root = select(side == sign, greater_root, -lesser_root)
+    first = side * ((s_a - s_b) * root)
+    second = spin * ((s_d + side * s_c) * (s_a + rho * s_b))
+    inner = K * select(side > 0.0, -(B2 * C2), -(sure_B1 * sure_C1))
+    one = select(first * second < 0.0, inner / (second - first), first + second)
+    third = side * ((s_a + s_b) * other_root)
+    fourth = spin * ((side * s_c - s_d) * (s_a - rho * s_b))
+    outer = K * select(side > 0.0, A2 * D2, sure_A1 * D1)
+    two = select(third * fourth < 0.0, outer / (third - fourth), third + fourth)
+    return (spin * lambda_sign) * per_dyad * (one * two / K)
+
+
+for _name, _side, _spin, _what in (
+    ("sine_at_0", "crank_sign", "lambda_sign", "sine of omega/2 at sigma = 0"),
+    ("sine_at_pi", "minus_crank_sign", "lambda_sign", "sine of omega/2 at sigma = pi"),
+    ("cosine_at_0", "minus_crank_sign", "minus_lambda_sign", "cosine of omega/2 at sigma = 0"),
+    ("cosine_at_pi", "crank_sign", "minus_lambda_sign", "cosine of omega/2 at sigma = pi"),
+):
+    focal.quantity(
+        units="1",
+        symbol="s",
+        source=DYAD,
+        internal=True,
+        name=_name,
+        meaning=f"Squared {_what}",
+        given={"side": _side, "spin": _spin, "rounding": f"{PREFIX}gap_rounding"}
+        | {factor.removeprefix("factor_"): f"{PREFIX}{factor}" for factor in FACTORS},
+    )(of_half_angle)
