@@ -13,6 +13,7 @@ if TYPE_CHECKING:
     from fastlink import focal, hart, minkowski, planar
     from fastlink.design import DesignSpace, grid, latin_hypercube, sobol, table
     from fastlink.errors import InputError
+    from fastlink.explain import explain
     from fastlink.links import round_bar
     from fastlink.listing import quantities
     from fastlink.plot import plot_map
@@ -26,6 +27,7 @@ _PLACES = {
     "DesignSpace": ("fastlink.space", "DesignSpace"),
     "InputError": ("fastlink.errors", "InputError"),
     "evaluate": ("fastlink.reading", "evaluate"),
+    "explain": ("fastlink.explain", "explain"),
     "grid": ("fastlink.design", "grid"),
     "latin_hypercube": ("fastlink.design", "latin_hypercube"),
     "open": ("fastlink.store", "open_map"),
@@ -46,6 +48,7 @@ __all__ = [
     "DesignSpace",
     "InputError",
     "evaluate",
+    "explain",
     "focal",
     "grid",
     "hart",

@@ -102,6 +102,17 @@ def run(
 
 
 @command
+def explain(
+    study: Annotated[Path, typer.Argument(metavar="STUDY.toml", help="The study file.", show_default=False)],
+    text: Annotated[bool, typer.Option("--text", help="Print the text of the kernels too.")] = False,
+) -> None:
+    """Tell what a study computes and what it leaves out; nothing is run."""
+    from fastlink.explain import explain as explained
+
+    typer.echo(explained(study).text(kernels=text))
+
+
+@command
 def quantities(
     mechanism: Annotated[
         str, typer.Argument(metavar="MECHANISM", help="Such as planar_4r.", show_default=False)

@@ -1,0 +1,122 @@
+"""What a study computes and leaves out, as `fastlink explain` tells it."""
+
+from __future__ import annotations
+
+from collections import Counter
+from typing import ClassVar
+
+import numpy as np
+import pytest
+from typer.testing import CliRunner
+
+import fastlink as fl
+from fastlink import jit
+from fastlink.asked import resolve
+from fastlink.cli import app
+from fastlink.explain import explain_request
+from fastlink.mechanisms import catalogue
+from fastlink.reading import read_facts
+
+LENGTHS = {"a1": 0.4, "a2": 1.1, "a3": 0.8, "a4": 1.0}
+
+
+def asked(names, mechanism="planar_4r", angles=36, **inputs):
+    return explain_request(
+        resolve(mechanism, fl.grid(**LENGTHS, **inputs), names, angles=angles, extrema="sampled")
+    )
+
+
+class Tally(float):
+    """A number that counts what is done with it."""
+
+    done: ClassVar[Counter[str]] = Counter()
+
+    def __hash__(self):
+        return super().__hash__()
+
+
+def _counted(kind, name):
+    def operation(self, *others):
+        Tally.done[kind] += 1
+        return Tally(getattr(float, name)(self, *others))
+
+    return operation
+
+
+for _kind, _names in {
+    "+ -": ("add", "radd", "sub", "rsub", "neg", "abs"),
+    "*": ("mul", "rmul"),
+    "/": ("truediv", "rtruediv"),
+}.items():
+    for _name in _names:
+        setattr(Tally, f"__{_name}__", _counted(_kind, f"__{_name}__"))
+
+
+@pytest.mark.parametrize("name", ["grashof_excess", "swing", "transmission_angle_least", "status"])
+def test_operations_of_a_design_are_those_that_its_facts_do(name, monkeypatch):
+    def sqrt(x):
+        Tally.done["sqrt"] += 1
+        return Tally(np.sqrt(float(x)))
+
+    planar = catalogue("planar_4r")
+    for fact in planar.facts.values():
+        if "sqrt" in fact.function.__globals__:
+            monkeypatch.setitem(fact.function.__globals__, "sqrt", sqrt)
+    monkeypatch.setattr(jit, "sqrt", sqrt)
+    Tally.done.clear()
+    read_facts(planar, [name, "status"], {key: Tally(value) for key, value in LENGTHS.items()})
+    (loop,) = asked([name]).kernels[0][2]
+    assert loop.per == "design"
+    for kind in ("+ -", "*", "/", "sqrt"):
+        assert loop.work[kind] == Tally.done[kind], kind
+
+
+def test_a_map_of_designs_touches_no_angle():
+    found = asked(["grashof_class", "swing"])
+    assert found.tables == ()
+    assert [loop.per for _, _, loops, _ in found.kernels for loop in loops] == ["design"]
+    assert {"omega4", "shaking_force", "theta4"} < set(found.left_out)
+    assert not {"grashof_class", "swing", "status"} & set(found.left_out)
+
+
+def test_loads_and_stores_of_a_configuration():
+    found = asked(["A_x", "A_y"])
+    loops = {loop.per: loop.work for _, _, loops, _ in found.kernels for loop in loops}
+    # A = a1 (cos, sin): two tables and one length read, two results for each of two modes written
+    assert loops["design and theta1"]["*"] == 2
+    assert loops["design and theta1"]["stores"] == 4
+
+
+def test_a_larger_request_never_does_less():
+    small, large = asked(["omega4_max"], omega1=9.0), asked(["omega4_max", "alpha4_max"], omega1=9.0)
+    (first,), (second,) = ([loop for loop in e.kernels[0][2] if "and" in loop.per] for e in (small, large))
+    assert all(second.work[kind] >= first.work[kind] for kind in first.work)
+    assert second.work["*"] > first.work["*"]
+    assert set(small.kernels[0][1]) < set(large.kernels[0][1])
+
+
+def test_an_axis_that_scales_is_named():
+    found = asked(["omega4_max"], omega1=[1.0, 2.0, 3.0])
+    assert found.scaling_axis == "omega1 (3 values)"
+    assert "omega1 (3 values): only scales" in str(found)
+
+
+def test_refined_extremes_tell_samples_and_places():
+    found = explain_request(resolve("planar_4r", fl.grid(**LENGTHS, omega1=9.0), ["omega4_max"]))
+    pers = [loop.per for _, _, loops, _ in found.kernels for loop in loops]
+    assert {"design", "design and sample", "place", "extreme"} <= set(pers)
+
+
+def test_the_command(tmp_path):
+    study = tmp_path / "study.toml"
+    study.write_text(
+        'mechanism = "planar_4r"\nquantities = ["omega4"]\n'
+        "[design]\na1 = 0.4\na2 = 1.1\na3 = 0.8\na4 = 1.0\nomega1 = 2.0\n",
+        encoding="utf-8",
+    )
+    brief = CliRunner().invoke(app, ["explain", str(study)])
+    assert brief.exit_code == 0
+    assert "asked for: omega4, status" in brief.output
+    assert "def kernel(" not in brief.output
+    long = CliRunner().invoke(app, ["explain", str(study), "--text"])
+    assert "def kernel(" in long.output
