@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from fastlink.geometry import gap, pair_product, two_product, two_sum
+from fastlink.geometry import pair_product, two_sum
 from fastlink.jit import NOT_A_NUMBER, select, sqrt
 from fastlink.mechanisms.hart.declare import PAGE, WUNDERLICH, hart
 from fastlink.mechanisms.hart.design_facts import product
@@ -32,7 +32,10 @@ KITE_FLAGS = {0: "no", 1: "kite_with_m_equal_p", 2: "kite_with_n_equal_q"}
 @hart.quantity(units="1", symbol="lambda", source=f"{WUNDERLICH}, eq. (7.3)")
 def lambda_(K: Any, valid: Any) -> Any:
     """Factor a/m = b/n, 1 - kappa^2: negative where A and P lie on opposite sides of M."""
-    return select(valid == 1.0, (1.0 - K) * (1.0 + K), NOT_A_NUMBER)
+    less, less_low = two_sum(1.0, -K)
+    more, more_low = two_sum(1.0, K)
+    product, _low = pair_product(less, less_low, more, more_low)
+    return select(valid == 1.0, product, NOT_A_NUMBER)
 
 
 def ratio_times(ratio: Any, length: Any, valid: Any) -> Any:
@@ -65,18 +68,9 @@ for _name, _equation, _meaning, _law, _ratio, _length in (
 @hart.quantity(
     units="m", symbol="x", source=f"{WUNDERLICH}, eq. (7.5), corrected: {PAGE}#where-the-paper-differs"
 )
-def line_x(s_m: Any, s_n: Any, s_d: Any, K: Any, lift: Any, unit: Any, assembles: Any) -> Any:
+def line_x(m: Any, side: Any, Z0: Any, Z0_low: Any, C0: Any, C0_low: Any, assembles: Any) -> Any:
     """Where the line of F crosses MN, from M: d/2 + (1 - kappa^2)(m^2 - n^2)/(2 d)."""
-    near, near_low = two_sum(1.0, -K)
-    far, far_low = two_sum(1.0, K)
-    total, total_low = two_sum(s_m, s_n)
-    less, less_low = two_sum(s_m, -s_n)
-    factor, factor_low = pair_product(near, near_low, far, far_low)
-    squares, squares_low = pair_product(total, total_low, less, less_low)
-    side, side_low = pair_product(factor, factor_low, squares, squares_low)
-    ground, ground_low = two_product(s_d, s_d)
-    twice, _low = gap(ground, ground_low, side, side_low)
-    return select(assembles == 1.0, 0.5 * (twice / s_d) * unit / lift, NOT_A_NUMBER)
+    return select(assembles == 1.0, side * m * ((C0 - Z0) + (C0_low - Z0_low)), NOT_A_NUMBER)
 
 
 # -- the stroke -----------------------------------------------------------------------------------------------
@@ -103,9 +97,11 @@ def F_y_inner(
 
 
 @hart.quantity(units="m", symbol="stroke", source=STROKE)
-def stroke(F_y_outer: Any, F_y_inner: Any) -> Any:
+def stroke(F_y_outer: Any, F_y_inner: Any, m: Any, n: Any, K: Any) -> Any:
     """Length of the line that F traces without the linkage being taken apart."""
-    return select(F_y_inner > 0.0, F_y_outer - F_y_inner, 2.0 * F_y_outer)
+    # the squares of both ends differ by 4 K m n
+    segment = 4.0 * (m / (F_y_outer + F_y_inner)) * (K * n)
+    return select(F_y_inner > 0.0, segment, 2.0 * F_y_outer)
 
 
 # -- the kite -------------------------------------------------------------------------------------------------

@@ -15,7 +15,7 @@ from dataclasses import replace
 from typing import Any
 
 from fastlink.geometry import UNIT_ROUNDING, largest
-from fastlink.jit import atan2, select, sqrt
+from fastlink.jit import NOT_A_NUMBER, atan2, select, sqrt
 from fastlink.mechanisms.borrow import borrow
 from fastlink.mechanisms.hart.declare import PAGE, WUNDERLICH, hart
 from fastlink.mechanisms.hart.design_facts import NUMERICS, product
@@ -49,9 +49,18 @@ for _name, _meaning, _units, _law, _given in (
         units=_units, symbol=_name, source=NUMERICS, internal=True, name=_name, meaning=_meaning, given=_given
     )(_law)
 
+
+@hart.quantity(units="1", symbol="delta", source="docs/numerics.md#position", internal=True)
+def output_offset(s_n: Any, s_b: Any, s_c: Any, s_m: Any, s_d: Any) -> Any:
+    """NB (NB - AB)/(4 MA MN), lambda divided out."""
+    return s_n * (s_b - s_c) / (4.0 * (s_m * s_d))
+
+
 #: What MABN is called as a planar 4R.
 _NAMES = {"theta1": "phi", "cos_theta1": "cos_phi", "sin_theta1": "sin_phi"}
-_NAMES |= {name: name for name in ("Z", "Z_low", "C", "C_low", "Z0", "Z0_low", "C0", "C0_low")}
+_NAMES |= {
+    name: name for name in ("Z", "Z_low", "C", "C_low", "Z0", "Z0_low", "C0", "C0_low", "output_offset")
+}
 _NAMES |= {
     "a1": "size_a",
     "a2": "size_c",
@@ -77,9 +86,10 @@ for _table in planar_4r.tables.values():
 hart.table_low_parts = dict(planar_4r.table_low_parts)
 
 _NAMES |= {"theta4": "psi", "output_ratio": "dpsi_dphi", "grashof_class": "grashof_class"}
-_NAMES |= {name: name for name in ("A_x", "A_y", "B_x", "B_y")}
+_NAMES |= {"A_x": "A_x", "A_y": "A_y"}
 _SAID: dict[str, dict[str, Any]] = {
-    **{name: {"source": POSITION} for name in ("A_x", "A_y", "B_x", "B_y")},
+    "A_x": {"source": POSITION},
+    "A_y": {"source": POSITION},
     "theta4": {"symbol": "psi", "meaning": "Direction of NB in the ground frame", "source": POSITION},
     "output_ratio": {
         "symbol": "dpsi/dphi",
@@ -134,12 +144,21 @@ def over_lambda_from(start: Any, x: Any, lambda_: Any) -> Any:
     return start + x / lambda_
 
 
+def plus(x: Any, y: Any) -> Any:
+    """Return x + y."""
+    return x + y
+
+
+def itself(x: Any) -> Any:
+    """Return x."""
+    return x
+
+
 _AXES = (("x", "cos_phi", "PF_along"), ("y", "sin_phi", "PF_across"))
 for _axis, _table_name, _direction in _AXES:
     _bar = {"start": f"P_{_axis}", "length": "m_along", "direction": _direction}
     for _name, _meaning, _law, _given in (
         ("P", "Joint P", product, {"x": "m_along", "y": _table_name}),
-        ("F", "Point F", end, _bar),
         ("PF_mid", "Middle of PF", middle, _bar),
     ):
         hart.quantity(
@@ -152,12 +171,26 @@ for _axis, _table_name, _direction in _AXES:
         )(_law)
 
 for _name, _law, _given in (
+    ("B_x", plus, {"x": "d", "y": "NB_x"}),
+    ("B_y", itself, {"x": "NB_y"}),
+    ("F_y", end, {"start": "P_y", "length": "m_along", "direction": "PF_across"}),
     ("Q_x", over_lambda_from, {"start": "d", "x": "NB_x"}),
     ("Q_y", over_lambda, {"x": "NB_y"}),
 ):
     hart.quantity(
-        units="m", symbol=_name, source=POSITION, name=_name, meaning=f"Joint Q, {_name[-1]}", given=_given
+        units="m",
+        symbol=_name,
+        source=POSITION,
+        name=_name,
+        meaning=f"Joint {_name[0]}, {_name[-1]}",
+        given=_given,
     )(_law)
+
+
+@hart.quantity(units="m", symbol="F_x", source=f"{POSITION}, eq. (7.5)")
+def F_x(line_x: Any, sigma: Any) -> Any:
+    """Point F, x: that of its line, where the linkage assembles."""
+    return select(sigma >= 0.0, line_x, NOT_A_NUMBER)
 
 
 @hart.quantity(units="1", symbol="kappa n/m sin omega", source=POSITION, internal=True)
@@ -189,9 +222,9 @@ def dF_y_dphi(m_along: Any, sine_part: Any, per_sigma: Any, branch_sign: Any) ->
 
 
 @hart.quantity(units="1", symbol="u", source=NUMERICS)
-def F_deviation(F_x: Any, line_x: Any, m: Any, n: Any, K: Any) -> Any:
-    """Distance of the computed F from its line, in units of 2^-53 (MP + PF)."""
-    return abs(F_x - line_x) / (UNIT_ROUNDING * (m + K * n))
+def F_deviation(P_x: Any, m_along: Any, PF_along: Any, line_x: Any, m: Any, n: Any, K: Any) -> Any:
+    """Distance of the end of MP and PF as computed from the line, in units of 2^-53 (MP + PF)."""
+    return abs((P_x + m_along * PF_along) - line_x) / (UNIT_ROUNDING * (m + K * n))
 
 
 @hart.quantity(units="m", symbol="l", source=NUMERICS, internal=True)

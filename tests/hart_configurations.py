@@ -1,0 +1,51 @@
+"""Random configurations of Hart's linkage, easy and hard."""
+
+from __future__ import annotations
+
+import numpy as np
+
+FAMILIES = [
+    *("random", "kappa 1e-3", "kappa 1e-9", "near 1 1e-3", "near 1 1e-9", "near 1 1e-15"),
+    *("kite 0", "kite 1e-9", "kite 1e-13", "gap 1e-4", "gap 1e-9", "toggle 1e-3", "toggle 1e-9"),
+    *("scale 1e-150", "scale 1e150", "folded 1e-9", "great"),
+]
+
+
+def family(kind: str, rng: np.random.Generator, n: int) -> dict[str, np.ndarray]:
+    """Return configurations that assemble at phi in one branch or the other, most of them."""
+    name, *_, size = (kind.split(" ") if " " in kind else (kind, "1"))
+    m, n_, kappa = rng.uniform(0.3, 2.0, n), rng.uniform(0.3, 2.0, n), some_kappa(rng, n)
+    sign = rng.choice([-1.0, 1.0], n)
+    if name == "kappa":
+        kappa = sign * float(size) * rng.uniform(1.0, 2.0, n)
+    elif name == "near":
+        kappa = sign * (1.0 + float(size) * rng.choice([-1.0, 1.0], n))
+    elif name == "great":
+        kappa = sign * rng.uniform(5.0, 100.0, n)
+    K = abs(kappa)
+    low, high = abs(1.0 - K) * abs(m - n_), (1.0 + K) * (m + n_)
+    d = low + (high - low) * rng.uniform(0.02, 0.98, n)
+    if name == "kite":
+        m = K * n_
+        d = abs((1.0 - K) * (1.0 + K)) * n_ + float(size) * rng.uniform(-1.0, 1.0, n)
+    elif name == "gap":
+        reach = np.where(rng.random(n) < 0.5, abs(1.0 - K) * (m + n_), (1.0 + K) * abs(m - n_))
+        d = reach + float(size) * rng.uniform(-1.0, 1.0, n)
+    e = np.where(K < 1.0, d, -d)
+    Z0 = -((1.0 - K) * (m + n_) - e) * ((1.0 + K) * (m - n_) - e) / (4.0 * m * e)
+    C0 = ((1.0 - K) * (m + n_) + e) * ((1.0 + K) * (m - n_) + e) / (4.0 * m * e)
+    first, last = np.clip(Z0, 0.0, 1.0), np.clip(1.0 - C0, 0.0, 1.0)
+    share = rng.uniform(0.01, 0.99, n)
+    if name == "toggle":
+        share = np.where(rng.random(n) < 0.5, float(size), 1.0 - float(size))
+    phi = 2.0 * np.arcsin(np.sqrt(np.clip(first + (last - first) * share, 0.0, 1.0)))
+    if name == "folded":
+        phi = float(size) * rng.uniform(0.5, 2.0, n)
+    scale = float(size) if name == "scale" else 1.0
+    return {"m": m * scale, "n": n_ * scale, "d": d * scale, "kappa": kappa, "phi": phi * sign}
+
+
+def some_kappa(rng: np.random.Generator, n: int) -> np.ndarray:
+    """Values of kappa of either sign, below and above 1."""
+    below = rng.uniform(0.1, 0.9, n)
+    return np.where(rng.random(n) < 0.6, below, 1.0 / below) * rng.choice([-1.0, 1.0], n)
