@@ -114,7 +114,7 @@ def root_of_ratio(root_near: Any, root_far: Any, u: Any, v: Any, completion: Any
 
 
 def one_plus_found(
-    sign: Any,
+    ratio_sign: Any,
     root: Any,
     common: Any,
     excess: Any,
@@ -132,12 +132,12 @@ def one_plus_found(
     far = greater / (2.0 * (v * v))
     near = select(greater == 0.0, 0.0, 2.0 * common / greater)
     is_far = select(middle < 0.0, completion == 1.0, completion == 2.0)
-    return select(sign < 0.0, select(is_far, far, near), 1.0 + root * root)
+    return select(ratio_sign < 0.0, select(is_far, far, near), 1.0 + root * root)
 
 
-def with_sign(sign: Any, root: Any) -> Any:
+def with_sign(ratio_sign: Any, root: Any) -> Any:
     """A ratio of its sign and the square root of its size."""
-    return sign * (root * root)
+    return ratio_sign * (root * root)
 
 
 def root_of_size(ratio: Any) -> Any:
@@ -155,7 +155,7 @@ for _alternative, _given, _known, _found, _ratio, _plus_1 in (
     (GIVEN_LAMBDA, BY_X, "root_x", "root_rho", "rho", "rho_plus_1"),
 ):
     _laws: tuple[tuple[Callable[..., Any], str, str, dict[str, str]], ...] = (
-        (sign, "sign", "sgn rho", {"x": _given["ratio"]}),
+        (sign, "ratio_sign", "sgn rho", {"x": _given["ratio"]}),
         (common, "common", "W", {}),
         (excess, "excess", "|W - (c + d)^2|", {}),
         (far_excess, "far_excess", "|W - (c - d)^2|", {}),

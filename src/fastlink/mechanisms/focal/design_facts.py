@@ -51,9 +51,9 @@ for _name, _of, _meaning in (("m", "a", "MP along MA"), ("n", "b", "NQ along NB"
 
 
 @focal.quantity(units="1", symbol="p", source=f"{WUNDERLICH}, eqs. (1.9), (2.6)", internal=True)
-def s_p(sign: Any, root_rho: Any, root_x: Any, s_n: Any) -> Any:
+def s_p(ratio_sign: Any, root_rho: Any, root_x: Any, s_n: Any) -> Any:
     """Scaled length PF, of the sign of rho."""
-    return sign * (root_rho * root_x * abs(s_n))
+    return ratio_sign * (root_rho * root_x * abs(s_n))
 
 
 @focal.quantity(units="1", symbol="q", source=f"{WUNDERLICH}, eqs. (1.9), (2.6)", internal=True)

@@ -1,0 +1,117 @@
+"""How far the bars go: what stops the crank SF, and the least transmission angles at P, Q and F.
+
+omega, the angle of P and Q, is extreme where the crank lies in the ground line (`dyad`); phi - psi, that of F, where AB
+is parallel to MN: there a, b and d - c, or d + c, make a triangle.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+from fastlink.jit import NOT_A_NUMBER, atan2, select, sqrt
+from fastlink.mechanisms.focal.declare import DESIGN, WUNDERLICH, focal
+from fastlink.mechanisms.focal.design_facts import PREFIX
+
+CRANK = f"{WUNDERLICH}, section 6; {DESIGN}#the-crank"
+CRANK_FLAGS = {
+    0: "turns_fully",
+    1: "stops_where_MPF_is_stretched",
+    2: "stops_where_MPF_is_folded",
+    3: "stops_where_MPF_is_stretched_and_where_it_is_folded",
+    4: "passes_a_change_point",
+    5: "no_crank",
+}
+
+
+@focal.quantity(units="1", symbol="crank", source=CRANK, internal=True)
+def has_crank(status: Any) -> Any:
+    """1 where there is a crank SF, else 0."""
+    return select(status == 0.0, 1.0, 0.0)
+
+
+@focal.quantity(units="1", symbol="change point", source=CRANK, internal=True)
+def folds(grashof_class: Any) -> Any:
+    """1 where all bars of the four-bar may lie in line, else 0."""
+    # the change points of planar_4r.classes.CLASS_FLAGS
+    return select((grashof_class >= 8.0) & (grashof_class <= 12.0), 1.0, 0.0)
+
+
+@focal.quantity(units="1", symbol="crank", source=CRANK, flags=CRANK_FLAGS)
+def crank_type(
+    sine_at_0: Any,
+    sine_at_pi: Any,
+    cosine_at_0: Any,
+    cosine_at_pi: Any,
+    P_sign: Any,
+    folds: Any,
+    has_crank: Any,
+) -> Any:
+    """Whether the crank SF turns fully, and the position that stops it."""
+    no_sine = (sine_at_0 < 0.0) | (sine_at_pi < 0.0)
+    no_cosine = (cosine_at_0 < 0.0) | (cosine_at_pi < 0.0)
+    # of m and p with one sign MPF is stretched at omega = pi, else at omega = 0
+    at_pi = select(no_cosine, select(P_sign > 0.0, 1.0, 2.0), 0.0)
+    at_0 = select(no_sine, select(P_sign > 0.0, 2.0, 1.0), 0.0)
+    code = select(folds == 1.0, 4.0, at_pi + at_0)
+    return select(has_crank == 1.0, code, 5.0)
+
+
+def least_acute_angle(
+    sine: Any, cosine: Any, other_sine: Any, other_cosine: Any, folds: Any, known: Any
+) -> Any:
+    """Least angle in [0, pi/2] between two lines, from what both extremes of their half-angle are in proportion to."""
+    steep, other_steep = sine > cosine, other_sine > other_cosine
+    one = atan2(sqrt(select(steep, cosine, sine)), sqrt(select(steep, sine, cosine)))
+    other = atan2(
+        sqrt(select(other_steep, other_cosine, other_sine)),
+        sqrt(select(other_steep, other_sine, other_cosine)),
+    )
+    aligns = (sine <= 0.0) | (cosine <= 0.0) | (other_sine <= 0.0) | (other_cosine <= 0.0)
+    angle = select(aligns | (folds == 1.0), 0.0, 2.0 * select(one < other, one, other))
+    return select(known == 1.0, angle, NOT_A_NUMBER)
+
+
+def product(x: Any, y: Any) -> Any:
+    """Product of two gaps of the four-bar."""
+    return x * y
+
+
+def opposite_product(x: Any, y: Any) -> Any:
+    """Minus the product of two gaps of the four-bar."""
+    return -(x * y)
+
+
+#: Of the triangle with the sides a, b and d -+ c: squared half-angle sine and cosine between a and b, times 4 a b.
+for _name, _law, _x, _y in (
+    ("sine_parallel", opposite_product, "B1", "C1"),
+    ("cosine_parallel", product, "A2", "D2"),
+    ("sine_antiparallel", opposite_product, "B2", "C2"),
+    ("cosine_antiparallel", product, "A1", "D1"),
+):
+    focal.quantity(
+        units="1",
+        symbol=f"{_x} {_y}",
+        source=CRANK,
+        internal=True,
+        name=_name,
+        given={"x": f"{PREFIX}factor_{_x}", "y": f"{PREFIX}factor_{_y}"},
+    )(_law)
+
+for _name, _one, _other, _known, _meaning in (
+    ("PQ", "at_0", "at_pi", "has_crank", "MP and PF, that of NQ and QF"),
+    ("F", "parallel", "antiparallel", "assembles", "PF and QF, that of MA and NB"),
+):
+    focal.quantity(
+        units="rad",
+        symbol=f"mu_{_name}",
+        source=CRANK,
+        name=f"transmission_angle_{_name}_least",
+        meaning=f"Least acute angle between {_meaning}, over the whole motion",
+        given={
+            "sine": f"sine_{_one}",
+            "cosine": f"cosine_{_one}",
+            "other_sine": f"sine_{_other}",
+            "other_cosine": f"cosine_{_other}",
+            "known": _known,
+        },
+    )(least_acute_angle)
