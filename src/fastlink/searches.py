@@ -45,7 +45,7 @@ def find_search(
         round(found[quantity].order),
         max(round(found[slope].order), 0),
         found[quantity].parity,
-        found[slope].parity,
+        -found[quantity].parity,  # the input position is odd
         graded.inverse not in needed and not found[quantity].choice,
     )
 

@@ -9,7 +9,7 @@ from fastlink.errors import InputError, suggest
 if TYPE_CHECKING:
     from fastlink.catalogue import Catalogue
 
-NAMES = ("planar_4r", "minkowski_4r", "hart")
+NAMES = ("planar_4r", "minkowski_4r", "focal", "hart")
 
 
 def catalogue(mechanism: str, input: str | None = None) -> Catalogue:

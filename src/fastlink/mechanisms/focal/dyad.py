@@ -91,7 +91,7 @@ def of_half_angle(
     side: Any,
     spin: Any,
     lambda_sign: Any,
-    sign: Any,
+    ratio_sign: Any,
     greater_root: Any,
     lesser_root: Any,
     s_a: Any,
@@ -115,8 +115,8 @@ def of_half_angle(
     sure_A1 = zero_where(abs(A1) <= rounding, A1)
     sure_B1 = zero_where(abs(B1) <= rounding, B1)
     sure_C1 = zero_where(abs(C1) <= rounding, C1)
-    root = select(side == sign, lesser_root, -greater_root)
-    other_root = select(side == sign, greater_root, -lesser_root)
+    root = select(side == ratio_sign, lesser_root, -greater_root)
+    other_root = select(side == ratio_sign, greater_root, -lesser_root)
     first = side * ((s_a - s_b) * root)
     second = spin * ((s_d + side * s_c) * (s_a + rho * s_b))
     inner = K * select(side > 0.0, -(B2 * C2), -(sure_B1 * sure_C1))

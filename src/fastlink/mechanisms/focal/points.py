@@ -168,15 +168,15 @@ def alpha(s_q: Any, s_n: Any, w_x: Any, w_y: Any) -> Any:
 
 
 @either(units="rad", symbol="beta", source=f"{WUNDERLICH}, eq. (4.1)")
-def beta(sign: Any, s_p: Any, s_m: Any, w_x: Any, w_y: Any) -> Any:
+def beta(ratio_sign: Any, s_p: Any, s_m: Any, w_x: Any, w_y: Any) -> Any:
     """Angle from FP to FM, and from BF to BQ."""
-    return atan2(sign * (s_m * w_y) + 0.0, sign * (s_p - s_m * w_x))
+    return atan2(ratio_sign * (s_m * w_y) + 0.0, ratio_sign * (s_p - s_m * w_x))
 
 
 @either(units="1", symbol="k", source=POSITION, internal=True)
-def P_sign(sign: Any, lambda_sign: Any) -> Any:
+def P_sign(ratio_sign: Any, lambda_sign: Any) -> Any:
     """Sign of m p, which is that of n p."""
-    return sign * lambda_sign
+    return ratio_sign * lambda_sign
 
 
 @either(units="1", symbol="mn", source=POSITION, internal=True)
@@ -213,6 +213,6 @@ def transmission_angle_Q(lambda_sign: Any, w_x: Any, w_y: Any) -> Any:
 
 
 @either(units="rad", symbol="mu_F", source=POSITION)
-def transmission_angle_F(sign: Any, u_x: Any, u_y: Any, v_x: Any, v_y: Any) -> Any:
+def transmission_angle_F(ratio_sign: Any, u_x: Any, u_y: Any, v_x: Any, v_y: Any) -> Any:
     """Transmission angle at F: between FP and FQ."""
-    return atan2(abs(u_x * v_y - u_y * v_x), -(sign * (u_x * v_x + u_y * v_y)))
+    return atan2(abs(u_x * v_y - u_y * v_x), -(ratio_sign * (u_x * v_x + u_y * v_y)))
