@@ -11,7 +11,8 @@ from dataclasses import replace
 from functools import cached_property
 
 from fastlink.declaration import Declarations
-from fastlink.derivative import Derivation, derivative_name, labelled
+from fastlink.derivative import Derivation, NoDerivative, derivative_name, labelled
+from fastlink.error_bound import ERROR, TRUST, ErrorBounds, labelled_error, trust_of
 from fastlink.errors import InputError, suggest
 from fastlink.fact import CatalogueError, Fact, GradedRange, Input, System, parameters
 
@@ -83,7 +84,12 @@ class Catalogue(Declarations):
         chosen = tuple(alternatives)
         if derivative := self._derivative_in(name):
             of, by = derivative
+            if self._judged_in(of):
+                raise NoDerivative(f"quantity {name!r}: {of} has no derivative; leave it out")
             return self._derivation(by, chosen, given).fact(of)
+        if judged := self._judged_in(name):
+            bounds = self._error_bounds(chosen, given)
+            return bounds.fact(judged[0]) if judged[1] == ERROR else trust_of(bounds.found(judged[0]))
         plain, _, above = name.partition(BELOW)
         start = chosen.index(above) + 1 if above else 0
         for alternative in chosen[start:]:
@@ -102,9 +108,36 @@ class Catalogue(Declarations):
         of, sign, by = name.removeprefix("d_").rpartition("_d_")
         return (of, by) if name.startswith("d_") and sign and by in self.variables else None
 
+    def _judged_in(self, name: str) -> tuple[str, str] | None:
+        """Return NAME and the ending of NAME_error or NAME_trust."""
+        for ending in (ERROR, TRUST):
+            if name.endswith(ending) and name not in self.facts:
+                return name.removesuffix(ending), ending
+        return None
+
+    def _replaced(self, chosen: tuple[str, ...]) -> set[str]:
+        """Return the names of all facts, those of the chosen sets too."""
+        return {*self.facts, *(name for key in chosen for name in self.alternatives.get(key, {}))}
+
+    def _error_bounds(self, chosen: tuple[str, ...], given: Iterable[str]) -> ErrorBounds:
+        fixed = self._replaced(chosen).intersection(given)
+        key = chosen, frozenset(fixed)
+        if key not in self._bounds:
+            self._bounds[key] = ErrorBounds(
+                lambda name: None if name in fixed else self.lookup(name, chosen, fixed),
+                self.known_inputs(chosen),
+                self.branches,
+                self.tables,
+                self.table_low_parts,
+            )
+        return self._bounds[key]
+
+    @cached_property
+    def _bounds(self) -> dict[tuple[tuple[str, ...], frozenset[str]], ErrorBounds]:
+        return {}
+
     def _derivation(self, by: str, chosen: tuple[str, ...], given: Iterable[str]) -> Derivation:
-        replaced = {*self.facts, *(name for key in chosen for name in self.alternatives.get(key, {}))}
-        fixed = replaced.intersection(given)
+        fixed = self._replaced(chosen).intersection(given)
         key = by, chosen, frozenset(fixed)
 
         def find(name: str) -> Fact | System | None:
@@ -147,8 +180,8 @@ class Catalogue(Declarations):
 
     def varies(self, name: str) -> bool:
         """Tell whether a fact changes over the input cycle."""
-        if derivative := self._derivative_in(name):
-            return self.varies(derivative[0])
+        if made := self._derivative_in(name) or self._judged_in(name):
+            return self.varies(made[0])
         return self.position.name in self._axes[name]
 
     def check(self) -> None:
@@ -173,9 +206,9 @@ class Catalogue(Declarations):
                 pass
 
     def is_quantity(self, name: str) -> bool:
-        """Tell whether users may ask for a name: a public fact, or the derivative of one by an input."""
-        derivative = self._derivative_in(name)
-        return name in self.public if derivative is None else self.is_quantity(derivative[0])
+        """Tell whether users may ask for a name: a public fact, the derivative of one, the error bound of these."""
+        made = self._derivative_in(name) or self._judged_in(name)
+        return name in self.public if made is None else self.is_quantity(made[0])
 
     def is_cyclic(self, name: str) -> bool:
         """Tell whether users may ask for what is taken of a name over the cycle."""
@@ -191,16 +224,27 @@ class Catalogue(Declarations):
         """
         if not self.is_quantity(name):
             raise InputError(self.unknown(name, self.public))
-        derivative = self._derivative_in(name)
-        if derivative is None:
+        derivative, judged = self._derivative_in(name), self._judged_in(name)
+        made = derivative or judged
+        if made is None:
             return self.facts[name]
-        of = self.require(derivative[0])
+        of = self.require(made[0])
+        lacks = "derivative" if derivative else "error"
         if of.flags:
-            raise InputError(f"quantity {name!r}: {of.name} is a code, which has no derivative; leave it out")
-        return labelled(of, self.variables[derivative[1]])
+            raise InputError(f"quantity {name!r}: {of.name} is a code, which has no {lacks}; leave it out")
+        if self._judged_in(of.name):
+            raise InputError(
+                f"quantity {name!r}: {of.name} is an error bound, which has no {lacks}; leave it out"
+            )
+        if derivative:
+            return labelled(of, self.variables[derivative[1]])
+        return labelled_error(of) if made[1] == ERROR else trust_of(of)
 
     def unknown(self, name: str, known: Iterable[str]) -> str:
         """Return what to say of a name that is none of the known ones."""
+        if judged := self._judged_in(name):
+            wrong = judged[0]
+            return f"quantity {name!r}: {wrong!r} is unknown to {self.name}; {suggest(wrong, self.public)}"
         of, sign, by = name.removeprefix("d_").rpartition("_d_")
         if name.startswith("d_") and sign:
             wrong, options = (by, self.variables) if self.is_quantity(of) else (of, self.public)

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import linecache
 import re
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from itertools import count
 from typing import Any
@@ -21,7 +21,7 @@ from fastlink.graph import Graph, Node, is_power_of_two
 from fastlink.jit import INFINITY, NOT_A_NUMBER, atan2, cosine, select, sine, sqrt
 from fastlink.logarithm import log, log1p, log_scaled
 
-__all__ = ["Derivation", "NoDerivative", "derivative_name", "labelled"]
+__all__ = ["Derivation", "NoDerivative", "derivative_name", "labelled", "made_function"]
 
 _serial = count()
 
@@ -274,16 +274,23 @@ class Derivation:
         return graph.select(condition, *parts)
 
     def _written(self, found: Fact, root: Node, value: Node) -> Fact:
-        name = derivative_name(found.name, self.by.name)
         own = {} if value.kind in ("name", "number", "neg") else {value: found.name}
-        needs, lines = self.graph.write(root, own)
-        source = "\n    ".join([f"def {name}({', '.join(needs)}):", *lines]) + "\n"
-        file = f"<derivative {name} {next(_serial)}>"
-        # inspect reads the text there, and kernels are made of what inspect reads
-        linecache.cache[file] = (len(source), None, source.splitlines(keepends=True), file)
-        namespace = dict(FUNCTIONS)
-        exec(compile(source, file, "exec"), namespace)
-        return replace(labelled(found, self.by), function=namespace[name], needs=needs, flags={})
+        function, needs = made_function(derivative_name(found.name, self.by.name), self.graph, root, own)
+        return replace(labelled(found, self.by), function=function, needs=needs, flags={})
+
+
+def made_function(
+    name: str, graph: Graph, root: Node, given: Mapping[Node, str]
+) -> tuple[Callable[..., Any], tuple[str, ...]]:
+    """Return a function that returns a value, and the names that it depends on; `given` as in `Graph.write`."""
+    needs, lines = graph.write(root, given)
+    source = "\n    ".join([f"def {name}({', '.join(needs)}):", *lines]) + "\n"
+    file = f"<made {name} {next(_serial)}>"
+    # inspect reads the text there, and kernels are made of what inspect reads
+    linecache.cache[file] = (len(source), None, source.splitlines(keepends=True), file)
+    namespace = dict(FUNCTIONS)
+    exec(compile(source, file, "exec"), namespace)
+    return namespace[name], needs
 
 
 #: What a text may name.

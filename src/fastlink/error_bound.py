@@ -1,0 +1,255 @@
+"""Error bounds of facts: NAME_error, and NAME_trust, which tells where the bound is small against the value.
+
+The text of a bound is written from that of the fact (`fastlink.error_rules`), fact by fact: the bound of a fact needs
+the bounds of those facts that it needs, but for those whose relative error is a number known beforehand. It is a
+`Fact` like any other: kernels paste it, and it runs on floats and arrays.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import replace
+from typing import Any
+
+from fastlink.derivative import made_function
+from fastlink.error_paths import is_smooth, rounds, slopes_of
+from fastlink.error_rules import Bound, Lost, Rules, U
+from fastlink.errors import InputError
+from fastlink.fact import Fact, Input, System
+from fastlink.graph import Node, is_power_of_two
+from fastlink.jit import INFINITY, select
+
+__all__ = ["ERROR", "TRUST", "ErrorBounds", "labelled_error", "trust_of"]
+
+ERROR, TRUST = "_error", "_trust"
+#: Relative error bounds up to this one are trusted.
+TRUSTED = 1e-6
+TRUST_FLAGS = {0: "trusted", 1: "ill_conditioned", 2: "not_finite"}
+NUMERICS = "docs/numerics.md#error-bounds"
+
+
+def labelled_error(fact: Fact) -> Fact:
+    """Return a fact with the labels of its error bound; function and needs are still its own."""
+    return replace(
+        fact,
+        name=f"{fact.name}_error",
+        symbol=f"err {fact.symbol}",
+        meaning=f"Error bound of {_within(fact.meaning)}",
+        source=f"{fact.source}; {NUMERICS}",
+        flags={},
+    )
+
+
+def trust_of(fact: Fact) -> Fact:
+    """Return what tells whether the error bound of a fact is small against its value."""
+    return replace(
+        fact,
+        name=f"{fact.name}_trust",
+        function=trust,
+        needs=(fact.name, f"{fact.name}_error"),
+        units="1",
+        symbol=f"trust {fact.symbol}",
+        meaning=f"Whether digits of {_within(fact.meaning)} are known",
+        source=f"{fact.source}; {NUMERICS}",
+        flags=TRUST_FLAGS,
+    )
+
+
+def _within(meaning: str) -> str:
+    """Return what a quantity is, to stand within a sentence."""
+    return meaning if meaning[1:2].isupper() else meaning[:1].lower() + meaning[1:]
+
+
+def trust(value: Any, error: Any) -> Any:
+    """Return 0 where the error bound is at most a millionth of the value, 1 where it exceeds it, 2 for no number."""
+    size = abs(value)
+    return select(size < INFINITY, select(error <= TRUSTED * size, 0.0, 1.0), 2.0)
+
+
+class ErrorBounds:
+    """The error bounds of a mechanism's facts; what is given has none.
+
+    Parameters
+    ----------
+    find : callable
+        Returns what determines a name, or None for what is given.
+    inputs : mapping of str to Input
+        What may be given.
+    branches : mapping of int to str
+        The assembly modes.
+    tables, low_parts : mapping
+        The tables of the input position, and of which of them a table is the low word.
+    """
+
+    def __init__(
+        self,
+        find: Callable[[str], Fact | System | None],
+        inputs: Mapping[str, Input],
+        branches: Mapping[int, str],
+        tables: Mapping[str, Fact],
+        low_parts: Mapping[str, str],
+    ) -> None:
+        self.find, self.inputs, self.branches = find, inputs, branches
+        self.tables, self.low_parts = tables, low_parts
+        self.rules = Rules(self.named)
+        self.graph, self.exact = self.rules.graph, self.rules.exact
+        self._named: dict[str, Bound] = {}
+        self._values: dict[str, Node] = {}
+        self._facts: dict[str, Fact] = {}
+        self._passing: dict[str, bool] = {}
+
+    def fact(self, name: str) -> Fact:
+        """Return the error bound of a fact.
+
+        Raises
+        ------
+        InputError
+            A linear system determines it, or something that it needs.
+        """
+        if name not in self._facts:
+            found, graph = self.found(name), self.graph
+            root, own = self._along_paths(name) if self._passes(name) else self._running(found)
+            function, needs = made_function(f"{name}{ERROR}", graph, root, own)
+            self._facts[name] = replace(labelled_error(found), function=function, needs=needs)
+        return self._facts[name]
+
+    def found(self, name: str) -> Fact:
+        """Return a fact; of what a linear system determines there is no bound."""
+        found = self.find(name)
+        if isinstance(found, System):
+            raise InputError(
+                f"quantity '{name}_error': a linear system determines {name}; choose the solver that eliminates"
+            )
+        assert found is not None
+        return found
+
+    def _value(self, found: Fact) -> Node:
+        if found.name not in self._values:
+            needs = [self.graph.name(need) for need in found.needs]
+            self._values[found.name] = self.graph.read(found.function, needs)
+        return self._values[found.name]
+
+    def _running(self, found: Fact) -> tuple[Node, dict[Node, str]]:
+        """Return the bound by the bounds of what the fact needs, and the fact's value as a name."""
+        value = self._value(found)
+        bound = self.rules.bound(value)
+        if not self._pair(found, value, bound):
+            bound = self.rules.settled(value, bound)
+        # At least a trace of the value: where it is not finite, so is its error.
+        whole = self.rules.error(value, replace(bound, relative=max(bound.relative, U)))
+        return whole, {} if value.kind in ("name", "number", "neg") else {value: found.name}
+
+    # -- sums of products ----------------------------------------------------------------------------------------
+
+    def _passes(self, name: str) -> bool:
+        """Tell whether a fact is a sum of products whose errors are followed to where they come from.
+
+        Its terms share factors, and what the error of a factor does to one may undo what it does to another.
+        """
+        if name not in self._passing:
+            found = self.find(name) if name not in self.tables else None
+            self._passing[name] = isinstance(found, Fact) and self._is_sum(found)
+        return self._passing[name]
+
+    def _is_sum(self, found: Fact) -> bool:
+        value = self._value(found)
+        low_words = any(
+            times > 0.0 for need in found.needs for times, _high in self.named(need).lost.values()
+        )
+        settled = self.rules.settled(value)
+        return not low_words and settled.rest is not self.graph.zero and is_smooth(self.rules, value)
+
+    def _along_paths(self, name: str) -> tuple[Node, dict[Node, str]]:
+        """Return the sum over all roundings of what each does to a fact, and the values on the way as names."""
+        graph, rules = self.graph, self.rules
+        order: list[str] = []
+        self._visit(name, order)
+        slopes, own, total = {name: graph.one}, dict[Node, str](), graph.zero
+        for of in reversed(order):
+            value = self._value(self.found(of))
+            if value.kind not in ("name", "number", "neg"):
+                own[value] = of
+            for node, slope in slopes_of(rules, value, slopes.pop(of)).items():
+                if node.kind == "name":
+                    need = node.value
+                    slopes[need] = graph.add(slopes[need], slope) if need in slopes else slope
+                elif rounds(rules, node):
+                    total = graph.add(
+                        total, rules.error(graph.mul(slope, node), replace(rules.exact, relative=1.0))
+                    )
+        for need, slope in slopes.items():
+            source = graph.name(need)
+            error = rules.error(source, rules.settled(source))
+            total = graph.add(total, graph.mul(rules.size(slope), error))
+        return total, own
+
+    def _visit(self, name: str, order: list[str]) -> None:
+        """Append to the order a fact and the sums of products that it is made of, each after what it needs."""
+        if name not in order:
+            for need in self.found(name).needs:
+                if self._passes(need):
+                    self._visit(need, order)
+            order.append(name)
+
+    # -- names ---------------------------------------------------------------------------------------------------
+
+    def named(self, name: str) -> Bound:
+        """Return the bound of a name, told over names."""
+        if name not in self._named:
+            self._named[name] = self._of_name(name)
+        return self._named[name]
+
+    def _of_name(self, name: str) -> Bound:
+        graph = self.graph
+        if name in self.low_parts:
+            return replace(self.exact, lost={graph.name(name): (1.0, graph.name(self.low_parts[name]))})
+        if name in self.tables:
+            return self._of_table(name)
+        if self.find(name) is None:
+            positive = name in self.inputs and self.inputs[name].rule != "any"
+            return replace(self.exact, positive=positive)
+        found = self.found(name)
+        if found.needs == ("branch",):
+            values = [found.function(float(number)) for number in self.branches]
+            if all(map(is_power_of_two, values)):
+                return replace(
+                    self.exact, scale=True, one={*map(abs, values)} == {1.0}, positive=min(values) > 0.0
+                )
+        value = self._value(found)
+        bound = self.rules.bound(value)
+        lost = self._pair(found, value, bound)
+        bound = replace(bound if lost else self.rules.settled(value, bound), lost=lost)
+        if bound.rest is graph.zero:
+            return bound
+        return replace(bound, relative=0.0, rest=graph.name(f"{name}_error"))
+
+    def _of_table(self, name: str) -> Bound:
+        """Return the bound of a table: exact steps, or rounded once, with what that lost in a table of its own."""
+        table, graph = self.tables[name], self.graph
+        bound = self.rules.bound(self._value(table))
+        if bound.relative == 0.0:
+            return bound
+        low = next((low for low, high in self.low_parts.items() if high == name), None)
+        if low is None:
+            return replace(self.exact, relative=1.0, positive=bound.positive)
+        lost = {graph.name(low): (-1.0, graph.name(name))}
+        return replace(self.exact, relative=U, lost=lost, positive=bound.positive)
+
+    def _pair(self, found: Fact, value: Node, bound: Bound) -> Lost:
+        """Return what is lost by names, where facts NAME and NAME_low are the two words of one value."""
+        if not found.internal or len(bound.lost) != 1:
+            return {}
+        name, graph = found.name, self.graph
+        if value in bound.lost:
+            high = name.removesuffix("_low")
+            other = self.find(high) if high != name else None
+            if (
+                isinstance(other, Fact)
+                and other.internal
+                and value in self.rules.bound(self._value(other)).lost
+            ):
+                return {graph.name(name): (1.0, graph.name(high))}
+        other = self.find(f"{name}_low")
+        if isinstance(other, Fact) and self._value(other) in bound.lost:
+            return {graph.name(other.name): (-1.0, graph.name(name))}
+        return {}
