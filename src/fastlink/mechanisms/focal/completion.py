@@ -78,17 +78,23 @@ def lambda_low(lambda_: Any) -> Any:
 
 def common(ratio: Any, plus_1: Any, first: Any, second: Any) -> Any:
     """W, what both sides of the equation are, over the squared unit."""
-    return plus_1 * (first * first + ratio * (second * second)) / ratio
+    square = second * second
+    near_0 = (first - second) * (first + second) + plus_1 * square
+    return plus_1 * select(ratio < -0.5, near_0, first * first + ratio * square) / ratio
 
 
 def excess(ratio: Any, plus_1: Any, plus_1_low: Any, first: Any, second: Any, u: Any, v: Any) -> Any:
     """|W - (u + v)^2|, or with a negative ratio |W - (u - v)^2|, negative where no root is real."""
-    # (1 + ratio)(first^2 + ratio second^2) - ratio (u +- v)^2 in twice the working precision, over a power of two.
+    # (1 + ratio)(first^2 + ratio second^2) - ratio (u +- v)^2 in twice the working precision, over a power of two;
+    # near -1 it is 1 + ratio that has all its digits.
     two = power_of_two_below(abs(ratio))
-    square, square_low = two_product(second, second)
-    part, part_low = pair_product(ratio, 0.0, square, square_low)
+    near_0 = ratio < -0.5
     whole, whole_low = two_product(first, first)
-    total, total_low = gap(whole, whole_low, part, part_low)
+    square, square_low = two_product(second, second)
+    factor, factor_low = select(near_0, plus_1, ratio), select(near_0, plus_1_low, 0.0)
+    rest, rest_low = gap(whole, whole_low, select(near_0, -square, 0.0), select(near_0, -square_low, 0.0))
+    part, part_low = pair_product(factor, factor_low, square, square_low)
+    total, total_low = gap(rest, rest_low, part, part_low)
     side, side_low = pair_product(plus_1 / two, plus_1_low / two, total, total_low)
     reach, reach_low = two_sum(u, select(ratio < 0.0, -v, v))
     reach, reach_low = pair_product(reach, reach_low, reach, reach_low)
@@ -132,7 +138,8 @@ def one_plus_found(
     far = greater / (2.0 * (v * v))
     near = select(greater == 0.0, 0.0, 2.0 * common / greater)
     is_far = select(middle < 0.0, completion == 1.0, completion == 2.0)
-    return select(ratio_sign < 0.0, select(is_far, far, near), 1.0 + root * root)
+    ratio = ratio_sign * (root * root)
+    return select(ratio < -0.5, select(is_far, far, near), 1.0 + ratio)
 
 
 def with_sign(ratio_sign: Any, root: Any) -> Any:

@@ -79,7 +79,8 @@ def s_FT(root_rho: Any, root_x: Any, rho_plus_1: Any, s_d: Any, lambda_: Any) ->
 @focal.quantity(units="1", symbol="AT/AB", source=f"{WUNDERLICH}, eq. (3.2)", internal=True)
 def T_share(rho: Any, rho_plus_1: Any, valid: Any) -> Any:
     """Share rho/(1 + rho) of MS in MN, and of AT in AB."""
-    return select((rho_plus_1 == 0.0) | (valid != 1.0), NOT_A_NUMBER, rho / rho_plus_1)
+    share = select(abs(rho) < 2.0, rho / rho_plus_1, 1.0 - 1.0 / rho_plus_1)
+    return select((rho_plus_1 == 0.0) | (valid != 1.0), NOT_A_NUMBER, share)
 
 
 @focal.quantity(units="1", symbol="s", source=f"{WUNDERLICH}, eq. (1.9)", internal=True)

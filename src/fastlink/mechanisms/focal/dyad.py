@@ -33,9 +33,9 @@ borrow(focal, planar_4r, FOUR_BAR, PREFIX, {name: {} for name in (*FACTORS, "gap
 
 
 @focal.quantity(units="1", symbol="K", source=DYAD, internal=True)
-def K(s_a: Any, s_b: Any, rho: Any, rho_plus_1: Any) -> Any:
+def K(rho: Any, common: Any) -> Any:
     """(1 + rho)(a^2 + rho b^2), scaled."""
-    return rho_plus_1 * (s_a * s_a + rho * (s_b * s_b))
+    return rho * common
 
 
 @focal.quantity(units="1", symbol="sqrt|rho| R", source=DYAD, internal=True)
@@ -53,9 +53,9 @@ def lesser_root(root_rho: Any, root_near: Any, completion: Any) -> Any:
 @focal.quantity(
     units="1", symbol="sqrt|rho| L", source=DYAD, internal=True, alternative=GIVEN_LAMBDA, name="lesser_root"
 )
-def lesser_root_of_lambda(root_rho: Any, root_x: Any, s_c: Any, s_d: Any) -> Any:
+def lesser_root_of_lambda(root_rho: Any, root_x: Any, x: Any, lambda_: Any, s_c: Any, s_d: Any) -> Any:
     """Lesser of both square roots, times that of the size of rho, as it is with lambda given."""
-    return root_rho * (root_x * s_d - s_c / root_x)
+    return root_rho * (select(x < 0.0, (s_d - s_c) - lambda_ * s_d, x * s_d - s_c) / root_x)
 
 
 @focal.quantity(units="1", symbol="|lambda|/(4 a b kappa (1 + rho))", source=DYAD, internal=True)
