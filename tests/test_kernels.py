@@ -2,16 +2,22 @@
 
 from __future__ import annotations
 
+import ast
 import os
 import re
 import subprocess
 import sys
 
+import numpy as np
 import pytest
 
+import fastlink as fl
 from configurations import PLANAR
 from fastlink.kernels import compiled
+from fastlink.mechanisms import NAMES, catalogue
 from fastlink.plan import make_plan
+from fastlink.plans import make_plans
+from fastlink.reading import evaluate
 
 GIVEN = tuple(PLANAR.inputs)
 #: The plans of the benchmarks, and what the lanes are in each.
@@ -154,3 +160,36 @@ def test_a_cache_folder_that_cannot_be_written_is_done_without(tmp_path, monkeyp
     folder = compiled.cache_folder()
     assert folder.is_dir()
     assert tmp_path not in folder.parents
+
+
+def names_of_its_own(plan):
+    """Return the names in a kernel that are no values of the mechanism."""
+    tree = ast.parse(plan.source)
+    stored = {n.id for n in ast.walk(tree) if isinstance(n, ast.Name) and isinstance(n.ctx, ast.Store)}
+    stored |= {argument.arg for argument in ast.walk(tree) if isinstance(argument, ast.arg)}
+    known = known_names(PLANAR) | set(PLANAR.graded.leaves)
+    return {name for name in stored if name.split("__")[0] not in known and not name.startswith("out_")}
+
+
+def known_names(mechanism):
+    chosen = {name for facts in mechanism.alternatives.values() for name in facts}
+    inputs = mechanism.known_inputs(tuple(mechanism.alternatives))
+    tables = {mechanism.position.name, *mechanism.tables, *mechanism.table_low_parts}
+    return {*mechanism.facts, *chosen, *inputs, *tables, "branch"}
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_no_value_of_a_mechanism_has_a_name_that_kernels_use(name):
+    """Such a value would be taken for a count or an array: designs were left out in silence."""
+    plans = [make_plan(PLANAR, names, given=GIVEN, alternatives=more) for names, more, _ in PLANS.values()]
+    plans += make_plans(PLANAR, ["omega4_max", "T41_extrema"], given=GIVEN, extrema="refined").parts
+    own = set().union(*map(names_of_its_own, plans))
+    assert {"designs", "n_designs", "lanes", "state", "w", "w2"} <= own
+    assert not own & known_names(catalogue(name))
+
+
+def test_designs_beyond_the_first_lanes_are_computed_too():
+    """Of lengths that are called m and n."""
+    n, design = np.linspace(0.8, 1.2, 130), {"m": 1.0, "d": 1.2, "kappa": 0.5}
+    found = fl.sweep("hart", fl.grid(n=n, **design), ["stroke"])["stroke"]
+    np.testing.assert_array_equal(found, evaluate("hart", ["stroke"], n=n, phi=0.0, **design)["stroke"])

@@ -46,12 +46,11 @@ class _Refined(RefinedLayout):
         text, plan = self.text, self.plan
         self.write_evaluation()
         text.add()
-        text.open(
-            f"def kernel(designs, angles, n, n_angles, w, m, {', '.join(f'out_{o.name}' for o in plan.outputs)}):"
-        )
+        outputs = ", ".join(f"out_{o.name}" for o in plan.outputs)
+        text.open(f"def kernel(designs, angles, n_designs, n_angles, w, w2, {outputs}):")
         self.write_arrays()
-        text.open(f"for i0 in range(0, n, {LANES}):")
-        text.add(f"lanes = min({LANES}, n - i0)")
+        text.open(f"for i0 in range(0, n_designs, {LANES}):")
+        text.add(f"lanes = min({LANES}, n_designs - i0)")
         self.write_designs()
         self.write_samples()
         self.write_search()
@@ -67,9 +66,9 @@ class _Refined(RefinedLayout):
         listed = any(output.request.listed for output in plan.outputs)
         for line in (
             f"w_rows = w.reshape(w.size // {LANES}, {LANES})",
-            f"m_rows = m.reshape(m.size // {LANES}, {LANES})",
-            f"s = empty({(self.slope_row + len(searches)) * LANES})",
-            f"s_rows = s.reshape(s.size // {LANES}, {LANES})",
+            f"w2_rows = w2.reshape(w2.size // {LANES}, {LANES})",
+            f"state = empty({(self.slope_row + len(searches)) * LANES})",
+            f"state_rows = state.reshape(state.size // {LANES}, {LANES})",
             f"valleys = empty(({room * self.samples}, {ITEM_ROWS}))",
             f"roots = empty(({3 * room * self.samples}, {ITEM_ROWS}))",
             f"ends = empty(({2 * room}, {ITEM_ROWS}))",
@@ -132,15 +131,15 @@ class _Refined(RefinedLayout):
         """Sample half by half with what evaluates items: one text of the facts, which are many."""
         text, rows, cells = self.text, self.places, self.cells
         self.use("search", "load_designs", "set_places")
-        text.add("load_designs(w_rows, rows, s_rows)")
+        text.add("load_designs(w_rows, rows, state_rows)")
         text.open(f"for j in range({self.samples}):")
         text.add(f"place = {rows} + j if j <= {cells} else {rows + 3 * cells + 1} - j")
         text.open(f"for half in range({self.halves}):")
-        text.add(f"set_places(w_rows, place, j > {cells}, half, s_rows)")
-        text.add(f"evaluate(s, {LANES})")
+        text.add(f"set_places(w_rows, place, j > {cells}, half, state_rows)")
+        text.add(f"evaluate(state, {LANES})")
         for number in range(len(self.plan.searches)):
             row = f"{self.sample_row(number, 0)} + half * {self.samples} + j"
-            text.add(f"m_rows[{row}] = s_rows[{self.slope_row + number}]")
+            text.add(f"w2_rows[{row}] = state_rows[{self.slope_row + number}]")
         text.close()
         text.close()
 
@@ -161,7 +160,7 @@ class _Refined(RefinedLayout):
                 self.paste(step, f"__{branch}")
             for number, search in enumerate(plan.searches):
                 row = f"{self.sample_row(number, k)} + j"
-                text.add(f"m[({row}) * {LANES} + i] = {self.scaled(search, f'__{branch}')}")
+                text.add(f"w2[({row}) * {LANES} + i] = {self.scaled(search, f'__{branch}')}")
         text.close()
 
     def write_half(self, half: str) -> None:
@@ -212,26 +211,26 @@ class _Refined(RefinedLayout):
         text.add("items = ends")
         text.close()
         text.open(f"for start in range(0, total, {LANES}):")
-        text.add("width = gather(items, start, total, w_rows, rows, s_rows, lane)")
-        text.add("open_items = begin(s_rows, width, phase)")
+        text.add("width = gather(items, start, total, w_rows, rows, state_rows, lane)")
+        text.add("open_items = begin(state_rows, width, phase)")
         text.open(f"for step in range({MOST_STEPS}):")
-        text.add("evaluate(s, width)")
+        text.add("evaluate(state, width)")
         text.open("if open_items == 0:")
         text.add("break")
         text.close()
-        text.add("open_items = advance(s_rows, width, phase == 0)")
+        text.add("open_items = advance(state_rows, width, phase == 0)")
         text.close()
         text.open("if phase == 0:")
-        text.add("split(s_rows, width, counts, roots)")
+        text.add("split(state_rows, width, counts, roots)")
         text.close()
         text.open("else:")
         self.loop = "__t"
         self.write_items([plan.catalogue.position.name])
         angle = self.value_row + len(plan.searches)
-        text.add(f"s[{angle * LANES} + i] = {self.named(plan.catalogue.position.name)}")
+        text.add(f"state[{angle * LANES} + i] = {self.named(plan.catalogue.position.name)}")
         text.close()
         text.add(
-            f"take(s_rows, width, {self.value_row}, phase == 2, {self.row(toggle)}, w_rows, {plan.sides}, "
+            f"take(state_rows, width, {self.value_row}, phase == 2, {self.row(toggle)}, w_rows, {plan.sides}, "
             f"{len(plan.branches)}, own, other, onto, order, parity, lists, best, found)"
         )
         text.close()
@@ -244,13 +243,13 @@ class _Refined(RefinedLayout):
         if self.plan.mirrored:
             self.use("search", "silence")
             rows = f"{self.sample_row(number, 0)}, {self.sample_row(number, 1)}"
-            self.text.add(f"silence(m_rows, {rows}, {self.samples})")
+            self.text.add(f"silence(w2_rows, {rows}, {self.samples})")
         for half in range(self.halves):
             first = self.plan.mirrored and half == 0
             rows = f"{self.sample_row(number, half)}, {self.sample_row(number, self.beyond(half))}"
             what = f"{number}, {half}, {float(search.slope_parity) if first else 1.0}"
             self.text.add(
-                f"collect(w_rows, m_rows, {rows}, {self.places}, {self.cells}, lanes, {what}, "
+                f"collect(w_rows, w2_rows, {rows}, {self.places}, {self.cells}, lanes, {what}, "
                 "flags, counts, roots, valleys)"
             )
 
@@ -259,18 +258,18 @@ class _Refined(RefinedLayout):
         text, searches = self.text, self.plan.searches
         text.imports.setdefault("fastlink.jit", set()).add("separate")
         text.add("@separate")
-        text.open("def evaluate(s, width):")
+        text.open("def evaluate(state, width):")
         self.loop = ""
         values = [search.quantity for search in searches]
         self.write_items([*self.slope_names(), *values])
         for number, search in enumerate(searches):
             text.add(f"f_{number} = {self.scaled(search)}")
-            text.add(f"s[{(self.slope_row + number) * LANES} + i] = f_{number}")
-            text.add(f"s[{(self.value_row + number) * LANES} + i] = {self.named(search.quantity)}")
+            text.add(f"state[{(self.slope_row + number) * LANES} + i] = f_{number}")
+            text.add(f"state[{(self.value_row + number) * LANES} + i] = {self.named(search.quantity)}")
         choice = f"f_{len(searches) - 1}"
         for number in range(len(searches) - 2, -1, -1):
-            choice = f"(f_{number} if s[{WHICH * LANES} + i] == {number}.0 else {choice})"
-        text.add(f"s[{F_ROW * LANES} + i] = {choice}")
+            choice = f"(f_{number} if state[{WHICH * LANES} + i] == {number}.0 else {choice})"
+        text.add(f"state[{F_ROW * LANES} + i] = {choice}")
         text.close()
         text.close()
 
@@ -280,17 +279,17 @@ class _Refined(RefinedLayout):
         near, far = self.graded.leaves[:2]
         steps = self.needed_for(names)
         text.open("for i in range(width):")
-        text.add(f"square{tag} = s[{X * LANES} + i] * s[{X * LANES} + i]")
+        text.add(f"square{tag} = state[{X * LANES} + i] * state[{X * LANES} + i]")
         text.add(f"rest{tag} = 1.0 / (1.0 + square{tag})")
-        text.add(f"upper{tag} = s[{UPPER * LANES} + i] > 0.0")
+        text.add(f"upper{tag} = state[{UPPER * LANES} + i] > 0.0")
         text.add(f"{near}{tag} = rest{tag} if upper{tag} else square{tag} * rest{tag}")
         text.add(f"{far}{tag} = square{tag} * rest{tag} if upper{tag} else rest{tag}")
-        text.add(f"half{tag} = s[{HALF * LANES} + i]")
+        text.add(f"half{tag} = state[{HALF * LANES} + i]")
         self.write_half(f"half{tag}")
         used = {need for step in steps for need in step.needs} | set(names)
         for r, name in enumerate(self.item_needs):
             if name in used:
-                text.add(f"{name}{tag} = s[{(STATE_ROWS + r) * LANES} + i]")
+                text.add(f"{name}{tag} = state[{(STATE_ROWS + r) * LANES} + i]")
         for step in steps:
             self.paste(step)
 

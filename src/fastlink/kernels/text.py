@@ -31,7 +31,7 @@ class _Writer(KernelLayout):
     def write(self) -> str:
         text = self.text
         outputs = ", ".join(f"out_{o.name}" for o in self.plan.outputs)
-        text.open(f"def kernel(designs, angles, n, n_angles, w, m, {outputs}):")
+        text.open(f"def kernel(designs, angles, n_designs, n_angles, w, w2, {outputs}):")
         for step in self.constant_steps:
             for branch in self.plan.branches:
                 assert isinstance(step, Fact)
@@ -39,8 +39,8 @@ class _Writer(KernelLayout):
         for value, _ in self.whole_curves():
             text.imports.setdefault("numpy", set()).add("empty")
             text.add(f"whole_{value} = empty((n_angles, {LANES}))")
-        text.open(f"for i0 in range(0, n, {LANES}):")
-        text.add(f"lanes = min({LANES}, n - i0)")
+        text.open(f"for i0 in range(0, n_designs, {LANES}):")
+        text.add(f"lanes = min({LANES}, n_designs - i0)")
         self.write_design_loop()
         if self.curves or self.cycles:
             if self.plan.lanes == "designs":
@@ -83,7 +83,7 @@ class _Writer(KernelLayout):
         """Append the entries of a linear system, into its place for branch number k."""
         start, width = k * self.system_size(system), len(system.unknowns) + 1
         paste_system(
-            system, values, suffix, self.text, lambda r, c: f"m[{(start + r * width + c) * LANES} + i]"
+            system, values, suffix, self.text, lambda r, c: f"w2[{(start + r * width + c) * LANES} + i]"
         )
 
     def write_design_loop(self) -> None:
@@ -159,14 +159,14 @@ class _Writer(KernelLayout):
         for r, unknown in enumerate(system.unknowns):
             for suffix, k in self.suffixes(unknown):
                 self.text.add(
-                    f"{unknown}{suffix} = m[{(k * self.system_size(system) + r * (n + 1) + n) * LANES} + i]"
+                    f"{unknown}{suffix} = w2[{(k * self.system_size(system) + r * (n + 1) + n) * LANES} + i]"
                 )
 
     def write_solve(self, system: System) -> None:
         self.text.imports.setdefault("fastlink.kernels.dense", set()).add("solve_lanes")
         for _, k in self.suffixes(system.unknowns[0]):
             start, size = k * self.system_size(system), len(system.unknowns)
-            self.text.add(f"solve_lanes(m.reshape(m.size // {LANES}, {LANES}), {start}, {size})")
+            self.text.add(f"solve_lanes(w2.reshape(w2.size // {LANES}, {LANES}), {start}, {size})")
 
     def write_updates(self) -> None:
         """Take the values of this angle into the accumulators."""
