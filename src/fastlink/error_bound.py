@@ -12,7 +12,7 @@ from dataclasses import replace
 from typing import Any
 
 from fastlink.derivative import made_function
-from fastlink.error_paths import is_smooth, rounds, slopes_of
+from fastlink.error_paths import Paths, is_smooth
 from fastlink.error_rules import Bound, Lost, Rules, U
 from fastlink.errors import InputError
 from fastlink.fact import Fact, Input, System
@@ -161,27 +161,15 @@ class ErrorBounds:
 
     def _along_paths(self, name: str) -> tuple[Node, dict[Node, str]]:
         """Return the sum over all roundings of what each does to a fact, and the values on the way as names."""
-        graph, rules = self.graph, self.rules
         order: list[str] = []
         self._visit(name, order)
-        slopes, own, total = {name: graph.one}, dict[Node, str](), graph.zero
+        paths, own = Paths(self.rules, self.graph.name(name)), dict[Node, str]()
         for of in reversed(order):
             value = self._value(self.found(of))
+            paths.follow(self.graph.name(of), value)
             if value.kind not in ("name", "number", "neg"):
                 own[value] = of
-            for node, slope in slopes_of(rules, value, slopes.pop(of)).items():
-                if node.kind == "name":
-                    need = node.value
-                    slopes[need] = graph.add(slopes[need], slope) if need in slopes else slope
-                elif rounds(rules, node):
-                    total = graph.add(
-                        total, rules.error(graph.mul(slope, node), replace(rules.exact, relative=1.0))
-                    )
-        for need, slope in slopes.items():
-            source = graph.name(need)
-            error = rules.error(source, rules.settled(source))
-            total = graph.add(total, graph.mul(rules.size(slope), error))
-        return total, own
+        return paths.total(), own
 
     def _visit(self, name: str, order: list[str]) -> None:
         """Append to the order a fact and the sums of products that it is made of, each after what it needs."""
