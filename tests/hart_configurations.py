@@ -4,6 +4,17 @@ from __future__ import annotations
 
 import numpy as np
 
+import fastlink as fl
+from fastlink.mechanisms import catalogue
+
+HART = catalogue("hart")
+INPUTS = ("m", "n", "d", "kappa", "phi")
+#: The linkage of Figures 6 and 7.
+WUNDERLICH = {"m": 4.0, "n": 8.0, "d": 6.0, "kappa": 0.5}
+MEASURES = ("F_deviation", "closure_residual")
+QUANTITIES = [name for name, fact in HART.public.items() if not fact.flags and name not in MEASURES]
+# There though the loop does not close.
+OF_THE_CRANK = {"A_x", "A_y", "P_x", "P_y"}
 FAMILIES = [
     *("random", "kappa 1e-3", "kappa 1e-9", "near 1 1e-3", "near 1 1e-9", "near 1 1e-15"),
     *("kite 0", "kite 1e-9", "kite 1e-13", "gap 1e-4", "gap 1e-9", "toggle 1e-3", "toggle 1e-9"),
@@ -13,7 +24,7 @@ FAMILIES = [
 
 def family(kind: str, rng: np.random.Generator, n: int) -> dict[str, np.ndarray]:
     """Return configurations that assemble at phi in one branch or the other, most of them."""
-    name, *_, size = (kind.split(" ") if " " in kind else (kind, "1"))
+    name, *_, size = kind.split(" ") if " " in kind else (kind, "1")
     m, n_, kappa = rng.uniform(0.3, 2.0, n), rng.uniform(0.3, 2.0, n), some_kappa(rng, n)
     sign = rng.choice([-1.0, 1.0], n)
     if name == "kappa":
@@ -49,3 +60,9 @@ def some_kappa(rng: np.random.Generator, n: int) -> np.ndarray:
     """Values of kappa of either sign, below and above 1."""
     below = rng.uniform(0.1, 0.9, n)
     return np.where(rng.random(n) < 0.6, below, 1.0 / below) * rng.choice([-1.0, 1.0], n)
+
+
+def at(names, **given):
+    """Evaluate at one input position unless it is given; what cannot be is NaN."""
+    with np.errstate(all="ignore"):
+        return fl.evaluate("hart", names, **({"phi": 1.0} | given))

@@ -107,15 +107,15 @@ borrow(hart, planar_4r, _NAMES, "bar_", _SAID)
 
 
 @hart.quantity(units="m", symbol="m", source=POSITION, internal=True)
-def m_along(m: Any, side: Any) -> Any:
+def m_along(m: Any, side: Any, valid: Any) -> Any:
     """Length of MP along MA, with a sign."""
-    return side * m
+    return select(valid == 1.0, side * m, NOT_A_NUMBER)
 
 
 @hart.quantity(units="1", symbol="p - q", source=POSITION, internal=True)
-def PF_along(past_Z0: Any, past_C0: Any) -> Any:
-    """PF over m, x."""
-    return past_Z0 - past_C0
+def PF_along(past_Z0: Any, past_C0: Any, sigma: Any) -> Any:
+    """PF over m, x; NaN where the loop does not close."""
+    return select(sigma >= 0.0, past_Z0 - past_C0, NOT_A_NUMBER)
 
 
 @hart.quantity(units="1", symbol="2 s sigma", source=POSITION, internal=True)
