@@ -8,13 +8,14 @@ from __future__ import annotations
 
 from typing import Any
 
-from fastlink.jit import inlined, select
+from fastlink.jit import compiled_as, context_of, inlined, select, sqrt
 
 __all__ = [
     "cross",
     "gap",
     "gap_product_quotient",
     "largest",
+    "magnitude",
     "pair_product",
     "power_of_two_below",
     "sign",
@@ -27,6 +28,8 @@ __all__ = [
 # Veltkamp's constant splits a double into two halves of 26 bits, whose products are exact.
 SPLITTER = 134217729.0
 UNIT_ROUNDING = 2.0**-53
+# `power_of_two_below` overflows from 2^971 on; what underflows instead is as small as LEAST.
+LARGE, SMALL, LEAST = 2.0**60, 2.0**-60, 2.0**-1000
 
 
 @inlined
@@ -112,6 +115,22 @@ def largest(a: Any, b: Any, c: Any, d: Any) -> Any:
 def zero_where(condition: Any, x: Any) -> Any:
     """Return x, 0 where the condition says that it is zero within rounding; its derivative is that of x."""
     return select(condition, 0.0, x)
+
+
+@inlined
+def _scaled_magnitude(x: Any, y: Any) -> Any:
+    size = LARGE * power_of_two_below(SMALL * abs(x) + SMALL * abs(y))
+    size = select(size == 0.0, LEAST, size)
+    u = x / size
+    v = y / size
+    return size * sqrt(u * u + v * v)
+
+
+@compiled_as(_scaled_magnitude)
+def magnitude(x: Any, y: Any) -> Any:
+    """Return the length of the vector (x, y), whose squares may lie beyond all doubles."""
+    context = context_of(x, y)
+    return _scaled_magnitude(x, y) if context is None else context.sqrt(x * x + y * y)
 
 
 @inlined

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from fastlink.fact import parameters, statements
-from fastlink.jit import atan2, cosine, select, sine, sqrt
+from fastlink.jit import TEXTS, atan2, cosine, select, sine, sqrt
 from fastlink.logarithm import log, log1p, log_scaled
 
 __all__ = ["Graph", "Node", "is_power_of_two"]
@@ -202,7 +202,7 @@ class Graph:
             return self.select(*args)
         if function in self._kept:
             return self.call(function, *args)
-        return self.read(function, args)
+        return self.read(TEXTS.get(function, function), args)
 
     # -- writing ---------------------------------------------------------------------------------
 

@@ -31,6 +31,9 @@ INLINE_OPTIONS: dict[str, Any] = {"error_model": "numpy", "forceinline": True}
 
 F = TypeVar("F", bound=Callable[..., Any])
 
+#: The straight-line text of a function that is compiled as another one.
+TEXTS: dict[Callable[..., Any], Callable[..., Any]] = {}
+
 
 def inlined(function: F) -> F:
     """Make a straight-line function callable from kernels; a call leaves no trace there.
@@ -46,6 +49,7 @@ def compiled_as(text: Callable[..., Any]) -> Callable[[F], F]:
 
     def declare(function: F) -> F:
         overload(function, jit_options=INLINE_OPTIONS, strict=False)(lambda *types: text)
+        TEXTS[function] = text
         return function
 
     return declare

@@ -9,8 +9,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from fastlink.geometry import cross
-from fastlink.jit import sqrt
+from fastlink.geometry import cross, magnitude
 from fastlink.mechanisms.planar_4r.declare import HAYES, planar_4r
 
 REACTIONS = f"{HAYES}, eq. (9)"
@@ -256,9 +255,9 @@ def T41(A_x: Any, A_y: Any, F21_x: Any, F21_y: Any) -> Any:
     return A_y * F21_x - A_x * F21_y
 
 
-def magnitude(x: Any, y: Any) -> Any:
+def force_magnitude(x: Any, y: Any) -> Any:
     """Length of a vector."""
-    return sqrt(x * x + y * y)
+    return magnitude(x, y)
 
 
 for _name, _symbol, _meaning in (
@@ -274,7 +273,7 @@ for _name, _symbol, _meaning in (
         name=_name,
         meaning=f"{_meaning}, magnitude",
         given={"x": f"{_name}_x", "y": f"{_name}_y"},
-    )(magnitude)
+    )(force_magnitude)
 
 
 @planar_4r.quantity(units="W", symbol="P_in", source=f"{REACTIONS}, T_41 omega_1")

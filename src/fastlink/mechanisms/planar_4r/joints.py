@@ -96,9 +96,9 @@ def joint_angle_4(DB_x: Any, DB_y: Any) -> Any:
 
 
 @planar_4r.quantity(units="1", symbol="v_1", source=JOINTS)
-def v1(half_sine: Any, Z: Any) -> Any:
+def v1(half_sine: Any, C: Any) -> Any:
     """Tangent of half the first joint angle, -cot(theta1/2)."""
-    return select(Z == 0.0, INFINITY, -half_sine / Z)
+    return select(half_sine == 0.0, INFINITY, -C / half_sine)
 
 
 @planar_4r.quantity(units="1", symbol="v_2", source=JOINTS)

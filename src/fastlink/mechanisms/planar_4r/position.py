@@ -9,10 +9,12 @@ from __future__ import annotations
 from typing import Any
 
 from fastlink.geometry import largest
-from fastlink.jit import atan2, cos, sin, sqrt
+from fastlink.jit import atan2, cos, select, sin, sqrt
 from fastlink.mechanisms.planar_4r.declare import HAYES, NUMERICS, planar_4r
 
 POSITION = f"{NUMERICS}#position"
+#: Below it the folded position of a change point is not told from its neighbours.
+LEAST_ANGLE = 2.0**-500
 
 
 @planar_4r.table(symbol="cos theta_1", source=POSITION)
@@ -29,8 +31,8 @@ def sin_theta1(theta1: Any) -> Any:
 
 @planar_4r.table(symbol="Z", source=POSITION, low="Z_low")
 def Z(theta1: Any) -> Any:
-    """Squared sine of half the input angle."""
-    return sin(theta1 / 2) * sin(theta1 / 2)
+    """Squared sine of half the input angle; 0 where it would be a number of few digits."""
+    return select(abs(theta1) < LEAST_ANGLE, 0 * theta1, sin(theta1 / 2) * sin(theta1 / 2))
 
 
 @planar_4r.table(symbol="C", source=POSITION, low="C_low")

@@ -9,7 +9,7 @@ from typing import Any
 
 from fastlink.geometry import cross
 from fastlink.mechanisms.planar_4r.declare import HAYES, planar_4r
-from fastlink.mechanisms.planar_4r.forces import CENTRES, magnitude
+from fastlink.mechanisms.planar_4r.forces import CENTRES, force_magnitude
 
 SHAKING = f"{HAYES}, section 5"
 
@@ -33,7 +33,7 @@ planar_4r.quantity(
     name="shaking_force",
     meaning="Shaking force on the ground, magnitude",
     given={"x": "shaking_force_x", "y": "shaking_force_y"},
-)(magnitude)
+)(force_magnitude)
 
 
 @planar_4r.quantity(units="N m", symbol="dL_2/dt", source=SHAKING, internal=True)
