@@ -1,0 +1,53 @@
+"""Every extreme case of every mechanism: a value within its tolerance, or none and the right flag."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import fastlink as fl
+from extreme.case import Mechanism, evaluated, outcomes
+from extreme.planar import PLANAR_4R
+
+MECHANISMS = {mechanism.catalogue.name: mechanism for mechanism in (PLANAR_4R,)}
+FAMILIES = [(name, family) for name, mechanism in MECHANISMS.items() for family in mechanism.families]
+STRESS = pytest.param(True, marks=pytest.mark.stress, id="full")
+
+
+@pytest.mark.parametrize("full", [pytest.param(False, id="small"), STRESS])
+@pytest.mark.parametrize(("name", "family"), FAMILIES)
+def test_what_comes_out(name, family, full):
+    mechanism = MECHANISMS[name]
+    cases = mechanism.families[family](full)
+    found = evaluated(mechanism, cases)
+    flags = mechanism.catalogue.facts["status"].flags
+    seen: set[str] = set()
+    for i, case in enumerate(cases):
+        for branch in mechanism.catalogue.branches:
+            values = {quantity: array[i] for quantity, array in found[branch].items()}
+            assert flags[int(values["status"])] == case.status, case.name
+            result = outcomes(mechanism, case, branch, values)
+            wrong = {quantity: outcome for quantity, outcome in result.items() if not outcome.right}
+            assert not wrong, (case.name, branch)
+            seen.update(outcome.what for outcome in result.values())
+    assert "value" in seen
+
+
+@pytest.mark.parametrize("name", MECHANISMS)
+def test_compiled_sweeps_have_the_same_bits(name):
+    """All cases as one table of designs, over the positions of all."""
+    mechanism = MECHANISMS[name]
+    cases = [case for make in mechanism.families.values() for case in make(False)]
+    position = mechanism.catalogue.position.name
+    positions, places = np.unique([case.inputs[position] for case in cases], return_inverse=True)
+    names = [name for name in cases[0].inputs if name != position]
+    designs = fl.table({name: np.array([case.inputs[name] for case in cases]) for name in names})
+    swept = fl.sweep(name, designs, mechanism.quantities, threads=2, **{position: positions})
+    expected = evaluated(mechanism, cases)
+    for quantity in mechanism.quantities:
+        found = swept[quantity].transpose("design", ...).values
+        for k, branch in enumerate(mechanism.catalogue.branches):
+            dims = swept[quantity].dims
+            one = found[:, k] if "branch" in dims else found
+            one = one[np.arange(len(cases)), places] if position in dims else one
+            np.testing.assert_array_equal(one, expected[branch][quantity], err_msg=quantity)
