@@ -111,6 +111,9 @@ def make_plans(
         A name is unknown or asked twice, an input is not given, or a quantity cannot be refined.
     """
     requests = [parse_request(name, catalogue) for name in names]
+    for request in requests:
+        if request.name in given:
+            raise InputError(f"quantity {request.name!r} is given, and a coordinate of the result: leave it out")
     searches: dict[str, Search] = {}
     refined: set[str] = set()
     for request in requests:
