@@ -54,7 +54,7 @@ def valid(lengths_are_valid: Any, K: Any) -> Any:
 
 
 @hart.quantity(units="1", symbol="sgn lambda", source=NUMERICS, internal=True)
-def side(K: Any) -> Any:
+def lambda_sign(K: Any) -> Any:
     """1 where P lies on the ray from M through A, -1 where it lies beyond M; and alike for Q."""
     return select(K < 1.0, 1.0, -1.0)
 
@@ -72,7 +72,7 @@ def product(x: Any, y: Any) -> Any:
 for _name, _meaning, _law, _given in (
     ("minus_K", "-K", opposite, {"x": "K"}),
     ("minus_s_n", "minus the scaled length n", opposite, {"x": "s_n"}),
-    ("e", "d, or -d where K > 1, scaled", product, {"x": "side", "y": "s_d"}),
+    ("e", "d, or -d where K > 1, scaled", product, {"x": "lambda_sign", "y": "s_d"}),
     ("minus_e", "-e", opposite, {"x": "e"}),
 ):
     hart.quantity(

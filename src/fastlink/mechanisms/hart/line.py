@@ -68,9 +68,9 @@ for _name, _equation, _meaning, _law, _ratio, _length in (
 @hart.quantity(
     units="m", symbol="x", source=f"{WUNDERLICH}, eq. (7.5), corrected: {PAGE}#where-the-paper-differs"
 )
-def line_x(m: Any, side: Any, Z0: Any, Z0_low: Any, C0: Any, C0_low: Any, assembles: Any) -> Any:
+def line_x(m: Any, lambda_sign: Any, Z0: Any, Z0_low: Any, C0: Any, C0_low: Any, assembles: Any) -> Any:
     """Where the line of F crosses MN, from M: d/2 + (1 - kappa^2)(m^2 - n^2)/(2 d)."""
-    return select(assembles == 1.0, side * m * ((C0 - Z0) + (C0_low - Z0_low)), NOT_A_NUMBER)
+    return select(assembles == 1.0, lambda_sign * m * ((C0 - Z0) + (C0_low - Z0_low)), NOT_A_NUMBER)
 
 
 # -- the stroke -----------------------------------------------------------------------------------------------
@@ -109,11 +109,11 @@ def stroke(F_y_outer: Any, F_y_inner: Any, m: Any, n: Any, K: Any) -> Any:
 
 @hart.quantity(units="1", symbol="kite", source=KITE, flags=KITE_FLAGS)
 def is_kite(
-    near_sum_excess: Any, far_difference_excess: Any, far_difference: Any, side: Any, valid: Any
+    near_sum_excess: Any, far_difference_excess: Any, far_difference: Any, lambda_sign: Any, valid: Any
 ) -> Any:
     """Whether MABN is a kite, so that F's line passes through M (a = c, b = d), or through N (b = c, a = d)."""
     kite = (near_sum_excess == 0.0) & (far_difference_excess == 0.0) & (valid == 1.0)
-    return select(kite, select(far_difference * side < 0.0, 1.0, 2.0), 0.0)
+    return select(kite, select(far_difference * lambda_sign < 0.0, 1.0, 2.0), 0.0)
 
 
 @hart.quantity(units="m", symbol="a", source=KITE)
@@ -135,7 +135,7 @@ hart.quantity(
     internal=True,
     name="sure_A1",
     meaning="factor A1 of MABN over 1 + K",
-    given={"x": "side", "y": "near_sum_less"},
+    given={"x": "lambda_sign", "y": "near_sum_less"},
 )(product)
 
 

@@ -107,9 +107,9 @@ borrow(hart, planar_4r, _NAMES, "bar_", _SAID)
 
 
 @hart.quantity(units="m", symbol="m", source=POSITION, internal=True)
-def m_along(m: Any, side: Any, valid: Any) -> Any:
+def m_along(m: Any, lambda_sign: Any, valid: Any) -> Any:
     """Length of MP along MA, with a sign."""
-    return select(valid == 1.0, side * m, NOT_A_NUMBER)
+    return select(valid == 1.0, lambda_sign * m, NOT_A_NUMBER)
 
 
 @hart.quantity(units="1", symbol="p - q", source=POSITION, internal=True)
@@ -212,7 +212,7 @@ def omega_angle(sine_part: Any, cosine_part: Any, kappa: Any) -> Any:
     return atan2(sign * sine_part + 0.0, sign * cosine_part)
 
 
-@hart.quantity(units="1", symbol="dF_y/dphi", source=f"{PAGE}#rates")
+@hart.quantity(units="m rad-1", symbol="dF_y/dphi", source=f"{PAGE}#rates")
 def dF_y_dphi(m_along: Any, sine_part: Any, per_sigma: Any, branch_sign: Any) -> Any:
     """Rate of F along its line by the direction of MA."""
     return -(branch_sign * (0.5 * m_along * (sine_part * per_sigma)))
