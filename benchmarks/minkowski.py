@@ -34,7 +34,7 @@ def designs(n, seed=0):
 
 DESIGN = (
     *("inner_limit", "inner_limit_low", "outer_limit", "outer_limit_low", "ground_share", "ground_share_low"),
-    *("CB_inner", "CB_outer", "product_one", "product_two", "a_one", "a_two", "s_b"),
+    *("CB_inner", "CB_outer", "product_two", "a_two", "b_share"),
 )
 TABLES = ("side", "twos", "r", "S_r", "S_r_low", "p_r", "p_r_low", "per_p", "per_p_low")
 
@@ -45,12 +45,10 @@ def constants(x):
     return {name: found[name][:, None] for name in DESIGN}
 
 
-def difference(limit, limit_low, r, table, table_low, two):
-    """Return table two - limit r, both with what rounding left out."""
-    found = two * table_low
-    found -= limit_low * r
-    high = two * table
-    high -= limit * r
+def difference(limit, limit_low, r, table, table_low):
+    """Return table - limit r, both with what rounding left out."""
+    found = table_low - limit_low * r
+    high = table - limit * r
     high += found
     return high
 
@@ -58,24 +56,18 @@ def difference(limit, limit_low, r, table, table_low, two):
 def null_piece(o, tables, psi, orientation):
     """Put psi and orientation (design, branch, theta) of a few designs: the closed forms of the mechanism."""
     side, twos, r, S_r, S_r_low, p_r, p_r_low, per_p, per_p_low = tables
-    inside = difference(o["inner_limit"], o["inner_limit_low"], r, S_r, S_r_low, o["product_two"])
-    outside = difference(o["outer_limit"], o["outer_limit_low"], r, S_r, S_r_low, o["product_two"])
-    alpha = difference(o["ground_share"], o["ground_share_low"], r, p_r, p_r_low, o["a_two"])
-    alpha *= -o["a_one"] * o["s_b"]
-    beta = difference(o["ground_share"], o["ground_share_low"], 1.0, per_p, per_p_low, o["a_two"])
-    beta *= -o["a_one"] * o["s_b"]
+    S_r, S_r_low = o["product_two"] * S_r, o["product_two"] * S_r_low
+    inside = difference(o["inner_limit"], o["inner_limit_low"], r, S_r, S_r_low)
+    outside = difference(o["outer_limit"], o["outer_limit_low"], r, S_r, S_r_low)
+    alpha = difference(o["ground_share"], o["ground_share_low"], r, p_r, p_r_low)
+    alpha *= -o["a_two"] * o["b_share"]
+    beta = difference(o["ground_share"], o["ground_share_low"], 1.0, per_p, per_p_low)
+    beta *= -o["a_two"] * o["b_share"]
     within = inside <= 0.0  # minus what the mechanism calls inside
-    closes = within | (outside >= 0.0)
-    half = o["product_one"] * outside
-    half -= o["CB_outer"] * r
-    inner = o["product_one"] * inside
-    inner -= o["CB_inner"] * r
-    half = np.where(within, inner, half)
-    np.sqrt(np.abs(inside, out=inside), out=inside)
-    np.sqrt(np.abs(outside, out=outside), out=outside)
+    half = np.where(within, inside - o["CB_inner"] * r, outside - o["CB_outer"] * r)
     inside *= outside
-    inside *= o["product_one"]
-    total = np.copysign(np.where(closes, inside, np.nan), half)
+    np.sqrt(inside, out=inside)  # NaN where the loop does not close
+    total = np.copysign(inside, half)
     total += half  # of the sum that does not cancel; the other root by Vieta
     roots = total / beta, np.divide(alpha, total, out=alpha)
     shift = twos * np.log(2.0)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import itertools
+
 import mpmath as mp
 import numba
 import numpy as np
@@ -76,13 +78,59 @@ def test_mpmath_reads_zero_and_below_alike():
         assert mp.isnan(function(mp.mpf(edge) - 1))
 
 
-def test_log_scaled_reaches_beyond_the_range_of_doubles():
+@numba.njit(error_model="numpy")
+def quotients(x, y, twos, logs, signs):
+    for i in range(x.size):
+        logs[i] = logarithm.log_quotient(x[i], y[i], twos[i])
+        signs[i] = logarithm.quotient_sign(x[i], y[i])
+
+
+def both_quotients(x, y, twos):
+    logs, signs = np.empty_like(x), np.empty_like(x)
+    quotients(x, y, twos, logs, signs)
+    np.testing.assert_array_equal(logs, logarithm.log_quotient(x, y, twos))
+    np.testing.assert_array_equal(signs, logarithm.quotient_sign(x, y))
+    return logs, signs
+
+
+def test_the_logarithm_of_a_quotient_is_within_three_units_in_the_last_place():
+    """Near 1, near the change of the power of two, over all exponents, and beyond the range of doubles."""
     rng = np.random.default_rng(6)
+    near = 1.0 + rng.normal(0.0, 1e-9, 1000)
+    x = np.concatenate([near, rng.uniform(0.5, 2.0, 3000), 2.0 ** rng.uniform(-1020.0, 1021.0, 1000)])
+    y = np.concatenate(
+        [rng.permutation(near), rng.uniform(0.5, 2.0, 3000), 2.0 ** rng.uniform(-1020.0, 1021.0, 1000)]
+    )
+    x *= rng.choice([-1.0, 1.0], x.size)
+    twos = np.where(rng.random(x.size) < 0.3, rng.integers(-(2**20), 2**20, x.size), 0) * 1.0
+    logs, signs = both_quotients(x, y, twos)
+    np.testing.assert_array_equal(signs, np.sign(x))
     with mp.workdps(40):
-        for x, twos in zip(np.exp(rng.uniform(-3, 3, 300)), rng.integers(-(2**20), 2**20, 300), strict=True):
-            exact = mp.log(mp.mpf(float(x))) + int(twos) * mp.ln2
-            got = logarithm.log_scaled(float(x), float(twos))
-            assert abs(mp.mpf(float(got)) - exact) <= 2 * np.spacing(abs(float(exact)))
+        for a, b, k, value in zip(x, y, twos, logs, strict=True):
+            exact = mp.log(abs(mp.mpf(float(a)) / mp.mpf(float(b)))) + int(k) * mp.ln2
+            assert abs(mp.mpf(float(value)) - exact) <= 3 * np.spacing(abs(float(exact)))
+            assert logarithm.log_quotient(mp.mpf(float(a)), mp.mpf(float(b)), int(k)) == exact
+            assert logarithm.quotient_sign(mp.mpf(float(a)), mp.mpf(float(b))) == mp.sign(a)
+
+
+def test_a_quotient_beyond_its_range_has_no_logarithm_and_no_sign():
+    inside = [2.0**-1021, -1.0, np.nextafter(2.0**1022, 0.0)]
+    outside = [0.0, -0.0, np.nextafter(2.0**-1021, 0.0), 5e-324, 2.0**1022, np.inf, -np.inf, np.nan]
+    for wrong, right in itertools.product(outside, inside):
+        logs, signs = both_quotients(
+            np.array([wrong, right, wrong]), np.array([right, wrong, wrong]), np.zeros(3)
+        )
+        assert np.isnan(logs).all()
+        assert (signs == 0.0).all()
+    logs, signs = both_quotients(
+        *map(np.array, zip(*itertools.product(inside, inside), strict=True)), np.zeros(9)
+    )
+    assert np.isfinite(logs).all()
+    assert (abs(signs) == 1.0).all()
+    one = mp.mpf(1)
+    for zero in ((0 * one, one), (one, 0 * one), (mp.nan, one)):
+        assert mp.isnan(logarithm.log_quotient(*zero, 0))
+        assert logarithm.quotient_sign(*zero) == 0
 
 
 def test_the_loop_vectorises_and_calls_nothing():

@@ -19,7 +19,7 @@ from fastlink.errors import InputError
 from fastlink.fact import Fact, Input, System
 from fastlink.graph import Graph, Node, is_power_of_two
 from fastlink.jit import INFINITY, NOT_A_NUMBER, atan2, cosine, select, sine, sqrt
-from fastlink.logarithm import log, log1p, log_scaled
+from fastlink.logarithm import log, log1p, log_quotient
 
 __all__ = ["Derivation", "NoDerivative", "derivative_name", "labelled", "made_function"]
 
@@ -256,8 +256,10 @@ class Derivation:
             return graph.mul(graph.call(cosine, *args), slopes[0])
         if function is cosine:
             return graph.neg(graph.mul(graph.call(sine, *args), slopes[0]))
-        if function in (log, log_scaled):
+        if function is log:
             return graph.div(slopes[0], args[0])
+        if function is log_quotient:
+            return graph.sub(graph.div(slopes[0], args[0]), graph.div(slopes[1], args[1]))
         if function is log1p:
             return graph.div(slopes[0], graph.add(graph.one, args[0]))
         if function is atan2:
@@ -302,7 +304,7 @@ FUNCTIONS: dict[str, Any] = {
     "sine": sine,
     "log": log,
     "log1p": log1p,
-    "log_scaled": log_scaled,
+    "log_quotient": log_quotient,
     "select": select,
     "INFINITY": INFINITY,
     "NOT_A_NUMBER": NOT_A_NUMBER,

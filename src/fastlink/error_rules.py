@@ -22,7 +22,7 @@ from fastlink.geometry import (
 )
 from fastlink.graph import Graph, Node, is_power_of_two
 from fastlink.jit import PI, atan2, cos, cosh, cosine, doubled, doublings, exp, select, sin, sine, sinh, sqrt
-from fastlink.logarithm import arsinh, log1p, log_scaled
+from fastlink.logarithm import arsinh, log1p, log_quotient
 
 __all__ = ["UNIT", "Bound", "Lost", "Rules", "U"]
 
@@ -90,8 +90,8 @@ def of_logarithm(x: Any, e: Any) -> Any:
 #: Calls that remain calls, and the error of an unevaluated sum (high, low) that they return: roundings of the sum.
 #: Of `gap` the last addition of low words rounds, of the others products of low words are left out; see the tests.
 WORDS = {two_sum: 0.0, two_product: 0.0, gap: 4.0 * U, pair_product: 8.0 * U, gap_product_quotient: 16.0 * U}
-#: Elementary functions: two (arsinh: three) units in the last place are four (six) roundings.
-ARCTANGENT, LOGARITHM, ARSINH, COSINE = 4.0, 4.0, 6.0, 4.0
+#: Elementary functions: two (arsinh, log_quotient: three) units in the last place are four (six) roundings.
+ARCTANGENT, LOGARITHM, LOG_QUOTIENT, ARSINH, COSINE = 4.0, 4.0, 6.0, 6.0, 4.0
 #: Near its zeros what reduces a direction to a quarter turn is left: multiples of 2^-104.
 REDUCTION = 2.0**-103
 #: Tabled with 40 digits and rounded once.
@@ -276,7 +276,7 @@ class Rules:
             return self._of_direction(node)
         if function is arsinh:  # of x >= 0, where its slope times x is at most its value
             return Bound(a.relative + ARSINH, a.rest, positive=True)
-        if function in (log_scaled, log1p):
+        if function in (log_quotient, log1p):
             return self._of_logarithm(node)
         assert function in (sine, cosine)
         return Bound(COSINE, graph.add(graph.number(REDUCTION), self.error(x, a)))
@@ -310,21 +310,21 @@ class Rules:
         return Bound(a.relative + b.relative + ARCTANGENT, rest, positive=a.positive)
 
     def _of_logarithm(self, node: Node) -> Bound:
-        x, graph = node.args[0], self.graph
-        a = self.settled(x)
-        if node.value is log1p:
-            # of x >= 0 the slope times x is at most the value
-            share = a.relative if a.positive else 0.0
-            error = a.rest if a.positive else self.error(x, a)
-            place, constant = graph.add(graph.one, x), 0.0
-        else:
-            share, error, place, constant = 0.0, a.rest, self.size(x), UNIT * a.relative
-        rest = error if error is graph.zero else graph.read(of_logarithm, [place, error])
-        return Bound(
-            share + LOGARITHM,
-            graph.add(rest, graph.number(constant)),
-            positive=a.positive and node.value is log1p,
-        )
+        graph, shift = self.graph, node.value is log1p
+        share, rest, positive = (0.0 if shift else LOG_QUOTIENT - LOGARITHM), graph.zero, False
+        for x in node.args[:2]:  # the third is a whole number
+            a = self.settled(x)
+            place, error = self.size(x), a.rest
+            if shift and a.positive:  # the slope times x is at most the value
+                share, positive = a.relative, True
+            elif shift:
+                error = self.error(x, a)
+            else:
+                rest = graph.add(rest, graph.number(UNIT * a.relative))
+            if error is not graph.zero:
+                place = graph.add(graph.one, x) if shift else place
+                rest = graph.add(rest, graph.read(of_logarithm, [place, error]))
+        return Bound(share + LOGARITHM, rest, positive=positive)
 
 
 def _times(lost: Lost, number: float) -> dict[Node, tuple[float, Node]]:

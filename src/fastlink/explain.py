@@ -35,7 +35,7 @@ OPERATIONS = {
 #: When the function of a kernel runs that evaluates at any place of the graded range.
 PLACES = "each step of a search; each sample where these are not listed"
 CALLS = {"select": "choices", "sqrt": "sqrt", "abs": "+ -"}
-ELEMENTARY = ("atan2", "cosine", "sine", "log_scaled", "arsinh")
+ELEMENTARY = ("atan2", "cosine", "sine", "log_quotient", "arsinh")
 KINDS = ("+ -", "*", "/", "sqrt", "choices", "atan2, log, cos", "loads", "stores")
 
 

@@ -13,7 +13,7 @@ from typing import Any
 
 from fastlink.fact import parameters, statements
 from fastlink.jit import TEXTS, atan2, cosine, select, sine, sqrt
-from fastlink.logarithm import log, log1p, log_scaled
+from fastlink.logarithm import log, log1p, log_quotient
 
 __all__ = ["Graph", "Node", "is_power_of_two"]
 
@@ -44,7 +44,7 @@ class Graph:
 
     def __init__(self, kept: Collection[Any]) -> None:
         self._nodes: dict[tuple[Any, ...], Node] = {}
-        self._kept = {sqrt, atan2, cosine, sine, log, log1p, log_scaled, abs, *kept}
+        self._kept = {sqrt, atan2, cosine, sine, log, log1p, log_quotient, abs, *kept}
         self.zero, self.one = self.number(0.0), self.number(1.0)
 
     def node(self, kind: str, *args: Node, value: Any = None) -> Node:

@@ -12,24 +12,28 @@ import numpy as np
 
 from fastlink.jit import INFINITY, NOT_A_NUMBER, compiled_as, context_of, inlined, select, sqrt
 
-__all__ = ["arsinh", "log", "log1p", "log_scaled"]
+__all__ = ["arsinh", "log", "log1p", "log_quotient", "quotient_sign"]
 
-# Minimax coefficients of (log((1 + s)/(1 - s))/s - 2)/s^2 in s^2 for |s| <= tanh(log(2)/4): 2^-58.5 of the logarithm.
+# Minimax coefficients of (log((1 + s)/(1 - s))/s - 2)/s^2 in s^2 for |s| <= 0.2005: 2^-55.8 of the logarithm.
 LOG_COEFFICIENTS = (
-    0.6666666666666734,
-    0.39999999999414687,
-    0.28571428742385296,
-    0.22222198573435217,
-    0.18183564312537193,
-    0.15314050911953672,
-    0.14795945995518506,
+    0.666666666666729,
+    0.39999999996057706,
+    0.2857142941420829,
+    0.2222213693929062,
+    0.18186420619325075,
+    0.1524888774956877,
+    0.15378368156080974,
 )
 (_L0, _L1, _L2, _L3, _L4, _L5, _L6) = LOG_COEFFICIENTS
 # log(2) = high + low; high has 32 bits, so that multiples of it up to 2^21 are exact.
 LN_2_HIGH = float.fromhex("0x1.62e42feep-1")
 LN_2_LOW = float.fromhex("0x1.a39ef35793c76p-33")
+LN_2 = LN_2_HIGH + LN_2_LOW
 # Beyond it sqrt(1 + x x) is x, and x x may overflow.
 LARGE = 2.0**500
+# The bits of 2^-1021, and how far those of 2^1022 are: between them a number is brought near another by its exponent.
+BITS_OF_LEAST, BITS_OF_RANGE = 2 << 52, np.uint64(2043 << 52)
+HALF_A_DOUBLING = 1 << 51
 BITS_OF_ONE, BITS_OF_ROOT_HALF, FRACTION_BITS = 0x3FF0000000000000, 0x3FE6A09E667F3BCD, 0x000FFFFFFFFFFFFF
 
 
@@ -43,21 +47,52 @@ def _binary_parts(x: Any) -> Any:
 
 
 @inlined
+def _series(z: Any) -> Any:
+    """Return (log((1 + s)/(1 - s))/s - 2)/z for z = s s."""
+    z2 = z * z
+    return ((_L0 + _L1 * z) + (_L2 + _L3 * z) * z2) + ((_L4 + _L5 * z) + _L6 * z2) * (z2 * z2)
+
+
+@inlined
 def _log_of_parts(k: Any, f: Any, more: Any) -> Any:
     """Return k log(2) + log(1 + f) + more, for a small last term."""
     half_square = 0.5 * f * f
     s = f / (2.0 + f)
     z = s * s
-    z2 = z * z
-    series = ((_L0 + _L1 * z) + (_L2 + _L3 * z) * z2) + ((_L4 + _L5 * z) + _L6 * z2) * (z2 * z2)
-    return k * LN_2_HIGH + (((s * (half_square + series * z) + (k * LN_2_LOW + more)) - half_square) + f)
+    return k * LN_2_HIGH + (((s * (half_square + _series(z) * z) + (k * LN_2_LOW + more)) - half_square) + f)
 
 
 @inlined
-def _polynomial_log(x: Any, twos: Any) -> Any:
+def _polynomial_log(x: Any) -> Any:
     k, f = _binary_parts(x)
-    found = select(x < INFINITY, _log_of_parts(k + twos, f, 0.0), x)
+    found = select(x < INFINITY, _log_of_parts(k, f, 0.0), x)
     return select(x > 0.0, found, select(x == 0.0, -INFINITY, NOT_A_NUMBER))
+
+
+@inlined
+def _have_quotient(x_bits: Any, y_bits: Any) -> Any:
+    """Tell by the bits of two positive numbers whether both are in range."""
+    x_above, y_above = np.uint64(x_bits - BITS_OF_LEAST), np.uint64(y_bits - BITS_OF_LEAST)
+    return select(x_above > y_above, x_above, y_above) < BITS_OF_RANGE
+
+
+@inlined
+def _polynomial_log_quotient(x: Any, y: Any, twos: Any) -> Any:
+    x, y = np.float64(abs(x)), np.float64(abs(y))
+    x_bits, y_bits = x.view(np.int64), y.view(np.int64)
+    # The difference of the bits is that of the logarithms to 0.09 doublings: x/(2^k y) is between 1/1.51 and 1.51.
+    k = (x_bits - y_bits + HALF_A_DOUBLING) >> 52
+    near = np.int64(y_bits + (k << 52)).view(np.float64)
+    s = (x - near) / (x + near)
+    z = s * s
+    found = (k + twos) * LN_2 + ((s + s) + (s * z) * _series(z))
+    return select(_have_quotient(x_bits, y_bits), found, NOT_A_NUMBER)
+
+
+@inlined
+def _signed_quotient(x: Any, y: Any) -> Any:
+    found = _have_quotient(np.float64(abs(x)).view(np.int64), np.float64(abs(y)).view(np.int64))
+    return select(found, np.copysign(1.0, x) * np.copysign(1.0, y), 0.0)
 
 
 @inlined
@@ -73,14 +108,37 @@ def _polynomial_log1p(x: Any) -> Any:
 
 
 @compiled_as(_polynomial_log)
-def log_scaled(x: Any, twos: Any) -> Any:
-    """Natural logarithm of x times 2 to a whole number: of what may be beyond the range of doubles."""
+def log(x: Any) -> Any:
+    """Natural logarithm, within 2 units in the last place; -inf at zero, NaN below."""
     context = context_of(x)
     if context is not None:
         below = -context.inf if x == 0 else context.nan
-        return context.log(x) + twos * context.ln2 if x > 0 else below
+        return context.log(x) if x > 0 else below
     with np.errstate(all="ignore"):
-        return np.asarray(_polynomial_log(np.asarray(x, dtype=float), twos))[()]
+        return np.asarray(_polynomial_log(np.asarray(x, dtype=float)))[()]
+
+
+@compiled_as(_polynomial_log_quotient)
+def log_quotient(x: Any, y: Any, twos: Any) -> Any:
+    """Natural logarithm of abs(x/y) times 2 to a whole number; NaN unless both are between 2^-1021 and 2^1022.
+
+    One division takes the place of two, that of the quotient and that of its logarithm.
+    """
+    context = context_of(x, y)
+    if context is not None:
+        return context.nan if x == 0 or y == 0 else context.log(abs(x / y)) + twos * context.ln2
+    with np.errstate(all="ignore"):
+        x, y = np.asarray(x, dtype=float), np.asarray(y, dtype=float)
+        return np.asarray(_polynomial_log_quotient(x, y, twos))[()]
+
+
+@compiled_as(_signed_quotient)
+def quotient_sign(x: Any, y: Any) -> Any:
+    """1 or -1, the sign of x/y; 0 where `log_quotient` is NaN."""
+    context = context_of(x, y)
+    if context is not None:
+        return context.sign(x) * context.sign(y) if x == x and y == y else context.zero
+    return np.asarray(_signed_quotient(np.asarray(x, dtype=float), np.asarray(y, dtype=float)))[()]
 
 
 @compiled_as(_polynomial_log1p)
@@ -92,12 +150,6 @@ def log1p(x: Any) -> Any:
         return context.log1p(x) if x > -1 else below
     with np.errstate(all="ignore"):
         return np.asarray(_polynomial_log1p(np.asarray(x, dtype=float)))[()]
-
-
-@inlined
-def log(x: Any) -> Any:
-    """Natural logarithm, within 2 units in the last place; -inf at zero, NaN below."""
-    return log_scaled(x, 0.0)
 
 
 @inlined

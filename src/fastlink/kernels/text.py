@@ -20,6 +20,9 @@ if TYPE_CHECKING:
 
 __all__ = ["write_kernel"]
 
+# Angles between two loops of curves: what is kept between them stays in the first cache.
+TILE = 512
+
 
 class _Writer(KernelLayout):
     """One kernel while it is written."""
@@ -27,6 +30,7 @@ class _Writer(KernelLayout):
     def __init__(self, plan: Closure) -> None:
         super().__init__(plan)
         self.text = Text()
+        self.tile: list[str] = []
 
     def write(self) -> str:
         text = self.text
@@ -87,11 +91,16 @@ class _Writer(KernelLayout):
         )
 
     def write_design_loop(self) -> None:
-        """What depends on the design alone, and the accumulators' first values."""
+        """What depends on the design alone, and the accumulators' first values.
+
+        Inputs and results are cut to the block first: where an index may be negative, numba gathers and scatters.
+        """
         text, plan = self.text, self.plan
-        text.open(f"for i in range({LANES}):")
         for k, name in enumerate(plan.inputs):
-            text.add(f"{name} = designs[{k}, i0 + i]")
+            text.add(f"block_{name} = designs[{k}, i0 : i0 + {LANES}]")
+        text.open(f"for i in range({LANES}):")
+        for name in plan.inputs:
+            text.add(f"{name} = block_{name}[i]")
         self.paste(self.design_steps)
         for name in dict.fromkeys((*self.lane_needs(), *(o.request.quantity for o in self.per_design))):
             text.add(f"{self.row(name)} = {name}  # {name}")
@@ -194,24 +203,49 @@ class _Writer(KernelLayout):
 
     def write_curve_loop(self) -> None:
         """Lanes are angles: each design's curves go straight into the results."""
-        text = self.text
-        for k, name in enumerate(self.plan.tables):
-            text.add(f"all_{name} = angles[{k}]")
+        text, stages = self.text, self.curve_stages()
+        self.tile = sorted(self.carried(stages)[0])
+        piece = f", j0 : j0 + {TILE}" if self.tile else ""
+        tables = [f"all_{name} = angles[{k}{piece}]" for k, name in enumerate(self.plan.tables)]
+        for line in tables if not self.tile else ():
+            text.add(line)
         text.open("for i in range(lanes):")
         for name in self.lane_needs():
             text.add(f"{name} = {self.row(name)}")
+        if self.tile:
+            text.open(f"for j0 in range(0, n_angles, {TILE}):")
+            for line in tables:
+                text.add(line)
+            for k, name in enumerate(self.tile):
+                start = len(self.rows) * LANES + k * TILE
+                text.add(f"tile_{name} = w[{start} : {start + TILE}]")
         stores: dict[str, list[str]] = {}
         for output in self.curves:
             for k in range(len(self.plan.branches)):
                 curve = f"curve_{output.name}_{k}"
-                text.add(f"{curve} = out_{output.name}[i0 + i, {k}]")
+                text.add(f"{curve} = out_{output.name}[i0 + i, {k}{piece}]")
                 value = self.copy_for(output.request.quantity, k)
                 stores.setdefault(value, []).append(f"{curve}[j] = {value}")
-        text.open("for j in range(n_angles):")
+        for stage in stages:
+            self.write_curve_stage(stage, stores)
+        if self.tile:
+            text.close()
+        text.close()
+
+    def write_curve_stage(self, stage: Sequence[Step], stores: Mapping[str, list[str]]) -> None:
+        """One loop over angles; what is made here and read in the next one waits in the tile."""
+        text = self.text
+        text.open(f"for j in range({f'min({TILE}, n_angles - j0)' if self.tile else 'n_angles'}):")
         for name in self.plan.tables:
             text.add(f"{name} = all_{name}[j]")
-        self.paste((*self.angle_steps, *self.lane_steps), stores)
-        text.close()
+        made = {name for step in stage for name in names_of(step)}
+        for name in self.tile:
+            if name not in made:
+                text.add(f"{name} = tile_{name}[j]")
+        self.paste(stage, stores)
+        for name in self.tile:
+            if name in made:
+                text.add(f"tile_{name}[j] = {name}")
         text.close()
 
     def write_results(self) -> None:
@@ -219,9 +253,11 @@ class _Writer(KernelLayout):
         text = self.text
         if not (self.per_design or self.cycles):
             return
+        for output in self.per_design:
+            text.add(f"block_out_{output.name} = out_{output.name}[i0 : i0 + lanes]")
         text.open("for i in range(lanes):")
         for output in self.per_design:
-            text.add(f"out_{output.name}[i0 + i] = {self.row(output.request.quantity)}")
+            text.add(f"block_out_{output.name}[i] = {self.row(output.request.quantity)}")
         for output in self.cycles:
             reduction = output.request.reduction
             assert reduction is not None
@@ -264,4 +300,4 @@ def write_kernel(plan: Closure) -> tuple[str, tuple[int, int]]:
     writer = _Writer(plan)
     text = writer.write()
     systems = sum(writer.system_size(s) * len(writer.suffixes(s.unknowns[0])) for s in writer.systems)
-    return text, (max(len(writer.rows), 1) * LANES, max(systems, 1) * LANES)
+    return text, (max(len(writer.rows) * LANES + len(writer.tile) * TILE, 1), max(systems, 1) * LANES)

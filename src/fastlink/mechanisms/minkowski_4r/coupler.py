@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from fastlink.jit import INFINITY, NOT_A_NUMBER, PI, select, sqrt
-from fastlink.logarithm import arsinh, log_scaled
+from fastlink.logarithm import arsinh, log_quotient
 from fastlink.mechanisms.minkowski_4r import position  # noqa: F401 (on which it builds)
 from fastlink.mechanisms.minkowski_4r.declare import HEGEDUS, NUMERICS, minkowski_4r
 
@@ -33,7 +33,7 @@ def half_angle_root(CB_ratio: Any, CB_scale: Any, side: Any) -> Any:
 @minkowski_4r.quantity(units="1", symbol="phi", source=f"{HEGEDUS}, Theorem 3.5")
 def phi(AB_ratio: Any, AB_takes_sum: Any, p_r: Any, twos: Any, side: Any) -> Any:
     """Coupler angle as printed: rapidity of AB less theta, plus pi."""
-    return side * log_scaled(abs(AB_ratio) / p_r, select(AB_takes_sum == 1.0, 0.0, -twos)) + PI
+    return side * log_quotient(AB_ratio, p_r, select(AB_takes_sum == 1.0, 0.0, -twos)) + PI
 
 
 @minkowski_4r.quantity(units="1", symbol="r (ch(zeta) - 1)", source=POSITION, internal=True)
@@ -54,7 +54,9 @@ def cosh_zeta(inside: Any, zeta_excess: Any, product_one: Any, s_b: Any, s_h: An
 def zeta(zeta_excess: Any, r: Any, twos: Any) -> Any:
     """Transmission angle: between the coupler and the output crank; NaN inside the inner limit."""
     great = zeta_excess > GREAT * r
-    return select(great, log_scaled(2.0 * zeta_excess, twos), 2.0 * arsinh(sqrt(0.5 * (zeta_excess / r))))
+    return select(
+        great, log_quotient(2.0 * zeta_excess, 1.0, twos), 2.0 * arsinh(sqrt(0.5 * (zeta_excess / r)))
+    )
 
 
 # -- points ------------------------------------------------------------------------------------------------------
@@ -70,14 +72,14 @@ def product(x: Any, y: Any) -> Any:
     return x * y
 
 
-def first(offset: Any, along_u: Any, along_v: Any, u: Any, v: Any, r: Any, side: Any) -> Any:
-    """Return the first coordinate of a point from null coordinates u over r and v."""
-    return offset + 0.5 * (along_u * (u / r) + along_v * v)
+def first(offset: Any, along_u: Any, along_v: Any, u: Any, v: Any, side: Any) -> Any:
+    """Return the first coordinate of a point from null coordinates."""
+    return offset + 0.5 * (along_u * u + along_v * v)
 
 
-def second(offset: Any, along_u: Any, along_v: Any, u: Any, v: Any, r: Any, side: Any) -> Any:
+def second(offset: Any, along_u: Any, along_v: Any, u: Any, v: Any, side: Any) -> Any:
     """Return the second coordinate."""
-    return offset + side * (0.5 * (along_u * (u / r) - along_v * v))
+    return offset + side * (0.5 * (along_u * u - along_v * v))
 
 
 @minkowski_4r.quantity(units="m", symbol="x + y", source=POSITION, internal=True)
@@ -98,8 +100,8 @@ def C_y(g: Any) -> Any:
     return 0.0 * g
 
 
-_B = {"along_u": "b", "along_v": "b", "u": "CB_u", "v": "CB_v"}
-_X = {"along_u": "X_along_u", "along_v": "X_along_v", "u": "AB_u", "v": "AB_v"}
+_B = {"along_u": "b", "along_v": "b", "u": "CB_far", "v": "CB_v"}
+_X = {"along_u": "X_along_u", "along_v": "X_along_v", "u": "AB_far", "v": "AB_v"}
 for _name, _meaning, _eq, _law, _given in (
     ("A_x", "moving pivot A, first coordinate", "eq. (5)", product, {"x": "a", "y": "cosh_theta"}),
     ("A_y", "moving pivot A, second coordinate", "eq. (5)", product, {"x": "a", "y": "sinh_theta"}),

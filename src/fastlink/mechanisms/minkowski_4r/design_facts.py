@@ -110,22 +110,39 @@ for _name, _of, _reach in (("inner", "theta_min", "s_h"), ("outer", "theta_max",
 
 
 @minkowski_4r.quantity(units="1", symbol="g/a", source=POSITION, internal=True)
-def ground_share(s_g: Any, a_one: Any) -> Any:
-    """Ground link over the fraction of the input crank."""
-    high, _low = gap_product_quotient(s_g, 0.0, 4.0, 0.0, a_one, 1.0)
+def ground_share(s_g: Any, s_a: Any) -> Any:
+    """Ground link over input crank."""
+    high, _low = gap_product_quotient(s_g, 0.0, 4.0, 0.0, s_a, 1.0)
     return high
 
 
 @minkowski_4r.quantity(units="1", symbol="g/a", source=POSITION, internal=True)
-def ground_share_low(s_g: Any, a_one: Any) -> Any:
+def ground_share_low(s_g: Any, s_a: Any) -> Any:
     """What ground_share lost in rounding to double."""
-    _high, low = gap_product_quotient(s_g, 0.0, 4.0, 0.0, a_one, 1.0)
+    _high, low = gap_product_quotient(s_g, 0.0, 4.0, 0.0, s_a, 1.0)
     return low
 
 
-def arm_product(length: Any, other: Any) -> Any:
-    """Return length (length + other)."""
-    return length * (length + other)
+def arm_share(length: Any, g_one: Any) -> Any:
+    """Return the length over 2 a g/kappa, times the fraction of a."""
+    return length / (2.0 * g_one)
+
+
+for _name, _length in (("b_share", "s_b"), ("h_share", "s_h")):
+    minkowski_4r.quantity(
+        units="1",
+        symbol=_name,
+        source=POSITION,
+        internal=True,
+        name=_name,
+        meaning=f"length of the {LINKS[_name[0]]} in units of the roots of the quadratic",
+        given={"length": _length},
+    )(arm_share)
+
+
+def arm_product(length: Any, other: Any, product_one: Any) -> Any:
+    """Return length (length + other) kappa/(2 a g)."""
+    return length * (length + other) / product_one
 
 
 for _name, _given in (

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from fastlink.geometry import gap, sign, zero_where
+from fastlink.geometry import gap, sign, two_sum, zero_where
 from fastlink.jit import INFINITY, NOT_A_NUMBER, select, sqrt
 from fastlink.logarithm import arsinh
 from fastlink.mechanisms.minkowski_4r.declare import HEGEDUS, minkowski_4r
@@ -86,6 +86,31 @@ def one_against_three(p: Any, q: Any, r: Any, s: Any, sums_are_valid: Any) -> An
     return select(sums_are_valid == 1.0, total, NOT_A_NUMBER)
 
 
+# What types need of the sums is their signs, which a few operations tell: rounded, p + q and r + s stand in the order
+# that they have, and where they are one number, what rounding lost tells.
+
+
+def sign_of_two(p: Any, q: Any, r: Any, s: Any) -> Any:
+    """Return a number of the sign of p + q - r - s."""
+    left, left_low = two_sum(p, q)
+    right, right_low = two_sum(r, s)
+    return select(left == right, left_low - right_low, left - right)
+
+
+def sign_of_three(p: Any, q: Any, r: Any, s: Any) -> Any:
+    """Return a number of the sign of p + q + r - s."""
+    left, left_low = two_sum(p, q)
+    right, right_low = two_sum(s, -r)
+    return select(left == right, left_low - right_low, left - right)
+
+
+def sign_of_one(p: Any, q: Any, r: Any, s: Any) -> Any:
+    """Return a number of the sign of p - q - r - s."""
+    left, left_low = two_sum(p, -q)
+    right, right_low = two_sum(r, s)
+    return select(left == right, left_low - right_low, left - right)
+
+
 def difference(p: Any, q: Any) -> Any:
     """Return p - q, its sign exact."""
     return p - q
@@ -125,7 +150,12 @@ for _name, _law, _p, _q, _r, _s in (
     ("T6", three_against_one, "a", "g", "h", "b"),
     ("T8", two_against_two, "b", "h", "a", "g"),
 ):
-    _signs = {two_against_two: "+--", three_against_one: "++-", one_against_three: "---"}[_law]
+    _signs, _sign_law = {
+        two_against_two: ("+--", sign_of_two),
+        three_against_one: ("++-", sign_of_three),
+        one_against_three: ("---", sign_of_one),
+    }[_law]
+    _given = {"p": _p, "q": _q, "r": _r, "s": _s}
     minkowski_4r.quantity(
         units="m",
         symbol=f"T_{_name[1]}",
@@ -133,9 +163,13 @@ for _name, _law, _p, _q, _r, _s in (
         internal=_name in ("T6", "T8"),
         name=_name,
         meaning=_p + "".join(f" {sign} {x}" for sign, x in zip(_signs, (_q, _r, _s), strict=True)),
-        given={"p": _p, "q": _q, "r": _r, "s": _s},
+        given=_given,
     )(_law)
     _declare_sure(f"sure_{_name}", _name, f"T_{_name[1]}", LIMITS)
+    _labels: dict[str, Any] = {"units": "m", "symbol": f"T_{_name[1]}", "source": LIMITS, "internal": True}
+    _labels |= {"name": f"sign_{_name}", "meaning": f"number of the sign of T_{_name[1]}"}
+    minkowski_4r.quantity(**_labels, given=_given)(_sign_law)
+    minkowski_4r.quantity(**_labels, given={"value": f"sure_{_name}"}, alternative=TOLERANCE)(as_it_is)
 
 for _p, _q in (("g", "a"), ("b", "h"), ("g", "b")):
     minkowski_4r.quantity(

@@ -11,10 +11,11 @@ from __future__ import annotations
 from typing import Any
 
 from fastlink.jit import INFINITY, NOT_A_NUMBER, cosh, doubled, doublings, exp, select, sinh, sqrt
-from fastlink.logarithm import log_scaled
+from fastlink.logarithm import log_quotient, quotient_sign
 from fastlink.mechanisms.minkowski_4r.declare import HEGEDUS, minkowski_4r
 from fastlink.mechanisms.minkowski_4r.design_facts import POSITION, SCALING
 
+UP, ROOT_DOWN = 2.0**1000, 2.0**-500
 ORIENTATION_FLAGS = {-1: "past_pointing", 0: "none", 1: "future_pointing"}
 
 # -- tables of the input rapidity ------------------------------------------------------------------------------
@@ -96,37 +97,34 @@ def outside(outer_limit: Any, outer_limit_low: Any, S_r: Any, S_r_low: Any, r: A
 
 
 @minkowski_4r.quantity(units="1", symbol="sigma", source=POSITION, internal=True)
-def half_root(inside: Any, outside: Any, product_one: Any) -> Any:
-    """Half the root of the discriminant, times r; NaN where the loop does not close."""
-    root = sqrt(abs(inside)) * sqrt(abs(outside))
-    return select((inside >= 0.0) | (outside >= 0.0), product_one * root, NOT_A_NUMBER)
+def half_root(inside: Any, outside: Any) -> Any:
+    """Half the root of the discriminant, times r kappa/(2 a g); NaN where the loop does not close."""
+    # Between the limits both are negative, else one is. Their product must not underflow.
+    return sqrt(-(inside * UP * outside)) * ROOT_DOWN
 
 
 @minkowski_4r.quantity(units="1", symbol="alpha", source=POSITION, internal=True)
-def alpha_r(
-    ground_share: Any, ground_share_low: Any, p_r: Any, p_r_low: Any, r: Any, a_two: Any, a_one: Any
-) -> Any:
-    """The greater null coordinate of AC for abs(theta), g - a p, times r."""
-    return a_one * ((ground_share * r - p_r * a_two) + (ground_share_low * r - p_r_low * a_two))
+def alpha_r(ground_share: Any, ground_share_low: Any, p_r: Any, p_r_low: Any, r: Any, a_two: Any) -> Any:
+    """The greater null coordinate of AC for abs(theta), g - a p, times r over the fraction of a."""
+    return a_two * ((ground_share * r - p_r) + (ground_share_low * r - p_r_low))
 
 
 @minkowski_4r.quantity(units="1", symbol="beta", source=POSITION, internal=True)
-def beta(ground_share: Any, ground_share_low: Any, per_p: Any, per_p_low: Any, a_two: Any, a_one: Any) -> Any:
-    """The other null coordinate of AC, g - a/p."""
-    return a_one * ((ground_share - per_p * a_two) + (ground_share_low - per_p_low * a_two))
+def beta(ground_share: Any, ground_share_low: Any, per_p: Any, per_p_low: Any, a_two: Any) -> Any:
+    """The other null coordinate of AC, g - a/p, over the fraction of a."""
+    return a_two * ((ground_share - per_p) + (ground_share_low - per_p_low))
 
 
 @minkowski_4r.quantity(units="1", symbol="m/2", source=POSITION, internal=True)
-def CB_half(CB_inner: Any, CB_outer: Any, inside: Any, outside: Any, r: Any, product_one: Any) -> Any:
-    """(h^2 - b^2 - (AC)^2) r/2: minus half the middle coefficient of the quadratic of q."""
-    beyond = product_one * outside - CB_outer * r
-    return select(inside >= 0.0, -(CB_inner * r + product_one * inside), beyond)
+def CB_half(CB_inner: Any, CB_outer: Any, inside: Any, outside: Any, r: Any) -> Any:
+    """(h^2 - b^2 - (AC)^2) r kappa/(4 a g): minus half the middle coefficient of the quadratic of q."""
+    return select(inside >= 0.0, -(CB_inner * r + inside), outside - CB_outer * r)
 
 
 @minkowski_4r.quantity(units="1", symbol="n/2", source=POSITION, internal=True)
-def AB_half(AB_inner: Any, AB_outer: Any, inside: Any, outside: Any, r: Any, product_one: Any) -> Any:
-    """(h^2 - b^2 + (AC)^2) r/2: the same for AB."""
-    return select(inside >= 0.0, AB_inner * r + product_one * inside, AB_outer * r - product_one * outside)
+def AB_half(AB_inner: Any, AB_outer: Any, inside: Any, outside: Any, r: Any) -> Any:
+    """(h^2 - b^2 + (AC)^2) r kappa/(4 a g): the same for AB."""
+    return select(inside >= 0.0, AB_inner * r + inside, AB_outer * r - outside)
 
 
 # An arm of length l has u = (half + root)/beta and v = (half - root)/alpha, u v = l^2: the one that does not cancel
@@ -135,12 +133,16 @@ def AB_half(AB_inner: Any, AB_outer: Any, inside: Any, outside: Any, r: Any, pro
 
 def takes_sum(half: Any, branch_sign: Any, side: Any) -> Any:
     """Return 1 where half and the signed root do not cancel, else 0."""
-    return select((half < 0.0) == (branch_sign * side < 0.0), 1.0, 0.0)
+    return select(((half < 0.0) == (side < 0.0)) == (branch_sign > 0.0), 1.0, 0.0)
 
 
-def arm_ratio(half: Any, half_root: Any, takes_sum: Any, length: Any, alpha_r: Any, beta: Any) -> Any:
+def arm_sum(half: Any, half_root: Any) -> Any:
+    """Return the sum of half and root that does not cancel."""
+    return select(half < 0.0, half - half_root, half + half_root)
+
+
+def arm_ratio(total: Any, takes_sum: Any, length: Any, alpha_r: Any, beta: Any) -> Any:
     """Return u r/l or u/l; NaN where that is zero or infinite."""
-    total = select(half < 0.0, half - half_root, half + half_root)
     top = select(takes_sum == 1.0, total, length * alpha_r)
     bottom = select(takes_sum == 1.0, length * beta, total)
     found = top / select(bottom == 0.0, INFINITY, bottom)
@@ -157,34 +159,74 @@ def grown(ratio: Any, takes_sum: Any, r: Any) -> Any:
     return ratio * select(takes_sum == 1.0, 1.0, r)
 
 
+def far(ratio: Any, scale: Any) -> Any:
+    """Return u/l, whatever its size."""
+    return ratio / scale
+
+
 def shrunk(ratio: Any, scale: Any) -> Any:
     """Return v/l."""
     return scale / ratio
 
 
-def rapidity(ratio: Any, takes_sum: Any, twos: Any, side: Any) -> Any:
+def sum_rapidity(total: Any, length: Any, beta: Any, twos: Any) -> Any:
+    """Return the logarithm of abs(u)/l where the sum is that one."""
+    return log_quotient(total, length * beta, twos)
+
+
+def other_rapidity(total: Any, length: Any, alpha_r: Any) -> Any:
+    """Return the logarithm of abs(u)/l where it is not."""
+    return log_quotient(length * alpha_r, total, 0.0)
+
+
+def rapidity(takes_sum: Any, sum_rapidity: Any, other_rapidity: Any, side: Any) -> Any:
     """Return the logarithm of abs(u)/l, with the sign for a negative theta."""
-    return side * log_scaled(abs(ratio), select(takes_sum == 1.0, twos, 0.0))
+    return side * select(takes_sum == 1.0, sum_rapidity, other_rapidity)
 
 
-def orientation(ratio: Any) -> Any:
+def sum_orientation(total: Any, length: Any, beta: Any) -> Any:
+    """Return the sign of u where the sum is that one."""
+    return quotient_sign(total, length * beta)
+
+
+def other_orientation(total: Any, length: Any, alpha_r: Any) -> Any:
+    """Return the sign of u where it is not."""
+    return quotient_sign(length * alpha_r, total)
+
+
+def orientation(takes_sum: Any, sum_orientation: Any, other_orientation: Any) -> Any:
     """Return 1 for a future-pointing, -1 for a past-pointing arm, 0 where there is none."""
-    return select(ratio > 0.0, 1.0, select(ratio < 0.0, -1.0, 0.0))
+    return select(takes_sum == 1.0, sum_orientation, other_orientation)
 
 
-for _arm, _length in (("CB", "s_b"), ("AB", "s_h")):
+for _arm, _length in (("CB", "b_share"), ("AB", "h_share")):
     _given = {
         "half": f"{_arm}_half",
         "takes_sum": f"{_arm}_takes_sum",
         "length": _length,
         "ratio": f"{_arm}_ratio",
         "scale": f"{_arm}_scale",
+        "total": f"{_arm}_sum",
+        "sum_rapidity": f"{_arm}_sum_rapidity",
+        "other_rapidity": f"{_arm}_other_rapidity",
+        "sum_orientation": f"{_arm}_sum_orientation",
+        "other_orientation": f"{_arm}_other_orientation",
     }
     for _law, _name, _meaning in (
         (takes_sum, "takes_sum", "1 where the sum of half and root does not cancel"),
+        (arm_sum, "sum", "the sum of half and root that does not cancel"),
+        (
+            sum_rapidity,
+            "sum_rapidity",
+            "rapidity where that sum is the first null coordinate, for abs(theta)",
+        ),
+        (other_rapidity, "other_rapidity", "rapidity where it is not, for abs(theta)"),
+        (sum_orientation, "sum_orientation", "orientation where that sum is the first null coordinate"),
+        (other_orientation, "other_orientation", "orientation where it is not"),
         (arm_ratio, "ratio", "first null coordinate over the length, times scale"),
         (scale_of, "scale", "what the ratio is multiplied by"),
         (grown, "u", "first null coordinate over the length, times r"),
+        (far, "far", "first null coordinate over the length"),
         (shrunk, "v", "second null coordinate over the length"),
     ):
         minkowski_4r.quantity(

@@ -31,16 +31,22 @@ RATES = f"{NUMERICS}#rates"
 
 
 @minkowski_4r.quantity(units="1", symbol="1/d", source=RATES, internal=True)
-def per_root(half_root: Any, branch_sign: Any, side: Any) -> Any:
+def per_root(half_root: Any, product_one: Any, branch_sign: Any, side: Any) -> Any:
     """Reciprocal of the root of the discriminant times r, with the sign of the root; NaN at a limit."""
-    return branch_sign * side * 0.5 / select(half_root == 0.0, NOT_A_NUMBER, half_root)
+    return branch_sign * side * 0.5 / (product_one * select(half_root == 0.0, NOT_A_NUMBER, half_root))
 
 
 @minkowski_4r.quantity(units="1", symbol="N", source=RATES, internal=True)
-def diagonal(alpha_r: Any, beta: Any) -> Any:
+def diagonal(alpha_r: Any, beta: Any, a_one: Any) -> Any:
     """(AC)^2 times r; NaN where A and C are lightlike separated."""
-    product = alpha_r * beta
+    product = (a_one * alpha_r) * (a_one * beta)
     return select(product == 0.0, NOT_A_NUMBER, product)
+
+
+@minkowski_4r.quantity(units="1", symbol="n", source=RATES, internal=True)
+def coupler_sum(AB_half: Any, product_one: Any) -> Any:
+    """(AC)^2 + h^2 - b^2, times r."""
+    return 2.0 * (product_one * AB_half)
 
 
 @minkowski_4r.quantity(units="1", symbol="g^2 - a^2", source=RATES, internal=True)
@@ -80,13 +86,13 @@ def dpsi_dtheta(
     r: Any,
     AB_u: Any,
     AB_v: Any,
-    AB_half: Any,
+    coupler_sum: Any,
     diagonal: Any,
     per_root: Any,
 ) -> Any:
     """Transmission ratio: rate of psi by theta."""
     one, other = s_a * s_h * per_root * (p_r * AB_v), s_a * s_h * per_root * (per_p * AB_u)
-    odd = s_a * s_g * sinh_r * (2.0 * AB_half * per_root) / diagonal
+    odd = s_a * s_g * sinh_r * (coupler_sum * per_root) / diagonal
     ground, rise = s_a * ((s_g - s_a) * r) / diagonal, 2.0 * s_a * s_g * S_r / diagonal
     folded = abs(odd) + (abs(ground) + abs(rise)) < abs(one) + abs(other)
     ratio = select(folded, odd - (ground + rise), one - other)
@@ -158,14 +164,14 @@ def odd_bend(
     r: Any,
     twice_s_a_s_g: Any,
     product_one: Any,
-    AB_half: Any,
+    coupler_sum: Any,
     diagonal: Any,
     per_root: Any,
 ) -> Any:
     """First term of psi'' by (AC)^2."""
     change = (r + S_r) * inside * outer_limit - S_r * outside * inner_square
     roots = per_root * per_root * per_root
-    return 4.0 * twice_s_a_s_g * (product_one * product_one) * change * r * (AB_half / diagonal) * roots
+    return 2.0 * twice_s_a_s_g * (product_one * product_one) * change * r * (coupler_sum / diagonal) * roots
 
 
 @minkowski_4r.quantity(units="1", symbol="psi''", source=RATES, internal=True)
@@ -269,5 +275,8 @@ minkowski_4r.derivative("S_r", "theta")(half_sinh)
 minkowski_4r.derivative("sinh_r", "theta")(cosh_part)
 minkowski_4r.derivative("half_angle_root", "theta")(half_angle_slope)
 for _arm, _rate in (("CB", "dpsi_dtheta"), ("AB", "AB_rate")):
-    for _of, _slope in ((f"{_arm}_u", arm_grows), (f"{_arm}_v", arm_shrinks)):
+    for _of, _slope in (
+        *((f"{_arm}_u", arm_grows), (f"{_arm}_far", arm_grows)),
+        (f"{_arm}_v", arm_shrinks),
+    ):
         minkowski_4r.derivative(_of, "theta", given={"x": _of, "rate": _rate})(_slope)

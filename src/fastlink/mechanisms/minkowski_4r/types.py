@@ -38,18 +38,18 @@ GRASHOF_FLAGS = {0: "l_plus_s_below_p_plus_q", 1: "l_plus_s_at_least_p_plus_q", 
 
 
 @minkowski_4r.quantity(units="1", symbol="input", source=f"{HEGEDUS}, Theorem 3.9", flags=CRANK_FLAGS)
-def input_type(sure_T1: Any, sure_T2: Any, sure_T3: Any, sure_T4: Any, sums_are_valid: Any) -> Any:
+def input_type(sign_T1: Any, sign_T2: Any, sign_T3: Any, sign_T4: Any, sums_are_valid: Any) -> Any:
     """How the input crank moves where CB may point either way."""
-    outer = select(sign(sure_T1) * sign(sure_T2) < 0.0, 1.0, 0.0)
-    code = select(sign(sure_T3) * sign(sure_T4) > 0.0, 2.0, outer)
+    outer = select(sign(sign_T1) * sign(sign_T2) < 0.0, 1.0, 0.0)
+    code = select(sign(sign_T3) * sign(sign_T4) > 0.0, 2.0, outer)
     return select(sums_are_valid == 1.0, code, 3.0)
 
 
 @minkowski_4r.quantity(units="1", symbol="output", source=f"{HEGEDUS}, Theorem 3.11", flags=CRANK_FLAGS)
-def output_type(sure_T1: Any, sure_T4: Any, sure_T5: Any, sums_are_valid: Any) -> Any:
+def output_type(sign_T1: Any, sign_T4: Any, sign_T5: Any, sums_are_valid: Any) -> Any:
     """How the output crank moves where OA may point either way."""
-    outer = select(sure_T1 < 0.0, 1.0, 0.0)
-    code = select(sign(sure_T4) * sign(sure_T5) < 0.0, 2.0, outer)
+    outer = select(sign_T1 < 0.0, 1.0, 0.0)
+    code = select(sign(sign_T4) * sign(sign_T5) < 0.0, 2.0, outer)
     return select(sums_are_valid == 1.0, code, 3.0)
 
 
@@ -57,31 +57,31 @@ def output_type(sure_T1: Any, sure_T4: Any, sure_T5: Any, sums_are_valid: Any) -
     units="1", symbol="type", source=f"{HEGEDUS}, Theorems 3.12 to 3.22, Tables 1 to 3", flags=LINKAGE_FLAGS
 )
 def linkage_type(
-    sure_T1: Any,
-    sure_T2: Any,
-    sure_T3: Any,
-    sure_T4: Any,
-    sure_T5: Any,
-    sure_T6: Any,
+    sign_T1: Any,
+    sign_T2: Any,
+    sign_T3: Any,
+    sign_T4: Any,
+    sign_T5: Any,
+    sign_T6: Any,
     input_type: Any,
     output_type: Any,
     sums_are_valid: Any,
 ) -> Any:
     """Strange, rigid, reducible or irreducible, and the motions of input and output."""
-    strange = (sure_T3 > 0.0) | (sure_T4 < 0.0) | (sure_T5 < 0.0) | (sure_T6 < 0.0)
-    rigid = (sure_T3 == 0.0) | (sure_T4 == 0.0) | (sure_T5 == 0.0) | (sure_T6 == 0.0)
-    reducible = (sure_T1 == 0.0) | (sure_T2 == 0.0)
+    strange = (sign_T3 > 0.0) | (sign_T4 < 0.0) | (sign_T5 < 0.0) | (sign_T6 < 0.0)
+    rigid = (sign_T3 == 0.0) | (sign_T4 == 0.0) | (sign_T5 == 0.0) | (sign_T6 == 0.0)
+    reducible = (sign_T1 == 0.0) | (sign_T2 == 0.0)
     kind = select(strange, 0.0, select(rigid, 4.0, select(reducible, 8.0, 12.0)))
     code = kind + (select(input_type > 0.0, 2.0, 0.0) + select(output_type > 0.0, 1.0, 0.0))
     return select(sums_are_valid == 1.0, code, 16.0)
 
 
 @minkowski_4r.quantity(units="1", symbol="Grashof", source=f"{HEGEDUS}, section 3.6", flags=GRASHOF_FLAGS)
-def grashof(sure_T1: Any, sure_T2: Any, sure_T8: Any, sums_are_valid: Any) -> Any:
+def grashof(sign_T1: Any, sign_T2: Any, sign_T8: Any, sums_are_valid: Any) -> Any:
     """Grashof's criterion with the reversed triangle inequality: longest plus shortest against the other two."""
     # Each has b with one other link against the rest. If b is l or s, the two that do not pair l with s have one sign
     # and the third is l + s - p - q; if b is p or q, they have two signs and the third is p + q - l - s.
-    criterion = sign(sure_T1) * sign(sure_T2) * sign(sure_T8) >= 0.0
+    criterion = sign(sign_T1) * sign(sign_T2) * sign(sign_T8) >= 0.0
     return select(sums_are_valid == 1.0, select(criterion, 1.0, 0.0), 2.0)
 
 
@@ -95,24 +95,24 @@ def outer_range_points_ahead(sure_g_minus_a: Any, sure_b_minus_h: Any) -> Any:
 
 
 @minkowski_4r.quantity(units="1", symbol="through 0", source=FUTURE, internal=True)
-def crosses_theta_0(outer_range_points_ahead: Any, pins_may_coincide: Any, sure_T1: Any, sure_T2: Any) -> Any:
+def crosses_theta_0(outer_range_points_ahead: Any, pins_may_coincide: Any, sign_T1: Any, sign_T2: Any) -> Any:
     """1 where every theta has a future-pointing assembly, else 0."""
-    ahead = (outer_range_points_ahead == 1.0) & (sign(sure_T1) * sign(sure_T2) >= 0.0)
+    ahead = (outer_range_points_ahead == 1.0) & (sign(sign_T1) * sign(sign_T2) >= 0.0)
     return select(ahead | (pins_may_coincide == 1.0), 1.0, 0.0)
 
 
 @minkowski_4r.quantity(units="1", symbol="N", source=FUTURE)
-def assembly_count_future(crosses_theta_0: Any, sure_T4: Any, sums_are_valid: Any) -> Any:
+def assembly_count_future(crosses_theta_0: Any, sign_T4: Any, sums_are_valid: Any) -> Any:
     """Number of intervals of theta with a future-pointing assembly, isolated angles not counted."""
-    apart = select(sure_T4 < 0.0, 3.0, 2.0)
+    apart = select(sign_T4 < 0.0, 3.0, 2.0)
     count = select(crosses_theta_0 == 1.0, 1.0, apart)
     return select(sums_are_valid == 1.0, count, NOT_A_NUMBER)
 
 
 @minkowski_4r.quantity(units="1", symbol="theta_{min}", source=FUTURE)
-def theta_min_future(theta_min: Any, sure_T4: Any) -> Any:
+def theta_min_future(theta_min: Any, sign_T4: Any) -> Any:
     """Greatest |theta| of the inner range with a future-pointing assembly; NaN where there is no such range."""
-    return select(sure_T4 < 0.0, theta_min, NOT_A_NUMBER)
+    return select(sign_T4 < 0.0, theta_min, NOT_A_NUMBER)
 
 
 @minkowski_4r.quantity(units="1", symbol="theta_{max}", source=FUTURE)
@@ -125,6 +125,6 @@ def theta_max_future(
 
 
 @minkowski_4r.quantity(units="1", symbol="psi_{min}", source=FUTURE)
-def psi_min_future(psi_min: Any, sure_T4: Any) -> Any:
+def psi_min_future(psi_min: Any, sign_T4: Any) -> Any:
     """Greatest |psi| of the inner range with OA pointing to the future; NaN where there is no such range."""
-    return select(sure_T4 < 0.0, psi_min, NOT_A_NUMBER)
+    return select(sign_T4 < 0.0, psi_min, NOT_A_NUMBER)
