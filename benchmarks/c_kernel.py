@@ -30,13 +30,29 @@ def available():
 @functools.cache
 def library():
     """Return the compiled and loaded C files of this folder."""
+    return build(sorted(Path(__file__).parent.glob("*.c")))
+
+
+def build(sources, *flags):
+    """Return C files compiled, with more flags, and loaded."""
     if not available():
         raise RuntimeError("the C limit kernels need gcc: install it, or name another C compiler in CC")
-    sources = sorted(Path(__file__).parent.glob("*.c"))
     width = ["-mprefer-vector-width=512"] if platform.machine().lower() in ("x86_64", "amd64") else []
     with tempfile.TemporaryDirectory() as folder:
         target = Path(folder, "kernels.so")
-        command = [compiler(), *FLAGS, *width, "-std=c11", "-fPIC", "-shared", *sources, "-o", target, "-lm"]
+        command = [
+            compiler(),
+            *FLAGS,
+            *flags,
+            *width,
+            "-std=c11",
+            "-fPIC",
+            "-shared",
+            *sources,
+            "-o",
+            target,
+            "-lm",
+        ]
         subprocess.run(command, check=True)
         return ctypes.CDLL(str(target))  # stays loaded when the file goes
 

@@ -1,0 +1,277 @@
+"""A plan's kernel in C: the same text, statement by statement, for gcc to compile.
+
+So C does the same arithmetic whatever the mechanism, and gives the same bits. Only the exact product is written as C
+has it best, by a fused multiplication: the digits that it finds are the same.
+"""
+
+import ast
+import ctypes
+import importlib
+import inspect
+import math
+import tempfile
+import textwrap
+from pathlib import Path
+
+import numpy as np
+
+from benchmarks import c_kernel
+from fastlink import jit
+
+HEADER = """#include <math.h>
+#include <stdint.h>
+
+typedef struct { double hi, lo; } pair;
+#define INLINE static inline __attribute__((always_inline))
+
+INLINE pair f_two_product(double a, double b)
+{
+    double p = a * b;
+    return (pair){p, fma(a, b, -p)};
+}
+"""
+#: Both make branches of choices, and gcc vectorises no branches.
+FLAGS = ("-fno-tree-pre", "-fno-thread-jumps")
+OPERATORS = {
+    **{ast.Add: "+", ast.Sub: "-", ast.Mult: "*", ast.Div: "/", ast.BitAnd: "&", ast.BitOr: "|"},
+    **{ast.Lt: "<", ast.LtE: "<=", ast.Gt: ">", ast.GtE: ">=", ast.Eq: "==", ast.NotEq: "!=", ast.USub: "-"},
+}
+OF_C = {"sqrt": "sqrt", "abs": "fabs", "copysign": "copysign"}
+#: Functions whose compiled reading is the text of another one.
+TEXTS = {jit.atan2: jit._magnitudes_atan2}
+LANES = "for (long {0} = {1}; {0} < {2}; {0}{3})"
+
+
+class _Function:
+    """Statements of one function, in C."""
+
+    def __init__(self, module, globals_, truths=()):
+        self.module, self.globals, self.truths = module, globals_, set(truths)
+        self.lines, self.scopes = [], [set()]
+
+    def add(self, line):
+        self.lines.append("    " * len(self.scopes) + line)
+
+    # -- expressions --
+
+    def number(self, node):
+        """Return the value of an expression of numbers and constants of the module, or None."""
+        try:
+            value = eval(ast.unparse(node), {"__builtins__": {}}, self.globals)
+        except Exception:  # whatever reads a variable
+            return None
+        return float(value) if isinstance(value, float) else None
+
+    def text(self, node):
+        if isinstance(node, ast.Constant):
+            return repr(node.value)
+        if not isinstance(node, ast.Call) and (number := self.number(node)) is not None:
+            return {math.inf: "INFINITY"}.get(number, "NAN" if math.isnan(number) else f"({number!r})")
+        if isinstance(node, ast.Name):
+            return node.id
+        if isinstance(node, ast.UnaryOp):
+            return f"(-{self.text(node.operand)})"
+        if isinstance(node, ast.IfExp):
+            return "({} ? {} : {})".format(*map(self.text, (node.test, node.body, node.orelse)))
+        if isinstance(node, ast.BinOp):
+            return f"({self.text(node.left)} {OPERATORS[type(node.op)]} {self.text(node.right)})"
+        if isinstance(node, ast.Compare):
+            (operator,), (other,) = node.ops, node.comparators
+            return f"({self.text(node.left)} {OPERATORS[type(operator)]} {self.text(other)})"
+        if isinstance(node, ast.Subscript):
+            return self.place(node)
+        name = node.func.attr if isinstance(node.func, ast.Attribute) else node.func.id
+        values = [self.text(argument) for argument in node.args]
+        if name == "select":
+            # gcc vectorises no choice of truths
+            choice = "(({0} & {1}) | (!{0} & {2}))" if self.is_truth(node) else "({0} ? {1} : {2})"
+            return choice.format(*values)
+        function = OF_C.get(name) or self.module.use(self.globals[name])
+        return f"{function}({', '.join(values)})"
+
+    def place(self, node):
+        """Return an entry of an array, or where a row of it begins."""
+        entries = node.slice.elts if isinstance(node.slice, ast.Tuple) else [node.slice]
+        at, *more = map(self.text, entries)
+        array = node.value.id
+        lengths, whole = self.module.lengths(array)
+        for length, index in zip(lengths, more, strict=False):
+            at = f"({at}) * {length} + {index}"
+        if len(more) == len(lengths):
+            return f"{array}[{at}]"
+        assert whole, f"{array}: a row of a row"
+        return f"{array} + ({at}) * {lengths[-1]}"
+
+    def is_truth(self, node):
+        if isinstance(node, ast.BinOp):
+            return isinstance(node.op, (ast.BitAnd, ast.BitOr))
+        if isinstance(node, ast.Call) and getattr(node.func, "id", "") == "select":
+            return self.is_truth(node.args[1])
+        return isinstance(node, ast.Compare) or (isinstance(node, ast.Name) and node.id in self.truths)
+
+    def is_pair(self, node):
+        if isinstance(node, ast.Tuple):
+            return True
+        is_call = isinstance(node, ast.Call) and isinstance(node.func, ast.Name)
+        return is_call and self.module.gives_pair(self.globals.get(node.func.id))
+
+    # -- statements --
+
+    def put(self, name, value, kind="double"):
+        new = not any(name in scope for scope in self.scopes)
+        self.scopes[-1].add(name)
+        self.truths.add(name) if kind == "long" else self.truths.discard(name)
+        self.add(f"{kind + ' ' if new else ''}{name} = {value};")
+
+    def assign(self, target, value):
+        if isinstance(target, ast.Tuple):
+            names = [element.id for element in target.elts]
+            if isinstance(value, ast.Tuple):
+                for name, part in zip(names, value.elts, strict=True):
+                    self.put(f"new_{name}", self.text(part))
+                values = [f"new_{name}" for name in names]
+            else:
+                self.put(f"{names[0]}_pair", self.text(value), "pair")
+                values = [f"{names[0]}_pair.hi", f"{names[0]}_pair.lo"]
+            for name, part in zip(names, values, strict=True):
+                self.put(name, part)
+        elif isinstance(target, ast.Subscript):
+            self.add(f"{self.place(target)} = {self.text(value)};")
+        elif target.id == "lanes":
+            self.put("lanes", "n_designs - i0 < 64 ? n_designs - i0 : 64", "long")
+        elif target.id.startswith(("all_", "curve_")):
+            array = value.value.id
+            row = self.place(value) if isinstance(value.slice, ast.Tuple) else self.row(array, value.slice)
+            self.put(target.id, row, "const double *restrict" if array == "angles" else "double *restrict")
+        else:
+            self.put(target.id, self.text(value), "long" if self.is_truth(value) else "double")
+
+    def row(self, array, index):
+        return f"{array} + {self.text(index)} * {self.module.lengths(array)[0][0]}"
+
+    def walk(self, body):
+        for statement in body:
+            if isinstance(statement, ast.Assign):
+                self.assign(statement.targets[0], statement.value)
+            elif isinstance(statement, ast.Return):
+                value = statement.value
+                if isinstance(value, ast.Tuple):
+                    self.add("return (pair){{{}, {}}};".format(*map(self.text, value.elts)))
+                else:
+                    self.add(f"return {self.text(value)};")
+            elif isinstance(statement, ast.For):
+                bounds = [self.text(bound) for bound in statement.iter.args]
+                start, stop, step = {1: ["0", *bounds, "++"], 3: [*bounds[:2], f" += {bounds[-1]}"]}[
+                    len(bounds)
+                ]
+                if step == "++":
+                    self.lines.append("#pragma GCC ivdep")
+                self.add(LANES.format(statement.target.id, start, stop, step) + " {")
+                self.scopes.append({statement.target.id})
+                self.walk(statement.body)
+                self.scopes.pop()
+                self.add("}")
+            elif not isinstance(statement, ast.Expr):
+                raise NotImplementedError(f"in C: {ast.unparse(statement)}")
+
+
+class _Module:
+    """A kernel with the functions that it calls."""
+
+    def __init__(self, plan):
+        self.plan, self.functions = plan, {}
+        self.kinds = {f"out_{o.name}": "int8_t" if o.dtype == "int8" else "double" for o in plan.outputs}
+
+    def lengths(self, array):
+        """Return the lengths of an array but the first, and whether rows of it are asked for."""
+        if array == "designs":
+            return ["((n_designs + 63) / 64 * 64)"], False
+        if array == "angles":
+            return ["n_angles"], True
+        for output in self.plan.outputs:
+            if array == f"out_{output.name}":
+                sizes = {"branch": str(len(self.plan.branches))}
+                return [sizes.get(axis, "n_angles") for axis in output.axes], True
+        return [], False
+
+    def gives_pair(self, function):
+        if function is None:
+            return False
+        last = _tree(function).body[-1].value
+        again = isinstance(last, ast.Call) and isinstance(last.func, ast.Name)
+        return isinstance(last, ast.Tuple) or (
+            again and self.gives_pair(_globals(function).get(last.func.id))
+        )
+
+    def use(self, function):
+        """Return the name of a function of the house in C; write it if this is its first use."""
+        name = f"f_{function.__name__}"
+        if function.__name__ != "two_product" and function not in self.functions:
+            tree, globals_ = _tree(function), _globals(function)
+            names = [argument.arg for argument in tree.args.args]
+            tests = [
+                n.args[0]
+                for n in ast.walk(tree)
+                if isinstance(n, ast.Call) and getattr(n.func, "id", "") == "select"
+            ]
+            truths = {test.id for test in tests if isinstance(test, ast.Name)}.intersection(names)
+            written = _Function(self, globals_, truths)
+            written.scopes[0].update(names)
+            written.walk(tree.body)
+            given = ", ".join(
+                f"{'long' if argument in truths else 'double'} {argument}" for argument in names
+            )
+            kind = "pair" if self.gives_pair(function) else "double"
+            self.functions[function] = "\n".join([f"INLINE {kind} {name}({given})", "{", *written.lines, "}"])
+        return name
+
+    def write(self):
+        """Return the text of the C file."""
+        tree = ast.parse(self.plan.source)
+        known = {"inf": math.inf, "nan": math.nan}
+        for node in tree.body:
+            if isinstance(node, ast.ImportFrom) and node.module != "numpy":
+                found = importlib.import_module(node.module)
+                known |= {alias.name: getattr(found, alias.name) for alias in node.names}
+        kernel = _Function(self, known)
+        kernel.walk(tree.body[-1].body)
+        outputs = "".join(f", {kind} *restrict {name}" for name, kind in self.kinds.items())
+        head = (
+            "void kernel(const double *restrict designs, const double *restrict angles, long n_designs, "
+            f"long n_angles, double *restrict w, double *restrict w2{outputs})"
+        )
+        return "\n\n".join([HEADER, *self.functions.values(), "\n".join([head, "{", *kernel.lines, "}"]), ""])
+
+
+def _tree(function):
+    source = textwrap.dedent(inspect.getsource(TEXTS.get(function, function)))
+    return ast.parse(source).body[0]
+
+
+def _globals(function):
+    return TEXTS.get(function, function).__globals__
+
+
+def write(plan):
+    """Return a plan's kernel as a C file."""
+    return _Module(plan).write()
+
+
+def bind(bound):
+    """Return a call of a bound kernel (`engine.Bound`) in C and the arrays that it fills."""
+    with tempfile.TemporaryDirectory() as folder:
+        source = Path(folder, "kernel.c")
+        source.write_text(write(bound.plan))
+        kernel = c_kernel.build([source], *FLAGS).kernel
+    kernel.restype = None
+    inputs, arrays = bound.arguments[: -len(bound.arrays)], [np.empty_like(a) for a in bound.arrays]
+    arguments = [
+        ctypes.c_long(a) if isinstance(a, int) else a.ctypes.data_as(ctypes.c_void_p)
+        for a in (*inputs, *arrays)
+    ]
+
+    def call():
+        kernel(*arguments)
+        return inputs, arrays  # they live as long as the call
+
+    return call, arrays
