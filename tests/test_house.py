@@ -54,7 +54,7 @@ LAYERS = [
         "asked",
         "verify",
     ),
-    *("label", "target", "layout", "write_back", "store", "labelling", "hart", "sweep"),
+    *("label", "target", "layout", "journal", "store", "takers", "labelling", "hart", "sweep"),
     *("listing", "summary", "study_schema", "study_design", "study", "explain"),
     *("plot_colour", "plot_text", "plot_draw", "plot", "cli"),
 ]

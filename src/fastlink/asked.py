@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import hashlib
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from fastlink.cycle import with_lists
 from fastlink.errors import InputError
+from fastlink.kernels import kernel_key
 from fastlink.mechanisms import catalogue as find_catalogue
 from fastlink.plans import PlanSet, make_plans
 from fastlink.request import (
@@ -67,6 +69,19 @@ class Asked:
     positions: NDArray[Any]
     solver: str
     spread: Spread | None
+
+    @property
+    def fingerprint(self) -> str:
+        """What tells the numbers that result from all others: kernels, designs, input positions."""
+        digest = hashlib.sha256()
+        for part in self.plan.parts:
+            digest.update(kernel_key(part.source).encode())
+        space = self.space
+        digest.update(repr((space.dims, space.shape, sorted(space.constants.items()))).encode())
+        for name, values in sorted({**space.axes, **space.columns}.items()):
+            digest.update(name.encode() + values.tobytes())
+        digest.update(repr([self.branches, *(o.name for o in self.plan.outputs)]).encode())
+        return hashlib.sha256(digest.digest() + self.positions.tobytes()).hexdigest()
 
     @property
     def evaluated(self) -> DesignSpace:

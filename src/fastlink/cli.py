@@ -48,8 +48,9 @@ def command(function: C) -> C:
             for line in str(error).splitlines():
                 typer.echo(f"fastlink: {line}", err=True)
             raise typer.Exit(BAD_INPUT) from None
-        except KeyboardInterrupt:
-            typer.echo("fastlink: interrupted", err=True)
+        except KeyboardInterrupt as error:
+            for note in ("interrupted", *getattr(error, "__notes__", ())):
+                typer.echo(f"fastlink: {note}", err=True)
             raise typer.Exit(INTERRUPTED) from None
 
     registered: C = app.command()(guarded)  # type: ignore[assignment]

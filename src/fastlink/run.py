@@ -21,7 +21,7 @@ from fastlink.kernels import LANES
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-__all__ = ["Job", "Part", "aligned", "block_length", "default_threads", "run"]
+__all__ = ["Deliver", "Job", "Part", "aligned", "block_length", "default_threads", "run"]
 
 # Larger blocks leave the caches (two threads gain 1.2 instead of 1.9 at 16 MB), smaller ones pay for being handed out.
 BLOCK_BYTES = 4 << 20
@@ -128,6 +128,7 @@ def run(
     deliver: Deliver | None = None,
     threads: int = 1,
     block: int | None = None,
+    todo: Sequence[tuple[int, int]] | None = None,
 ) -> None:
     """Evaluate every design.
 
@@ -145,9 +146,12 @@ def run(
         Number of threads.
     block : int, optional
         Designs per block; any value gives the same bits.
+    todo : sequence of (start, stop), optional
+        The designs to evaluate; all unless given.
     """
     length = block or block_length(job, threads)
-    starts = iter(range(0, job.size, length))
+    ranges = [(0, job.size)] if todo is None else todo
+    blocks = ((k, min(k + length, stop)) for start, stop in ranges for k in range(start, stop, length))
     lock, stop = threading.Lock(), threading.Event()
 
     def work() -> None:
@@ -157,10 +161,10 @@ def run(
         )
         while not stop.is_set():
             with lock:
-                start = next(starts, None)
-            if start is None:
+                found = next(blocks, None)
+            if found is None:
                 return
-            end = min(start + length, job.size)
+            start, end = found
             arrays = [a[: end - start] for a in own] if targets is None else [a[start:end] for a in targets]
             for part in parts:
                 part(start, end, arrays)

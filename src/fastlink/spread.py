@@ -8,13 +8,14 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Callable
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from fastlink.degree import degrees
+from fastlink.run import Deliver
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -24,8 +25,6 @@ if TYPE_CHECKING:
     from fastlink.space import DesignSpace
 
 __all__ = ["Spread", "find_spread"]
-
-Deliver = Callable[[int, int, "list[NDArray[Any]]"], None]
 
 
 @dataclass(frozen=True)
@@ -62,9 +61,7 @@ class Spread:
                     ]
                     deliver(first * self.length, last * self.length, whole)
                     continue
-                slab, offset = divmod(first, self.inner)
-                for k in range(self.length):
-                    begin = (slab * self.length + k) * self.inner + offset
+                for k, begin in enumerate(self._places(first)):
                     scaled = [
                         part if factor is None else part * factor[k]
                         for part, factor in zip(parts, self.factors, strict=True)
@@ -72,6 +69,19 @@ class Spread:
                     deliver(begin, begin + last - first, scaled)
 
         return spread
+
+    def ranges(self, start: int, stop: int) -> Iterator[tuple[int, int]]:
+        """Yield where the results of evaluated designs are in the whole space."""
+        for first, last, slabs in self._pieces(start, stop):
+            if slabs:
+                yield first * self.length, last * self.length
+            else:
+                yield from ((begin, begin + last - first) for begin in self._places(first))
+
+    def _places(self, first: int) -> list[int]:
+        """Return where a design is in the whole space at each value of the axis."""
+        slab, offset = divmod(first, self.inner)
+        return [(slab * self.length + k) * self.inner + offset for k in range(self.length)]
 
     def _pieces(self, start: int, stop: int) -> list[tuple[int, int, bool]]:
         """Cut a range where the axis moves on: whole slabs lie side by side in the whole space."""

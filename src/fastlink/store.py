@@ -22,10 +22,10 @@ from numpy.typing import NDArray
 
 from fastlink import target
 from fastlink.errors import InputError
+from fastlink.journal import Journal, Range, joined, journal_of, missing, read_journal
 from fastlink.label import FORMAT, FORMAT_VERSION, Variable, check_dims, plain_attrs
 from fastlink.layout import lay_out, set_attrs
 from fastlink.target import check_target
-from fastlink.write_back import WriteBack
 
 __all__ = ["Writer", "check_target", "open_map"]
 
@@ -50,6 +50,9 @@ class Writer:
         Further global attributes.
     overwrite : bool, default False
         Replace an existing file; who has it open goes on reading the old one.
+    run : (fingerprint, size), optional
+        What tells this run from all others, and how many designs it evaluates. With it, `record` notes what is
+        written, and a run of the same fingerprint that was killed is gone on with: `todo` is what it left.
     """
 
     def __init__(
@@ -60,6 +63,7 @@ class Writer:
         attrs: Mapping[str, Any],
         *,
         overwrite: bool = False,
+        run: tuple[str, int] | None = None,
     ) -> None:
         for variable in variables:
             check_dims(coords, variable)
@@ -72,12 +76,17 @@ class Writer:
         self._idle = threading.Condition()
         self._writing = 0
         self._closed = False
+        self._fingerprint, self._size = run or ("", 0)
+        self._done: list[Range] = []
         try:
-            with target.claimed(self.part):
-                self._offsets, self._fd = self._start(coords, variables, attrs)
+            if not self._resumed():
+                with target.claimed(self.part):
+                    journal_of(self.part).unlink(missing_ok=True)
+                    self._offsets, self._fd = self._start(coords, variables, attrs)
         except (OSError, RuntimeError) as error:  # HDF5 reports a full disk as either
             raise self._failure(error) from error
-        self._write_back = WriteBack(self._fd)
+        about = {"fingerprint": self._fingerprint, "offsets": self._offsets}
+        self._journal = Journal(self._fd, self.part, about, self._done)
 
     def __enter__(self) -> Writer:
         return self
@@ -85,8 +94,41 @@ class Writer:
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
-        if not self._closed:
+        if self._closed:
+            return
+        if isinstance(error, KeyboardInterrupt) and self._done:
+            self._keep(error)
+        else:
             self._discard()
+
+    @property
+    def todo(self) -> list[Range]:
+        """Designs that no run has written yet."""
+        return missing(self._done, self._size)
+
+    def record(self, start: int, stop: int) -> None:
+        """Note that all variables of these designs are written; thread-safe.
+
+        Parameters
+        ----------
+        start, stop : int
+            Numbers of designs as they are evaluated.
+        """
+        with self._idle:
+            self._done = joined([*self._done, (start, stop)])
+        self._journal.add(start, stop)
+
+    @property
+    def done(self) -> list[Range]:
+        """Designs that are written, by this run or by one that was killed."""
+        return list(self._done)
+
+    def read(self, name: str, start: int, stop: int, row: tuple[int, ...]) -> NDArray[Any]:
+        """Return values that were written: one row of a shape per design, as in `write`."""
+        dtype, length = self._variables[name].dtype, math.prod(row)
+        with open(self.part, "rb") as file:
+            file.seek(self._offsets[name] + start * length * dtype.itemsize)
+            return np.fromfile(file, dtype, (stop - start) * length).reshape(stop - start, *row)
 
     def write(self, name: str, start: int, block: NDArray[Any]) -> None:
         """Write the values of consecutive designs of one variable; thread-safe.
@@ -106,11 +148,11 @@ class Writer:
                 raise ValueError(f"{self.path}: the file is closed")
             self._writing += 1
         try:
-            _write_all(self._fd, block.reshape(-1).view(np.uint8).data, position)
+            target.write_all(self._fd, block.reshape(-1).view(np.uint8).data, position)
         except OSError as error:
             raise self._failure(error) from error
         else:
-            self._write_back.add(block.nbytes)
+            self._journal.add_bytes(block.nbytes)
             with self._idle:
                 self._written[name] += block.size
         finally:
@@ -153,6 +195,26 @@ class Writer:
                 f"it is kept as {self.part}, rename it"
             ) from error
 
+    def _resumed(self) -> bool:
+        """Take over what a killed run of the same fingerprint has left."""
+        found = read_journal(self.part, self._fingerprint) if self._fingerprint else None
+        fd = None if found is None else target.reopened(self.part)
+        if found is None or fd is None:
+            return False
+        about, self._done = found
+        self._offsets, self._fd = about["offsets"], fd
+        written = sum(stop - start for start, stop in self._done)
+        for name, variable in self._variables.items():
+            self._written[name] = math.prod(variable.shape) // self._size * written
+        return True
+
+    def _keep(self, error: KeyboardInterrupt) -> None:
+        """Leave the partial file to be gone on with."""
+        self._close_to_writers(keep=True)
+        os.close(self._fd)
+        share = sum(stop - start for start, stop in self._done) / self._size
+        error.add_note(f"{share:.0%} of the designs are kept in {self.part}; run the same again to go on")
+
     def _start(
         self, coords: xr.Dataset, variables: Sequence[Variable], attrs: Mapping[str, Any]
     ) -> tuple[dict[str, int], int]:
@@ -192,14 +254,14 @@ class Writer:
             return target.no_room(self.path, self._nbytes, error)
         return InputError(f"{self.path}: cannot be written ({target.reason(error)}); choose another place")
 
-    def _close_to_writers(self) -> None:
+    def _close_to_writers(self, *, keep: bool = False) -> None:
         """Let no write begin, and wait for those under way: the file number may soon be of another file."""
         with self._idle:
             if self._closed:
                 raise ValueError(f"{self.path}: the file is closed")
             self._closed = True
             self._idle.wait_for(lambda: self._writing == 0)
-        self._write_back.close()
+        self._journal.close(keep=keep)
 
     def _discard(self) -> None:
         self._close_to_writers()
@@ -262,19 +324,3 @@ def _foreign(version: Any) -> str:
     if version > FORMAT_VERSION:
         return f"has format {version}, this version reads up to {FORMAT_VERSION}; update fastlink"
     return ""
-
-
-_seek_lock = threading.Lock()
-
-
-def _write_all(fd: int, data: memoryview, position: int) -> None:
-    """Write every byte at a position, however few the system takes at a time."""
-    while data:
-        if hasattr(os, "pwrite"):
-            count = os.pwrite(fd, data, position)
-        else:
-            with _seek_lock:
-                os.lseek(fd, position, os.SEEK_SET)
-                count = os.write(fd, data)
-        data = data[count:]
-        position += count

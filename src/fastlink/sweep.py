@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-import sys
-import threading
+import hashlib
 import time
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -16,9 +15,10 @@ from fastlink import label, labelling, store
 from fastlink.asked import Asked, resolve
 from fastlink.errors import InputError
 from fastlink.plan import Plan
-from fastlink.plans import PlanSet, RefinedPlan
+from fastlink.plans import RefinedPlan
 from fastlink.request import POSITIONS
-from fastlink.run import Job, Part, block_length, default_threads, run
+from fastlink.run import Deliver, Job, Part, block_length, default_threads, run
+from fastlink.takers import StatusCounts, all_of, progress_bar
 from fastlink.verify import Verification, check_verify
 
 if TYPE_CHECKING:
@@ -27,8 +27,12 @@ if TYPE_CHECKING:
 
     from fastlink.links import Links
     from fastlink.space import DesignSpace
+    from fastlink.spread import Spread
 
 __all__ = ["sweep"]
+
+#: Designs of an earlier run that are read at once.
+REPLAYED = 4096
 
 
 def sweep(
@@ -151,46 +155,54 @@ def sweep(
     coords = labelling.coordinates(plan, space, positions)
     shapes = [(labelling.trailing(output, plan, positions.size), output.dtype) for output in plan.outputs]
     job = Job([_part(part, asked) for part in plan.parts], shapes, asked.evaluated.size)
-    counts = _StatusCounts(plan)
+    counts = StatusCounts(plan)
     verification = Verification(plan, space, positions, check_verify(verify, to is not None))
-    bar = _progress_bar(space.size, progress)
+    bar = progress_bar(space.size, progress)
     about = labelling.about(mechanism, plan, solver, positions.size, count) | dict(attrs or {})
     if spread is not None:
         about["scaling_axis"] = spread.name
         block = block or max(1, block_length(job, count) // spread.length)
     before = time.perf_counter()
 
-    def report() -> dict[str, Any]:
+    def report(resumed: int = 0) -> dict[str, Any]:
         run_time = time.perf_counter() - before
         found = {"designs": space.size, "set_up_time_s": before - started, "run_time_s": run_time}
-        found["designs_per_second"] = space.size / run_time
+        if resumed:
+            found["designs_of_earlier_runs"] = resumed
+        rate = (space.size - resumed) / run_time
+        found["designs_per_second"] = rate
         if plan.uses_position:
-            found["configurations"] = space.size * len(asked.branches) * positions.size
-            found["configurations_per_second"] = found["configurations"] / run_time
+            of_each = len(asked.branches) * positions.size
+            found["configurations"] = space.size * of_each
+            found["configurations_per_second"] = rate * of_each
         return found | counts.attrs()
 
     with bar:
         if target is None:
             arrays = [np.empty((space.size, *shape), dtype) for shape, dtype in job.outputs]
-            take = _all(counts.take, verification.take, bar.take)
+            take = all_of(counts.take, verification.take, bar.take)
             if spread is None:
                 run(job, targets=arrays, deliver=take, threads=count, block=block)
             else:
-                run(job, deliver=spread.over(_all(_into(arrays), take)), threads=count, block=block)
+                run(job, deliver=spread.over(all_of(_into(arrays), take)), threads=count, block=block)
             about |= report()
             measured, errors = verification.measure()
             variables = [replace(v, attrs=v.attrs | errors.get(v.name, {})) for v in variables]
             named = {variable.name: array for variable, array in zip(variables, arrays, strict=True)}
             return label.assemble(coords, variables, named, about | measured)
-        with store.Writer(target, coords, variables, about, overwrite=overwrite) as writer:
+        key = _fingerprint(asked, about, variables), job.size
+        with store.Writer(target, coords, variables, about, overwrite=overwrite, run=key) as writer:
 
             def write(start: int, stop: int, arrays: list[NDArray[Any]]) -> None:
                 for variable, array in zip(variables, arrays, strict=True):
                     writer.write(variable.name, start, array)
 
-            take = _all(write, counts.take, verification.take, bar.take)
-            run(job, deliver=spread.over(take) if spread else take, threads=count, block=block)
-            found, errors = report(), {}
+            take = all_of(counts.take, verification.take, bar.take)
+            resumed = _replay(writer, variables, shapes, spread, take)
+            todo, take = writer.todo, all_of(write, take)
+            deliver = all_of(spread.over(take) if spread else take, lambda a, b, _: writer.record(a, b))
+            run(job, deliver=deliver, threads=count, block=block, todo=todo)
+            found, errors = report(resumed), {}
             try:
                 measured, errors = verification.measure()
                 found |= measured
@@ -211,6 +223,31 @@ def _part(part: Plan | RefinedPlan, asked: Asked) -> Part:
     )
 
 
+def _fingerprint(asked: Asked, about: Mapping[str, Any], variables: Sequence[label.Variable]) -> str:
+    """Return what tells the file of a sweep from all others, however many threads write it."""
+    labels = {name: value for name, value in about.items() if name != "threads"}
+    return hashlib.sha256(repr((asked.fingerprint, labels, variables)).encode()).hexdigest()
+
+
+def _replay(
+    writer: store.Writer,
+    variables: Sequence[label.Variable],
+    shapes: Sequence[tuple[tuple[int, ...], str]],
+    spread: Spread | None,
+    take: Deliver,
+) -> int:
+    """Hand on what a killed run has written; return how many designs these are."""
+    count = 0
+    for start, stop in writer.done:
+        for first, last in spread.ranges(start, stop) if spread else [(start, stop)]:
+            count += last - first
+            for k in range(first, last, REPLAYED):
+                end = min(k + REPLAYED, last)
+                rows = zip(variables, shapes, strict=True)
+                take(k, end, [writer.read(variable.name, k, end, shape) for variable, (shape, _) in rows])
+    return count
+
+
 def _check_threads(threads: int | None) -> int:
     if threads is None:
         return default_threads()
@@ -219,61 +256,9 @@ def _check_threads(threads: int | None) -> int:
     return threads
 
 
-def _all(
-    *takers: Callable[[int, int, list[NDArray[Any]]], None],
-) -> Callable[[int, int, list[NDArray[Any]]], None]:
-    def deliver(start: int, stop: int, arrays: list[NDArray[Any]]) -> None:
-        for take in takers:
-            take(start, stop, arrays)
-
-    return deliver
-
-
-def _into(whole: list[NDArray[Any]]) -> Callable[[int, int, list[NDArray[Any]]], None]:
+def _into(whole: list[NDArray[Any]]) -> Deliver:
     def deliver(start: int, stop: int, arrays: list[NDArray[Any]]) -> None:
         for kept, array in zip(whole, arrays, strict=True):
             kept[start:stop] = array
 
     return deliver
-
-
-class _StatusCounts:
-    """How many designs have each status."""
-
-    def __init__(self, plan: PlanSet) -> None:
-        self.place = [output.name for output in plan.outputs].index("status")
-        self.flags = plan.catalogue.facts["status"].flags
-        self.counts = np.zeros(max(self.flags) + 1, dtype=np.int64)
-        self.lock = threading.Lock()
-
-    def take(self, start: int, stop: int, arrays: list[NDArray[Any]]) -> None:
-        found = np.bincount(arrays[self.place], minlength=self.counts.size)
-        with self.lock:
-            self.counts += found
-
-    def attrs(self) -> dict[str, int]:
-        return {f"designs_{meaning}": int(self.counts[value]) for value, meaning in self.flags.items()}
-
-
-class _Bar:
-    """A progress bar that threads may feed."""
-
-    def __init__(self, total: int, shown: bool) -> None:
-        from tqdm import tqdm
-
-        self.bar = tqdm(total=total, unit=" designs", unit_scale=True, disable=not shown, file=sys.stderr)
-        self.lock = threading.Lock()
-
-    def take(self, start: int, stop: int, arrays: list[NDArray[Any]]) -> None:
-        with self.lock:
-            self.bar.update(stop - start)
-
-    def __enter__(self) -> _Bar:
-        return self
-
-    def __exit__(self, *error: object) -> None:
-        self.bar.close()
-
-
-def _progress_bar(total: int, progress: bool | None) -> _Bar:
-    return _Bar(total, sys.stderr.isatty() if progress is None else progress)

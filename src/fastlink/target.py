@@ -7,6 +7,7 @@ import errno
 import os
 import shutil
 import tempfile
+import threading
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -18,6 +19,8 @@ except ImportError:  # not POSIX: no locks, and a folder cannot be synchronised
     fcntl = None  # type: ignore[assignment]
 
 SLACK = 2**20  # for the labels, and for the attributes that are added at the end
+
+_seek_lock = threading.Lock()
 
 NO_LOCKS = {errno.ENOSYS, errno.EOPNOTSUPP, errno.ENOLCK}
 NO_RESERVE = {errno.EINVAL, errno.EOPNOTSUPP, errno.ENOSYS}
@@ -115,6 +118,28 @@ def adopt(fresh: Path, part: Path) -> int:
     return fd
 
 
+def reopened(part: Path) -> int | None:
+    """Hold a partial file that a killed run has left, and return its open file number; None where there is none.
+
+    Refused when a live process writes it.
+    """
+    try:
+        fd = _open(part)
+    except FileNotFoundError:
+        return None
+    try:
+        _lock(fd, part)
+        if os.path.samestat(os.fstat(fd), os.stat(part)):
+            return fd
+    except FileNotFoundError:
+        pass
+    except BaseException:
+        os.close(fd)
+        raise
+    os.close(fd)
+    return None
+
+
 def make_sure_of_room(path: Path, nbytes: int) -> None:
     """Fail if HDF5 will have no room for the labels: a disk that fills up under it may crash the process."""
     fd = _open(path, os.O_CREAT | os.O_TRUNC)
@@ -147,6 +172,19 @@ def publish(fd: int, part: Path, final: Path, overwrite: bool) -> None:
     finally:
         os.close(fd)
     _synchronise_folder(final.parent)
+
+
+def write_all(fd: int, data: memoryview, position: int) -> None:
+    """Write every byte at a position, however few the system takes at a time."""
+    while data:
+        if hasattr(os, "pwrite"):
+            count = os.pwrite(fd, data, position)
+        else:
+            with _seek_lock:
+                os.lseek(fd, position, os.SEEK_SET)
+                count = os.write(fd, data)
+        data = data[count:]
+        position += count
 
 
 def discard(fd: int, part: Path) -> None:

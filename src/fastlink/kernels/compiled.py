@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 
     from fastlink.closure import Closure
 
-__all__ = ["cache_folder", "load_kernel"]
+__all__ = ["cache_folder", "kernel_key", "load_kernel"]
 
 HELPERS = (
     *("jit.py", "logarithm.py", "geometry.py", "kernels/dense.py", "kernels/whole.py"),
@@ -70,9 +70,13 @@ def _environment() -> bytes:
     return digest.digest()
 
 
+def kernel_key(text: str) -> str:
+    """Return what tells a kernel's machine code from all others."""
+    return hashlib.sha256(_environment() + text.encode()).hexdigest()[:32]
+
+
 def _load_module(text: str) -> ModuleType:
-    key = hashlib.sha256(_environment() + text.encode()).hexdigest()[:32]
-    name = f"fastlink_kernel_{key}"
+    name = f"fastlink_kernel_{kernel_key(text)}"
     if name in sys.modules:
         return sys.modules[name]
     path = cache_folder() / f"{name}.py"
