@@ -88,13 +88,18 @@ def gap_product_quotient(f: Any, f_low: Any, g: Any, g_low: Any, x: Any, y: Any)
 
 
 @inlined
-def power_of_two_below(x: Any) -> Any:
-    """Return the power of two at or below a positive x (Rump's unit in the first place).
-
-    On mpmath numbers it is some number of the size of x, which scales as well.
-    """
+def _first_place(x: Any) -> Any:
     q = (2.0**52 + 1.0) * x
     return abs(q - (1.0 - UNIT_ROUNDING) * q)
+
+
+@compiled_as(_first_place)
+def power_of_two_below(x: Any) -> Any:
+    """Return the power of two at or below a positive x (Rump's unit in the first place)."""
+    context = context_of(x)
+    if hasattr(context, "ldexp") and 0 < x < context.inf:
+        return context.ldexp(1, context.frexp(x)[1] - 1)
+    return _first_place(x)
 
 
 @inlined
