@@ -86,6 +86,7 @@ def test_a_sweep_may_be_interrupted_again_and_again(tmp_path, monkeypatch):
                 sweep(place)
     with sweep(place) as found, sweep(tmp_path / "whole.h5") as expected:
         assert found.attrs["designs_of_earlier_runs"] == 12 * 64
+        assert "resumed         768 designs of an earlier run were there" in fl.summary(found)
         assert_same(found, expected)
 
 

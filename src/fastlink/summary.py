@@ -57,6 +57,10 @@ def summary(dataset: xr.Dataset) -> str:
             rows.append(("", f"{f'{count:,}':>{len(f'{designs:,}')}}  {label}  {_percent(count, designs)}"))
     if "configurations" in attrs:
         rows.append(("configurations", f"{int(attrs['configurations']):,}"))
+    if "designs_of_earlier_runs" in attrs:
+        rows.append(
+            ("resumed", f"{int(attrs['designs_of_earlier_runs']):,} designs of an earlier run were there")
+        )
     if "run_time_s" in attrs:
         text = duration(float(attrs["run_time_s"]))
         if "set_up_time_s" in attrs:
