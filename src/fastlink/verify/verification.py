@@ -64,9 +64,8 @@ class Verification:
 
     def __init__(self, plan: PlanSet, space: DesignSpace, positions: NDArray[Any], count: int) -> None:
         self.rng = np.random.default_rng(SEED)
-        designs = np.arange(space.size)
-        if space.size > count:
-            designs = np.sort(self.rng.choice(space.size, count, replace=False))
+        size = space.size  # never a list of all designs: there may be 10^9
+        designs = np.arange(size) if size <= count else np.sort(self.rng.choice(size, count, replace=False))
         rows = np.empty((len(space.names), designs.size))
         for k, design in enumerate(designs):
             space.fill(space.names, int(design), int(design) + 1, rows[:, k : k + 1])
