@@ -9,7 +9,7 @@ from typing import Any
 from fastlink.catalogue import Catalogue, Fact
 from fastlink.derivative import derivative_name
 
-__all__ = ["borrow", "facts_of", "moved", "renaming", "with_derivatives"]
+__all__ = ["borrow", "borrow_range", "facts_of", "moved", "renaming", "with_derivatives"]
 
 Renaming = Callable[[str], str]
 
@@ -89,3 +89,38 @@ def borrow(
     for name, fact in with_derivatives(lender, labels, own).items():
         said = {"internal": fact.internal, **labels[name]} if name in labels else {"internal": True}
         borrower.facts.setdefault(rename(name), replace(moved(fact, rename), **said))
+
+
+def borrow_range(
+    borrower: Catalogue, lender: Catalogue, names: Mapping[str, str], prefix: str, **told: Any
+) -> None:
+    """Declare the graded range of one mechanism in another, with all that it needs.
+
+    Parameters
+    ----------
+    borrower, lender, names, prefix
+        As in `borrow`.
+    **told
+        What belongs to the borrower's quantities: ``cells``, ``most``, ``rough`` and ``jumps`` of `GradedRange`.
+    """
+    graded = lender.graded
+    assert graded is not None
+    rename = renaming(lender, {leaf: leaf for leaf in graded.leaves} | dict(names), prefix)
+    places = [fact for fact in lender.alternatives[graded.name].values() if isinstance(fact, Fact)]
+    needed = {need for fact in places for need in fact.needs}.intersection(lender.facts)
+    needed |= {graded.sine, graded.inverse, *(name for end in graded.ends for name in end)}
+    borrow(borrower, lender, names, prefix, {name: {} for name in sorted(needed)})
+    borrower.alternatives[graded.name] = {rename(fact.name): moved(fact, rename) for fact in places}
+    (low, high) = graded.ends
+    borrower.graded = replace(
+        graded,
+        ends=(
+            (rename(low[0]), rename(low[1]), rename(low[2])),
+            (rename(high[0]), rename(high[1]), rename(high[2])),
+        ),
+        odd=tuple(map(rename, graded.odd)),
+        vanishing=rename(graded.vanishing),
+        inverse=rename(graded.inverse),
+        sine=rename(graded.sine),
+        **told,
+    )

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from fastlink.mechanisms.hart import design_facts, line, motion
+from fastlink.mechanisms.hart import design_facts, four_bar, line, motion
 from fastlink.mechanisms.hart.declare import hart
 
 if TYPE_CHECKING:
     from fastlink.catalogue import Catalogue
 
-__all__ = ["DRIVEN", "design_facts", "hart", "line", "motion"]
+__all__ = ["DRIVEN", "design_facts", "four_bar", "hart", "line", "motion"]
 
 hart.check()
 #: No other input drives it.

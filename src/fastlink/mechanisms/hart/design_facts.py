@@ -14,6 +14,8 @@ from fastlink.geometry import UNIT_ROUNDING, gap, gap_product_quotient, pair_pro
 from fastlink.jit import NOT_A_NUMBER, select
 from fastlink.mechanisms import lengths
 from fastlink.mechanisms.hart.declare import PAGE, hart
+from fastlink.mechanisms.planar_4r.rates import product
+from fastlink.mechanisms.planar_4r.slopes import opposite
 
 NUMERICS = f"{PAGE}#numerics"
 #: Beyond these powers of two the fourth power of kappa, or of its inverse, is no double.
@@ -57,16 +59,6 @@ def valid(lengths_are_valid: Any, K: Any) -> Any:
 def lambda_sign(K: Any) -> Any:
     """1 where P lies on the ray from M through A, -1 where it lies beyond M; and alike for Q."""
     return select(K < 1.0, 1.0, -1.0)
-
-
-def opposite(x: Any) -> Any:
-    """Return -x."""
-    return -x
-
-
-def product(x: Any, y: Any) -> Any:
-    """Return x y."""
-    return x * y
 
 
 for _name, _meaning, _law, _given in (
@@ -139,6 +131,17 @@ for _name, _text, _K, _n in (
             meaning=_meaning,
             given=_given,
         )(_law)
+
+
+hart.quantity(
+    units="1",
+    symbol="A_1",
+    source=NUMERICS,
+    internal=True,
+    name="sure_A1",
+    meaning="factor A1 of MABN over 1 + K",
+    given={"x": "lambda_sign", "y": "near_sum_less"},
+)(product)
 
 
 @hart.quantity(units="1", symbol="assembles", source=f"{PAGE}#stroke", internal=True)

@@ -11,8 +11,8 @@ from typing import Any
 
 from fastlink.geometry import pair_product, two_sum
 from fastlink.jit import NOT_A_NUMBER, select, sqrt
+from fastlink.mechanisms.hart import design_facts  # noqa: F401 (on which it builds)
 from fastlink.mechanisms.hart.declare import PAGE, WUNDERLICH, hart
-from fastlink.mechanisms.hart.design_facts import product
 
 STROKE = f"{PAGE}#stroke"
 KITE = f"{WUNDERLICH}, eq. (7.6)"
@@ -126,17 +126,6 @@ def ellipse_a(is_kite: Any, m: Any) -> Any:
 def ellipse_b(is_kite: Any, m: Any) -> Any:
     """Semi-axis along MN of the ellipse of the middle of PF about M; NaN if that is none."""
     return select(is_kite == 1.0, 0.5 * m, NOT_A_NUMBER)
-
-
-hart.quantity(
-    units="1",
-    symbol="A_1",
-    source=PAGE,
-    internal=True,
-    name="sure_A1",
-    meaning="factor A1 of MABN over 1 + K",
-    given={"x": "lambda_sign", "y": "near_sum_less"},
-)(product)
 
 
 @hart.quantity(units="1", symbol="status", source=f"{STROKE}; {WUNDERLICH}, section 7", flags=STATUS_FLAGS)

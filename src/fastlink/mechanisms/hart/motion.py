@@ -11,97 +11,15 @@ and e^(i omega) is minus PF over u and p.
 
 from __future__ import annotations
 
-from dataclasses import replace
 from typing import Any
 
 from fastlink.geometry import UNIT_ROUNDING, largest
 from fastlink.jit import NOT_A_NUMBER, atan2, select, sqrt
-from fastlink.mechanisms.borrow import borrow
 from fastlink.mechanisms.hart.declare import PAGE, WUNDERLICH, hart
-from fastlink.mechanisms.hart.design_facts import NUMERICS, product
-from fastlink.mechanisms.planar_4r import planar_4r
-
-POSITION = f"{WUNDERLICH}, eqs. (1.2) to (1.4); {NUMERICS}"
-
-# -- the four-bar MABN ----------------------------------------------------------------------------------------
-
-
-def size(x: Any) -> Any:
-    """Return |x|."""
-    return abs(x)
-
-
-def scaled_size(length: Any, lambda_: Any) -> Any:
-    """Return a scaled length times |lambda|."""
-    return abs(lambda_) * length
-
-
-_law: Any
-for _name, _meaning, _units, _law, _given in (
-    ("size_a", "length MA", "m", size, {"x": "a"}),
-    ("size_b", "length NB", "m", size, {"x": "b"}),
-    ("size_c", "length AB", "m", size, {"x": "c"}),
-    ("s_a", "scaled length MA", "1", scaled_size, {"length": "s_m"}),
-    ("s_b", "scaled length NB", "1", scaled_size, {"length": "s_n"}),
-    ("s_c", "scaled length AB", "1", product, {"x": "K", "y": "s_d"}),
-):
-    hart.quantity(
-        units=_units, symbol=_name, source=NUMERICS, internal=True, name=_name, meaning=_meaning, given=_given
-    )(_law)
-
-
-@hart.quantity(units="1", symbol="delta", source="docs/numerics.md#position", internal=True)
-def output_offset(s_n: Any, s_b: Any, s_c: Any, s_m: Any, s_d: Any) -> Any:
-    """NB (NB - AB)/(4 MA MN), lambda divided out."""
-    return s_n * (s_b - s_c) / (4.0 * (s_m * s_d))
-
-
-#: What MABN is called as a planar 4R.
-_NAMES = {"theta1": "phi", "cos_theta1": "cos_phi", "sin_theta1": "sin_phi"}
-_NAMES |= {
-    name: name for name in ("Z", "Z_low", "C", "C_low", "Z0", "Z0_low", "C0", "C0_low", "output_offset")
-}
-_NAMES |= {
-    "a1": "size_a",
-    "a2": "size_c",
-    "a3": "size_b",
-    "a4": "d",
-    "s1": "s_a",
-    "s2": "s_c",
-    "s3": "s_b",
-    "s4": "s_d",
-}
-_NAMES |= {
-    "p": "past_Z0",
-    "q": "past_C0",
-    "sigma": "sigma",
-    "per_sigma": "per_sigma",
-    "branch_sign": "branch_sign",
-}
-_NAMES |= {"DB_x": "NB_x", "DB_y": "NB_y", "sure_A1": "sure_A1", "assembles": "assembles", "valid": "valid"}
-_NAMES |= {"sure_B1": "far_difference_less", "sure_C1": "far_difference_plus"}
-
-for _table in planar_4r.tables.values():
-    hart.tables[_NAMES[_table.name]] = replace(_table, name=_NAMES[_table.name], needs=("phi",))
-hart.table_low_parts = dict(planar_4r.table_low_parts)
-
-_NAMES |= {"theta4": "psi", "output_ratio": "dpsi_dphi", "grashof_class": "grashof_class"}
-_NAMES |= {"A_x": "A_x", "A_y": "A_y"}
-_SAID: dict[str, dict[str, Any]] = {
-    "A_x": {"source": POSITION},
-    "A_y": {"source": POSITION},
-    "theta4": {"symbol": "psi", "meaning": "Direction of NB in the ground frame", "source": POSITION},
-    "output_ratio": {
-        "symbol": "dpsi/dphi",
-        "meaning": "Rate of the direction of NB by that of MA",
-        "source": f"{WUNDERLICH}, eq. (2.4), differentiated",
-        "internal": False,
-    },
-    "grashof_class": {
-        "meaning": "Type of the four-bar MABN, with the crank MA, the coupler AB and the output link NB"
-    },
-}
-borrow(hart, planar_4r, _NAMES, "bar_", _SAID)
+from fastlink.mechanisms.hart.design_facts import NUMERICS
+from fastlink.mechanisms.hart.four_bar import POSITION
+from fastlink.mechanisms.planar_4r.rates import product
+from fastlink.mechanisms.planar_4r.slopes import same
 
 # -- the bars from M to F -------------------------------------------------------------------------------------
 
@@ -149,11 +67,7 @@ def plus(x: Any, y: Any) -> Any:
     return x + y
 
 
-def itself(x: Any) -> Any:
-    """Return x."""
-    return x
-
-
+_law: Any
 _AXES = (("x", "cos_phi", "PF_along"), ("y", "sin_phi", "PF_across"))
 for _axis, _table_name, _direction in _AXES:
     _bar = {"start": f"P_{_axis}", "length": "m_along", "direction": _direction}
@@ -172,10 +86,9 @@ for _axis, _table_name, _direction in _AXES:
 
 for _name, _law, _given in (
     ("B_x", plus, {"x": "d", "y": "NB_x"}),
-    ("B_y", itself, {"x": "NB_y"}),
     ("F_y", end, {"start": "P_y", "length": "m_along", "direction": "PF_across"}),
     ("Q_x", over_lambda_from, {"start": "d", "x": "NB_x"}),
-    ("Q_y", over_lambda, {"x": "NB_y"}),
+    ("Q_y", over_lambda, {"x": "B_y"}),
 ):
     hart.quantity(
         units="m",
@@ -284,14 +197,6 @@ def closure_residual(AB_error: Any, PF_error: Any, QF_error: Any, NB_error: Any,
     """Closure error of the bars AB, PF, QF, NB and NQ by the joints as computed, relative to the longest bar."""
     moving = AB_error * AB_error + (PF_error * PF_error + QF_error * QF_error)
     return sqrt(moving + (NB_error * NB_error + NQ_error * NQ_error))
-
-
-# -- declared derivatives by phi, where the closed form is there already -----------------------------------------
-
-
-def same(x: Any) -> Any:
-    """Return x."""
-    return x
 
 
 hart.derivative("F_y", "phi", given={"x": "dF_y_dphi"})(same)

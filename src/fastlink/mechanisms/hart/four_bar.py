@@ -1,0 +1,117 @@
+"""The four-bar MABN of Hart's linkage, driven by MA: a planar 4R, whose position and graded range are taken over.
+
+Its toggles are those of `design_facts`, in which lambda is divided out, as it is here where lengths are over lengths.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+from fastlink.jit import NOT_A_NUMBER, select
+from fastlink.mechanisms.borrow import borrow, borrow_range
+from fastlink.mechanisms.hart.declare import WUNDERLICH, hart
+from fastlink.mechanisms.hart.design_facts import NUMERICS
+from fastlink.mechanisms.planar_4r import planar_4r
+from fastlink.mechanisms.planar_4r.rates import product
+
+POSITION = f"{WUNDERLICH}, eqs. (1.2) to (1.4); {NUMERICS}"
+
+
+def size(x: Any) -> Any:
+    """Return |x|."""
+    return abs(x)
+
+
+def scaled_size(length: Any, lambda_: Any) -> Any:
+    """Return a scaled length times |lambda|."""
+    return abs(lambda_) * length
+
+
+_law: Any
+for _name, _meaning, _units, _law, _given in (
+    ("size_a", "length MA", "m", size, {"x": "a"}),
+    ("size_b", "length NB", "m", size, {"x": "b"}),
+    ("size_c", "length AB", "m", size, {"x": "c"}),
+    ("s_a", "scaled length MA", "1", scaled_size, {"length": "s_m"}),
+    ("s_b", "scaled length NB", "1", scaled_size, {"length": "s_n"}),
+    ("s_c", "scaled length AB", "1", product, {"x": "K", "y": "s_d"}),
+):
+    hart.quantity(
+        units=_units, symbol=_name, source=NUMERICS, internal=True, name=_name, meaning=_meaning, given=_given
+    )(_law)
+
+
+@hart.quantity(units="1", symbol="delta", source="docs/numerics.md#position", internal=True)
+def output_offset(s_n: Any, s_b: Any, s_c: Any, s_m: Any, s_d: Any) -> Any:
+    """NB (NB - AB)/(4 MA MN), lambda divided out."""
+    return s_n * (s_b - s_c) / (4.0 * (s_m * s_d))
+
+
+@hart.quantity(units="1", symbol="w", source="docs/numerics.md#extremes", internal=True)
+def range_width(
+    far_sum_less: Any,
+    far_sum_plus: Any,
+    near_difference_less: Any,
+    near_difference_plus: Any,
+    Z0: Any,
+    C0: Any,
+    s_m: Any,
+    s_n: Any,
+    e: Any,
+    K: Any,
+    assembles: Any,
+) -> Any:
+    """Width of the reachable range of phi in Z; NaN where the design never assembles."""
+    to_pi = far_sum_plus * near_difference_plus / (4.0 * (s_m * e))
+    from_0 = -(far_sum_less * near_difference_less) / (4.0 * (s_m * e))
+    high = C0 > 0.0
+    width = select(Z0 > 0.0, select(high, K * (s_n / s_m), to_pi), select(high, from_0, 1.0))
+    return select(assembles == 1.0, width, NOT_A_NUMBER)
+
+
+PREFIX = "bar_"
+#: What MABN is called as a planar 4R.
+NAMES = {"a1": "size_a", "a2": "size_c", "a3": "size_b", "a4": "d"}
+NAMES |= {"s1": "s_a", "s2": "s_c", "s3": "s_b", "s4": "s_d"}
+NAMES |= {"theta1": "phi", "cos_theta1": "cos_phi", "sin_theta1": "sin_phi", "p": "past_Z0", "q": "past_C0"}
+NAMES |= {"DB_x": "NB_x", "DB_y": "B_y", "theta4": "psi", "output_ratio": "dpsi_dphi"}
+NAMES |= {"sure_B1": "far_difference_less", "sure_C1": "far_difference_plus"}
+NAMES |= {
+    name: name for name in ("Z", "Z_low", "C", "C_low", "Z0", "Z0_low", "C0", "C0_low", "sigma", "per_sigma")
+}
+NAMES |= {name: name for name in ("branch_sign", "output_offset", "range_width", "assembles", "valid")}
+NAMES |= {name: name for name in ("A_x", "A_y", "sure_A1", "grashof_class")}
+
+for _table in planar_4r.tables.values():
+    hart.tables[NAMES[_table.name]] = replace(_table, name=NAMES[_table.name], needs=("phi",))
+hart.table_low_parts = dict(planar_4r.table_low_parts)
+
+_SAID: dict[str, dict[str, Any]] = {
+    "A_x": {"source": POSITION},
+    "A_y": {"source": POSITION},
+    "DB_y": {"symbol": "B_y", "meaning": "Joint B, y", "source": POSITION, "internal": False},
+    "theta4": {"symbol": "psi", "meaning": "Direction of NB in the ground frame", "source": POSITION},
+    "output_ratio": {
+        "symbol": "dpsi/dphi",
+        "meaning": "Rate of the direction of NB by that of MA",
+        "source": f"{WUNDERLICH}, eq. (2.4), differentiated",
+        "internal": False,
+    },
+    "grashof_class": {
+        "meaning": "Type of the four-bar MABN, with the crank MA, the coupler AB and the output link NB"
+    },
+}
+borrow(hart, planar_4r, NAMES, PREFIX, _SAID)
+
+assert planar_4r.graded is not None
+borrow_range(
+    hart,
+    planar_4r,
+    NAMES,
+    PREFIX,
+    cells={"psi": planar_4r.graded.cells["theta4"], "dpsi_dphi": planar_4r.graded.cells["omega4"]},
+    most={"psi": planar_4r.graded.most["theta4"], "dpsi_dphi": planar_4r.graded.most["omega4"]},
+    rough=("F_x", "F_deviation", "closure_residual"),
+    jumps={"psi": "B_y", "omega_angle": "sine_part"},
+)
