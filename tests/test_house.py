@@ -22,6 +22,7 @@ LAYERS = [
         "fact",
         "graph",
         "derivative",
+        "error_laws",
         "error_rules",
         "error_paths",
         "error_bound",

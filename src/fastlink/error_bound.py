@@ -120,7 +120,8 @@ class ErrorBounds:
             raise InputError(
                 f"quantity '{name}_error': a linear system determines {name}; choose the solver that eliminates"
             )
-        assert found is not None
+        if found is None:
+            raise InputError(f"quantity '{name}{ERROR}': {name} is given, which has no error; leave it out")
         return found
 
     def _value(self, found: Fact) -> Node:

@@ -6,28 +6,15 @@ by a value on the way knows: all paths from there are in it.
 
 from __future__ import annotations
 
-from typing import Any
-
+from fastlink.error_laws import root_slope, root_slope_of_squares
 from fastlink.error_rules import UNIT, Rules
 from fastlink.graph import Node
-from fastlink.jit import select, sqrt
+from fastlink.jit import sqrt
 
 __all__ = ["Paths", "is_smooth"]
 
 #: A number of times a value.
 Share = tuple[float, Node]
-
-TINY = 2.0**-1000
-
-
-def root_slope(x: Any, root: Any, e: Any) -> Any:
-    """Return the slope of a root; it bounds the chord over an error e of x, however near to zero x is."""
-    return select(16.0 * e < x, 0.52 / root, 1.0 / sqrt(e + TINY))
-
-
-def root_slope_of_squares(root: Any) -> Any:
-    """Return the slope of the root of what is never negative: its chords through zero are no steeper than that."""
-    return 0.5 / select(root > TINY, root, TINY)
 
 
 def is_smooth(rules: Rules, node: Node) -> bool:

@@ -7,11 +7,11 @@ known beforehand; where nothing cancels the rest is zero, and nothing is compute
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial
-from typing import Any
 
+from fastlink.error_laws import of_direction, of_logarithm, of_product, of_quotient, of_root
 from fastlink.geometry import (
     gap,
     gap_product_quotient,
@@ -21,8 +21,8 @@ from fastlink.geometry import (
     two_sum,
 )
 from fastlink.graph import Graph, Node, is_power_of_two
-from fastlink.jit import PI, atan2, cos, cosh, cosine, doubled, doublings, exp, select, sin, sine, sinh, sqrt
-from fastlink.logarithm import arsinh, log1p, log_quotient
+from fastlink.jit import atan2, cos, cosh, cosine, doubled, doublings, exp, select, sin, sine, sinh, sqrt
+from fastlink.logarithm import arsinh, log, log1p, log_quotient
 
 __all__ = ["UNIT", "Bound", "Lost", "Rules", "U"]
 
@@ -49,42 +49,6 @@ class Bound:
     scale: bool = False
     one: bool = False
     positive: bool = False
-
-
-# -- what errors of the arguments do, as texts over magnitudes and errors ----------------------------------
-
-
-def of_product(x: Any, y: Any, e_x: Any, e_y: Any) -> Any:
-    """Return what errors of x and y do to x y."""
-    return x * e_y + (y + e_y) * e_x
-
-
-def of_quotient(quotient: Any, y: Any, e_x: Any, e_y: Any) -> Any:
-    """Return what they do to x/y: infinite where y may be zero."""
-    return (quotient * e_y + e_x) / select(e_y < y, y - e_y, 0.0)
-
-
-def of_root(x: Any, root: Any, e: Any) -> Any:
-    """Return what an error of x does to its root, which is not negative."""
-    return select(e < x, e / root, sqrt(e))
-
-
-def of_direction(y: Any, x: Any, e_y: Any, e_x: Any) -> Any:
-    """Return what errors of a vector do to its direction: pi where it may be any."""
-    size = select(x < y, y, x)
-    v = y / size
-    u = x / size
-    # The sine of the angle between both vectors; below 1/8 the angle exceeds its sine by less than 0.3 %.
-    turn = (u * e_y + v * e_x) / ((u * u + v * v) * (size - (e_x + e_y)))
-    return select((e_x + e_y < size) & (turn < 0.125), 1.003 * turn, PI)
-
-
-def of_logarithm(x: Any, e: Any) -> Any:
-    """Return what an error of x does to its logarithm: infinite where x may be zero."""
-    return e / select(e < x, x - e, 0.0)
-
-
-# -- rules ---------------------------------------------------------------------------------------------------
 
 
 #: Calls that remain calls, and the error of an unevaluated sum (high, low) that they return: roundings of the sum.
@@ -274,10 +238,19 @@ class Rules:
             return Bound(0.5 * a.relative + 1.0, rest, positive=True)
         if function is atan2:
             return self._of_direction(node)
-        if function is arsinh:  # of x >= 0, where its slope times x is at most its value
-            return Bound(a.relative + ARSINH, a.rest, positive=True)
-        if function in (log_quotient, log1p):
-            return self._of_logarithm(node)
+        if function is arsinh:  # of x >= 0, where its slope times x is at most its value, and sqrt(2)/(1 + x)
+            rest = self._of_place(graph.add(graph.one, x), graph.mul(graph.number(1.4143), a.rest))
+            return Bound(a.relative + ARSINH, rest, positive=True)
+        if function is log1p:
+            # of x >= 0 the slope times x is at most the value
+            share, rest = (a.relative, a.rest) if a.positive else (0.0, self.error(x, a))
+            return Bound(
+                share + LOGARITHM, self._of_place(graph.add(graph.one, x), rest), positive=a.positive
+            )
+        if function is log_quotient:
+            return self._of_logarithm(node.args[:2], LOG_QUOTIENT)
+        if function is log:
+            return self._of_logarithm(node.args, LOGARITHM)
         assert function in (sine, cosine)
         return Bound(COSINE, graph.add(graph.number(REDUCTION), self.error(x, a)))
 
@@ -309,22 +282,18 @@ class Rules:
         # A relative error of y or x turns the vector by half of it times the sine of twice the angle.
         return Bound(a.relative + b.relative + ARCTANGENT, rest, positive=a.positive)
 
-    def _of_logarithm(self, node: Node) -> Bound:
-        graph, shift = self.graph, node.value is log1p
-        share, rest, positive = (0.0 if shift else LOG_QUOTIENT - LOGARITHM), graph.zero, False
-        for x in node.args[:2]:  # the third is a whole number
+    def _of_logarithm(self, args: Sequence[Node], own: float) -> Bound:
+        """Return the bound of the logarithm of a number or quotient: relative errors are absolute ones there."""
+        rest = self.graph.zero
+        for x in args:
             a = self.settled(x)
-            place, error = self.size(x), a.rest
-            if shift and a.positive:  # the slope times x is at most the value
-                share, positive = a.relative, True
-            elif shift:
-                error = self.error(x, a)
-            else:
-                rest = graph.add(rest, graph.number(UNIT * a.relative))
-            if error is not graph.zero:
-                place = graph.add(graph.one, x) if shift else place
-                rest = graph.add(rest, graph.read(of_logarithm, [place, error]))
-        return Bound(share + LOGARITHM, rest, positive=positive)
+            constant = self.graph.number(UNIT * a.relative)
+            rest = self.graph.add(rest, self.graph.add(self._of_place(self.size(x), a.rest), constant))
+        return Bound(own, rest)
+
+    def _of_place(self, place: Node, error: Node) -> Node:
+        """Return what an error does to a logarithm, whose slope is the reciprocal of a place."""
+        return error if error is self.graph.zero else self.graph.read(of_logarithm, [place, error])
 
 
 def _times(lost: Lost, number: float) -> dict[Node, tuple[float, Node]]:
