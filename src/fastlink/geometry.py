@@ -19,6 +19,7 @@ __all__ = [
     "pair_product",
     "power_of_two_below",
     "sign",
+    "square_sum",
     "turn_rate",
     "two_product",
     "two_sum",
@@ -74,6 +75,15 @@ def pair_product(a: Any, a_low: Any, b: Any, b_low: Any) -> Any:
     """Return the product of two unevaluated sums, as one."""
     p, e = two_product(a, b)
     return two_sum(p, e + (a * b_low + a_low * b))
+
+
+@inlined
+def square_sum(a: Any, f: Any, f_low: Any, b: Any) -> Any:
+    """Return a^2 + f b^2 as (high, low), for an unevaluated sum f."""
+    whole, whole_low = two_product(a, a)
+    square, square_low = two_product(b, b)
+    part, part_low = pair_product(f, f_low, square, square_low)
+    return gap(whole, whole_low, part, part_low)
 
 
 @inlined

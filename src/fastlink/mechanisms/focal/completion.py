@@ -14,7 +14,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
-from fastlink.geometry import gap, pair_product, power_of_two_below, sign, two_product, two_sum
+from fastlink.geometry import gap, pair_product, power_of_two_below, sign, square_sum, two_sum
 from fastlink.jit import NOT_A_NUMBER, select, sqrt
 from fastlink.mechanisms.focal.declare import DESIGN, GIVEN_LAMBDA, GIVEN_S, WUNDERLICH, focal
 
@@ -50,15 +50,14 @@ def one_plus_ratio_of_support(s: Any, d: Any) -> Any:
     return d / (d - s)
 
 
-def nothing(rho: Any) -> Any:
+def nothing(exact: Any) -> Any:
     """No low part."""
-    return 0.0 * rho
+    return 0.0 * exact
 
 
-for _name, _law in (("rho_plus_1", one_plus_ratio_of_support), ("rho_plus_1_low", nothing)):
-    focal.quantity(
-        units="1", symbol="1 + rho", source=COMPLETION, internal=True, alternative=GIVEN_S, name=_name
-    )(_law)
+focal.quantity(
+    units="1", symbol="1 + rho", source=COMPLETION, internal=True, alternative=GIVEN_S, name="rho_plus_1"
+)(one_plus_ratio_of_support)
 
 
 @focal.quantity(units="1", symbol="lambda - 1", source=COMPLETION, internal=True, alternative=GIVEN_LAMBDA)
@@ -67,35 +66,54 @@ def x(lambda_: Any) -> Any:
     return lambda_ - 1.0
 
 
-@focal.quantity(units="1", symbol="0", source=COMPLETION, internal=True, alternative=GIVEN_LAMBDA)
-def lambda_low(lambda_: Any) -> Any:
-    """Nothing: a given lambda is exact."""
-    return 0.0 * lambda_
+@focal.quantity(units="1", symbol="lambda - 1", source=COMPLETION, internal=True, alternative=GIVEN_LAMBDA)
+def x_low(lambda_: Any) -> Any:
+    """What lambda - 1 lost in rounding to double."""
+    _high, low = two_sum(lambda_, -1.0)
+    return low
+
+
+for _name, _of, _alternative in (
+    ("rho_low", "rho", None),
+    ("rho_plus_1_low", "rho", GIVEN_S),
+    ("lambda_low", GIVEN_LAMBDA, GIVEN_LAMBDA),
+):
+    focal.quantity(
+        units="1",
+        symbol="0",
+        source=COMPLETION,
+        internal=True,
+        alternative=_alternative,
+        name=_name,
+        given={"exact": _of},
+    )(nothing)
 
 
 # -- the other ratio ------------------------------------------------------------------------------------------
 
 
-def common(ratio: Any, plus_1: Any, first: Any, second: Any) -> Any:
+def mixed(ratio: Any, ratio_low: Any, first: Any, second: Any) -> Any:
+    """first^2 + ratio second^2."""
+    high, _low = square_sum(first, ratio, ratio_low, second)
+    return high
+
+
+def mixed_low(ratio: Any, ratio_low: Any, first: Any, second: Any) -> Any:
+    """What first^2 + ratio second^2 lost in rounding to double."""
+    _high, low = square_sum(first, ratio, ratio_low, second)
+    return low
+
+
+def common(ratio: Any, plus_1: Any, mixed: Any) -> Any:
     """W, what both sides of the equation are, over the squared unit."""
-    square = second * second
-    near_0 = (first - second) * (first + second) + plus_1 * square
-    return plus_1 * select(ratio < -0.5, near_0, first * first + ratio * square) / ratio
+    return plus_1 * mixed / ratio
 
 
-def excess(ratio: Any, plus_1: Any, plus_1_low: Any, first: Any, second: Any, u: Any, v: Any) -> Any:
+def excess(ratio: Any, plus_1: Any, plus_1_low: Any, mixed: Any, mixed_low: Any, u: Any, v: Any) -> Any:
     """|W - (u + v)^2|, or with a negative ratio |W - (u - v)^2|, negative where no root is real."""
-    # (1 + ratio)(first^2 + ratio second^2) - ratio (u +- v)^2 in twice the working precision, over a power of two;
-    # near -1 it is 1 + ratio that has all its digits.
+    # (1 + ratio)(first^2 + ratio second^2) - ratio (u +- v)^2 in twice the working precision, over a power of two
     two = power_of_two_below(abs(ratio))
-    near_0 = ratio < -0.5
-    whole, whole_low = two_product(first, first)
-    square, square_low = two_product(second, second)
-    factor, factor_low = select(near_0, plus_1, ratio), select(near_0, plus_1_low, 0.0)
-    rest, rest_low = gap(whole, whole_low, select(near_0, -square, 0.0), select(near_0, -square_low, 0.0))
-    part, part_low = pair_product(factor, factor_low, square, square_low)
-    total, total_low = gap(rest, rest_low, part, part_low)
-    side, side_low = pair_product(plus_1 / two, plus_1_low / two, total, total_low)
+    side, side_low = pair_product(plus_1 / two, plus_1_low / two, mixed, mixed_low)
     reach, reach_low = two_sum(u, select(ratio < 0.0, -v, v))
     reach, reach_low = pair_product(reach, reach_low, reach, reach_low)
     other, other_low = pair_product(ratio / two, 0.0, reach, reach_low)
@@ -152,10 +170,10 @@ def root_of_size(ratio: Any) -> Any:
     return sqrt(abs(ratio))
 
 
-BY_RHO = {"ratio": "rho", "plus_1": "rho_plus_1", "plus_1_low": "rho_plus_1_low", "root": "root_x"}
-BY_RHO |= {"first": "s_a", "second": "s_b", "u": "s_c", "v": "s_d"}
-BY_X = {"ratio": "x", "plus_1": GIVEN_LAMBDA, "plus_1_low": "lambda_low", "root": "root_rho"}
-BY_X |= {"first": "s_c", "second": "s_d", "u": "s_a", "v": "s_b"}
+BY_RHO = {"ratio": "rho", "ratio_low": "rho_low", "plus_1": "rho_plus_1", "plus_1_low": "rho_plus_1_low"}
+BY_RHO |= {"first": "s_a", "second": "s_b", "u": "s_c", "v": "s_d", "root": "root_x"}
+BY_X = {"ratio": "x", "ratio_low": "x_low", "plus_1": GIVEN_LAMBDA, "plus_1_low": "lambda_low"}
+BY_X |= {"first": "s_c", "second": "s_d", "u": "s_a", "v": "s_b", "root": "root_rho"}
 
 for _alternative, _given, _known, _found, _ratio, _plus_1 in (
     (None, BY_RHO, "root_rho", "root_x", "x", GIVEN_LAMBDA),
@@ -163,6 +181,8 @@ for _alternative, _given, _known, _found, _ratio, _plus_1 in (
 ):
     _laws: tuple[tuple[Callable[..., Any], str, str, dict[str, str]], ...] = (
         (sign, "ratio_sign", "sgn rho", {"x": _given["ratio"]}),
+        (mixed, "mixed", "a^2 + rho b^2", {}),
+        (mixed_low, "mixed_low", "a^2 + rho b^2", {}),
         (common, "common", "W", {}),
         (excess, "excess", "|W - (c + d)^2|", {}),
         (far_excess, "far_excess", "|W - (c - d)^2|", {}),
