@@ -10,15 +10,17 @@ from typing import Any
 import numpy as np
 
 import fastlink as fl
-from extreme.exact import CONTEXT, TINY, UNIT, Configuration
+from extreme.exact import CONTEXT, TINY, UNIT, Configuration, Size
 from fastlink.catalogue import Catalogue
 
 __all__ = ["MULTIPLE", "Case", "Mechanism", "Outcome", "evaluated", "outcomes"]
 
 #: Roundings that the chains of operations may add up to, as in test_precision.py.
 MULTIPLE = 8
-#: A residual is a few subtractions of numbers of at most 1, all of which are right to some roundings.
-RESIDUAL = 32
+#: A residual is a few subtractions of numbers of at most 1, right to some roundings each; where a gap of the last bits
+#: of the lengths counts as zero, it is that gap in units of the smallest distances there (37 roundings at most here).
+RESIDUAL = 64
+#: What a quotient by rounding errors exceeds.
 POLE = 2.0**50
 LARGEST = np.finfo(float).max
 
@@ -54,20 +56,23 @@ class Mechanism:
         By name of the family what returns its cases, all of them or the small form.
     loop : str
         A fact that is NaN where the loop does not close.
+    swept : tuple of str
+        What the compiled sweep is asked for: compiling all takes long.
     lengths : tuple of str
         The inputs that are lengths of links.
     free : tuple of str
         What does not need the loop.
-    held : mapping of str to tuple of str
+    held : mapping of str to callable
         Internal facts that are right to a few roundings, see `extreme.exact.Exact`.
     """
 
     catalogue: Catalogue
     families: Mapping[str, Callable[[bool], list[Case]]]
     loop: str
+    swept: tuple[str, ...] = ()
     lengths: tuple[str, ...] = ()
     free: tuple[str, ...] = ()
-    held: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
+    held: Mapping[str, Size] = field(default_factory=dict)
 
     @cached_property
     def quantities(self) -> tuple[str, ...]:
@@ -98,7 +103,10 @@ def evaluated(mechanism: Mechanism, cases: list[Case]) -> dict[int, dict[str, An
     inputs = {name: np.array([case.inputs[name] for case in cases]) for name in cases[0].inputs}
     return {
         branch: fl.evaluate(
-            mechanism.catalogue.name, mechanism.quantities, branch=np.full(len(cases), float(branch)), **inputs
+            mechanism.catalogue.name,
+            mechanism.quantities,
+            branch=np.full(len(cases), float(branch)),
+            **inputs,
         )
         for branch in mechanism.catalogue.branches
     }
@@ -116,7 +124,7 @@ def outcomes(mechanism: Mechanism, case: Case, branch: int, found: Mapping[str, 
     for name in names:
         value = exact.values[name]
         if catalogue.facts[name].flags:
-            result[name] = _code(found[name], value)
+            result[name] = _code(found[name], value, name in beyond)
         elif not closes and catalogue.varies(name) and name not in mechanism.free:
             result[name] = Outcome("nan", True) if np.isnan(found[name]) else Outcome("open, a number", False)
         elif not np.isfinite(found[name]):
@@ -130,9 +138,9 @@ def outcomes(mechanism: Mechanism, case: Case, branch: int, found: Mapping[str, 
     return result
 
 
-def _code(found: float, exact: Any) -> Outcome:
+def _code(found: float, exact: Any, beyond: bool) -> Outcome:
     same = np.isnan(found) if CONTEXT.isnan(exact) else found == float(exact)
-    return Outcome(f"code {found:.0f}", bool(same))
+    return Outcome(f"code {found:.0f}", bool(same or beyond))
 
 
 def _not_finite(found: float, exact: Any, undetermined: bool) -> Outcome:
@@ -145,5 +153,7 @@ def _value(found: float, exact: Any, unit: Any) -> Outcome:
     if not CONTEXT.isfinite(exact):
         # A pole is met but for rounding.
         return Outcome("pole" if abs(found) > POLE else "undetermined, a number", abs(found) > POLE)
+    if exact == found:
+        return Outcome("value", True)
     error = abs(CONTEXT.mpf(float(found)) - exact) / (unit + TINY)
     return Outcome("value", bool(error <= MULTIPLE), float(error))

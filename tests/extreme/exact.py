@@ -2,21 +2,28 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Mapping
 from functools import lru_cache
 from typing import Any
 
 from fastlink.catalogue import Catalogue
 from fastlink.exact import CONTEXT, UNIT, Exact
 
-__all__ = ["CONTEXT", "TINY", "UNIT", "Configuration"]
+__all__ = ["CONTEXT", "TINY", "UNIT", "Configuration", "Size", "alone"]
 
 #: What one rounding of a sum in twice the working precision does.
 UNIT_OF_TWO = 2.0**-103
-#: Half the least subnormal number: what rounding does where numbers are that small.
-TINY = CONTEXT.mpf(2) ** -1075
+#: What rounding does where numbers are below 2^-1022: some halves of the least subnormal number.
+TINY = CONTEXT.mpf(2) ** -1070
+
+Size = Callable[[Mapping[str, Any]], Any]
 
 exact_facts = lru_cache(maxsize=32)(Exact)
+
+
+def alone(values: Mapping[str, Any]) -> Any:
+    """Return the size of what is no difference."""
+    return 0
 
 
 class Configuration:
@@ -30,9 +37,9 @@ class Configuration:
         Facts.
     inputs : mapping of str to float
         Inputs, position and branch, all taken as exact.
-    held : mapping of str to tuple of str
-        Facts that are right to a few roundings however their data cancel, being differences of the facts named here
-        in twice the working precision.
+    held : mapping of str to callable
+        Facts that are right to a few roundings however their data cancel, being taken in twice the working precision,
+        and of all values the size of what they are differences of.
     """
 
     def __init__(
@@ -40,7 +47,7 @@ class Configuration:
         catalogue: Catalogue,
         names: tuple[str, ...],
         inputs: Mapping[str, float],
-        held: Mapping[str, tuple[str, ...]],
+        held: Mapping[str, Size],
     ) -> None:
         chosen = catalogue.chosen_by(inputs)
         self.names, self.held = names, held
@@ -65,8 +72,8 @@ class Configuration:
             size = abs(self.values[name])
             if size == 0 or CONTEXT.isnan(size):
                 continue
-            parts = sum(abs(self.values[part]) for part in self.held.get(name, ()))
-            rounding = (max(UNIT * size, TINY) + UNIT_OF_TWO * parts) / size
+            parts = self.held[name](self.values) if name in self.held else 0
+            rounding = (max(UNIT * size, TINY) + UNIT_OF_TWO * abs(parts)) / size
             for quantity, slope in self.from_held.condition(self.values, (name,)).items():
                 sums[quantity] += slope * rounding
         return sums
