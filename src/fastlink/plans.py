@@ -113,7 +113,9 @@ def make_plans(
     requests = [parse_request(name, catalogue) for name in names]
     for request in requests:
         if request.name in given:
-            raise InputError(f"quantity {request.name!r} is given, and a coordinate of the result: leave it out")
+            raise InputError(
+                f"quantity {request.name!r} is given, and a coordinate of the result: leave it out"
+            )
     searches: dict[str, Search] = {}
     refined: set[str] = set()
     for request in requests:
