@@ -7,7 +7,6 @@ from dataclasses import replace
 from typing import Any
 
 from fastlink.catalogue import Catalogue, Fact
-from fastlink.derivative import derivative_name
 
 __all__ = ["borrow", "borrow_range", "facts_of", "moved", "renaming", "with_derivatives"]
 
@@ -27,7 +26,7 @@ def with_derivatives(lender: Catalogue, names: Iterable[str], known: Iterable[st
     while new:
         found = {fact.name: fact for fact in facts_of(lender, new, (*known, *facts))}
         tables = {need for fact in found.values() for need in fact.needs}.intersection(lender.tables)
-        slopes = [derivative_name(name, by) for name in (*found, *sorted(tables)) for by in lender.variables]
+        slopes = [f"d_{name}_d_{by}" for name in (*found, *sorted(tables)) for by in lender.variables]
         declared = {name: lender.facts[name] for name in slopes if name in lender.facts}
         facts |= found | declared
         needs = {need for fact in declared.values() for need in fact.needs}
@@ -56,7 +55,7 @@ def renaming(lender: Catalogue, names: Mapping[str, str], prefix: str) -> Renami
         if name in names or name == "branch":
             return names.get(name, name)
         if name.startswith("d_") and sign and by in lender.variables:
-            return derivative_name(rename(of), rename(by))
+            return f"d_{rename(of)}_d_{rename(by)}"
         return prefix + name
 
     return rename
