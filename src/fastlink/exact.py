@@ -15,7 +15,7 @@ from mpmath import MPContext
 from fastlink.catalogue import Catalogue, Fact, System
 from fastlink.reading import tables_at, take_step
 
-__all__ = ["CONTEXT", "DIGITS", "STEP", "UNIT", "Exact", "in_roundings", "relative_error"]
+__all__ = ["CONTEXT", "DIGITS", "STEP", "UNIT", "Exact", "in_roundings"]
 
 DIGITS = 50
 UNIT = 2.0**-53
@@ -121,12 +121,6 @@ def _take(step: Fact | System, known: dict[str, Any]) -> None:
         except np.linalg.LinAlgError:
             doubles = dict.fromkeys(names, np.float64("nan"))
         known.update((name, CONTEXT.mpf(float(doubles[name]))) for name in names)
-
-
-def relative_error(value: float, exact: Any) -> float:
-    """Return the error of a double relative to the exact value; 0 where they are equal, infinite where that is 0."""
-    error = abs(CONTEXT.mpf(value) - exact)
-    return 0.0 if error == 0 else float(error / abs(exact)) if exact != 0 else np.inf
 
 
 def in_roundings(value: float, exact: Any, condition: Any) -> float:

@@ -73,10 +73,32 @@ def summary(dataset: xr.Dataset) -> str:
             units = [f"{multiple} {what}/s" for multiple in MULTIPLES]
             rows.append(("speed", _scaled(float(attrs[f"{what}_per_second"]), units)))
             break
+    rows += _errors(dataset)
     source = dataset.encoding.get("source")
     if source and Path(source).is_file():
         rows.append(("file", f"{source} ({_scaled(Path(source).stat().st_size, SIZES)})"))
     return aligned(rows)
+
+
+def _errors(dataset: xr.Dataset) -> list[tuple[str, str]]:
+    """Return what the verification of a sweep found: the largest error of each variable."""
+    if "verify_failed" in dataset.attrs:
+        return [("errors", f"not measured: {dataset.attrs['verify_failed']}")]
+    lines = []
+    for name, array in dataset.data_vars.items():
+        if "verified_values" not in array.attrs:
+            continue
+        texts = []
+        if "error_max_relative" in array.attrs:
+            texts.append(f"{array.attrs['error_max_relative']:.1e} relative")
+        if "error_max_roundings" in array.attrs:
+            texts.append(f"{array.attrs['error_max_roundings']:.2g} roundings")
+        if array.attrs["verify_mismatches"]:
+            texts.append(f"{_counted(int(array.attrs['verify_mismatches']), 'value')} NOT AS WITH 50 DIGITS")
+        if texts:
+            lines.append((str(name), f"{', '.join(texts)}, of {int(array.attrs['verified_values']):,}"))
+    width = max((len(name) for name, _ in lines), default=0)
+    return [("" if k else "largest error", f"{name:<{width}}  {text}") for k, (name, text) in enumerate(lines)]
 
 
 def aligned(rows: list[tuple[str, str]]) -> str:

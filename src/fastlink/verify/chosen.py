@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from fastlink.catalogue import System
+from fastlink.catalogue import Fact, System
 from fastlink.exact import Exact
 from fastlink.reading import read_facts
 from fastlink.tables import angle_tables
@@ -21,10 +21,13 @@ if TYPE_CHECKING:
     from fastlink.catalogue import Catalogue
     from fastlink.plans import PlanSet
 
-__all__ = ["Chosen"]
+__all__ = ["Chosen", "cost", "within"]
 
-#: What a table of the input position and a linear system cost, in facts.
-TABLE, SYSTEM = 40, 300
+#: What a table of the input position, a linear system and a sum of two doubles' words cost, in facts.
+TABLE, SYSTEM, PAIRS = 40, 300, 16
+OF_PAIRS = {"gap", "gap_product_quotient", "pair_product", "two_product"}
+#: Designs that are computed again however much it is.
+FEWEST = 8
 
 
 @dataclass(frozen=True, eq=False)
@@ -88,11 +91,10 @@ class Chosen:
         position = self.catalogue.position.name
         return [name for name in (*self.movable, position) if facts.steps_after(name)]
 
-    def affordable(self, facts: Exact, share: int, most: int, least: int = 8) -> int:
+    def affordable(self, facts: Exact, share: int, most: int) -> int:
         """Return how many configurations may be computed again with a share of the evaluations of facts."""
-        steps = [facts.steps, *(facts.steps_after(name) for name in self.by_inputs(facts))]
-        cost = sum(SYSTEM if isinstance(step, System) else 1 for part in steps for step in part)
-        return int(np.clip(share // (cost + 2 * TABLE * len(facts.tables) + 1), least, most))
+        condition = sum(cost(facts.steps_after(name)) for name in self.by_inputs(facts))
+        return within(share, cost(facts.steps) + condition + 2 * TABLE * len(facts.tables), most)
 
     def curves(self, quantity: str, designs: int) -> NDArray[Any]:
         """Return a quantity (designs, positions) at all input positions, in doubles."""
@@ -104,3 +106,20 @@ class Chosen:
         with np.errstate(all="ignore"):
             found = read_facts(catalogue, [quantity], values, self.plan.alternatives)[quantity]
         return np.broadcast_to(found, (designs, self.positions.size))
+
+
+def cost(steps: Iterable[Fact | System]) -> int:
+    """Return what steps of a closure cost with 50 digits, in facts."""
+    return sum(
+        SYSTEM
+        if isinstance(step, System)
+        else PAIRS
+        if OF_PAIRS.intersection(step.function.__code__.co_names)
+        else 1
+        for step in steps
+    )
+
+
+def within(share: int, each: int, most: int) -> int:
+    """Return how many may be computed again with a share, at this cost each."""
+    return min(max(share // max(each, 1), FEWEST), most)

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from fastlink.exact import CONTEXT
+from fastlink.verify.chosen import cost, within
 from fastlink.verify.measured import Measured
 from fastlink.verify.stationary import END, JUMP, Extreme, Stationary
 
@@ -42,7 +43,7 @@ def outermost(stationary: Stationary, design: int, sign: int, *, near: float | N
     """
     candidates = stationary.candidates[design]
     ends = [stationary.extreme(design, candidate) for candidate in candidates if candidate.kind == END]
-    if any(candidate.kind == JUMP for candidate in candidates):
+    if any(c.kind == JUMP for c in candidates) or any(map(stationary.is_half_turn, ends)):
         return Extreme(sign * CONTEXT.pi, CONTEXT.zero, CONTEXT.nan, CONTEXT.zero)
     inner = [candidate for candidate in candidates if candidate.kind == sign]
     best = max((sign * candidate.value for candidate in inner), default=-np.inf)
@@ -51,15 +52,13 @@ def outermost(stationary: Stationary, design: int, sign: int, *, near: float | N
         stationary.extreme(design, c, places=near is not None) for c in tied[: 1 if near is None else None]
     ]
     found += [end for end in ends if not CONTEXT.isnan(end.value)]
-    sample = stationary.largest_sample(design, sign)
-    if not found:  # a constant, or nothing that assembles
-        return Extreme(CONTEXT.mpf(sample), CONTEXT.zero, CONTEXT.nan, CONTEXT.zero)
-    greatest = max(sign * extreme.value for extreme in found)
-    if sign * sample > greatest + TIE * abs(greatest):  # an extreme that the slopes do not show
-        return Extreme(CONTEXT.mpf(sample), CONTEXT.zero, CONTEXT.nan, CONTEXT.zero)
-    equal = [
-        e for e in found if sign * e.value >= greatest - TIE * abs(greatest) or sign * e.value == greatest
-    ]
+    greatest = max((sign * extreme.value for extreme in found), default=-CONTEXT.inf)
+    sample, size = stationary.largest_sample(design, sign), stationary.size(design)
+    if (
+        not found or sign * sample > greatest + TIE * size
+    ):  # a constant, or what no slope shows, or nothing at all
+        return Extreme(CONTEXT.mpf(sample), CONTEXT.mpf(size), CONTEXT.nan, CONTEXT.zero)
+    equal = [e for e in found if sign * e.value >= greatest - TIE * size or sign * e.value == greatest]
     return equal[0] if near is None else min(equal, key=lambda e: _apart(near, e.place))
 
 
@@ -67,7 +66,7 @@ def refined(chosen: Chosen, outputs: Sequence[Output], share: int) -> dict[str, 
     """Measure everything that is said of the extremes of one quantity."""
     quantity = outputs[0].request.quantity
     names = {_part(output): output.name for output in outputs}
-    found = {output.name: Measured(METHOD, TURN if _is_place(output) else 0.0) for output in outputs}
+    found = {output.name: Measured(METHOD, TURN if _is_place(output) else 0) for output in outputs}
     count = _affordable(chosen, quantity, share, outputs)
     stationary = Stationary(
         chosen.catalogue,
@@ -160,6 +159,7 @@ def _affordable(chosen: Chosen, quantity: str, share: int, outputs: Sequence[Out
     parts = {_part(output) for output in outputs}
     searches = len({part.removeprefix("at ") for part in parts} & {"max", "min"}) + 4 * ("value" in parts)
     places = any(_is_place(output) for output in outputs)
-    steps = len(chosen.facts([quantity]).steps)
-    each = EVALUATIONS + len(chosen.movable) * (5 if places else 1)
-    return int(np.clip(share // (steps * each * searches), 8, chosen.count))
+    facts = chosen.facts([quantity])
+    condition = sum(cost(facts.steps_after(name)) for name in chosen.movable)
+    each = cost(facts.steps) + EVALUATIONS * len(facts.steps) + condition * (5 if places else 1)
+    return within(share, each * searches, chosen.count)

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from fastlink.exact import CONTEXT, in_roundings, relative_error
+from fastlink.exact import CONTEXT, in_roundings
 
 __all__ = ["Measured"]
 
@@ -20,16 +20,16 @@ class Measured:
     ----------
     method : str
         What the values are compared with.
-    scale : float
+    scale : number
         What errors are relative to, where it is not the exact value: a whole turn for places.
     relative, roundings : list of float
-        Errors of the values that both are numbers.
+        Errors of the values that both are numbers; there are no errors relative to an exact 0.
     values, mismatches : int
         How many values were compared, and how many are a number or a code where the exact one is another or none.
     """
 
     method: str
-    scale: float = 0.0
+    scale: Any = 0
     relative: list[float] = field(default_factory=list)
     roundings: list[float] = field(default_factory=list)
     values: int = 0
@@ -40,8 +40,9 @@ class Measured:
         self.values += 1
         here, there = bool(np.isfinite(value)), bool(CONTEXT.isfinite(exact))
         if here and there:
-            error = relative_error(value, exact) if not self.scale else self._of_scale(value, exact)
-            self.relative.append(error)
+            size = self.scale or abs(exact)
+            if size != 0:
+                self.relative.append(float(abs(CONTEXT.mpf(value) - exact) / size))
             if condition is not None:
                 self.roundings.append(in_roundings(value, exact, condition))
         elif here or there:
@@ -51,9 +52,6 @@ class Measured:
         """Compare a code, which is right or wrong."""
         self.values += 1
         self.mismatches += int(exact != value)
-
-    def _of_scale(self, value: float, exact: Any) -> float:
-        return float(abs(CONTEXT.mpf(value) - exact) / self.scale)
 
     def attrs(self) -> dict[str, Any]:
         """Return the attributes of the variable."""

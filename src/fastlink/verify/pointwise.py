@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from fastlink.exact import CONTEXT
+from fastlink.verify.chosen import within
 from fastlink.verify.measured import Measured
 
 if TYPE_CHECKING:
@@ -36,7 +37,7 @@ def values(
     numbers = any(output.dtype == "float64" for output in outputs)
     vary = any(output.axes for output in outputs)
     most = chosen.count * (ANGLES if vary else 1)
-    for number in range(chosen.affordable(facts, share, most)):
+    for number in range(chosen.affordable(facts, share, most) if numbers else most):
         design = number % chosen.count
         branch, place = rng.integers(len(chosen.plan.branches)), rng.integers(chosen.positions.size)
         at = chosen.configuration(design, chosen.plan.branches[branch], chosen.positions[place])
@@ -67,7 +68,8 @@ def sampled(chosen: Chosen, outputs: Sequence[Output], share: int) -> dict[str, 
         reduction = output.request.reduction
         assert reduction is not None
         if not reduction.has_place:
-            found[output.name] = _sums(chosen, output, curves)
+            few = within(share, chosen.positions.size, count)
+            found[output.name] = _sums(chosen, output, curves[:few])
             continue
         sign = 1.0 if reduction.suffix == "max" else -1.0
         measured = Measured(

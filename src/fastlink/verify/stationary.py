@@ -171,10 +171,19 @@ class Stationary:
         kinds = np.sign(before - after) * np.where(end == 1, -1, 1)
         return [middle.tolist(), values.tolist(), kinds.astype(int).tolist()]
 
+    def size(self, design: int) -> float:
+        """Return the usual size of the quantity: what is far below it is noise."""
+        values = abs(self.values[design][np.isfinite(self.values[design])])
+        return float(np.quantile(values, 0.75)) if values.size else 0.0
+
     def largest_sample(self, design: int, sign: int) -> float:
         """Return the greatest value (for sign 1, the least for -1) of the samples, NaN without any."""
         values = self.values[design][np.isfinite(self.values[design])]
         return float(sign * np.max(sign * values)) if values.size else np.nan
+
+    def is_half_turn(self, extreme: Extreme) -> bool:
+        """Tell whether an angle ends at pi, which is -pi, too."""
+        return self.quantity in self.graded.jumps and abs(abs(extreme.value) - CONTEXT.pi) < SETTLED * GROWS
 
     def angle(self, design: int, candidate: Candidate) -> float:
         """Return the input angle of a candidate, in doubles."""
@@ -192,7 +201,7 @@ class Stationary:
         end, x = candidate.end, CONTEXT.mpf(candidate.x)
         base = self.facts.at(design_values | self._leaves_at(end, x))
         if candidate.kind == END:
-            return self._at_end(base, candidate)
+            return self._at_end(base, candidate, self.size(design))
         for _ in range(MOST_STEPS):
             change = self._newton(base, end, x)
             if not abs(change) < abs(x) + AT_END:  # the samples' own place is better
@@ -229,16 +238,17 @@ class Stationary:
                 total += abs(there[self.position] - base[self.position]) / STEP
         return total
 
-    def _at_end(self, base: Mapping[str, Any], candidate: Candidate) -> Extreme:
+    def _at_end(self, base: Mapping[str, Any], candidate: Candidate, size: float) -> Extreme:
         """Return the limit at a toggle or fold: infinite where the quantity grows, 0 where it goes to nothing."""
         x = AT_END if candidate.x > 0 else -AT_END
         farther = self._at(base, candidate.end, FARTHER * x)[self.quantity]
         base = self._at(base, candidate.end, x)
         value, place = base[self.quantity], base[self.position]
-        if abs(value) > GROWS * abs(farther):
+        changes = max(abs(value), abs(farther)) > GROWS * min(abs(value), abs(farther))
+        if changes and abs(value) > size:
             return Extreme(CONTEXT.inf if value > 0 else -CONTEXT.inf, CONTEXT.zero, place, CONTEXT.zero)
-        if abs(value) * GROWS < abs(farther):
-            return Extreme(CONTEXT.zero, CONTEXT.zero, place, CONTEXT.zero)
+        if changes:
+            return Extreme(CONTEXT.zero, CONTEXT.mpf(size), place, CONTEXT.zero)
         condition = self.facts.condition(base, self.movable)
         return Extreme(value, condition[self.quantity], place, condition[self.position])
 

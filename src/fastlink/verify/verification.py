@@ -29,7 +29,7 @@ __all__ = ["Verification", "check_verify"]
 DESIGNS = 64
 SEED = 0
 #: Facts that are evaluated in all, each some 6 us: what a verification costs does not grow with what is asked for.
-EVALUATIONS = 120_000
+EVALUATIONS = 200_000
 
 
 def check_verify(verify: int | None, lasting: bool) -> int:
