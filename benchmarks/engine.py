@@ -99,3 +99,22 @@ def threads(case, seconds=1.2, repeats=3, K=360):
     for _ in range(repeats):
         best = {count: min(known, clock(count)) for count, known in best.items()}
     return best[1], best[2], size * 2 * K
+
+
+def bind_results(plan, names, x, theta=()):
+    """Return a kernel with an array for each result, bound to designs and angles; compiles it.
+
+    ``names`` are those of the rows of ``x``.
+    """
+    n, K = x.shape[1], len(theta)
+    rows = x[[names.index(name) for name in plan.inputs]]
+    rows = aligned_copy(np.pad(rows, ((0, 0), (0, -n % LANES)), mode="edge"))
+    lengths = {"branch": len(plan.branches)}
+    arrays = [
+        aligned((n, *(lengths.get(axis, K) for axis in output.axes)), output.dtype) for output in plan.outputs
+    ]
+    scratch = [empty((size,)) for size in plan.scratch]
+    tables = aligned_copy(plan.angle_tables(np.asarray(theta)))
+    bound = Bound(plan, (rows, tables, n, K, *scratch, *arrays), arrays)
+    bound()
+    return bound

@@ -33,12 +33,21 @@ INLINE pair f_two_product(double a, double b)
 #: Both make branches of choices, and gcc vectorises no branches.
 FLAGS = ("-fno-tree-pre", "-fno-thread-jumps")
 OPERATORS = {
-    **{ast.Add: "+", ast.Sub: "-", ast.Mult: "*", ast.Div: "/", ast.BitAnd: "&", ast.BitOr: "|"},
-    **{ast.Lt: "<", ast.LtE: "<=", ast.Gt: ">", ast.GtE: ">=", ast.Eq: "==", ast.NotEq: "!=", ast.USub: "-"},
+    ast.Add: "+",
+    ast.Sub: "-",
+    ast.Mult: "*",
+    ast.Div: "/",
+    ast.BitAnd: "&",
+    ast.BitOr: "|",
+    ast.Lt: "<",
+    ast.LtE: "<=",
+    ast.Gt: ">",
+    ast.GtE: ">=",
+    ast.Eq: "==",
+    ast.NotEq: "!=",
+    ast.USub: "-",
 }
 OF_C = {"sqrt": "sqrt", "abs": "fabs", "copysign": "copysign"}
-#: Functions whose compiled reading is the text of another one.
-TEXTS = {jit.atan2: jit._magnitudes_atan2}
 LANES = "for (long {0} = {1}; {0} < {2}; {0}{3})"
 
 
@@ -79,28 +88,32 @@ class _Function:
             (operator,), (other,) = node.ops, node.comparators
             return f"({self.text(node.left)} {OPERATORS[type(operator)]} {self.text(other)})"
         if isinstance(node, ast.Subscript):
-            return self.place(node)
+            return self.place(node)[0]
         name = node.func.attr if isinstance(node.func, ast.Attribute) else node.func.id
         values = [self.text(argument) for argument in node.args]
         if name == "select":
             # gcc vectorises no choice of truths
             choice = "(({0} & {1}) | (!{0} & {2}))" if self.is_truth(node) else "({0} ? {1} : {2})"
             return choice.format(*values)
+        if name == "min":
+            return "({0} < {1} ? {0} : {1})".format(*values)
         function = OF_C.get(name) or self.module.use(self.globals[name])
         return f"{function}({', '.join(values)})"
 
     def place(self, node):
-        """Return an entry of an array, or where a row of it begins."""
+        """Return an entry of an array, or where a row of it begins, and whether it is a row."""
         entries = node.slice.elts if isinstance(node.slice, ast.Tuple) else [node.slice]
-        at, *more = map(self.text, entries)
-        array = node.value.id
-        lengths, whole = self.module.lengths(array)
-        for length, index in zip(lengths, more, strict=False):
-            at = f"({at}) * {length} + {index}"
-        if len(more) == len(lengths):
-            return f"{array}[{at}]"
-        assert whole, f"{array}: a row of a row"
-        return f"{array} + ({at}) * {lengths[-1]}"
+        is_slice = isinstance(entries[-1], ast.Slice)
+        array, lengths = node.value.id, self.module.lengths(node.value.id)
+        at = ""
+        for number, entry in enumerate(entries):
+            index = self.text(entry.lower if isinstance(entry, ast.Slice) else entry)
+            at = f"({at}) * {lengths[number - 1]} + {index}" if number else index
+        for length in lengths[len(entries) - 1 :]:
+            at = f"({at}) * {length}"
+        if is_slice or len(entries) <= len(lengths):
+            return f"{array} + {at}", True
+        return f"{array}[{at}]", False
 
     def is_truth(self, node):
         if isinstance(node, ast.BinOp):
@@ -136,18 +149,13 @@ class _Function:
             for name, part in zip(names, values, strict=True):
                 self.put(name, part)
         elif isinstance(target, ast.Subscript):
-            self.add(f"{self.place(target)} = {self.text(value)};")
-        elif target.id == "lanes":
-            self.put("lanes", "n_designs - i0 < 64 ? n_designs - i0 : 64", "long")
-        elif target.id.startswith(("all_", "curve_")):
-            array = value.value.id
-            row = self.place(value) if isinstance(value.slice, ast.Tuple) else self.row(array, value.slice)
-            self.put(target.id, row, "const double *restrict" if array == "angles" else "double *restrict")
+            self.add(f"{self.place(target)[0]} = {self.text(value)};")
+        elif isinstance(value, ast.Subscript) and (found := self.place(value))[1]:
+            self.put(target.id, found[0], self.module.kind(value.value.id) + " *restrict")
+        elif isinstance(value, ast.Call) and getattr(value.func, "id", "") == "min":
+            self.put(target.id, self.text(value), "long")
         else:
             self.put(target.id, self.text(value), "long" if self.is_truth(value) else "double")
-
-    def row(self, array, index):
-        return f"{array} + {self.text(index)} * {self.module.lengths(array)[0][0]}"
 
     def walk(self, body):
         for statement in body:
@@ -180,19 +188,22 @@ class _Module:
 
     def __init__(self, plan):
         self.plan, self.functions = plan, {}
+        self.axes = {f"out_{o.name}": o.axes for o in plan.outputs}
         self.kinds = {f"out_{o.name}": "int8_t" if o.dtype == "int8" else "double" for o in plan.outputs}
 
+    def kind(self, array):
+        """Return of what kind the entries of an array are."""
+        constant = "const " if array in ("designs", "angles") else ""
+        return constant + self.kinds.get(array, "double")
+
     def lengths(self, array):
-        """Return the lengths of an array but the first, and whether rows of it are asked for."""
+        """Return the lengths of an array but the first."""
         if array == "designs":
-            return ["((n_designs + 63) / 64 * 64)"], False
+            return ["((n_designs + 63) / 64 * 64)"]
         if array == "angles":
-            return ["n_angles"], True
-        for output in self.plan.outputs:
-            if array == f"out_{output.name}":
-                sizes = {"branch": str(len(self.plan.branches))}
-                return [sizes.get(axis, "n_angles") for axis in output.axes], True
-        return [], False
+            return ["n_angles"]
+        sizes = {"branch": str(len(self.plan.branches))}
+        return [sizes.get(axis, "n_angles") for axis in self.axes.get(array, ())]
 
     def gives_pair(self, function):
         if function is None:
@@ -243,13 +254,17 @@ class _Module:
         return "\n\n".join([HEADER, *self.functions.values(), "\n".join([head, "{", *kernel.lines, "}"]), ""])
 
 
+def _compiled(function):
+    """Return the function whose text is compiled for this one."""
+    return jit._magnitudes_atan2 if function is jit.atan2 else jit.TEXTS.get(function, function)
+
+
 def _tree(function):
-    source = textwrap.dedent(inspect.getsource(TEXTS.get(function, function)))
-    return ast.parse(source).body[0]
+    return ast.parse(textwrap.dedent(inspect.getsource(_compiled(function)))).body[0]
 
 
 def _globals(function):
-    return TEXTS.get(function, function).__globals__
+    return _compiled(function).__globals__
 
 
 def write(plan):

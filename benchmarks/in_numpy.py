@@ -1,0 +1,51 @@
+"""The facts of a plan in NumPy: what a user writes who takes each value where it is cheapest, and clears up.
+
+What the input position alone determines is an array (theta,), what does not depend on the branch (design, 1, theta).
+Pieces of a few designs are evaluated, and what is not needed again is given back at once, so that the intermediate
+arrays stay in the cache. Of curves, what the design alone determines is taken beforehand, outside the time.
+"""
+
+import numpy as np
+
+from benchmarks.numpy_baseline import PIECE
+from fastlink.reading import take_step
+
+
+def last_uses(steps, kept):
+    """Return for each step the values that neither a later one nor a result needs."""
+    dead, kept = [], set(kept)
+    for step in reversed(steps):
+        names = {*step.needs, step.name} - kept
+        dead.append(names)
+        kept |= names
+    return dead[::-1]
+
+
+def bind(bound):
+    """Return a call of a bound kernel (`engine.Bound`) in NumPy, and the arrays that it fills."""
+    plan, (rows, tables, n, K, *_) = bound.plan, bound.arguments
+    arrays, results = [np.empty_like(a) for a in bound.arrays], [o.request.quantity for o in plan.outputs]
+    shared = dict(zip(plan.tables, tables, strict=True))
+    shared["branch"] = np.array(plan.branches, dtype=float)[:, None]
+    columns = dict(zip(plan.inputs, rows[:, :n, None, None] if K else rows[:, :n], strict=True))
+    steps = list(plan.steps)
+    if K:
+        for step in [step for step in steps if plan.axes[step.name] == {"design"}]:
+            with np.errstate(all="ignore"):
+                take_step(step, columns)
+            steps.remove(step)
+    dead, size = last_uses(steps, results), max(1, PIECE // max(1, K))
+
+    def call():
+        with np.errstate(all="ignore"):
+            for first in range(0, n, size):
+                part = slice(first, first + size)
+                known = shared | {name: column[part] for name, column in columns.items()}
+                for step, names in zip(steps, dead, strict=True):
+                    take_step(step, known)
+                    for name in names:
+                        del known[name]
+                for array, name in zip(arrays, results, strict=True):
+                    array[part] = known[name]
+
+    return call, arrays
