@@ -90,13 +90,22 @@ def run(
         typer.Option("--threads", metavar="N", help="Number of threads; all processors if left out."),
     ] = None,
     overwrite: Annotated[bool, typer.Option("--overwrite", help="Replace an existing file.")] = False,
+    verify: Annotated[
+        int | None,
+        typer.Option(
+            "--verify",
+            metavar="N",
+            help="Designs to compute again with 50 digits; 64 if left out, 0 for none.",
+        ),
+    ] = None,
     quiet: Annotated[bool, typer.Option("--quiet", help="Print neither progress nor summary.")] = False,
 ) -> None:
     """Run a study, and write its map."""
     from fastlink.study import run_study
     from fastlink.summary import summary
 
-    maps = run_study(study, to=to, threads=threads, overwrite=overwrite, progress=False if quiet else None)
+    progress = False if quiet else None
+    maps = run_study(study, to=to, threads=threads, overwrite=overwrite, progress=progress, verify=verify)
     with maps:
         if not quiet:
             typer.echo(summary(maps))

@@ -89,6 +89,7 @@ def run_study(
     threads: int | None = None,
     overwrite: bool = False,
     progress: bool | None = None,
+    verify: int | None = None,
 ) -> xr.Dataset:
     """Run a study file and write its map.
 
@@ -105,6 +106,9 @@ def run_study(
         Replace an existing file, even if the study does not say so.
     progress : bool, optional
         Show a progress bar on standard error; by default only on a terminal.
+    verify : int, optional
+        How many designs are computed again with 50 digits (see `fastlink.sweep`); by default what the study says, else
+        64.
 
     Returns
     -------
@@ -153,6 +157,7 @@ def run_study(
             study.space,
             shape.quantities,
             **study.options,
+            verify=shape.output.verify if verify is None else verify,
             to=place,
             overwrite=overwrite,
             threads=threads,

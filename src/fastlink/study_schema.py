@@ -169,10 +169,15 @@ class Cycle(_Table):
 
 
 class OutputFile(_Table):
-    """Where the result goes."""
+    """Where the result goes, and how many of its designs are computed again."""
 
     file: Text | None = None
     overwrite: Switch = False
+    verify: Annotated[
+        int | None,
+        Field(strict=True, ge=0),
+        _or_say("how many designs to compute again with 50 digits, 0 for none"),
+    ] = None
 
 
 class StudyFile(_Table):
