@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
+import mpmath
 import numpy as np
 
 Rng = np.random.Generator
@@ -86,3 +87,28 @@ FAMILIES: dict[str, Callable[[Rng, int], np.ndarray]] = {
     "near kite": kept(near_kite, everything),
     "near parallelogram": kept(near_parallelogram, everything),
 }
+
+
+# -- configurations: lengths, and an input angle for each -----------------------------------------------------
+
+
+def near_change_point(rng: Rng, n: int, gap: float) -> tuple[np.ndarray, np.ndarray]:
+    """Lengths with a1 + a2 = a3 + a4 - gap, and input angles near the folded position."""
+    a2, a3, a4 = rng.uniform(1.0, 1.3, n), rng.uniform(0.6, 0.9, n), rng.uniform(1.2, 1.5, n)
+    theta = rng.choice([-1.0, 1.0], n) * np.exp(rng.uniform(np.log(1e-6), np.log(1e-1), n))
+    return np.array([a3 + a4 - a2 - gap, a2, a3, a4]), theta
+
+
+def near_toggle(rng: Rng, n: int, offset: float) -> tuple[np.ndarray, np.ndarray]:
+    """Lengths whose input does not turn fully, and input angles `offset` inside the range."""
+    lengths, theta = [], []
+    while len(theta) < n:
+        a, b, c, d = rng.uniform(0.3, 2.0, 4)
+        inner = -(a - b + c - d) * (a + b - c - d) / (4 * a * d)
+        if 0.05 < inner < 0.95:
+            with mpmath.workdps(50):
+                x, y, z, w = (mpmath.mpf(v) for v in (a, b, c, d))
+                toggle = 2 * mpmath.asin(mpmath.sqrt(-(x - y + z - w) * (x + y - z - w) / (4 * x * w)))
+                theta.append(float(toggle + offset))
+            lengths.append((a, b, c, d))
+    return np.array(lengths).T, np.array(theta)

@@ -5,8 +5,9 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-import mpmath as mp
 import numpy as np
+from benchmarks.families import near_change_point as near_change_point
+from benchmarks.families import near_toggle as near_toggle
 
 from fastlink.catalogue import Catalogue, Input
 from fastlink.exact import DIGITS as DIGITS
@@ -46,28 +47,6 @@ def all_loads(rng: np.random.Generator, n: int) -> dict[str, np.ndarray]:
 def random_lengths(rng: np.random.Generator, n: int) -> np.ndarray:
     """Lengths (4, n) of all classes."""
     return rng.uniform(0.3, 2.0, (4, n))
-
-
-def near_change_point(rng: np.random.Generator, n: int, gap: float) -> tuple[np.ndarray, np.ndarray]:
-    """Lengths with a1 + a2 = a3 + a4 - gap, and input angles near the folded position."""
-    a2, a3, a4 = rng.uniform(1.0, 1.3, n), rng.uniform(0.6, 0.9, n), rng.uniform(1.2, 1.5, n)
-    theta = rng.choice([-1.0, 1.0], n) * np.exp(rng.uniform(np.log(1e-6), np.log(1e-1), n))
-    return np.array([a3 + a4 - a2 - gap, a2, a3, a4]), theta
-
-
-def near_toggle(rng: np.random.Generator, n: int, offset: float) -> tuple[np.ndarray, np.ndarray]:
-    """Lengths whose input does not turn fully, and input angles `offset` inside the range."""
-    lengths, theta = [], []
-    while len(theta) < n:
-        a, b, c, d = rng.uniform(0.3, 2.0, 4)
-        inner = -(a - b + c - d) * (a + b - c - d) / (4 * a * d)
-        if 0.05 < inner < 0.95:
-            with mp.workdps(DIGITS):
-                x, y, z, w = (mp.mpf(v) for v in (a, b, c, d))
-                toggle = 2 * mp.asin(mp.sqrt(-(x - y + z - w) * (x + y - z - w) / (4 * x * w)))
-                theta.append(float(toggle + offset))
-            lengths.append((a, b, c, d))
-    return np.array(lengths).T, np.array(theta)
 
 
 def reference(

@@ -58,8 +58,8 @@ class Configuration:
         self.values = self.plain.at(inputs)
 
     def condition(self) -> dict[str, Any]:
-        """Return what one rounding of each input adds up to: the condition numbers times values and rounding."""
-        return {name: UNIT * of for name, of in self.plain.condition(self.values, self.inputs).items()}
+        """Return the condition numbers times the values: the sums over the inputs x of abs(x df/dx)."""
+        return self.plain.condition(self.values, self.inputs)
 
     def roundings(self) -> dict[str, Any]:
         """Return the same where inputs, tables of the position and held facts have one rounding each.

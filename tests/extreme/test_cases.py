@@ -7,10 +7,9 @@ import pytest
 
 import fastlink as fl
 from extreme.case import evaluated, outcomes
-from extreme.minkowski import MINKOWSKI_4R
+from extreme.mechanisms import MECHANISMS
 from extreme.planar import PLANAR_4R
 
-MECHANISMS = {mechanism.catalogue.name: mechanism for mechanism in (PLANAR_4R, MINKOWSKI_4R)}
 FAMILIES = [(name, family) for name, mechanism in MECHANISMS.items() for family in mechanism.families]
 STRESS = pytest.param(True, marks=pytest.mark.stress, id="full")
 
