@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import mpmath as mp
 import numpy as np
 import pytest
@@ -12,6 +14,7 @@ from fastlink.errors import InputError
 from fastlink.exact import CONTEXT, Exact
 from fastlink.mechanisms.hart.line import KITE_FLAGS, STATUS_FLAGS
 from fastlink.reading import read_facts
+from fastlink.study import run_study
 from hart_configurations import HART, INPUTS, OF_THE_CRANK, QUANTITIES, WUNDERLICH, at, family
 
 
@@ -160,6 +163,17 @@ def test_the_dyads_keep_their_side_along_the_stroke():
     np.testing.assert_allclose(near[changes], found["F_y_outer"][0], rtol=1e-4)
 
 
+def test_the_greatest_height_over_phi_is_the_end_of_the_stroke():
+    """By the search of extremes over the whole range of phi, which knows nothing of the stroke."""
+    designs = assembled(np.random.default_rng(7), 200)
+    maps = fl.sweep("hart", fl.table(designs), ["F_y_max", "F_y_min", "F_y_outer"], threads=1)
+    assert maps.F_y_max.attrs["extrema"] == "refined"
+    # F_y is flat there; its few roundings are of lengths up to some ten times as great as the height.
+    for name, sign in (("F_y_max", 1.0), ("F_y_min", -1.0)):
+        reached = (sign * maps[name]).max("branch")
+        np.testing.assert_allclose(reached, maps.F_y_outer, rtol=64 * UNIT)
+
+
 # -- the example of the paper, kites, codes --------------------------------------------------------------------
 
 
@@ -172,6 +186,23 @@ def test_the_linkage_of_figures_6_and_7():
     assert (told["line_x"], told["stroke"], told["ellipse_a"], told["ellipse_b"]) == (0.0, 16.0, 6.0, 2.0)
     assert KITE_FLAGS[int(told["is_kite"])] == "kite_with_m_equal_p"
     assert HART.facts["grashof_class"].flags[int(told["grashof_class"])] == "change_point_kite_a1_a2"
+
+
+def test_the_study_of_the_example(tmp_path):
+    study = Path(__file__).parents[1] / "data" / "studies" / "hart_8.toml"
+    with run_study(study, to=tmp_path / "hart_8.h5") as maps:
+        maps.load()
+    assert maps.F_deviation.max() <= 3.0
+    # sixteen joints of about four roundings each, over the longest bar
+    assert maps.closure_residual.max() <= 16 * UNIT
+    assert (maps.F_x == 0.0).all()
+    moves = (maps.branch == 2) == (maps.phi < np.pi)
+    # at M, C and Z being a rounding apart
+    assert abs(maps.F_y.where(~moves)).max() <= 8 * 16 * UNIT
+    # the figures: y = 2 m sin(phi), the ellipse about M; P runs on a circle of 4, twice as low as F
+    assert abs(maps.F_y - 8.0 * np.sin(maps.phi)).where(moves).max() <= 32 * UNIT
+    round_M = (maps.PF_mid_x / maps.ellipse_b) ** 2 + (maps.PF_mid_y / maps.ellipse_a) ** 2
+    assert abs(round_M - 1.0).where(moves).max() <= 16 * UNIT
 
 
 @pytest.mark.parametrize("kappa", [0.1, 0.5, -0.3, 0.9, 1.5, -4.0])

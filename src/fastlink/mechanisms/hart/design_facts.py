@@ -72,6 +72,24 @@ for _name, _meaning, _law, _given in (
     )(_law)
 
 
+@hart.quantity(units="1", symbol="|lambda|", source=NUMERICS, internal=True)
+def size_lambda(K: Any, lambda_sign: Any) -> Any:
+    """Size of 1 - kappa^2."""
+    less, less_low = two_sum(1.0, -K)
+    more, more_low = two_sum(1.0, K)
+    high, _low = pair_product(less, less_low, more, more_low)
+    return lambda_sign * high
+
+
+@hart.quantity(units="1", symbol="|lambda|", source=NUMERICS, internal=True)
+def size_lambda_low(K: Any, lambda_sign: Any) -> Any:
+    """What size_lambda lost in rounding to double."""
+    less, less_low = two_sum(1.0, -K)
+    more, more_low = two_sum(1.0, K)
+    _high, low = pair_product(less, less_low, more, more_low)
+    return lambda_sign * low
+
+
 # -- reaches --------------------------------------------------------------------------------------------------
 
 

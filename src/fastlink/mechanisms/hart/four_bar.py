@@ -8,6 +8,7 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import Any
 
+from fastlink.geometry import gap, pair_product, two_product
 from fastlink.jit import NOT_A_NUMBER, select
 from fastlink.mechanisms.borrow import borrow, borrow_range
 from fastlink.mechanisms.hart.declare import WUNDERLICH, hart
@@ -15,6 +16,7 @@ from fastlink.mechanisms.hart.design_facts import NUMERICS
 from fastlink.mechanisms.planar_4r import planar_4r
 from fastlink.mechanisms.planar_4r.rates import product
 
+PLANAR = "docs/numerics.md"
 POSITION = f"{WUNDERLICH}, eqs. (1.2) to (1.4); {NUMERICS}"
 
 
@@ -23,18 +25,13 @@ def size(x: Any) -> Any:
     return abs(x)
 
 
-def scaled_size(length: Any, lambda_: Any) -> Any:
-    """Return a scaled length times |lambda|."""
-    return abs(lambda_) * length
-
-
 _law: Any
 for _name, _meaning, _units, _law, _given in (
     ("size_a", "length MA", "m", size, {"x": "a"}),
     ("size_b", "length NB", "m", size, {"x": "b"}),
     ("size_c", "length AB", "m", size, {"x": "c"}),
-    ("s_a", "scaled length MA", "1", scaled_size, {"length": "s_m"}),
-    ("s_b", "scaled length NB", "1", scaled_size, {"length": "s_n"}),
+    ("s_a", "scaled length MA", "1", product, {"x": "size_lambda", "y": "s_m"}),
+    ("s_b", "scaled length NB", "1", product, {"x": "size_lambda", "y": "s_n"}),
     ("s_c", "scaled length AB", "1", product, {"x": "K", "y": "s_d"}),
 ):
     hart.quantity(
@@ -42,13 +39,54 @@ for _name, _meaning, _units, _law, _given in (
     )(_law)
 
 
-@hart.quantity(units="1", symbol="delta", source="docs/numerics.md#position", internal=True)
-def output_offset(s_n: Any, s_b: Any, s_c: Any, s_m: Any, s_d: Any) -> Any:
+@hart.quantity(units="1", symbol="MN - MA", source=NUMERICS, internal=True)
+def ground_excess(s_d: Any, s_m: Any, size_lambda: Any, size_lambda_low: Any) -> Any:
+    """Length MN less MA, scaled, right to a rounding."""
+    arm, arm_low = pair_product(size_lambda, size_lambda_low, s_m, 0.0)
+    total, _low = gap(s_d, -arm, -arm_low, 0.0)
+    return total
+
+
+@hart.quantity(units="1", symbol="AB - NB", source=NUMERICS, internal=True)
+def coupler_excess(K: Any, s_d: Any, s_n: Any, size_lambda: Any, size_lambda_low: Any) -> Any:
+    """Length AB less NB, scaled, right to a rounding."""
+    coupler, coupler_low = two_product(K, s_d)
+    arm, arm_low = pair_product(size_lambda, size_lambda_low, s_n, 0.0)
+    total, _low = gap(coupler, coupler_low, -arm, -arm_low)
+    return total
+
+
+@hart.quantity(units="1", symbol="delta", source=f"{PLANAR}#position", internal=True)
+def output_offset(s_n: Any, coupler_excess: Any, s_m: Any, s_d: Any) -> Any:
     """NB (NB - AB)/(4 MA MN), lambda divided out."""
-    return s_n * (s_b - s_c) / (4.0 * (s_m * s_d))
+    return -(s_n * coupler_excess) / (4.0 * (s_m * s_d))
 
 
-@hart.quantity(units="1", symbol="w", source="docs/numerics.md#extremes", internal=True)
+@hart.quantity(units="1", symbol="gamma_0", source=f"{PLANAR}#rates", internal=True)
+def gamma0(ground_excess: Any, s_a: Any, s_d: Any) -> Any:
+    """(MN - MA)^2/(4 MA MN): squared distance of A and N over 4 MA MN, at phi = 0."""
+    return ground_excess * ground_excess / (4.0 * (s_a * s_d))
+
+
+@hart.quantity(units="1", symbol="lambda", source=f"{PLANAR}#rates", internal=True)
+def crank_excess(ground_excess: Any, s_d: Any) -> Any:
+    """(MA - MN)/(2 MN)."""
+    return -(0.5 * ground_excess) / s_d
+
+
+@hart.quantity(units="1", symbol="kappa", source=f"{PLANAR}#rates", internal=True)
+def squares_excess(coupler_excess: Any, s_b: Any, s_c: Any, s_a: Any, s_d: Any) -> Any:
+    """(AB^2 - NB^2)/(4 MA MN)."""
+    return coupler_excess * (s_c + s_b) / (4.0 * (s_a * s_d))
+
+
+@hart.quantity(units="m", symbol="AN_x", source=f"{PLANAR}#position", internal=True)
+def AN_x(ground_excess: Any, size_a: Any, Z: Any, lift: Any, unit: Any) -> Any:
+    """Vector from A to N, x."""
+    return ground_excess * unit / lift + 2.0 * size_a * Z
+
+
+@hart.quantity(units="1", symbol="w", source=f"{PLANAR}#extremes", internal=True)
 def range_width(
     far_sum_less: Any,
     far_sum_plus: Any,
@@ -80,7 +118,8 @@ NAMES |= {"sure_B1": "far_difference_less", "sure_C1": "far_difference_plus"}
 NAMES |= {
     name: name for name in ("Z", "Z_low", "C", "C_low", "Z0", "Z0_low", "C0", "C0_low", "sigma", "per_sigma")
 }
-NAMES |= {name: name for name in ("branch_sign", "output_offset", "range_width", "assembles", "valid")}
+NAMES |= {name: name for name in ("branch_sign", "output_offset", "gamma0", "crank_excess", "range_width")}
+NAMES |= {"kappa": "squares_excess", "AD_x": "AN_x", "assembles": "assembles", "valid": "valid"}
 NAMES |= {name: name for name in ("A_x", "A_y", "sure_A1", "grashof_class")}
 
 for _table in planar_4r.tables.values():

@@ -9,7 +9,6 @@ from __future__ import annotations
 
 from typing import Any
 
-from fastlink.geometry import pair_product, two_sum
 from fastlink.jit import NOT_A_NUMBER, select, sqrt
 from fastlink.mechanisms.hart import design_facts  # noqa: F401 (on which it builds)
 from fastlink.mechanisms.hart.declare import PAGE, WUNDERLICH, hart
@@ -30,12 +29,9 @@ KITE_FLAGS = {0: "no", 1: "kite_with_m_equal_p", 2: "kite_with_n_equal_q"}
 
 
 @hart.quantity(units="1", symbol="lambda", source=f"{WUNDERLICH}, eq. (7.3)")
-def lambda_(K: Any, valid: Any) -> Any:
+def lambda_(lambda_sign: Any, size_lambda: Any, valid: Any) -> Any:
     """Factor a/m = b/n, 1 - kappa^2: negative where A and P lie on opposite sides of M."""
-    less, less_low = two_sum(1.0, -K)
-    more, more_low = two_sum(1.0, K)
-    product, _low = pair_product(less, less_low, more, more_low)
-    return select(valid == 1.0, product, NOT_A_NUMBER)
+    return select(valid == 1.0, lambda_sign * size_lambda, NOT_A_NUMBER)
 
 
 def ratio_times(ratio: Any, length: Any, valid: Any) -> Any:
