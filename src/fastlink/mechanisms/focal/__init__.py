@@ -1,6 +1,7 @@
 """The focal mechanism of Burmester, after Wunderlich."""
 
 from fastlink.mechanisms.focal import (
+    apex,
     completion,
     crank,
     design_facts,
@@ -18,6 +19,7 @@ from fastlink.mechanisms.focal.declare import focal
 
 __all__ = [
     "DRIVEN",
+    "apex",
     "completion",
     "crank",
     "design_facts",

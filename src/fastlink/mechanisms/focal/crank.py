@@ -7,7 +7,6 @@ where both sides of a quotient have one length.
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import replace
 from typing import Any
 
@@ -15,7 +14,7 @@ from fastlink.jit import sqrt
 from fastlink.mechanisms.focal.declare import WUNDERLICH
 from fastlink.mechanisms.focal.drives import by_crank
 from fastlink.mechanisms.focal.dyad import DYAD
-from fastlink.mechanisms.focal.points import FIGURES, POSITION, along, angle, declare_fifth, product
+from fastlink.mechanisms.focal.points import FIGURES, POSITION, angle, declare_fifth, product
 from fastlink.mechanisms.planar_4r import planar_4r
 from fastlink.mechanisms.planar_4r.slopes import opposite, same
 
@@ -82,45 +81,57 @@ def MF_x(s_s: Any, s_r: Any, g_x: Any) -> Any:
     return s_s + s_r * g_x
 
 
-@by_crank.quantity(units="1", symbol="d - s", source=f"{WUNDERLICH}, eq. (1.9)", internal=True)
-def SN(s_d: Any, rho_plus_1: Any) -> Any:
-    """Distance from S to N, scaled."""
-    return s_d / rho_plus_1
-
-
 @by_crank.quantity(units="1", symbol="(z - d)_x", source=f"{WUNDERLICH}, eq. (1.7)", internal=True)
-def NF_x(SN: Any, s_r: Any, g_x: Any) -> Any:
+def NF_x(s_SN: Any, s_r: Any, g_x: Any) -> Any:
     """Vector from N to F, scaled, x."""
-    return s_r * g_x - SN
+    return s_r * g_x - s_SN
 
 
 by_crank.quantity(
     units="1",
-    symbol="y",
+    symbol="z_y",
     source=f"{WUNDERLICH}, eq. (1.7)",
     internal=True,
-    name="SF_y",
-    meaning="Height of F over MN, scaled",
+    name="MF_y",
+    meaning="Vector from M to F, scaled, y",
     given={"x": "s_r", "y": "g_y"},
 )(product)
 
 
-@by_crank.quantity(units="1", symbol="(m - p w)_x", source=f"{WUNDERLICH}, eq. (1.3)", internal=True)
-def dyad_M_x(s_m: Any, s_p: Any, w_x: Any) -> Any:
-    """F seen from M and MP, scaled, along MP."""
-    return s_m - s_p * w_x
+def swing(of_sine: Any, of_cosine: Any, squared_half_sine: Any, squared_half_cosine: Any) -> Any:
+    """What omega adds to F seen from M or N along the rocker."""
+    return of_sine * squared_half_sine + of_cosine * squared_half_cosine
+
+
+def dyad_x(straight: Any, swing: Any) -> Any:
+    """F seen from M or N, scaled, along the rocker."""
+    return straight + swing
+
+
+for _pivot, _rocker, _symbol in (("M", "MP", "(m - p w)_x"), ("N", "NQ", "(n + q w)_x")):
+    _labels = {
+        "units": "1",
+        "symbol": _symbol,
+        "source": f"{WUNDERLICH}, eqs. (1.3), (1.4)",
+        "internal": True,
+    }
+    by_crank.quantity(
+        **_labels,
+        name=f"swing_{_pivot}",
+        given={"of_sine": f"{_pivot}_of_sine", "of_cosine": f"{_pivot}_of_cosine"},
+    )(swing)
+    by_crank.quantity(
+        **_labels,
+        name=f"dyad_{_pivot}_x",
+        meaning=f"F seen from {_pivot}, scaled, along {_rocker}",
+        given={"straight": f"straight_{_pivot}", "swing": f"swing_{_pivot}"},
+    )(dyad_x)
 
 
 @by_crank.quantity(units="1", symbol="(m - p w)_y", source=f"{WUNDERLICH}, eq. (1.3)", internal=True)
 def dyad_M_y(s_p: Any, w_y: Any) -> Any:
     """F seen from M and MP, scaled, across MP."""
     return -(s_p * w_y)
-
-
-@by_crank.quantity(units="1", symbol="(n + q w)_x", source=f"{WUNDERLICH}, eq. (1.4)", internal=True)
-def dyad_N_x(s_n: Any, s_q: Any, w_x: Any) -> Any:
-    """F seen from N and NQ, scaled, along NQ."""
-    return s_n + s_q * w_x
 
 
 @by_crank.quantity(units="1", symbol="(n + q w)_y", source=f"{WUNDERLICH}, eq. (1.4)", internal=True)
@@ -145,7 +156,7 @@ def turned_y(x: Any, y: Any, dyad_x: Any, dyad_y: Any, per: Any) -> Any:
 
 
 for _name, _pivot, _rocker in (("u", "M", "MA"), ("v", "N", "NB")):
-    _vectors = {"x": f"{_pivot}F_x", "y": "SF_y", "dyad_x": f"dyad_{_pivot}_x", "dyad_y": f"dyad_{_pivot}_y"}
+    _vectors = {"x": f"{_pivot}F_x", "y": "MF_y", "dyad_x": f"dyad_{_pivot}_x", "dyad_y": f"dyad_{_pivot}_y"}
     for _fact, _law, _symbol in (
         (f"per_{_pivot}F", per_lengths, f"1/{_pivot}F^2"),
         (f"{_name}_x", turned_x, f"{_name}_x"),
@@ -161,9 +172,9 @@ for _name, _pivot, _rocker in (("u", "M", "MA"), ("v", "N", "NB")):
             given=_vectors | {"per": f"per_{_pivot}F"},
         )(_law)
 
-declare_fifth(by_crank, "e", "AB", "g")
+declare_fifth(by_crank, "e", "AB", "g", "w")
 
-# -- angles, F --------------------------------------------------------------------------------------------------
+# -- angles --------------------------------------------------------------------------------------------------
 
 for _name, _rocker, _bar in (("phi", "u", "MA"), ("psi", "v", "NB")):
     by_crank.quantity(
@@ -175,36 +186,38 @@ for _name, _rocker, _bar in (("phi", "u", "MA"), ("psi", "v", "NB")):
         given={"x": f"{_rocker}_x", "y": f"{_rocker}_y"},
     )(angle)
 
-_joint: Callable[..., Any]
-for _axis, _joint, _given in (
-    ("x", along, {"start": "S_x", "length": "r", "direction": "g_x"}),
-    ("y", product, {"x": "r", "y": "g_y"}),
-):
-    by_crank.quantity(
-        units="m",
-        symbol=f"F_{_axis}",
-        source=f"{WUNDERLICH}, eq. (1.7)",
-        name=f"F_{_axis}",
-        meaning=f"Joint F, {_axis}",
-        given=_given,
-    )(_joint)
-
 # -- rates --------------------------------------------------------------------------------------------------------
 
 
-def rate(s_r: Any, length: Any, bar_x: Any, bar_y: Any, g_x: Any, g_y: Any, w_y: Any) -> Any:
-    """Return how fast a rocker turns: what PF or QF takes of the speed of F, over the lever of its joint."""
-    return s_r * (bar_y * g_x - bar_x * g_y) / (length * w_y)
+def rate(
+    s_r: Any,
+    base: Any,
+    g_x: Any,
+    g_y: Any,
+    x: Any,
+    y: Any,
+    straight_lever: Any,
+    swing: Any,
+    bar: Any,
+    w_y: Any,
+) -> Any:
+    """Return how fast a rocker turns: as the line from its pivot to F, and as omega changes."""
+    lever = straight_lever + swing / bar
+    return s_r * ((s_r + base * g_x) + base * (g_y * lever) / w_y) / (x * x + y * y)
 
 
-for _name, _length, _bar, _rocker in (("phi", "s_m", "f", "MA"), ("psi", "s_n", "h", "NB")):
+for _name, _pivot, _base, _bar, _rocker in (
+    ("phi", "M", "s_s", "s_p", "MA"),
+    ("psi", "N", "s_NS", "minus_s_q", "NB"),
+):
     by_crank.quantity(
         units="1",
         symbol=f"d {_name}/d sigma",
         source=POSITION,
         name=f"d{_name}_dsigma",
         meaning=f"Angular velocity of {_rocker} over that of the crank SF",
-        given={"length": _length, "bar_x": f"{_bar}_x", "bar_y": f"{_bar}_y"},
+        given={"base": _base, "bar": _bar, "x": f"{_pivot}F_x", "y": "MF_y"}
+        | {part: f"{part}_{_pivot}" for part in ("straight_lever", "swing")},
     )(rate)
     by_crank.quantity(
         units="rad s-1",

@@ -18,7 +18,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from fastlink.geometry import zero_where
+from fastlink.geometry import two_product, zero_where
 from fastlink.jit import select
 from fastlink.mechanisms.borrow import borrow
 from fastlink.mechanisms.focal.declare import DESIGN, GIVEN_LAMBDA, focal
@@ -32,10 +32,24 @@ FACTORS = tuple(f"factor_{letter}{number}" for letter in "ABCD" for number in (1
 borrow(focal, planar_4r, FOUR_BAR, PREFIX, {name: {} for name in (*FACTORS, "gap_rounding")})
 
 
+@focal.quantity(units="1", symbol="V", source=DYAD, internal=True)
+def V(
+    s_a: Any, s_b: Any, s_c: Any, s_d: Any, rho: Any, rho_plus_1: Any, x: Any, lambda_: Any, root_x: Any,
+    root_rho: Any,
+) -> Any:  # fmt: skip
+    """(1 + rho)(a^2 + rho b^2)/lambda = (c^2 + x d^2) rho/x, scaled: what cancels less."""
+    part = rho * (s_b * s_b)
+    sides = s_a * s_a + part
+    bases = (s_c - s_d) * (s_c + s_d) + lambda_ * (s_d * s_d)
+    per_kappa = root_rho / root_x
+    sure = abs(bases) * (s_a * s_a + abs(part)) > abs(sides) * (s_c * s_c + abs(x) * (s_d * s_d))
+    return select(sure, bases * (per_kappa * per_kappa), rho_plus_1 * sides / lambda_)
+
+
 @focal.quantity(units="1", symbol="K", source=DYAD, internal=True)
-def K(rho: Any, common: Any) -> Any:
+def K(V: Any, lambda_: Any) -> Any:
     """(1 + rho)(a^2 + rho b^2), scaled."""
-    return rho * common
+    return V * lambda_
 
 
 @focal.quantity(units="1", symbol="sqrt|rho| R", source=DYAD, internal=True)
@@ -87,6 +101,20 @@ for _sign in ("lambda_sign", "crank_sign"):
     )(opposite)
 
 
+@focal.quantity(units="1", symbol="a + rho b", source=DYAD, internal=True)
+def bars_sum(s_a: Any, s_b: Any, rho: Any) -> Any:
+    """MA and rho times NB, scaled, right to a rounding."""
+    part, low = two_product(rho, s_b)
+    return (s_a + part) + low
+
+
+@focal.quantity(units="1", symbol="a - rho b", source=DYAD, internal=True)
+def bars_difference(s_a: Any, s_b: Any, rho: Any) -> Any:
+    """MA less rho times NB, scaled, right to a rounding."""
+    part, low = two_product(rho, s_b)
+    return (s_a - part) - low
+
+
 def of_half_angle(
     side: Any,
     spin: Any,
@@ -98,7 +126,8 @@ def of_half_angle(
     s_b: Any,
     s_c: Any,
     s_d: Any,
-    rho: Any,
+    bars_sum: Any,
+    bars_difference: Any,
     K: Any,
     per_dyad: Any,
     A1: Any,
@@ -118,14 +147,17 @@ def of_half_angle(
     root = select(side == ratio_sign, lesser_root, -greater_root)
     other_root = select(side == ratio_sign, greater_root, -lesser_root)
     first = side * ((s_a - s_b) * root)
-    second = spin * ((s_d + side * s_c) * (s_a + rho * s_b))
-    inner = K * select(side > 0.0, -(B2 * C2), -(sure_B1 * sure_C1))
-    one = select(first * second < 0.0, inner / (second - first), first + second)
+    second = spin * ((s_d + side * s_c) * bars_sum)
+    inner = select(side > 0.0, -(B2 * C2), -(sure_B1 * sure_C1))
     third = side * ((s_a + s_b) * other_root)
-    fourth = spin * ((side * s_c - s_d) * (s_a - rho * s_b))
-    outer = K * select(side > 0.0, A2 * D2, sure_A1 * D1)
-    two = select(third * fourth < 0.0, outer / (third - fourth), third + fourth)
-    return (spin * lambda_sign) * per_dyad * (one * two / K)
+    fourth = spin * ((side * s_c - s_d) * bars_difference)
+    outer = select(side > 0.0, A2 * D2, sure_A1 * D1)
+    # the bracket that cancels holds K: it is divided out there
+    one_cancels, two_cancels = first * second < 0.0, third * fourth < 0.0
+    two = select(two_cancels, K * (outer / (third - fourth)), third + fourth)
+    two_per_K = select(two_cancels, outer / (third - fourth), (third + fourth) / K)
+    both_per_K = select(one_cancels, inner / (second - first) * two, (first + second) * two_per_K)
+    return (spin * lambda_sign) * per_dyad * both_per_K
 
 
 for _name, _side, _spin, _what in (
@@ -144,3 +176,88 @@ for _name, _side, _spin, _what in (
         given={"side": _side, "spin": _spin, "rounding": f"{PREFIX}gap_rounding"}
         | {factor.removeprefix("factor_"): f"{PREFIX}{factor}" for factor in FACTORS},
     )(of_half_angle)
+
+# -- F seen from M and N, where the dyads are straight: m - p or m + p, n + q or n - q ------------------------------
+
+
+@focal.quantity(units="1", symbol="lambda p", source=DYAD, internal=True)
+def lambda_p(ratio_sign: Any, lambda_sign: Any, root_rho: Any, root_x: Any, s_b: Any) -> Any:
+    """PF times lambda, scaled."""
+    return (ratio_sign * lambda_sign) * (root_rho * root_x * s_b)
+
+
+@focal.quantity(units="1", symbol="|lambda| q", source=DYAD, internal=True)
+def lambda_q(root_rho: Any, root_x: Any, s_a: Any) -> Any:
+    """QF times the size of lambda, scaled."""
+    return root_x / root_rho * s_a
+
+
+@focal.quantity(units="1", symbol="m -+ p", source=DYAD, internal=True)
+def straight_M(
+    near_crank: Any, s_m: Any, s_p: Any, P_sign: Any, V: Any, rho: Any, rho_plus_1: Any,
+    s_a: Any, s_b: Any, lambda_p: Any,
+) -> Any:  # fmt: skip
+    """Difference of m and p, or sum where they have not one sign; of their product where P is far away."""
+    product = V / rho_plus_1 - rho * (s_b * s_b)
+    return select(near_crank == 1.0, product / (s_a + abs(lambda_p)), s_m - P_sign * s_p)
+
+
+@focal.quantity(units="1", symbol="n +- q", source=DYAD, internal=True)
+def straight_N(
+    near_crank: Any, s_n: Any, s_q: Any, lambda_sign: Any, V: Any, rho: Any, rho_plus_1: Any,
+    s_a: Any, s_b: Any, lambda_q: Any,
+) -> Any:  # fmt: skip
+    """Difference of n and q, or sum where they have not one sign; of their product where Q is far away."""
+    product = (V / rho_plus_1 - s_a * s_a) / rho
+    return select(near_crank == 1.0, product / (s_b + abs(lambda_q)), s_n - lambda_sign * s_q)
+
+
+def where_positive(sign: Any, length: Any) -> Any:
+    """Return twice a length where a sign is positive, else 0."""
+    return select(sign > 0.0, 2.0 * length, 0.0)
+
+
+def minus_where_negative(sign: Any, length: Any) -> Any:
+    """Return minus twice a length where a sign is negative, else 0."""
+    return select(sign < 0.0, -2.0 * length, 0.0)
+
+
+for _name, _law, _sign, _length in (
+    ("M_of_sine", where_positive, "P_sign", "s_p"),
+    ("M_of_cosine", minus_where_negative, "P_sign", "s_p"),
+    ("N_of_sine", minus_where_negative, "lambda_sign", "s_q"),
+    ("N_of_cosine", where_positive, "lambda_sign", "s_q"),
+):
+    focal.quantity(
+        units="1",
+        symbol="2 p",
+        source=DYAD,
+        internal=True,
+        name=_name,
+        meaning="Change along the rocker with the squared half-angle",
+        given={"sign": _sign, "length": _length},
+    )(_law)
+
+
+@focal.quantity(units="1", symbol="p/m -+ 1", source=DYAD, internal=True)
+def straight_lever_M(straight_M: Any, s_m: Any, P_sign: Any) -> Any:
+    """PF over MP less its sign."""
+    return -(P_sign * straight_M) / s_m
+
+
+@focal.quantity(units="1", symbol="1 -+ q/n", source=DYAD, internal=True)
+def straight_lever_N(straight_N: Any, s_n: Any, lambda_sign: Any) -> Any:
+    """Its sign less QF over NQ."""
+    return lambda_sign * straight_N / s_n
+
+
+@focal.quantity(units="1", symbol="-(d - s)", source=DYAD, internal=True)
+def s_NS(s_SN: Any) -> Any:
+    """Scaled distance from N to S along MN."""
+    return -s_SN
+
+
+@focal.quantity(units="1", symbol="-q", source=DYAD, internal=True)
+def minus_s_q(s_q: Any) -> Any:
+    """Minus the scaled length QF."""
+    return -s_q

@@ -30,5 +30,5 @@ focal.graded = replace(
     cells={"psi": _lent.cells["theta4"], "dpsi_dphi": _lent.cells["omega4"]},
     most={"psi": _lent.most["theta4"], "dpsi_dphi": _lent.most["omega4"]},
     rough=("closure_residual", "F_path_residual"),
-    jumps={"psi": "NB_y", "sigma": "g_y", **dict.fromkeys(("omega_angle", "alpha", "beta", "chi"), "w_y")},
+    jumps={"psi": "NB_y", "sigma": "MF_y", **dict.fromkeys(("omega_angle", "alpha", "beta", "chi"), "w_y")},
 )

@@ -15,6 +15,7 @@ from typing import Any
 from fastlink.catalogue import Catalogue
 from fastlink.jit import atan2
 from fastlink.mechanisms.focal.declare import DESIGN, WUNDERLICH
+from fastlink.mechanisms.focal.design_facts import length_of
 from fastlink.mechanisms.focal.drives import either
 
 POSITION = f"{DESIGN}#position"
@@ -50,10 +51,10 @@ def angle(x: Any, y: Any) -> Any:
 # -- the design -----------------------------------------------------------------------------------------------
 
 
-@either(units="m", symbol="AT", source=f"{WUNDERLICH}, eq. (3.2)", internal=True)
-def AT(T_share: Any, c: Any) -> Any:
-    """Distance of T from A along AB."""
-    return T_share * c
+@either(units="m", symbol="FT", source=POSITION, internal=True)
+def FT_along(FT: Any, ratio_sign: Any, crank_sign: Any) -> Any:
+    """Distance of T from F along u v w."""
+    return -(ratio_sign * crank_sign) * FT
 
 
 # -- directions of PF and QF ----------------------------------------------------------------------------------
@@ -70,17 +71,6 @@ for _axis, _law in (("x", real_part), ("y", imaginary_part)):
             given={"a_x": f"{_rocker}_x", "a_y": f"{_rocker}_y", "b_x": "w_x", "b_y": "w_y"},
         )(_law)
 
-for _axis, _law in (("x", real_part), ("y", imaginary_part)):
-    either(
-        units="1",
-        symbol=f"(u w v)_{_axis}",
-        source=POSITION,
-        internal=True,
-        name=f"uwv_{_axis}",
-        meaning=f"Product of three directions, {_axis}",
-        given={"a_x": "f_x", "a_y": "f_y", "b_x": "v_x", "b_y": "v_y"},
-    )(_law)
-
 
 def fifth_x(crank_sign: Any, uwv_x: Any, uwv_y: Any, x: Any, y: Any) -> Any:
     """First component of e or g from the other one."""
@@ -92,9 +82,21 @@ def fifth_y(crank_sign: Any, uwv_x: Any, uwv_y: Any, x: Any, y: Any) -> Any:
     return crank_sign * (uwv_x * y - uwv_y * x)
 
 
-def declare_fifth(catalogue: Catalogue, name: str, bar: str, other: str) -> None:
+def declare_fifth(catalogue: Catalogue, name: str, bar: str, other: str, w: str) -> None:
     """Declare e or g, the direction of `bar`, from the other one of them."""
-    for axis, law in (("x", fifth_x), ("y", fifth_y)):
+    products = (real_part, imaginary_part)
+    for made, one, two in (("uv", "u", "v"), ("uwv", "uv", w)):
+        for axis, law in zip("xy", products, strict=True):
+            catalogue.quantity(
+                units="1",
+                symbol=f"{made}_{axis}",
+                source=POSITION,
+                internal=True,
+                name=f"{made}_{axis}",
+                meaning=f"Product of directions, {axis}",
+                given={"a_x": f"{one}_x", "a_y": f"{one}_y", "b_x": f"{two}_x", "b_y": f"{two}_y"},
+            )(law)
+    for axis, fifth in (("x", fifth_x), ("y", fifth_y)):
         catalogue.quantity(
             units="1",
             symbol=f"{name}_{axis}",
@@ -103,7 +105,7 @@ def declare_fifth(catalogue: Catalogue, name: str, bar: str, other: str) -> None
             name=f"{name}_{axis}",
             meaning=f"Direction of {bar}, {axis}",
             given={"x": f"{other}_x", "y": f"{other}_y"},
-        )(law)
+        )(fifth)
 
 
 # -- joints -----------------------------------------------------------------------------------------------------
@@ -122,7 +124,6 @@ for _point, _bar, _length, _direction in (("A", "MA", "a", "u"), ("P", "MA", "m"
 for _point, _bar, _start, _length, _direction in (
     ("B", "NB", "d", "b", "v"),
     ("Q", "NB", "d", "n", "v"),
-    ("T", "AB", "A_x", "AT", "e"),
 ):
     either(
         units="m",
@@ -143,14 +144,25 @@ for _point, _length in (("B", "b"), ("Q", "n")):
         given={"x": _length, "y": "v_y"},
     )(product)
 
-either(
-    units="m",
-    symbol="T_y",
-    source=FIGURES,
-    name="T_y",
-    meaning="Joint T on AB, y",
-    given={"start": "A_y", "length": "AT", "direction": "e_y"},
-)(along)
+for _axis in "xy":
+    either(
+        units="m",
+        symbol=f"F_{_axis}",
+        source=f"{WUNDERLICH}, eqs. (1.3), (1.7)",
+        name=f"F_{_axis}",
+        meaning=f"Joint F, {_axis}",
+        given={"scaled": f"MF_{_axis}"},
+    )(length_of)
+
+for _axis in "xy":
+    either(
+        units="m",
+        symbol=f"T_{_axis}",
+        source=FIGURES,
+        name=f"T_{_axis}",
+        meaning=f"Joint T on AB, {_axis}",
+        given={"start": f"F_{_axis}", "length": "FT_along", "direction": f"uwv_{_axis}"},
+    )(along)
 
 # -- angles -----------------------------------------------------------------------------------------------------
 
@@ -161,43 +173,10 @@ def omega_angle(w_x: Any, w_y: Any) -> Any:
     return atan2(w_y + 0.0, w_x)
 
 
-@either(units="rad", symbol="alpha", source=f"{WUNDERLICH}, eq. (4.2)")
-def alpha(s_q: Any, s_n: Any, w_x: Any, w_y: Any) -> Any:
-    """Angle from FN to FQ, and from AP to AF."""
-    return atan2(s_n * w_y + 0.0, s_q + s_n * w_x)
-
-
-@either(units="rad", symbol="beta", source=f"{WUNDERLICH}, eq. (4.1)")
-def beta(ratio_sign: Any, s_p: Any, s_m: Any, w_x: Any, w_y: Any) -> Any:
-    """Angle from FP to FM, and from BF to BQ."""
-    return atan2(ratio_sign * (s_m * w_y) + 0.0, ratio_sign * (s_p - s_m * w_x))
-
-
 @either(units="1", symbol="k", source=POSITION, internal=True)
 def P_sign(ratio_sign: Any, lambda_sign: Any) -> Any:
     """Sign of m p, which is that of n p."""
     return ratio_sign * lambda_sign
-
-
-@either(units="1", symbol="mn", source=POSITION, internal=True)
-def carried_product(s_m: Any, s_n: Any) -> Any:
-    """MP times NQ, scaled."""
-    return s_m * s_n
-
-
-@either(units="1", symbol="pn - qm", source=POSITION, internal=True)
-def crossed_product(s_m: Any, s_n: Any, s_p: Any, s_q: Any) -> Any:
-    """PF times NQ less QF times MP, scaled."""
-    return s_p * s_n - s_q * s_m
-
-
-@either(units="rad", symbol="chi", source=f"{WUNDERLICH}, eq. (4.3)")
-def chi(
-    P_sign: Any, carried_product: Any, crossed_product: Any, x: Any, lambda_: Any, w_x: Any, w_y: Any
-) -> Any:
-    """Angle from FA to FM; from FN to FB it is pi - chi, or -chi where rho is negative."""
-    along = crossed_product + carried_product * ((x - 1.0) * w_x)
-    return atan2(P_sign * (carried_product * lambda_ * w_y) + 0.0, P_sign * along)
 
 
 @either(units="rad", symbol="mu_P", source=POSITION)

@@ -10,13 +10,12 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import Any
 
-from fastlink.jit import select, sqrt
+from fastlink.jit import sqrt
 from fastlink.mechanisms.borrow import borrow, renaming
 from fastlink.mechanisms.focal.declare import WUNDERLICH, focal
 from fastlink.mechanisms.focal.design_facts import FOUR_BAR, PREFIX
-from fastlink.mechanisms.focal.points import FIGURES, POSITION, angle, declare_fifth, product
+from fastlink.mechanisms.focal.points import FIGURES, POSITION, declare_fifth, product
 from fastlink.mechanisms.planar_4r import planar_4r
-from fastlink.mechanisms.planar_4r.slopes import same
 
 PHI = focal.position.name
 #: What the planar 4R calls otherwise.
@@ -125,83 +124,20 @@ def per_bars(QP_x: Any, e_y: Any, bars_x: Any, bars_y: Any, lambda_sign: Any) ->
 
 
 @focal.quantity(units="1", symbol="cos omega", source=f"{WUNDERLICH}, eqs. (1.3), (1.4)", internal=True)
-def w_x(QP_x: Any, e_y: Any, bars_x: Any, bars_y: Any, per_bars: Any) -> Any:
+def closing_x(QP_x: Any, e_y: Any, bars_x: Any, bars_y: Any, per_bars: Any) -> Any:
     """Cosine of omega."""
     return (QP_x * bars_x + e_y * bars_y) * per_bars
 
 
 @focal.quantity(units="1", symbol="sin omega", source=f"{WUNDERLICH}, eqs. (1.3), (1.4)", internal=True)
-def w_y(QP_x: Any, e_y: Any, bars_x: Any, bars_y: Any, per_bars: Any) -> Any:
+def closing_y(QP_x: Any, e_y: Any, bars_x: Any, bars_y: Any, per_bars: Any) -> Any:
     """Sine of omega."""
     return (e_y * bars_x - QP_x * bars_y) * per_bars
 
 
-# -- the crank ----------------------------------------------------------------------------------------------------
-
-declare_fifth(focal, "g", "SF", "e")
-
-focal.quantity(
-    units="rad",
-    symbol="sigma",
-    source=FIGURES,
-    name="sigma",
-    meaning="Direction of the crank SF in the ground frame",
-    given={"x": "g_x", "y": "g_y"},
-)(angle)
-
-
-# -- F: from S, or from M where that is nearer than S may be ----------------------------------------------------------
-
-
-@focal.quantity(units="1", symbol="|s| + r", source=POSITION, internal=True)
-def near_crank(s_s: Any, s_r: Any, s_m: Any, s_p: Any) -> Any:
-    """1 where S is nearer to F than P may be, 0 otherwise."""
-    return select(abs(s_s) + s_r < abs(s_m) + abs(s_p), 1.0, 0.0)
-
-
-def of_crank(near_crank: Any, length: Any) -> Any:
-    """A length where F is taken from S, else 0."""
-    return select(near_crank == 1.0, length, 0.0)
-
-
-def of_dyad(near_crank: Any, length: Any) -> Any:
-    """A length where F is taken from M, else 0."""
-    return select(near_crank == 1.0, 0.0, length)
-
-
-for _name, _law in (("S_x", of_crank), ("r", of_crank), ("m", of_dyad), ("p", of_dyad)):
-    focal.quantity(
-        units="m", symbol=_name, source=POSITION, internal=True, name=f"used_{_name}", given={"length": _name}
-    )(_law)
-
-
-@focal.quantity(units="m", symbol="F_x", source=f"{WUNDERLICH}, eqs. (1.3), (1.7)")
-def F_x(used_S_x: Any, used_r: Any, g_x: Any, used_m: Any, u_x: Any, used_p: Any, f_x: Any) -> Any:
-    """Joint F, x."""
-    return (used_S_x + used_r * g_x) + (used_m * u_x - used_p * f_x)
-
-
-@focal.quantity(units="m", symbol="F_y", source=f"{WUNDERLICH}, eqs. (1.3), (1.7)")
-def F_y(used_r: Any, g_y: Any, used_m: Any, u_y: Any, used_p: Any, f_y: Any) -> Any:
-    """Joint F, y."""
-    return used_r * g_y + (used_m * u_y - used_p * f_y)
-
+declare_fifth(focal, "g", "SF", "e", "closing")
 
 # -- rates ----------------------------------------------------------------------------------------------------------
-
-
-@focal.quantity(
-    units="1", symbol="(1 + rho) sqrt((lambda - 1)/rho) b/(2 d lambda)", source=POSITION, internal=True
-)
-def crank_share(rho_plus_1: Any, root_x: Any, root_rho: Any, s_b: Any, s_d: Any, lambda_: Any) -> Any:
-    """Ratio of the crank's rate to sin omega over twice the area of MABN's dyad."""
-    return 0.5 * rho_plus_1 * (root_x / root_rho) * (s_b / s_d) / abs(lambda_)
-
-
-@focal.quantity(units="1", symbol="d sigma/d phi", source=POSITION)
-def dsigma_dphi(crank_share: Any, w_y: Any, bar_per_sigma: Any, branch_sign: Any) -> Any:
-    """Angular velocity of the crank SF over that of MA."""
-    return branch_sign * (crank_share * w_y * bar_per_sigma)
 
 
 for _name, _ratio, _symbol, _link in (
@@ -216,6 +152,3 @@ for _name, _ratio, _symbol, _link in (
         meaning=f"Angular velocity of {_link}",
         given={"x": "omega", "y": _ratio},
     )(product)
-
-
-focal.derivative("sigma", PHI, given={"x": "dsigma_dphi"})(same)
