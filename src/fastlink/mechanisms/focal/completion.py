@@ -134,7 +134,8 @@ def root(value: Any, assembles: Any) -> Any:
 def root_of_ratio(root_near: Any, root_far: Any, u: Any, v: Any, completion: Any) -> Any:
     """Square root of the size of the ratio that is found."""
     size = 0.5 * (root_near + root_far)
-    return select(completion == 1.0, size / v, u / size)
+    other = select(completion == 2.0, u / size, NOT_A_NUMBER)
+    return select(completion == 1.0, size / v, other)
 
 
 def one_plus_found(

@@ -33,9 +33,9 @@ for _name, _here in SCALED.items():
 borrow(focal, planar_4r, FOUR_BAR, PREFIX, _SAID)
 
 
-def carried(length: Any, lambda_: Any) -> Any:
+def carried(length: Any, lambda_: Any, x: Any, rho: Any) -> Any:
     """Distance of P or Q from the pivot of its rocker, scaled."""
-    return select(lambda_ == 0.0, NOT_A_NUMBER, length / lambda_)
+    return select((x / rho > 0.0) & (lambda_ != 0.0), length / lambda_, NOT_A_NUMBER)
 
 
 for _name, _of, _meaning in (("m", "a", "MP along MA"), ("n", "b", "NQ along NB")):
