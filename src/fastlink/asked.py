@@ -5,6 +5,7 @@ from __future__ import annotations
 import hashlib
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 from fastlink.cycle import with_lists
@@ -23,6 +24,7 @@ from fastlink.request import (
     constants_of,
     given_angles,
 )
+from fastlink.run import Part
 from fastlink.spread import Spread, find_spread
 
 if TYPE_CHECKING:
@@ -87,6 +89,21 @@ class Asked:
     def evaluated(self) -> DesignSpace:
         """The designs that kernels see."""
         return self.space if self.spread is None else self.spread.space
+
+    def parts(self, *, relaxed: bool = False) -> list[Part]:
+        """Return the kernels, compiled, with what they run on."""
+        places = {output.name: place for place, output in enumerate(self.plan.outputs)}
+        return [
+            Part(
+                part.relaxed_kernel if relaxed else part.kernel,
+                part.scratch,
+                len(part.inputs),
+                part.angle_tables(self.positions),
+                tuple(places[output.name] for output in part.outputs),
+                partial(self.evaluated.fill, part.inputs),
+            )
+            for part in self.plan.parts
+        ]
 
 
 def resolve(

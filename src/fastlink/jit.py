@@ -27,6 +27,8 @@ INFINITY = float("inf")
 NOT_A_NUMBER = float("nan")
 
 KERNEL_OPTIONS: dict[str, Any] = {"error_model": "numpy", "nogil": True}
+#: Freedoms that are never taken but to show what they would cost and gain: see docs/accuracy.md.
+RELAXED = {"reassoc", "contract", "arcp", "nsz"}
 INLINE_OPTIONS: dict[str, Any] = {"error_model": "numpy", "forceinline": True}
 
 F = TypeVar("F", bound=Callable[..., Any])
@@ -309,11 +311,15 @@ class _Restrict(Compiler):  # type: ignore[misc]
         super().__init__(typingctx, targetctx, library, args, return_type, flags, locals)
 
 
-def compile_kernel(function: Callable[..., Any], signature: tuple[Any, ...], *, cache: bool = True) -> Any:
+def compile_kernel(
+    function: Callable[..., Any], signature: tuple[Any, ...], *, cache: bool = True, relaxed: bool = False
+) -> Any:
     """Compile a kernel for one signature, or load it from the cache beside its file.
 
-    The arrays that it is called with must not overlap.
+    The arrays that it is called with must not overlap. A `relaxed` one may regroup sums and fuse multiplications with
+    them; `inlined` functions stay strict.
     """
-    kernel = numba.njit(**KERNEL_OPTIONS, cache=cache, pipeline_class=_Restrict)(function)
+    options = KERNEL_OPTIONS | ({"fastmath": RELAXED} if relaxed else {})
+    kernel = numba.njit(**options, cache=cache, pipeline_class=_Restrict)(function)
     kernel.compile(signature)
     return kernel

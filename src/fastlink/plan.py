@@ -47,6 +47,11 @@ class Kernel:
         """The compiled kernel (compiled, or loaded from the cache, on first use)."""
         return load_kernel(self, self.source)  # type: ignore[arg-type]
 
+    @cached_property
+    def relaxed_kernel(self) -> Any:
+        """The same text compiled for other roundings, to compare: see `fastlink.accuracy`."""
+        return load_kernel(self, self.source, relaxed=True)  # type: ignore[arg-type]
+
 
 class Plan(Closure, Kernel):
     """A closure over given input positions, with its kernel."""

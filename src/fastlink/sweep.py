@@ -14,10 +14,8 @@ import numpy as np
 from fastlink import label, labelling, store
 from fastlink.asked import Asked, resolve
 from fastlink.errors import InputError
-from fastlink.plan import Plan
-from fastlink.plans import RefinedPlan
 from fastlink.request import POSITIONS
-from fastlink.run import Deliver, Job, Part, block_length, default_threads, run
+from fastlink.run import Deliver, Job, block_length, default_threads, run
 from fastlink.takers import StatusCounts, all_of, progress_bar
 from fastlink.verify import Verification, check_verify
 
@@ -154,7 +152,7 @@ def sweep(
     target = None if to is None else store.check_target(to, nbytes, overwrite)
     coords = labelling.coordinates(plan, space, positions)
     shapes = [(labelling.trailing(output, plan, positions.size), output.dtype) for output in plan.outputs]
-    job = Job([_part(part, asked) for part in plan.parts], shapes, asked.evaluated.size)
+    job = Job(asked.parts(), shapes, asked.evaluated.size)
     counts = StatusCounts(plan)
     verification = Verification(plan, space, positions, check_verify(verify, to is not None))
     bar = progress_bar(space.size, progress)
@@ -209,18 +207,6 @@ def sweep(
             finally:  # what was computed is kept, whatever becomes of its verification
                 writer.finish(found, errors)
     return store.open_map(target)
-
-
-def _part(part: Plan | RefinedPlan, asked: Asked) -> Part:
-    places = {output.name: place for place, output in enumerate(asked.plan.outputs)}
-    return Part(
-        part.kernel,
-        part.scratch,
-        len(part.inputs),
-        part.angle_tables(asked.positions),
-        tuple(places[output.name] for output in part.outputs),
-        lambda start, stop, x: asked.evaluated.fill(part.inputs, start, stop, x),
-    )
 
 
 def _fingerprint(asked: Asked, about: Mapping[str, Any], variables: Sequence[label.Variable]) -> str:

@@ -105,10 +105,11 @@ def signature(plan: Closure) -> tuple[Any, ...]:
     return (matrix, matrix, types.int64, types.int64, vector, vector, *outputs)
 
 
-def load_kernel(plan: Closure, text: str) -> Any:
+def load_kernel(plan: Closure, text: str, *, relaxed: bool = False) -> Any:
     """Return the kernel of a plan with this text, compiled now or taken from the cache."""
     with _lock:
-        module = _load_module(text)
+        module = _load_module(f"# relaxed arithmetic\n{text}" if relaxed else text)
         if not hasattr(module, "compiled"):
-            module.compiled = compile_kernel(module.kernel, signature(plan))  # type: ignore[attr-defined]
+            made = compile_kernel(module.kernel, signature(plan), relaxed=relaxed)
+            module.compiled = made  # type: ignore[attr-defined]
         return module.compiled
