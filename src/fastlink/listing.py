@@ -137,6 +137,8 @@ class QuantityList(list[Quantity]):
             "Configurations that do not assemble are NaN and never enter. "
             f"{quote}d_NAME_d_PARAM{quote} is the derivative of NAME by an input or by {quote}{position}{quote}, and "
             "itself such a NAME. "
+            f"{quote}NAME_error{quote} bounds the error that rounding makes in NAME, and {quote}NAME_trust{quote} "
+            "tells where that exceeds a millionth of NAME. "
             f"{quote}{DESIGN}{quote} stands for the swept dimensions."
         )
 
