@@ -32,24 +32,16 @@ FACTORS = tuple(f"factor_{letter}{number}" for letter in "ABCD" for number in (1
 borrow(focal, planar_4r, FOUR_BAR, PREFIX, {name: {} for name in (*FACTORS, "gap_rounding")})
 
 
-@focal.quantity(units="1", symbol="V", source=DYAD, internal=True)
-def V(
-    s_a: Any, s_b: Any, s_c: Any, s_d: Any, rho: Any, rho_plus_1: Any, x: Any, lambda_: Any, root_x: Any,
-    root_rho: Any,
-) -> Any:  # fmt: skip
-    """(1 + rho)(a^2 + rho b^2)/lambda = (c^2 + x d^2) rho/x, scaled: what cancels less."""
-    part = rho * (s_b * s_b)
-    sides = s_a * s_a + part
-    bases = (s_c - s_d) * (s_c + s_d) + lambda_ * (s_d * s_d)
-    per_kappa = root_rho / root_x
-    sure = abs(bases) * (s_a * s_a + abs(part)) > abs(sides) * (s_c * s_c + abs(x) * (s_d * s_d))
-    return select(sure, bases * (per_kappa * per_kappa), rho_plus_1 * sides / lambda_)
-
-
 @focal.quantity(units="1", symbol="K", source=DYAD, internal=True)
-def K(V: Any, lambda_: Any) -> Any:
+def K(rho: Any, common: Any) -> Any:
     """(1 + rho)(a^2 + rho b^2), scaled."""
-    return V * lambda_
+    return rho * common
+
+
+@focal.quantity(units="1", symbol="V", source=DYAD, internal=True)
+def V(K: Any, lambda_: Any) -> Any:
+    """(1 + rho)(a^2 + rho b^2)/lambda, scaled."""
+    return K / lambda_
 
 
 @focal.quantity(units="1", symbol="sqrt|rho| R", source=DYAD, internal=True)
