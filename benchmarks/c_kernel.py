@@ -64,8 +64,8 @@ def call_of(name, lengths, arrays):
     """
     kernel = getattr(library(), f"c_{name}")
     kernel.restype = None
-    if any(not a.flags.c_contiguous or a.dtype != np.float64 for a in arrays):
-        raise ValueError("C kernels take C-contiguous arrays of doubles")
+    if any(not a.flags.c_contiguous or a.dtype not in (np.float64, np.int8) for a in arrays):
+        raise ValueError("C kernels take C-contiguous arrays of doubles, and of bytes for codes")
     arguments = [*map(ctypes.c_long, lengths), *(a.ctypes.data_as(ADDRESS) for a in arrays)]
 
     def call():

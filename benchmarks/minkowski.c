@@ -152,7 +152,7 @@ INLINE void loop_of_logs(long m, long K, const double *restrict t, const double 
 
 /* psi: (n, 2, K); ahead: (n, 2, K) of bytes. The root and the logarithms have a loop each: in one loop their latency
  * is longer than the processor can look ahead. */
-void c_psi(long n, long K, const double *restrict x, const double *restrict tables, double *restrict psi,
+void c_minkowski_psi(long n, long K, const double *restrict x, const double *restrict tables, double *restrict psi,
            int8_t *restrict ahead)
 {
     tile halves, totals, alphas, betas, signs[2];
@@ -182,7 +182,7 @@ INLINE double sign(double p, double q, double r, double s)
 }
 
 /* linkage_type of n designs: 4 kind + 2 (the input is no crank) + (the output is no crank), 16 of invalid lengths */
-void c_types(long n, const double *restrict x, int8_t *restrict type)
+void c_minkowski_types(long n, const double *restrict x, int8_t *restrict type)
 {
     double code[LANES] __attribute__((aligned(64)));
     for (long first = 0; first < n; first += LANES) {

@@ -1,21 +1,19 @@
-"""psi of the Minkowskian 4R with its orientation: time and error of the null form and of eq. (3) of the paper.
+"""psi of the Minkowskian 4R with its orientation: the engine against C, against NumPy and against eq. (3) of the paper.
 
-``python -m benchmarks.minkowski`` prints the table of errors of docs/minkowski.md. A fact is (what, value, unit, aim).
+A fact is (what, value, unit, aim).
 """
 
 from functools import partial
 
-import mpmath
 import numpy as np
 
+from benchmarks import c_kernel
 from benchmarks.inputs import aligned_copy, empty, race
 from benchmarks.numpy_baseline import PIECE
-from benchmarks.report import fact_table
-from fastlink.exact import DIGITS, STEP
 from fastlink.kernels import LANES
 from fastlink.mechanisms import catalogue
 from fastlink.plan import make_plan
-from fastlink.reading import evaluate, read_facts
+from fastlink.reading import read_facts
 from fastlink.run import aligned
 from fastlink.tables import angle_tables
 
@@ -103,106 +101,6 @@ def eq3(x, theta):
         return 2 * np.arctanh(np.where(ahead, y, 1 / y)), np.where(ahead, 1.0, np.where(np.isnan(y), y, -1.0))
 
 
-# ---- error ----
-
-
-def exact(a, b, g, h, theta, branch):
-    """Return psi, the loop's root with as many digits as mpmath works with; NaN where it does not assemble."""
-    p = mpmath.exp(theta)
-    alpha, beta = g - a * p, g - a / p
-    middle = alpha * beta + b * b - h * h
-    square = middle**2 - 4 * b * b * alpha * beta
-    if square < 0:
-        return mpmath.nan
-    root = mpmath.sqrt(square) * (1 if branch == 1 else -1)
-    q = 2 * b * alpha / (-middle - root) if middle * root > 0 else (-middle + root) / (2 * b * beta)
-    return mpmath.log(abs(q))
-
-
-def condition(one, branch, value):
-    """Return |psi| + sum |x dpsi/dx| over lengths and theta: what one rounding each may do."""
-    found = abs(value)
-    for k, number in enumerate(one):
-        found += abs(exact(*one[:k], number * (1 + STEP), *one[k + 1 :], branch) - value) / STEP
-    return found
-
-
-def families(n, seed=0):
-    """Return, by name, lengths (4, n) and an input each, none of them exactly on what it is near."""
-    rng = np.random.default_rng(seed)
-    sides = rng.choice([-1.0, 1.0], n)
-    near = sides * np.exp(rng.uniform(np.log(1e-12), np.log(1e-3), n))
-    x = designs(n, seed)
-    a, b, g, h = x
-
-    def at(cosh):
-        return sides * np.arccosh(np.maximum(cosh, 1.0)) * (1 + np.abs(near))
-
-    close = x.copy()
-    close[3] = np.abs(g + b - a) * (1 + near)  # T1 or T2 near 0
-    equal, long, light = x.copy(), x.copy(), x.copy()
-    equal[1] = h * (1 + near)
-    long[2] = (a + b + h) * (1 + np.abs(near) * 1e3)  # has a theta_min
-    light[3] = h * np.abs(near)  # AB is short, its null coordinates are not
-    long_min = np.arccosh((a * a + long[2] ** 2 - (b + h) ** 2) / (2 * a * long[2]))
-    return {
-        "any": (x, rng.uniform(-4, 4, n)),
-        "near ±ln(g/a)": (x, sides * np.abs(np.log(g / a)) * (1 + near)),
-        "near theta_max": (x, at((a * a + g * g - (b - h) ** 2) / (2 * a * g))),
-        "near theta_min": (long, sides * long_min * (1 - np.abs(near))),
-        "AB near lightlike": (light, rng.uniform(-4, 4, n)),
-        "near T1 T2 = 0, theta = 0": (close, near),
-        "b near h": (equal, rng.uniform(-4, 4, n)),
-        "theta 10 ... 300": (x, sides * rng.uniform(10, 300, n)),
-        "theta 400 ... 700": (x, sides * rng.uniform(400, 700, n)),
-        "lengths 1e-150": (1e-150 * x, rng.uniform(-4, 4, n)),
-        "lengths 1e150": (1e150 * x, rng.uniform(-4, 4, n)),
-    }
-
-
-def worst(psi, x, theta):
-    """Return the largest error of psi (n, 2) in roundings times the condition; infinite if one is missing."""
-    found = 0.0
-    with mpmath.workdps(DIGITS):
-        for i, t in enumerate(theta):
-            one = [mpmath.mpf(float(number)) for number in (*x[:, i], t)]
-            for branch in (1, 2):
-                value = exact(*one, branch)
-                if mpmath.isnan(value):
-                    continue
-                ours = psi[i, branch - 1]
-                if not np.isfinite(ours):
-                    return np.inf
-                unit = condition(one, branch, value) * mpmath.mpf(2) ** -53
-                found = max(found, float(abs(mpmath.mpf(float(ours)) - value) / unit))
-    return found
-
-
-def one_each(form, x, theta):
-    """Return psi (n, 2) of one input per design by a form of many."""
-    return np.array([form(x[:, i : i + 1], theta[i : i + 1])[0][0, :, 0] for i in range(len(theta))])
-
-
-def ours(x, theta):
-    """Return psi (n, 2) of one input per design by fastlink."""
-    inputs = {name: row[:, None] for name, row in zip(LENGTHS, x, strict=True)}
-    return evaluate("minkowski_4r", ["psi"], branch=np.array([1, 2]), theta=theta[:, None], **inputs)["psi"]
-
-
-def errors(n=100):
-    """Yield each family, the error of fastlink there and that of eq. (3)."""
-    for name, (x, theta) in families(n).items():
-        yield name, worst(ours(x, theta), x, theta), worst(one_each(eq3, x, theta), x, theta)
-
-
-def error_table(n=100):
-    """Return the table of docs/minkowski.md."""
-    lines = ["| inputs | fastlink | eq. (3) in doubles |", "|---|---|---|"]
-    for name, own, by_eq3 in errors(n):
-        lines.append(f"| {name} | {own:.1f} | {f'{by_eq3:.2g}' if np.isfinite(by_eq3) else 'no value'} |")
-    return "\n".join(lines)
-
-
 # ---- time ----
 
 
@@ -222,9 +120,23 @@ def bind(names, x, theta=()):
     return call, arrays
 
 
+def bind_c(x, theta):
+    """Return one call of the C kernel and the arrays that it fills: the limit, the same operations."""
+    n, K = x.shape[1], len(theta)
+    arrays = empty((n, 2, K)), np.empty((n, 2, K), dtype=np.int8)
+    tables = aligned_copy(angle_tables(MINKOWSKI, TABLES, np.asarray(theta)))
+    return c_kernel.call_of("minkowski_psi", (n, K), [x, tables, *arrays]), arrays
+
+
+def bind_c_types(x):
+    """Return one call of the C kernel of linkage_type, and the codes that it fills."""
+    codes = np.empty(x.shape[1], dtype=np.int8)
+    return c_kernel.call_of("minkowski_types", (x.shape[1],), [x, codes]), codes
+
+
 def times(n=114, K=400, rounds=12):
-    """The kernel against NumPy, both orientations asked; a classification without any theta."""
-    x, theta = designs(n), np.linspace(-4.0, 4.0, K)
+    """The kernel against NumPy and C, both orientations asked; a classification without any theta."""
+    x, theta, many = designs(n), np.linspace(-4.0, 4.0, K), designs(64 * n)
     tables = angle_tables(MINKOWSKI, TABLES, theta)
     kernel, _ = bind(PSI, x, theta)
     out = empty((n, 2, K)), np.empty((n, 2, K), dtype=np.int8)
@@ -233,25 +145,28 @@ def times(n=114, K=400, rounds=12):
         "NumPy": partial(null_form, constants(x), tables, out),
         "eq3": partial(eq3, x, theta),
     }
-    best = race(calls, rounds)
-    per = 1e9 / (2 * n * K)
-    types, _ = bind(TYPES, designs(64 * n))
-    seconds = race({"types": types}, rounds)["types"]
-    return [
-        ("psi and CB_orientation of the Minkowskian 4R", best["ours"] * per, "ns", ""),
-        ("psi and CB_orientation, NumPy / ours", best["NumPy"] / best["ours"], "times", ">= 8"),
-        ("psi and CB_orientation, eq. (3) in NumPy / ours", best["eq3"] / best["ours"], "times", ""),
-        ("types and count of assemblies, by design", 1e9 * seconds / (64 * n), "ns", "< 100"),
+    classes = {"ours": bind(("linkage_type",), many)[0], "all": bind(TYPES, many)[0]}
+    if c_kernel.available():
+        calls["C"], classes["C"] = bind_c(x, theta)[0], bind_c_types(many)[0]
+    best, of_types = race(calls, rounds), race(classes, rounds)
+    what = "psi and CB_orientation of the Minkowskian 4R"
+    facts = [
+        (what, best["ours"] * 1e9 / (2 * n * K), "ns", ""),
+        (f"{what}, NumPy / ours", best["NumPy"] / best["ours"], "times", ">= 8"),
+        (f"{what}, eq. (3) in NumPy / ours", best["eq3"] / best["ours"], "times", ""),
+        ("types and count of assemblies, by design", 1e9 * of_types["all"] / (64 * n), "ns", "< 100"),
     ]
+    if "C" in best:
+        facts.append((f"{what}, time / C", best["ours"] / best["C"], "", "<= 1.1"))
+        facts.append(("linkage_type, time / C", of_types["ours"] / of_types["C"], "", "<= 1.1"))
+    return facts
 
 
 def measure(quick=False, log=lambda text: None):
     """Return all facts; quick: small sizes."""
+    from benchmarks.minkowski_errors import errors
+
     log("minkowski")
     facts = times(8, 64, rounds=1) if quick else times()
     found = max(own for _, own, _ in errors(3 if quick else 100))
     return [*facts, ("max error of psi, Minkowskian 4R, all families", found, "roundings", "<= 4")]
-
-
-if __name__ == "__main__":
-    print(fact_table(times()), error_table(), sep="\n\n")

@@ -4,7 +4,16 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from fastlink.mechanisms.minkowski_4r import coupler, design_facts, limits, position, rates, sextic, types
+from fastlink.mechanisms.minkowski_4r import (
+    coupler,
+    design_facts,
+    flags,
+    limits,
+    position,
+    rates,
+    sextic,
+    types,
+)
 from fastlink.mechanisms.minkowski_4r.declare import minkowski_4r
 
 if TYPE_CHECKING:
@@ -14,6 +23,7 @@ __all__ = [
     "DRIVEN",
     "coupler",
     "design_facts",
+    "flags",
     "limits",
     "minkowski_4r",
     "position",

@@ -20,6 +20,9 @@ CONFIGURATION_FLAGS = {
     4: "at_a_limit",
     5: "beyond_the_range_of_numbers",
     6: "invalid_input",
+    7: "closes_zeta_undefined",
+    8: "closes_half_angle_root_infinite",
+    9: "closes_zeta_undefined_half_angle_root_infinite",
 }
 
 
@@ -155,21 +158,31 @@ def loop_residual(
 )
 def configuration_status(
     half_root: Any,
+    CB_orientation: Any,
+    AB_orientation: Any,
     CB_ratio: Any,
+    CB_scale: Any,
     AB_ratio: Any,
     CB_half: Any,
     alpha_r: Any,
     beta: Any,
+    inside: Any,
     B_x: Any,
     A_x: Any,
     cosh_zeta: Any,
+    loop_residual: Any,
     valid: Any,
 ) -> Any:
-    """Whether the loop closes in this configuration, and why a quantity of it is NaN."""
-    found = (CB_ratio == CB_ratio) & (AB_ratio == AB_ratio)
+    """Whether the loop closes in this configuration, and why a quantity of it is no finite number."""
+    escaped = CB_orientation * AB_orientation == 0.0
+    lightlike = (alpha_r == 0.0) | (beta == 0.0)
     pins_coincide = (alpha_r == 0.0) & (beta == 0.0) & (CB_half == 0.0)
-    small = (A_x == A_x) & (B_x == B_x) & (cosh_zeta == cosh_zeta)
-    code = select(half_root == 0.0, 4.0, select(small, 0.0, 5.0))
-    code = select(found, code, select(pins_coincide, 3.0, 2.0))
+    ratios = (CB_ratio == CB_ratio) & (AB_ratio == AB_ratio) & (loop_residual == loop_residual)
+    small = (A_x == A_x) & (B_x == B_x) & (cosh_zeta == cosh_zeta) & ratios
+    code = select(inside >= 0.0, 7.0, 0.0) + select(CB_ratio + CB_scale == 0.0, 8.0, 0.0)
+    code = select(code == 15.0, 9.0, code)
+    code = select(half_root == 0.0, 4.0, code)
+    code = select(small, code, 5.0)
+    code = select(escaped, select(pins_coincide, 3.0, select(lightlike, 2.0, 5.0)), code)
     code = select(half_root == half_root, code, 1.0)
     return select(valid == 1.0, code, 6.0)

@@ -28,12 +28,21 @@ from fastlink.mechanisms.minkowski_4r import coupler, position  # noqa: F401 (wh
 from fastlink.mechanisms.minkowski_4r.declare import NUMERICS, minkowski_4r
 
 RATES = f"{NUMERICS}#rates"
+# Of the longest link.
+SHORTEST = 2.0**-128
+
+
+@minkowski_4r.quantity(units="1", symbol="c", source=RATES, internal=True)
+def rate_unit(s_a: Any, s_b: Any, s_g: Any, s_h: Any, product_one: Any) -> Any:
+    """Twice the product of a and g over its power of two; NaN where products of five lengths may underflow."""
+    comparable = (s_a > SHORTEST) & (s_b > SHORTEST) & (s_g > SHORTEST) & (s_h > SHORTEST)
+    return select(comparable, product_one, NOT_A_NUMBER)
 
 
 @minkowski_4r.quantity(units="1", symbol="1/d", source=RATES, internal=True)
-def per_root(half_root: Any, product_one: Any, branch_sign: Any, side: Any) -> Any:
+def per_root(half_root: Any, rate_unit: Any, branch_sign: Any, side: Any) -> Any:
     """Reciprocal of the root of the discriminant times r, with the sign of the root; NaN at a limit."""
-    return branch_sign * side * 0.5 / (product_one * select(half_root == 0.0, NOT_A_NUMBER, half_root))
+    return branch_sign * side * 0.5 / (rate_unit * select(half_root == 0.0, NOT_A_NUMBER, half_root))
 
 
 @minkowski_4r.quantity(units="1", symbol="N", source=RATES, internal=True)

@@ -1,0 +1,173 @@
+"""psi of the Minkowskian 4R near all that is hard: error against 50 digits and time, of the null form and of eq. (3).
+
+``python -m benchmarks.minkowski_errors`` prints the table of docs/minkowski.md.
+"""
+
+import math
+from functools import partial
+
+import mpmath
+import numba
+import numpy as np
+
+from benchmarks.inputs import race
+from benchmarks.minkowski import LENGTHS, PSI, bind, designs, eq3
+from fastlink.exact import DIGITS, STEP
+from fastlink.reading import evaluate
+
+
+def exact(a, b, g, h, theta, branch):
+    """Return psi, the loop's root with as many digits as mpmath works with; NaN where it does not assemble."""
+    p = mpmath.exp(theta)
+    alpha, beta = g - a * p, g - a / p
+    middle = alpha * beta + b * b - h * h
+    square = middle**2 - 4 * b * b * alpha * beta
+    if square < 0:
+        return mpmath.nan
+    root = mpmath.sqrt(square) * (1 if branch == 1 else -1)
+    q = 2 * b * alpha / (-middle - root) if middle * root > 0 else (-middle + root) / (2 * b * beta)
+    return mpmath.log(abs(q))
+
+
+def condition(one, branch, value):
+    """Return |psi| + sum |x dpsi/dx| over lengths and theta: what one rounding each may do."""
+    found = abs(value)
+    for k, number in enumerate(one):
+        found += abs(exact(*one[:k], number * (1 + STEP), *one[k + 1 :], branch) - value) / STEP
+    return found
+
+
+def families(n, seed=0):
+    """Return, by name, lengths (4, n) and an input each, none of them exactly on what it is near."""
+    rng = np.random.default_rng(seed)
+    sides = rng.choice([-1.0, 1.0], n)
+    near = sides * np.exp(rng.uniform(np.log(1e-12), np.log(1e-3), n))
+    x = designs(n, seed)
+    a, b, g, h = x
+
+    def at(cosh):
+        return sides * np.arccosh(np.maximum(cosh, 1.0)) * (1 + np.abs(near))
+
+    equal, long, light = x.copy(), x.copy(), x.copy()
+    equal[1] = h * (1 + near)
+    long[2] = (a + b + h) * (1 + np.abs(near) * 1e3)  # has a theta_min
+    light[3] = h * np.abs(near)  # AB is short, its null coordinates are not
+    long_min = np.arccosh((a * a + long[2] ** 2 - (b + h) ** 2) / (2 * a * long[2]))
+
+    def gap(of, rest):
+        """Lengths of which number `of` nearly is the sum of the others, with the given signs."""
+        found = x.copy()
+        others = [x[k] * sign for k, sign in zip([k for k in range(4) if k != of], rest, strict=True)]
+        found[of] = np.abs(sum(others)) * (1 + near)
+        return found
+
+    anywhere = rng.uniform(-4, 4, n)
+    return {
+        "any: ratios of lengths up to 20, theta in -4 ... 4": (x, rng.uniform(-4, 4, n)),
+        "theta near ±ln(g/a)": (x, sides * np.abs(np.log(g / a)) * (1 + near)),
+        "theta near theta_max": (x, at((a * a + g * g - (b - h) ** 2) / (2 * a * g))),
+        "theta near theta_min": (long, sides * long_min * (1 - np.abs(near))),
+        "AB near lightlike (h from 1e-12 to 1e-3 of the others)": (light, rng.uniform(-4, 4, n)),
+        "T1 near 0, theta near 0": (gap(3, (-1, 1, 1)), near),
+        "T2 near 0, theta near 0": (gap(3, (1, 1, -1)), near),
+        "T3 near 0, theta near 0": (gap(2, (1, 1, 1)), near),
+        "T4 near 0, theta near 0": (gap(0, (1, 1, 1)), near),
+        "T5 near 0": (gap(3, (1, 1, 1)), anywhere),
+        "b near a + g + h": (gap(1, (1, 1, 1)), anywhere),
+        "b near h": (equal, rng.uniform(-4, 4, n)),
+        "theta from 10 to 300": (x, sides * rng.uniform(10, 300, n)),
+        "theta from 400 to 700": (x, sides * rng.uniform(400, 700, n)),
+        "theta from 710 to 1e5, where cosh overflows": (
+            x,
+            sides * np.exp(rng.uniform(np.log(710), np.log(1e5), n)),
+        ),
+        "lengths near 1e-150": (1e-150 * x, rng.uniform(-4, 4, n)),
+        "lengths near 1e150": (1e150 * x, rng.uniform(-4, 4, n)),
+    }
+
+
+def worst(psi, x, theta):
+    """Return the largest error of psi (n, 2) in roundings times the condition; infinite if one is missing."""
+    found = 0.0
+    with mpmath.workdps(DIGITS):
+        for i, t in enumerate(theta):
+            one = [mpmath.mpf(float(number)) for number in (*x[:, i], t)]
+            for branch in (1, 2):
+                value = exact(*one, branch)
+                if mpmath.isnan(value):
+                    continue
+                ours = psi[i, branch - 1]
+                if not np.isfinite(ours):
+                    return np.inf
+                unit = condition(one, branch, value) * mpmath.mpf(2) ** -53
+                found = max(found, float(abs(mpmath.mpf(float(ours)) - value) / unit))
+    return found
+
+
+def one_each(form, x, theta):
+    """Return psi (n, 2) of one input per design by a form of many."""
+    return np.array([form(x[:, i : i + 1], theta[i : i + 1])[0][0, :, 0] for i in range(len(theta))])
+
+
+def ours(x, theta):
+    """Return psi (n, 2) of one input per design by fastlink."""
+    inputs = {name: row[:, None] for name, row in zip(LENGTHS, x, strict=True)}
+    return evaluate("minkowski_4r", ["psi"], branch=np.array([1, 2]), theta=theta[:, None], **inputs)["psi"]
+
+
+def errors(n=100):
+    """Yield each family, the error of fastlink there and that of eq. (3)."""
+    for name, (x, theta) in families(n).items():
+        yield name, worst(ours(x, theta), x, theta), worst(one_each(eq3, x, theta), x, theta)
+
+
+@numba.njit(error_model="numpy")
+def compiled_eq3(x, cosh, sinh, psi, orientation):
+    """Eq. (3) as a loop, as one writes it: the mathematical library's artanh."""
+    for i in range(x.shape[1]):
+        a, b, g, h = x[0, i], x[1, i], x[2, i], x[3, i]
+        for k in range(cosh.size):
+            A = 2 * g * b - 2 * a * b * cosh[k]
+            B = 2 * a * b * sinh[k]
+            C = h * h - g * g - b * b - a * a + 2 * a * g * cosh[k]
+            root = np.sqrt(B * B + C * C - A * A)
+            for branch in range(2):
+                y = ((root if branch == 0 else -root) - B) / (A + C)
+                ahead = abs(y) < 1
+                psi[i, branch, k] = 2 * math.atanh(y if ahead else 1 / y)
+                orientation[i, branch, k] = 0 if y != y else 1 if ahead else -1
+
+
+def times_of(x, theta, rounds):
+    """Return ns for each configuration of designs by inputs, four times over: ours, eq. (3) in NumPy, compiled."""
+    theta = np.tile(theta, 4)
+    kernel, out = bind(PSI, x, theta)
+    with np.errstate(over="ignore"):
+        cosh, sinh = np.cosh(theta), np.sinh(theta)
+    arrays = tuple(np.empty_like(array) for array in out)
+    calls = {
+        "ours": kernel,
+        "NumPy": partial(eq3, x, theta),
+        "compiled": partial(compiled_eq3, x, cosh, sinh, *arrays),
+    }
+    return [1e9 * seconds / out[0].size for seconds in race(calls, rounds, 0.02).values()]
+
+
+HEADS = (
+    *("inputs", "fastlink: error", "eq. (3): error"),
+    *("fastlink: ns", "eq. (3) in NumPy: ns", "eq. (3) compiled: ns"),
+)
+
+
+def error_table(n=100, rounds=5):
+    """Return the table of docs/minkowski.md."""
+    lines = [f"| {' | '.join(HEADS)} |", "|---" * len(HEADS) + "|"]
+    for (name, own, by_eq3), (x, theta) in zip(errors(n), families(n).values(), strict=True):
+        cells = [f"{own:.1f}", f"{by_eq3:.2g}" if np.isfinite(by_eq3) else "no value"]
+        cells += [f"{time:.2g}" for time in times_of(np.ascontiguousarray(x), theta, rounds)]
+        lines.append(f"| {name} | {' | '.join(cells)} |")
+    return "\n".join(lines)
+
+
+if __name__ == "__main__":
+    print(error_table())

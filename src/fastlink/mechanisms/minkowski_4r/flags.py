@@ -1,0 +1,47 @@
+"""Flags of the Minkowskian 4R that tell of the coupler point and of the rates why they are no finite numbers."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from fastlink.jit import INFINITY, select
+from fastlink.mechanisms.minkowski_4r import coupler, rates, sextic  # noqa: F401 (of which they tell)
+from fastlink.mechanisms.minkowski_4r.declare import NUMERICS, minkowski_4r
+
+CONFIGURATIONS = f"{NUMERICS}#configurations"
+THERE = {0: "there", 1: "see_configuration_status", 2: "beyond_the_range_of_numbers"}
+
+
+def told(code: Any, configuration_status: Any) -> Any:
+    """Return a code, 1 instead where the configuration says why something is missing."""
+    lacking = (configuration_status > 0.0) & (configuration_status < 7.0)
+    return select((code > 0.0) & lacking, 1.0, code)
+
+
+def code_of_point(X_x: Any, X_y: Any, sextic_residual: Any) -> Any:
+    """0 where the coupler point and its residual are finite, 2 where it is not, 3 where the residual alone is not."""
+    missed = select(abs(sextic_residual) < INFINITY, 0.0, 3.0)
+    return select((abs(X_x) < INFINITY) & (abs(X_y) < INFINITY), missed, 2.0)
+
+
+def code_of_rates(dpsi_dtheta: Any, d2psi_dtheta2: Any) -> Any:
+    """0 where both rates are finite, 2 where the first is not, 3 where the second alone is not."""
+    return select(abs(dpsi_dtheta) < INFINITY, select(abs(d2psi_dtheta2) < INFINITY, 0.0, 3.0), 2.0)
+
+
+for _name, _law, _meaning, _third in (
+    ("coupler_point", code_of_point, "the coupler point", "sextic_residual_beyond_the_range_of_numbers"),
+    ("rates", code_of_rates, "a rate of psi", "second_rate_beyond_the_range_of_numbers"),
+):
+    minkowski_4r.quantity(
+        units="1", symbol=_name, source=CONFIGURATIONS, internal=True, name=f"{_name}_code"
+    )(_law)
+    minkowski_4r.quantity(
+        units="1",
+        symbol=_name.replace("_", " "),
+        source=CONFIGURATIONS,
+        flags=THERE | {3: _third},
+        name=f"{_name}_status",
+        meaning=f"Why {_meaning} is no finite number",
+        given={"code": f"{_name}_code"},
+    )(told)
