@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from fractions import Fraction
+from importlib import import_module
 
 import mpmath as mp
 import numpy as np
@@ -18,7 +19,7 @@ from fastlink.error_rules import UNIT, WORDS, U
 from fastlink.errors import InputError
 from fastlink.fact import Input
 from fastlink.geometry import gap, pair_product
-from fastlink.mechanisms import catalogue
+from fastlink.mechanisms import NAMES, catalogue
 from fastlink.reading import read_facts
 from fastlink.tables import _tabled, angle_tables
 from test_precision import FAMILIES, family
@@ -323,7 +324,7 @@ def test_the_reference_of_millions_has_nineteen_digits(name):
 SWEPT = {
     "planar_4r": (
         {"a1": [0.3, 0.4, 0.9], "a2": 1.2, "a3": 0.8, "a4": 1.0, "omega1": 25.0},
-        {"angles": 40, "extrema": "sampled"},
+        {"angles": 40},
         ["omega4", "v2"],
     ),
     "minkowski_4r": (
@@ -417,6 +418,30 @@ def test_what_has_no_bound_is_refused_in_one_line():
             fl.sweep("planar_4r", fl.grid(a1=0.3, a2=1.2, a3=0.8, a4=1.0, omega1=25.0), [name], angles=8)
     with pytest.raises(InputError, match="a linear system determines"):
         fl.evaluate("planar_4r", ["T41_error"], theta1=1.0, solver="dense", a1=0.3)
+
+
+@pytest.mark.parametrize("power", [-498, -7, 498])
+def test_bounds_scale_with_the_lengths(power):
+    lengths = {"a1": 0.4, "a2": 1.2, "a3": 0.8, "a4": 1.0, "P_u": 0.3, "P_v": -0.1}
+    names = [f"{name}_error" for name in ("omega4", "theta4", "loop_residual", "P_x", "curvature")]
+    factors = np.array([0.0, 0.0, 0.0, power, -power])
+    found = [
+        fl.evaluate("planar_4r", names, theta1=1.0, omega1=3.0, **{x: v * scale for x, v in lengths.items()})
+        for scale in (1.0, 2.0**power)
+    ]
+    one, other = ([values[name] for name in names] for values in found)
+    # what is added to keep roots from zero, 2^-1000 of squares of ratios, is below all roundings
+    np.testing.assert_array_equal(other, one * 2.0**factors)
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_every_quantity_of_every_mechanism_has_a_bound(name):
+    for position in (None, *import_module(f"fastlink.mechanisms.{name}").DRIVEN):
+        mechanism = catalogue(name, position)
+        given = ("branch", mechanism.position.name, *mechanism.tables, *mechanism.table_low_parts)
+        judged = [f"{quantity}_error" for quantity in quantities(mechanism)]
+        steps = mechanism.closure(judged, (*mechanism.inputs, *given))
+        assert {step.name for step in steps}.issuperset(judged)
 
 
 @pytest.mark.parametrize("name", MECHANISMS)

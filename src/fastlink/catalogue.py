@@ -84,10 +84,10 @@ class Catalogue(Declarations):
         chosen = tuple(alternatives)
         if derivative := self._derivative_in(name):
             of, by = derivative
-            if self._judged_in(of):
+            if self.judged_in(of):
                 raise NoDerivative(f"quantity {name!r}: {of} has no derivative; leave it out")
             return self._derivation(by, chosen, given).fact(of)
-        if judged := self._judged_in(name):
+        if judged := self.judged_in(name):
             bounds = self._error_bounds(chosen, given)
             return bounds.fact(judged[0]) if judged[1] == ERROR else trust_of(bounds.found(judged[0]))
         plain, _, above = name.partition(BELOW)
@@ -108,7 +108,7 @@ class Catalogue(Declarations):
         of, sign, by = name.removeprefix("d_").rpartition("_d_")
         return (of, by) if name.startswith("d_") and sign and by in self.variables else None
 
-    def _judged_in(self, name: str) -> tuple[str, str] | None:
+    def judged_in(self, name: str) -> tuple[str, str] | None:
         """Return NAME and the ending of NAME_error or NAME_trust."""
         for ending in (ERROR, TRUST):
             if name.endswith(ending) and name not in self.facts:
@@ -180,7 +180,7 @@ class Catalogue(Declarations):
 
     def varies(self, name: str) -> bool:
         """Tell whether a fact changes over the input cycle."""
-        if made := self._derivative_in(name) or self._judged_in(name):
+        if made := self._derivative_in(name) or self.judged_in(name):
             return self.varies(made[0])
         return self.position.name in self._axes[name]
 
@@ -207,7 +207,7 @@ class Catalogue(Declarations):
 
     def is_quantity(self, name: str) -> bool:
         """Tell whether users may ask for a name: a public fact, the derivative of one, the error bound of these."""
-        made = self._derivative_in(name) or self._judged_in(name)
+        made = self._derivative_in(name) or self.judged_in(name)
         return name in self.public if made is None else self.is_quantity(made[0])
 
     def is_cyclic(self, name: str) -> bool:
@@ -224,7 +224,7 @@ class Catalogue(Declarations):
         """
         if not self.is_quantity(name):
             raise InputError(self.unknown(name, self.public))
-        derivative, judged = self._derivative_in(name), self._judged_in(name)
+        derivative, judged = self._derivative_in(name), self.judged_in(name)
         made = derivative or judged
         if made is None:
             return self.facts[name]
@@ -232,7 +232,7 @@ class Catalogue(Declarations):
         lacks = "derivative" if derivative else "error"
         if of.flags:
             raise InputError(f"quantity {name!r}: {of.name} is a code, which has no {lacks}; leave it out")
-        if self._judged_in(of.name):
+        if self.judged_in(of.name):
             raise InputError(
                 f"quantity {name!r}: {of.name} is an error bound, which has no {lacks}; leave it out"
             )
@@ -242,7 +242,7 @@ class Catalogue(Declarations):
 
     def unknown(self, name: str, known: Iterable[str]) -> str:
         """Return what to say of a name that is none of the known ones."""
-        if judged := self._judged_in(name):
+        if judged := self.judged_in(name):
             wrong = judged[0]
             return f"quantity {name!r}: {wrong!r} is unknown to {self.name}; {suggest(wrong, self.public)}"
         of, sign, by = name.removeprefix("d_").rpartition("_d_")
