@@ -56,7 +56,7 @@ LAYERS = [
         "verify",
     ),
     *("label", "target", "layout", "journal", "store", "takers", "labelling", "hart", "sweep"),
-    *("listing", "summary", "study_schema", "study_design", "study", "explain"),
+    *("listing", "summary", "study_schema", "study_design", "study", "accuracy", "explain"),
     *("plot_colour", "plot_text", "plot_draw", "plot", "cli"),
 ]
 #: Only these know of files and of labels.

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from fastlink import focal, hart, minkowski, planar
+    from fastlink.accuracy import accuracy, accuracy_table
     from fastlink.design import DesignSpace, grid, latin_hypercube, sobol, table
     from fastlink.errors import InputError
     from fastlink.explain import explain
@@ -24,6 +25,8 @@ if TYPE_CHECKING:
     from fastlink.sweep import sweep
 
 _PLACES = {
+    "accuracy": ("fastlink.accuracy", "accuracy"),
+    "accuracy_table": ("fastlink.accuracy", "accuracy_table"),
     "DesignSpace": ("fastlink.space", "DesignSpace"),
     "InputError": ("fastlink.errors", "InputError"),
     "evaluate": ("fastlink.reading", "evaluate"),
@@ -47,6 +50,8 @@ _PACKAGES = ("focal", "hart", "minkowski", "planar")
 __all__ = [
     "DesignSpace",
     "InputError",
+    "accuracy",
+    "accuracy_table",
     "evaluate",
     "explain",
     "focal",

@@ -1,4 +1,4 @@
-"""The command line: ``fastlink run``, ``quantities``, ``info``, ``new``, ``plot``.
+"""The command line: ``fastlink run``, ``accuracy``, ``explain``, ``quantities``, ``info``, ``new``, ``plot``.
 
 Everything heavy is imported inside the commands, so that help comes at once.
 """
@@ -170,6 +170,28 @@ def new(
         raise InputError(f"mechanism {mechanism!r} is unknown; {suggest(mechanism, NAMES)}")
     template = files("fastlink").joinpath("templates", f"{mechanism}.toml")
     typer.echo(template.read_text(encoding="utf-8"), nl=False)
+
+
+@command
+def accuracy(
+    study: Annotated[Path, typer.Argument(metavar="STUDY.toml", help="The study file.", show_default=False)],
+    designs: Annotated[int, typer.Option("--designs", metavar="N", help="Designs of the sample.")] = 64,
+    outside: Annotated[
+        bool, typer.Option("--outside", help="NumPy and scipy, too, which take longer.")
+    ] = False,
+    to: Annotated[Path | None, typer.Option("--to", metavar="FILE", help="An HDF5 file to write.")] = None,
+    picture: Annotated[
+        Path | None,
+        typer.Option("--picture", metavar="PICTURE", help="Error over time: png, svg or pdf by its ending."),
+    ] = None,
+    overwrite: Annotated[bool, typer.Option("--overwrite", help="Replace an existing file.")] = False,
+) -> None:
+    """Measure error and run time of a study by every way there is."""
+    from fastlink.accuracy import accuracy as measure
+    from fastlink.accuracy import accuracy_table
+
+    found = measure(study, designs=designs, outside=outside, to=to, picture=picture, overwrite=overwrite)
+    typer.echo(accuracy_table(found))
 
 
 @command

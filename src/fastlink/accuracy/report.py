@@ -1,0 +1,109 @@
+"""The Pareto front of error against run time, as a table and as a picture."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from fastlink.errors import InputError
+
+if TYPE_CHECKING:
+    import xarray as xr
+    from numpy.typing import NDArray
+
+__all__ = ["accuracy_table", "draw", "front"]
+
+INSTALL = "python -m pip install 'fastlink-linkages[plot]'"
+#: Below this a picture shows no difference: a rounding of a double.
+LEAST = 2.0**-54
+#: Errors below this are those of the last digit.
+EQUAL = 2.0**-50
+COLUMNS = 2
+
+
+def front(measured: xr.Dataset) -> NDArray[np.int8]:
+    """Return 1 where no other way to a quantity takes less time and has no larger error; a few roundings are equal."""
+    errors, times = np.maximum(measured["error_max"].values, EQUAL), measured["ns_per_design"].values
+    found = np.zeros(errors.shape, dtype=np.int8)
+    for k in range(errors.shape[1]):
+        order = np.lexsort((errors[:, k], times[:, k]))
+        least = np.inf
+        for way in order:
+            if errors[way, k] < least:
+                found[way, k], least = 1, errors[way, k]
+    return found
+
+
+def accuracy_table(measured: xr.Dataset) -> str:
+    """Return the result of `fastlink.accuracy` as lines of text, the fastest way first.
+
+    A star marks the ways that no other one beats in both error and time.
+    """
+    head = ("", "way", "ns/design", "largest", "99 %", "median", "missed")
+    blocks = []
+    for quantity in measured["quantity"].values:
+        one = measured.sel(quantity=quantity)
+        rows: list[tuple[str, ...]] = [head]
+        for k in np.argsort(one["ns_per_design"].values):
+            way = one.isel(way=int(k))
+            if not math.isnan(way["ns_per_design"]):
+                rows.append(_row(way))
+        widths = [max(len(row[c]) for row in rows) for c in range(len(head))]
+        lines = [
+            "  ".join(
+                t.ljust(w) if c < 2 else t.rjust(w) for c, (t, w) in enumerate(zip(row, widths, strict=True))
+            )
+            for row in rows
+        ]
+        blocks.append("\n".join([str(quantity), *(line.rstrip() for line in lines)]))
+    return "\n\n".join(blocks)
+
+
+def _row(way: Any) -> tuple[str, ...]:
+    errors = [float(way[name]) for name in ("error_max", "error_99", "error_median")]
+    shown = ["-" if math.isnan(error) else f"{error:.1e}" for error in errors]
+    missed = f"{int(way['missed'])} of {int(way['values'])}"
+    star, name = "*" if int(way["pareto"]) else "", str(way["way"].values)
+    return (star, name, f"{float(way['ns_per_design']):,.0f}", *shown, missed)
+
+
+def draw(measured: xr.Dataset, to: str | Path) -> None:
+    """Write the work-precision diagram: error over time, a panel for each quantity, the front as a line.
+
+    Raises
+    ------
+    InputError
+        Matplotlib is missing, or the picture cannot be written.
+    """
+    try:
+        from matplotlib.backends.backend_agg import FigureCanvasAgg
+        from matplotlib.figure import Figure
+    except ModuleNotFoundError:
+        raise InputError(f"picture: matplotlib is not installed; {INSTALL}") from None
+    quantities = [str(name) for name in measured["quantity"].values]
+    columns = min(COLUMNS, len(quantities))
+    lines = -(-len(quantities) // columns)
+    figure = Figure(figsize=(5.2 * columns, 3.9 * lines), layout="constrained")
+    FigureCanvasAgg(figure)
+    for k, quantity in enumerate(quantities):
+        axes = figure.add_subplot(lines, columns, k + 1)
+        one = measured.sel(quantity=quantity)
+        one = one.isel(way=np.flatnonzero(np.isfinite(one["error_max"].values)))
+        times, errors = one["ns_per_design"].values, np.maximum(one["error_max"].values, LEAST)
+        best = np.flatnonzero(one["pareto"].values)
+        best = best[np.argsort(times[best])]
+        axes.plot(times[best], errors[best], color="tab:blue", zorder=1)
+        axes.scatter(times, errors, c=np.where(one["pareto"].values == 1, "tab:blue", "0.6"), s=18, zorder=2)
+        for way, x, y in zip(one["way"].values, times, errors, strict=True):
+            axes.annotate(str(way), (x, y), xytext=(4, 3), textcoords="offset points", fontsize=6.5)
+        axes.set(xscale="log", yscale="log", title=quantity, xlabel="run time per design / ns")
+        axes.set_ylabel("largest relative error")
+        axes.margins(x=0.15, y=0.08)
+        axes.grid(color="0.9", linewidth=0.6)
+    try:
+        figure.savefig(Path(to), dpi=160)
+    except (OSError, ValueError) as error:
+        raise InputError(f"picture: {to}: cannot be written ({error}); choose another name") from None

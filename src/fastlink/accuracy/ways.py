@@ -1,0 +1,139 @@
+"""The ways to a quantity: those that the engine offers, and some outside it."""
+
+from __future__ import annotations
+
+import math
+import time
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from fastlink.accuracy import outside
+from fastlink.asked import Asked, resolve
+from fastlink.run import Job, run
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from fastlink.space import DesignSpace
+
+__all__ = ["Subject", "Way", "ways_for"]
+
+#: Numbers of input angles that extremes are taken over, and the one for everything else.
+ANGLES = tuple(2**k for k in range(5, 13))
+USUAL = 360
+#: Ways outside the kernels take so long for each design that few must do.
+OUTSIDE_DESIGNS = 8
+#: A way is timed for at least so long, so often, and with no more designs.
+SECONDS, REPEATS, MOST_DESIGNS = 0.02, 5, 2**16
+
+
+@dataclass(frozen=True)
+class Subject:
+    """A quantity of sampled designs, with the options of `fastlink.sweep` that are the same for all ways."""
+
+    mechanism: str
+    space: DesignSpace
+    quantity: str
+    options: Mapping[str, Any]
+
+    def asked(self, **options: Any) -> Asked:
+        """Return what is asked for, resolved with further options."""
+        return resolve(self.mechanism, self.space, [self.quantity], **{**self.options, **options})
+
+
+@dataclass(frozen=True)
+class Way:
+    """One way to a quantity.
+
+    Attributes
+    ----------
+    name : str
+        As in the table.
+    options : mapping
+        Of `fastlink.sweep`.
+    relaxed : bool
+        Whether the kernel is compiled with relaxed arithmetic.
+    outside : callable, optional
+        ``outside(asked, designs)`` returns the values of the first designs without any kernel.
+    """
+
+    name: str
+    options: Mapping[str, Any] = field(default_factory=dict)
+    relaxed: bool = False
+    outside: Callable[[Asked, int], NDArray[Any]] | None = None
+
+    def measure(self, subject: Subject) -> tuple[NDArray[Any], float]:
+        """Return the values (designs, branches[, positions]) and the time that one design takes, in s."""
+        if self.outside is not None:
+            asked = subject.asked(**self.options)
+            designs = min(subject.space.size, OUTSIDE_DESIGNS)
+            started = time.perf_counter()
+            values = self.outside(asked, designs)
+            return values, (time.perf_counter() - started) / designs
+        values, seconds = self._run(subject)
+        while seconds < SECONDS and subject.space.size < MOST_DESIGNS:
+            times = 2 ** math.ceil(math.log2(2 * SECONDS / max(seconds, SECONDS / 64)))
+            subject = replace(subject, space=_repeated(subject.space, times))
+            _, seconds = self._run(subject)
+        return values, seconds / subject.space.size
+
+    def _run(self, subject: Subject) -> tuple[NDArray[Any], float]:
+        """Return the values, and the least time they took by one thread."""
+        asked = subject.asked(**self.options)
+        lengths = {"branch": len(asked.branches), asked.catalogue.position.name: asked.positions.size}
+        shapes = [(tuple(lengths[axis] for axis in o.axes), o.dtype) for o in asked.plan.outputs]
+        job = Job(asked.parts(relaxed=self.relaxed), shapes, asked.space.size)
+        arrays = [np.empty((asked.space.size, *shape), dtype) for shape, dtype in shapes]
+        best = math.inf
+        for _ in range(REPEATS):
+            started = time.perf_counter()
+            run(job, targets=arrays)
+            best = min(best, time.perf_counter() - started)
+        return arrays[0], best
+
+
+def _repeated(space: DesignSpace, times: int) -> DesignSpace:
+    """Return the same designs so many times."""
+    columns = {name: np.tile(column, times) for name, column in space.columns.items()}
+    return replace(space, shape=(space.size * times,), columns=columns)
+
+
+def ways_for(subject: Subject, with_outside: bool) -> list[Way]:
+    """Return every way to a quantity that its mechanism offers."""
+    asked = subject.asked()
+    output = asked.plan.outputs[0]
+    solvers = ["eliminated", *(["dense"] if _is_solved(asked) else [])]
+    if output.request.reduction is None:
+        ways = [Way(solver, {"solver": solver}) for solver in solvers]
+        ways.append(Way("eliminated, relaxed", relaxed=True))
+        if with_outside:
+            ways.append(Way("NumPy", outside=outside.by_numpy))
+            ways.append(Way("NumPy, single precision", outside=outside.by_numpy_single))
+        return ways
+    ways = []
+    if output.refined:
+        ways += [Way("refined"), Way("refined, relaxed", relaxed=True)]
+    if asked.catalogue.positions is not None:  # an input without bounds has no whole turn
+        return ways
+    sampled = {"extrema": "sampled", "angles": USUAL}
+    ways += [Way(f"{count} angles", {**sampled, "angles": count}) for count in ANGLES]
+    if "dense" in solvers:
+        ways.append(Way(f"{USUAL} angles, dense", {**sampled, "solver": "dense"}))
+    ways.append(Way(f"{USUAL} angles", sampled))
+    ways.append(Way(f"{USUAL} angles, relaxed", sampled, relaxed=True))
+    if with_outside:
+        ways.append(Way(f"NumPy, {USUAL} angles", sampled, outside=outside.by_numpy))
+        ways.append(Way("scipy, minimize_scalar", sampled, outside=outside.by_minimize))
+        if output.refined:
+            ways.append(Way("scipy, brentq", sampled, outside=outside.by_brentq))
+    return ways
+
+
+def _is_solved(asked: Asked) -> bool:
+    """Tell whether a quantity is made of what a linear system may give."""
+    unknowns = set(asked.catalogue.alternatives.get("dense", {}))
+    names = {step.name for part in asked.plan.parts for step in part.steps}
+    return bool(unknowns & names)
