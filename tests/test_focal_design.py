@@ -294,3 +294,21 @@ def test_the_transmission_angle_at_F_belongs_to_the_four_bar():
     found = [facts(designs | {"rho": np.full(200, rho)}, 1.0, [name])[name] for rho in (0.5, 1.0, -3.0)]
     np.testing.assert_array_equal(found[0], found[1])
     np.testing.assert_array_equal(found[0], found[2])
+
+
+def test_the_crank_s_four_bar_is_tied_to_the_rockers():
+    count = 0
+    for a, b, c, d, _, L, m, n, p, q, r, _, s, share in completed(np.random.default_rng(13), 60):
+        for (e, f), (x, y), sizes in (((a, b), (m, p), (s, share)), ((b, a), (n, q), (d - s, 1 - share))):
+            # N S F Q is the same with M and N exchanged
+            mu = sizes[1] / L
+            assert same(abs(x * sizes[0]), abs(mu * e * d))
+            assert same(abs(y) * r, abs(mu) * f * c)
+            left, right = x * x + sizes[0] ** 2 - y * y - r * r, mu * (e * e + d * d - f * f - c * c)
+            assert same(left, right, x * x, sizes[0] ** 2, y * y, r * r)
+        M, P, S = abs(m), abs(p), abs(s)
+        stretched, folded = (M + P) ** 2 - (S + r) ** 2, (S - r) ** 2 - (M - P) ** 2
+        gaps = (a + b - c - d) * (a + c - b - d) * (a + d - b - c) * (a + b + c + d)
+        assert same(stretched * folded, -((share / L) ** 2) * gaps, (M + P + S + r) ** 4)
+        count += 1
+    assert count > 60

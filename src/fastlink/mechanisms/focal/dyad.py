@@ -25,7 +25,7 @@ from fastlink.mechanisms.focal.declare import DESIGN, GIVEN_LAMBDA, focal
 from fastlink.mechanisms.focal.design_facts import FOUR_BAR, PREFIX
 from fastlink.mechanisms.planar_4r import planar_4r
 
-DYAD = f"{DESIGN}#crank"
+DYAD = f"{DESIGN}#the-crank"
 
 
 FACTORS = tuple(f"factor_{letter}{number}" for letter in "ABCD" for number in (1, 2))
