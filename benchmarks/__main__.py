@@ -3,13 +3,17 @@
 import argparse
 import sys
 
-from benchmarks import extrema, facts, minkowski, output, report, table
+from benchmarks import extrema, facts, focal, leave_out, minkowski, output, report, table
+
+#: Modules that measure all they have, in full or in little.
+PARTS = (extrema, minkowski, focal, leave_out)
 
 
 def quick():
     """Return rows and facts at small sizes: whether everything runs, not how fast."""
     others = facts.angles(8, 64, rounds=1) + facts.system(8, 64, rounds=1, count=2)
-    others += extrema.measure(quick=True) + minkowski.measure(quick=True)
+    for part in PARTS:
+        others += part.measure(quick=True)
     return table.measure(quick=True), others
 
 
@@ -25,7 +29,8 @@ def full(folder, log):
         for row in found
         if "run_ns" in row
     ]
-    others += extrema.measure(log=log) + minkowski.measure(log=log)
+    for part in PARTS:
+        others += part.measure(log=log)
     return found, others + output.measure(folder, log)
 
 
