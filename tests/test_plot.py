@@ -143,6 +143,55 @@ def test_a_code_has_a_colour_for_each_value(maps):
     assert len(figure.axes) == 1
 
 
+@pytest.fixture(scope="module")
+def types():
+    """Minkowskian linkages of many types."""
+    lengths = np.linspace(0.125, 4.0, 32)
+    names = ["linkage_type", "assembly_count_future", "theta_max", "status"]
+    return fl.sweep("minkowski_4r", fl.grid(a=lengths, b=lengths, g=1.0, h=1.0), names)
+
+
+def test_a_code_of_many_values_has_a_legend_beside_the_axes(types):
+    figure = fl.plot_map(types, "linkage_type")
+    codes = types["linkage_type"].attrs["flag_values"].tolist()
+    meanings = types["linkage_type"].attrs["flag_meanings"].split()
+    present = [meanings[codes.index(code)].replace("_", " ") for code in np.unique(types["linkage_type"])]
+    assert len(present) >= 8
+    assert [label.replace("\n", " ") for label in legend(figure)] == present
+    (axes,) = panels(figure)
+    # Codes with gaps between them: each has a colour of its own, the one that the legend shows.
+    shown = axes.collections[0]
+    patches = dict(zip(present, axes.get_legend().get_patches(), strict=True))
+    for code, name in zip(np.unique(types["linkage_type"]), present, strict=True):
+        (place,) = np.unique(shown.get_array()[code == types["linkage_type"].values.T])
+        np.testing.assert_allclose(shown.cmap(shown.norm(place)), patches[name].get_facecolor())
+    assert len({patch.get_facecolor() for patch in patches.values()}) == len(present)
+    figure.draw_without_rendering()
+    assert axes.get_legend().get_window_extent().x0 >= axes.get_window_extent().x1
+    assert axes.get_window_extent().height > 0.7 * figure.bbox.height
+
+
+def test_an_orientation_has_its_colours_though_it_is_negative():
+    space = fl.grid(a=1.0, b=1.0, g=np.linspace(1.0, 4.0, 5), h=1.0)
+    figure = fl.plot_map(fl.sweep("minkowski_4r", space, ["CB_orientation"]), "CB_orientation", branch=1)
+    (axes,) = panels(figure)
+    assert set(legend(figure)) <= {"past pointing", "none", "future pointing"}
+    assert set(np.unique(axes.collections[0].get_array().compressed())) <= {0.0, 1.0, 2.0}
+
+
+def test_a_count_has_steps_and_no_contours(types):
+    figure = fl.plot_map(types, "assembly_count_future")
+    (axes,) = panels(figure)
+    assert len(axes.collections) == 1
+    assert_array_equal(axes.collections[0].get_clim(), (0.5, 3.5))
+    assert legend(figure) == []
+
+
+def test_no_veil_covers_all_that_there_is(types):
+    """theta_max is where a design assembles over part of theta only."""
+    assert legend(fl.plot_map(types, "theta_max")) == ["has no value"]
+
+
 def test_a_map_over_the_input_angle():
     space = fl.grid(a1=1.2, a2=np.linspace(1.0, 2.0, 6), a3=0.8, a4=1.0)
     figure = fl.plot_map(fl.sweep("planar_4r", space, ["theta4"], theta1=40), "theta4", branch=2)

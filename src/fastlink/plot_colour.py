@@ -12,13 +12,24 @@ from matplotlib.patches import Patch
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["colours_of", "flag_colours", "flag_handles", "limits_of"]
+__all__ = [
+    "are_counts",
+    "colours_of",
+    "count_colours",
+    "flag_colours",
+    "flag_handles",
+    "flag_places",
+    "limits_of",
+]
 
 # Of the codes that most mechanisms have, then of long lists of types.
 FLAGS = (
     *("#2a9d5c", "#e9c46a", "#b0b7c3", "#d1495b", "#333333", "#8a5fbf"),
     *("#0b5fa5", "#f4a261", "#7fc8a9", "#8c564b", "#e377c2", "#17becf", "#bcbd22", "#5c6f7b", "#c9a0dc"),
 )
+
+
+MOST_COUNTS = 8
 
 
 def colours_of(values: Any, regular: Any, angle: bool) -> tuple[Any, Any, str]:
@@ -38,6 +49,21 @@ def colours_of(values: Any, regular: Any, angle: bool) -> tuple[Any, Any, str]:
     if inner[1] > 30 * inner[0]:
         return LogNorm(low, high), matplotlib.colormaps["viridis"], extend
     return Normalize(low, high), matplotlib.colormaps["viridis"], extend
+
+
+def are_counts(values: Any) -> bool:
+    """Tell whether values are a few whole numbers, between which there is nothing."""
+    found = np.unique(values[np.isfinite(values)])
+    return bool(
+        1 < found.size <= MOST_COUNTS and found[-1] - found[0] < MOST_COUNTS and (found % 1.0 == 0.0).all()
+    )
+
+
+def count_colours(values: Any) -> tuple[Any, Any, str]:
+    """Return norm and colour map of counts, one colour for each."""
+    low, high = np.nanmin(values), np.nanmax(values)
+    colours = matplotlib.colormaps["viridis"].resampled(int(high - low) + 1)
+    return Normalize(low - 0.5, high + 0.5), colours, "neither"
 
 
 def limits_of(values: Any, regular: Any, most: float) -> tuple[float, float, str]:
@@ -63,17 +89,25 @@ def limits_of(values: Any, regular: Any, most: float) -> tuple[float, float, str
 
 
 def flag_colours(variable: xr.DataArray) -> tuple[Any, Any, str]:
-    """Return norm and colour map of a code, one colour for each of its values."""
-    codes = np.asarray(variable.attrs["flag_values"])
-    colours = ListedColormap([FLAGS[int(code) % len(FLAGS)] for code in range(int(codes.max()) + 1)])
-    return Normalize(-0.5, codes.max() + 0.5), colours, "neither"
+    """Return norm and colour map of the places of a code, one colour for each of its values."""
+    count = len(variable.attrs["flag_values"])
+    colours = ListedColormap([FLAGS[place % len(FLAGS)] for place in range(count)])
+    return Normalize(-0.5, count - 0.5), colours, "neither"
+
+
+def flag_places(variable: xr.DataArray, values: Any) -> Any:
+    """Return for each code its place in the list of codes, NaN for what is none."""
+    places = np.full(values.shape, np.nan)
+    for place, code in enumerate(variable.attrs["flag_values"]):
+        places[values == code] = place
+    return places
 
 
 def flag_handles(variable: xr.DataArray, values: Any) -> list[Any]:
     """Return the legend of a code: the values that are there."""
     pairs = zip(variable.attrs["flag_values"], variable.attrs["flag_meanings"].split(), strict=True)
     return [
-        Patch(facecolor=FLAGS[int(code) % len(FLAGS)], label=meaning.replace("_", " "))
-        for code, meaning in pairs
+        Patch(facecolor=FLAGS[place % len(FLAGS)], label=meaning.replace("_", " "))
+        for place, (code, meaning) in enumerate(pairs)
         if (values == code).any()
     ]

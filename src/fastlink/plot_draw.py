@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import textwrap
 import warnings
 from collections.abc import Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
@@ -15,7 +16,15 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 from matplotlib.ticker import LogLocator, MaxNLocator
 
-from fastlink.plot_colour import colours_of, flag_colours, flag_handles, limits_of
+from fastlink.plot_colour import (
+    are_counts,
+    colours_of,
+    count_colours,
+    flag_colours,
+    flag_handles,
+    flag_places,
+    limits_of,
+)
 from fastlink.plot_text import constants_of, label_of, title_of
 
 if TYPE_CHECKING:
@@ -29,6 +38,7 @@ WITHOUT_BOUND = "grows without bound"
 VEIL = (1.0, 1.0, 1.0, 0.55)
 LINES = ("#0b5fa5", "#d1495b", "#2a9d5c", "#8a5fbf")
 CONTOURS = 8
+BESIDE, BELOW = 32, 60  # letters to a line of a legend
 STYLE = {
     "font.size": 10,
     "axes.titlesize": 10.5,
@@ -95,7 +105,7 @@ def _draw_maps(
     figure: Figure, variable: xr.DataArray, free: Sequence[str], status: xr.DataArray | None
 ) -> None:
     panels = _panels(variable)
-    figure.set_size_inches(1.6 + 5.2 * len(panels), 5.0)
+    figure.set_size_inches((3.0 if "flag_meanings" in variable.attrs else 1.6) + 5.2 * len(panels), 5.0)
     axes = figure.subplots(1, len(panels), sharey=True, squeeze=False)[0]
     values = np.stack([panel.transpose(free[1], free[0]).values for _, panel in panels]).astype(float)
     endless = np.isinf(values)
@@ -104,20 +114,32 @@ def _draw_maps(
     # where a design does not rotate fully, rates grow without bound towards the ends of its motion
     odd = np.zeros(values.shape[1:], bool)
     if status is not None:
-        odd = (status.values != status.attrs["flag_values"][0]) & np.isfinite(values).any(axis=0)
-    flags = "flag_meanings" in variable.attrs
-    norm, colours, extend = (
-        flag_colours(variable) if flags else colours_of(values, ~odd, variable.attrs.get("units") == "rad")
-    )
+        there = np.isfinite(values).any(axis=0)
+        odd = (status.values != status.attrs["flag_values"][0]) & there
+        odd &= (there & ~odd).any()  # a veil over all that there is tells nothing apart
+    flags, counts = "flag_meanings" in variable.attrs, are_counts(values)
+    if flags:
+        norm, colours, extend = flag_colours(variable)
+    elif counts:
+        norm, colours, extend = count_colours(values)
+    else:
+        norm, colours, extend = colours_of(values, ~odd, variable.attrs.get("units") == "rad")
+    odd &= not (flags or counts)  # neither grows without bound
     for axis, (title, _), shown, beyond in zip(axes, panels, values, endless, strict=True):
         axis.set_facecolor(ABSENT)
         image = axis.pcolormesh(
-            x, y, np.ma.masked_invalid(shown), norm=norm, cmap=colours, shading="nearest", rasterized=True
+            x,
+            y,
+            np.ma.masked_invalid(flag_places(variable, shown) if flags else shown),
+            norm=norm,
+            cmap=colours,
+            shading="nearest",
+            rasterized=True,
         )
         if beyond.any():
             cells = np.ma.masked_equal(beyond, False)
             axis.pcolormesh(x, y, cells, cmap=ListedColormap([ENDLESS]), shading="nearest", rasterized=True)
-        if not flags:
+        if not (flags or counts):
             _add_contours(axis, x, y, np.where(odd, np.nan, shown), norm, colours.name == "twilight_shifted")
             _veil(axis, x, y, odd)
         axis.set_xlabel(label_of(variable[free[0]]))
@@ -134,9 +156,10 @@ def _draw_maps(
     if absent.any():
         handles.append(Patch(facecolor=ABSENT, label=_why_absent(status, absent.any(axis=0))))
     if not flags:
-        bar = figure.colorbar(image, ax=list(axes), extend=extend, pad=0.02)
+        ticks = MaxNLocator(integer=True) if counts else None
+        bar = figure.colorbar(image, ax=list(axes), extend=extend, pad=0.02, ticks=ticks)
         bar.set_label(label_of(variable, name=False))
-    _add_legend(axes[0], handles)
+    _add_legend(axes[-1] if flags else axes[0], handles, beside=flags)
 
 
 def _add_contours(axis: Any, x: Any, y: Any, shown: Any, norm: Any, cyclic: bool) -> None:
@@ -172,8 +195,15 @@ def _veil(axis: Any, x: Any, y: Any, odd: Any) -> None:
     axis.contourf(outer_x, outer_y, padded, levels=[0.5, 1.5], colors="none", hatches=["////"])
 
 
-def _add_legend(axis: Any, handles: Sequence[Any]) -> None:
-    if handles:
+def _add_legend(axis: Any, handles: Sequence[Any], beside: bool) -> None:
+    """Explain below the axes; beside them what codes mean, which has no colour bar there."""
+    for handle in handles:
+        handle.set_label(textwrap.fill(handle.get_label(), BESIDE if beside else BELOW))
+    if handles and beside:
+        axis.legend(
+            handles=handles, loc="upper left", bbox_to_anchor=(1.02, 1.0), frameon=False, borderaxespad=0.0
+        )
+    elif handles:
         columns = 3 if sum(len(handle.get_label()) for handle in handles) < 60 else 1
         axis.legend(
             handles=handles,

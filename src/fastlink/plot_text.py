@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import textwrap
 from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
@@ -14,8 +15,9 @@ __all__ = ["constants_of", "label_of", "mathematical", "title_of"]
 GREEK = re.compile(
     "alpha|beta|gamma|delta|epsilon|zeta|eta|theta|kappa|lambda|mu|nu|xi|rho|sigma|tau|phi|chi|psi|omega"
 )
-SYMBOL = re.compile(r"^(\|?)([A-Za-z]+)(?:_([A-Za-z0-9]+))?(\|?)$")
+SYMBOL = re.compile(r"^(\|?)([A-Za-z]+)(?:_\{?([A-Za-z0-9]+)\}?)?(\|?)$")
 CONSTANTS_PER_LINE = 8
+TITLE_WIDTH = 64  # letters
 WORDS = frozenset({"max", "min", "rms", "at", "status"})
 
 
@@ -24,8 +26,8 @@ def mathematical(symbol: str) -> str:
 
     Examples
     --------
-    >>> mathematical("max omega_4"), mathematical("F_32x"), mathematical("|F|")
-    ('max $\\omega_{4}$', '$F_{32x}$', '$|F|$')
+    >>> mathematical("max omega_4"), mathematical("F_32x"), mathematical("theta_{max}")
+    ('max $\\omega_{4}$', '$F_{32x}$', '$\\theta_{max}$')
     """
     words = []
     for word in symbol.split():
@@ -63,7 +65,7 @@ def _valued(array: xr.DataArray, value: float) -> str:
 
 def title_of(dataset: xr.Dataset, variable: xr.DataArray, fixed: Mapping[str, float]) -> str:
     """Return the name of a variable, and the values at which dimensions are fixed."""
-    title = str(variable.attrs.get("long_name", variable.name))
+    title = textwrap.fill(str(variable.attrs.get("long_name", variable.name)), TITLE_WIDTH)
     places = ", ".join(_valued(dataset[dim], value) for dim, value in fixed.items())
     return f"{title}\n{places}" if places else title
 
