@@ -98,7 +98,9 @@ def draw(measured: xr.Dataset, to: str | Path) -> None:
         axes.plot(times[best], errors[best], color="tab:blue", zorder=1)
         axes.scatter(times, errors, c=np.where(one["pareto"].values == 1, "tab:blue", "0.6"), s=18, zorder=2)
         for way, x, y in zip(one["way"].values, times, errors, strict=True):
-            axes.annotate(str(way), (x, y), xytext=(4, 3), textcoords="offset points", fontsize=6.5)
+            axes.annotate(
+                str(way), (x, y), xytext=(2, 3), textcoords="offset points", fontsize=6, rotation=35
+            )
         axes.set(xscale="log", yscale="log", title=quantity, xlabel="run time per design / ns")
         axes.set_ylabel("largest relative error")
         axes.margins(x=0.15, y=0.08)

@@ -36,7 +36,7 @@ class Truth:
     exact: list[Any]
 
     def errors(self, values: NDArray[Any]) -> tuple[NDArray[Any], int, int]:
-        """Return the relative errors of finite values, how many are infinite or none wrongly or finite, and of how many."""
+        """Return the relative errors of finite values, how many others are wrong, and of how many."""
         found, wrong, count = [], 0, 0
         for place, exact in zip(self.places, self.exact, strict=True):
             if place[0] >= len(values) or CONTEXT.isnan(exact):
