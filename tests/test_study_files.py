@@ -12,7 +12,8 @@ import numpy as np
 import pytest
 
 import fastlink as fl
-from configurations import LENGTHS, UNIT
+from configurations import UNIT
+from fastlink.mechanisms import catalogue
 from fastlink.mechanisms.planar_4r.classes import CLASS_FLAGS
 from fastlink.study import read_study, run_study
 
@@ -100,5 +101,5 @@ def test_every_study_says_what_it_is_for_and_how_to_run_it(name):
     assert f"#     fastlink run data/studies/{name}" in text
     assert "fastlink plot" in text
     study = read_study(STUDIES / name)
-    lengths = {"planar_4r": LENGTHS, "minkowski_4r": ("a", "b", "g", "h")}[study.shape.mechanism]
-    assert set(lengths) <= set(study.space.names)
+    inputs = catalogue(study.shape.mechanism).inputs
+    assert {name for name, one in inputs.items() if one.rule == "positive"} <= set(study.space.names)
