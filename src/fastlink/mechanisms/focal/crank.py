@@ -109,7 +109,7 @@ def dyad_x(straight: Any, swing: Any) -> Any:
 
 
 for _pivot, _rocker, _symbol in (("M", "MP", "(m - p w)_x"), ("N", "NQ", "(n + q w)_x")):
-    _labels = {
+    _labels: dict[str, Any] = {
         "units": "1",
         "symbol": _symbol,
         "source": f"{WUNDERLICH}, eqs. (1.3), (1.4)",

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from fastlink.geometry import largest
+from fastlink.geometry import largest, square_sum
 from fastlink.jit import select, sqrt
 from fastlink.mechanisms.focal.declare import WUNDERLICH
 from fastlink.mechanisms.focal.drives import either
@@ -144,7 +144,8 @@ def F_path_residual(
     x = F_x * lift / unit
     y = F_y * lift / unit
     power = rho_plus_1 * (x * x + y * y) - rho * (s_d * (2.0 * x - s_d))
-    excess = power - (s_a * s_a + rho * (s_b * s_b)) / lambda_
+    sides, _low = square_sum(s_a, rho, 0.0, s_b)
+    excess = power - sides / lambda_
     across = rho_plus_1 * x - rho * s_d
     radius = sqrt(across * across + (rho_plus_1 * y) * (rho_plus_1 * y))
     return abs(excess) / (radius + s_c * (root_rho / root_x)) * unit / lift
