@@ -21,7 +21,7 @@ from fastlink.graph import Graph, Node, is_power_of_two
 from fastlink.jit import INFINITY, NOT_A_NUMBER, atan2, cosine, select, sine, sqrt
 from fastlink.logarithm import log, log1p, log_quotient
 
-__all__ = ["Derivation", "NoDerivative", "derivative_name", "labelled", "made_function"]
+__all__ = ["Derivation", "NoDerivative", "derivative_name", "in_a_sentence", "labelled", "made_function"]
 
 _serial = count()
 
@@ -43,15 +43,25 @@ def derivative_name(name: str, by: str) -> str:
 
 def labelled(fact: Fact, by: Input) -> Fact:
     """Return a fact with the labels of its derivative; function and needs are still its own."""
-    meaning = fact.meaning if fact.meaning[1:2].isupper() else fact.meaning[:1].lower() + fact.meaning[1:]
     return replace(
         fact,
         name=derivative_name(fact.name, by.name),
         units=_per(fact.units, by.units),
         symbol=f"d {fact.symbol}/d {by.symbol}",
-        meaning=f"Derivative of {meaning} by {by.meaning}",
+        meaning=f"Derivative of {in_a_sentence(fact.meaning)} by {by.meaning}",
         source=f"{fact.source}; docs/numerics.md#derivatives",
     )
+
+
+def in_a_sentence(meaning: str) -> str:
+    """Return what a quantity is, to stand within a sentence.
+
+    Examples
+    --------
+    >>> in_a_sentence("Moving pivot B, x"), in_a_sentence("A1, scaled")
+    ('moving pivot B, x', 'A1, scaled')
+    """
+    return meaning if meaning[1:2].isupper() else meaning[:1].lower() + meaning[1:]
 
 
 def _per(units: str, by: str) -> str:

@@ -11,7 +11,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import replace
 from typing import Any
 
-from fastlink.derivative import made_function
+from fastlink.derivative import in_a_sentence, made_function
 from fastlink.error_paths import Paths, is_smooth
 from fastlink.error_rules import Bound, Lost, Rules, U
 from fastlink.errors import InputError
@@ -32,9 +32,9 @@ def labelled_error(fact: Fact) -> Fact:
     """Return a fact with the labels of its error bound; function and needs are still its own."""
     return replace(
         fact,
-        name=f"{fact.name}_error",
+        name=f"{fact.name}{ERROR}",
         symbol=f"err {fact.symbol}",
-        meaning=f"Error bound of {_within(fact.meaning)}",
+        meaning=f"Error bound of {in_a_sentence(fact.meaning)}",
         source=f"{fact.source}; {NUMERICS}",
         flags={},
     )
@@ -44,20 +44,15 @@ def trust_of(fact: Fact) -> Fact:
     """Return what tells whether the error bound of a fact is small against its value."""
     return replace(
         fact,
-        name=f"{fact.name}_trust",
+        name=f"{fact.name}{TRUST}",
         function=trust,
-        needs=(fact.name, f"{fact.name}_error"),
+        needs=(fact.name, f"{fact.name}{ERROR}"),
         units="1",
         symbol=f"trust {fact.symbol}",
-        meaning=f"Whether digits of {_within(fact.meaning)} are known",
+        meaning=f"Whether digits of {in_a_sentence(fact.meaning)} are known",
         source=f"{fact.source}; {NUMERICS}",
         flags=TRUST_FLAGS,
     )
-
-
-def _within(meaning: str) -> str:
-    """Return what a quantity is, to stand within a sentence."""
-    return meaning if meaning[1:2].isupper() else meaning[:1].lower() + meaning[1:]
 
 
 def trust(value: Any, error: Any) -> Any:
@@ -107,9 +102,9 @@ class ErrorBounds:
             A linear system determines it, or something that it needs.
         """
         if name not in self._facts:
-            found, graph = self.found(name), self.graph
+            found = self.found(name)
             root, own = self._along_paths(name) if self._passes(name) else self._running(found)
-            function, needs = made_function(f"{name}{ERROR}", graph, root, own)
+            function, needs = made_function(f"{name}{ERROR}", self.graph, root, own)
             self._facts[name] = replace(labelled_error(found), function=function, needs=needs)
         return self._facts[name]
 
@@ -118,7 +113,7 @@ class ErrorBounds:
         found = self.find(name)
         if isinstance(found, System):
             raise InputError(
-                f"quantity '{name}_error': a linear system determines {name}; choose the solver that eliminates"
+                f"quantity '{name}{ERROR}': a linear system determines {name}; choose the solver that eliminates"
             )
         if found is None:
             raise InputError(f"quantity '{name}{ERROR}': {name} is given, which has no error; leave it out")
@@ -210,7 +205,7 @@ class ErrorBounds:
         bound = replace(bound if lost else self.rules.settled(value, bound), lost=lost)
         if bound.rest is graph.zero:
             return bound
-        return replace(bound, relative=0.0, rest=graph.name(f"{name}_error"))
+        return replace(bound, relative=0.0, rest=graph.name(f"{name}{ERROR}"))
 
     def _of_table(self, name: str) -> Bound:
         """Return the bound of a table: exact steps, or rounded once, with what that lost in a table of its own."""
