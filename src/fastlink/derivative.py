@@ -58,8 +58,8 @@ def in_a_sentence(meaning: str) -> str:
 
     Examples
     --------
-    >>> in_a_sentence("Moving pivot B, x"), in_a_sentence("A1, scaled")
-    ('moving pivot B, x', 'A1, scaled')
+    >>> in_a_sentence("Moving pivot B, x"), in_a_sentence("AB over its length")
+    ('moving pivot B, x', 'AB over its length')
     """
     return meaning if meaning[1:2].isupper() else meaning[:1].lower() + meaning[1:]
 
