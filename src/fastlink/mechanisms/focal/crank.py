@@ -14,7 +14,7 @@ from fastlink.jit import sqrt
 from fastlink.mechanisms.focal.declare import WUNDERLICH
 from fastlink.mechanisms.focal.drives import by_crank
 from fastlink.mechanisms.focal.dyad import DYAD
-from fastlink.mechanisms.focal.points import FIGURES, POSITION, angle, declare_fifth, product
+from fastlink.mechanisms.focal.points import FIGURES, POSITION, angle, declare_fifth, declare_T, product
 from fastlink.mechanisms.planar_4r import planar_4r
 from fastlink.mechanisms.planar_4r.slopes import opposite, same
 
@@ -173,6 +173,15 @@ for _name, _pivot, _rocker in (("u", "M", "MA"), ("v", "N", "NB")):
         )(_law)
 
 declare_fifth(by_crank, "e", "AB", "g", "w")
+
+
+@by_crank.quantity(units="m", symbol="FT", source=POSITION, internal=True)
+def FT_along(FT: Any, ratio_sign: Any, crank_sign: Any) -> Any:
+    """Distance of T from F along u v w."""
+    return -(ratio_sign * crank_sign) * FT
+
+
+declare_T(by_crank, "F", "FT_along", "uwv")
 
 # -- angles --------------------------------------------------------------------------------------------------
 

@@ -51,12 +51,6 @@ def angle(x: Any, y: Any) -> Any:
 # -- the design -----------------------------------------------------------------------------------------------
 
 
-@either(units="m", symbol="FT", source=POSITION, internal=True)
-def FT_along(FT: Any, ratio_sign: Any, crank_sign: Any) -> Any:
-    """Distance of T from F along u v w."""
-    return -(ratio_sign * crank_sign) * FT
-
-
 # -- directions of PF and QF ----------------------------------------------------------------------------------
 
 for _axis, _law in (("x", real_part), ("y", imaginary_part)):
@@ -80,6 +74,19 @@ def fifth_x(crank_sign: Any, uwv_x: Any, uwv_y: Any, x: Any, y: Any) -> Any:
 def fifth_y(crank_sign: Any, uwv_x: Any, uwv_y: Any, x: Any, y: Any) -> Any:
     """Second component of e or g from the other one."""
     return crank_sign * (uwv_x * y - uwv_y * x)
+
+
+def declare_T(catalogue: Catalogue, start: str, length: str, direction: str) -> None:
+    """Declare T, at a length along a direction from another joint."""
+    for axis in "xy":
+        catalogue.quantity(
+            units="m",
+            symbol=f"T_{axis}",
+            source=f"{WUNDERLICH}, eq. (3.2)",
+            name=f"T_{axis}",
+            meaning=f"Joint T on AB, {axis}",
+            given={"start": f"{start}_{axis}", "length": length, "direction": f"{direction}_{axis}"},
+        )(along)
 
 
 def declare_fifth(catalogue: Catalogue, name: str, bar: str, other: str, w: str) -> None:
@@ -153,16 +160,6 @@ for _axis in "xy":
         meaning=f"Joint F, {_axis}",
         given={"scaled": f"MF_{_axis}"},
     )(length_of)
-
-for _axis in "xy":
-    either(
-        units="m",
-        symbol=f"T_{_axis}",
-        source=FIGURES,
-        name=f"T_{_axis}",
-        meaning=f"Joint T on AB, {_axis}",
-        given={"start": f"F_{_axis}", "length": "FT_along", "direction": f"uwv_{_axis}"},
-    )(along)
 
 # -- angles -----------------------------------------------------------------------------------------------------
 

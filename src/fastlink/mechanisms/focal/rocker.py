@@ -14,7 +14,7 @@ from fastlink.jit import sqrt
 from fastlink.mechanisms.borrow import borrow, renaming
 from fastlink.mechanisms.focal.declare import WUNDERLICH, focal
 from fastlink.mechanisms.focal.design_facts import FOUR_BAR, PREFIX
-from fastlink.mechanisms.focal.points import FIGURES, POSITION, declare_fifth, product
+from fastlink.mechanisms.focal.points import FIGURES, POSITION, declare_fifth, declare_T, product
 from fastlink.mechanisms.planar_4r import planar_4r
 
 PHI = focal.position.name
@@ -136,6 +136,15 @@ def closing_y(QP_x: Any, e_y: Any, bars_x: Any, bars_y: Any, per_bars: Any) -> A
 
 
 declare_fifth(focal, "g", "SF", "e", "closing")
+
+
+@focal.quantity(units="m", symbol="AT", source=f"{WUNDERLICH}, eq. (3.2)", internal=True)
+def AT(T_share: Any, c: Any) -> Any:
+    """Distance of T from A along AB."""
+    return T_share * c
+
+
+declare_T(focal, "A", "AT", "e")
 
 # -- rates ----------------------------------------------------------------------------------------------------------
 
