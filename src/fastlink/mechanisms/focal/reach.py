@@ -11,6 +11,8 @@ from typing import Any
 from fastlink.jit import NOT_A_NUMBER, atan2, select, sqrt
 from fastlink.mechanisms.focal.declare import DESIGN, WUNDERLICH, focal
 from fastlink.mechanisms.focal.design_facts import PREFIX
+from fastlink.mechanisms.planar_4r.rates import product
+from fastlink.mechanisms.planar_4r.slopes import opposite_product
 
 CRANK = f"{WUNDERLICH}, section 6; {DESIGN}#the-crank"
 CRANK_FLAGS = {
@@ -71,16 +73,6 @@ def least_acute_angle(
     return select(known == 1.0, angle, NOT_A_NUMBER)
 
 
-def product(x: Any, y: Any) -> Any:
-    """Product of two gaps of the four-bar."""
-    return x * y
-
-
-def opposite_product(x: Any, y: Any) -> Any:
-    """Minus the product of two gaps of the four-bar."""
-    return -(x * y)
-
-
 #: Of the triangle with the sides a, b and d -+ c: squared half-angle sine and cosine between a and b, times 4 a b.
 for _name, _law, _x, _y in (
     ("sine_parallel", opposite_product, "B1", "C1"),
@@ -94,6 +86,7 @@ for _name, _law, _x, _y in (
         source=CRANK,
         internal=True,
         name=_name,
+        meaning=f"squared half-angle of MA and NB where AB is {_name.rpartition('_')[2]} to MN, over a common factor",
         given={"x": f"{PREFIX}factor_{_x}", "y": f"{PREFIX}factor_{_y}"},
     )(_law)
 
