@@ -20,7 +20,7 @@ INSTALL = "python -m pip install 'fastlink-linkages[plot]'"
 #: Below this a picture shows no difference: a rounding of a double.
 LEAST = 2.0**-54
 #: Errors below this are those of the last digit.
-EQUAL = 2.0**-50
+EQUAL = 2.0**-48
 COLUMNS = 2
 
 
