@@ -246,12 +246,12 @@ def by_twofold_numbers(mechanism, names, inputs, theta, branch):
     distinct, place = np.unique(theta, return_inverse=True)
     plain = inputs | {mechanism.position.name: theta, "branch": branch}
     exact = {name: twofold(x) for name, x in (inputs | {"branch": branch}).items()}
-    lows = {high: low for low, high in mechanism.table_low_parts.items()}
+    words = {}
     for name, table in mechanism.tables.items():
-        high, low = (word[place] for word in _tabled(table.function, distinct.tobytes()))
-        plain[name], exact[name] = high, Twofold(high, low)
-        if name in lows:
-            plain[lows[name]], exact[lows[name]] = low, twofold(0.0 * low)
+        words[name] = [word[place] for word in _tabled(table.function, distinct.tobytes())]
+        plain[name], exact[name] = words[name][0], Twofold(*words[name])
+    for low, high in mechanism.table_low_parts.items():
+        plain[low], exact[low] = words[high][1], twofold(0.0 * theta)
     with np.errstate(all="ignore"):
         found = read_facts(mechanism, [x for name in names for x in (name, f"{name}_error")], plain)
         return found, read_facts(mechanism, names, exact)

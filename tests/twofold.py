@@ -10,27 +10,15 @@ from typing import Any
 
 import numpy as np
 
-SPLITTER = 134217729.0
-
-
-def two_sum(a, b):
-    s = a + b
-    t = s - a
-    return s, (a - (s - t)) + (b - t)
+from fastlink import geometry
+from fastlink.geometry import two_sum
 
 
 def two_product(a, b):
+    """Return the rounded product and its rounding error, of great numbers too."""
     # splitting what is greater would overflow
     up, other = (np.where(np.abs(x) > 2.0**900, 2.0**100, 1.0) for x in (a, b))
-    a, b = a / up, b / other
-    p = a * b
-    parts = []
-    for x in (a, b):
-        split = SPLITTER * x
-        first = split - (split - x)
-        parts += [first, x - first]
-    a1, a2, b1, b2 = parts
-    e = a2 * b2 - (((p - a1 * b1) - a2 * b1) - a1 * b2)
+    p, e = geometry.two_product(a / up, b / other)
     return p * up * other, e * up * other
 
 
