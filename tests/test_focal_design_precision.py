@@ -14,7 +14,7 @@ from fastlink.exact import CONTEXT as MP
 from fastlink.exact import in_roundings
 from focal_designs import CODES, FACTS, FAMILIES, GIVEN, LENGTHS, NUMBERS, exact, facts, family, given_by, one
 
-# The longest chains (the angles) have some forty operations, whose errors mostly average out: 2.1 is the worst seen.
+# The longest chains (the angles) have some forty operations, whose errors mostly average out: 1.9 is the worst seen.
 MULTIPLE = 4
 NAMES = {given: [name for name in NUMBERS if name != given] for given in GIVEN}
 
