@@ -13,10 +13,9 @@ import tempfile
 import textwrap
 from pathlib import Path
 
-import numpy as np
-
 from benchmarks import c_kernel
 from fastlink import jit
+from fastlink.run import aligned
 
 HEADER = """#include <math.h>
 #include <stdint.h>
@@ -279,7 +278,7 @@ def bind(bound):
         source.write_text(write(bound.plan))
         kernel = c_kernel.build([source], *FLAGS).kernel
     kernel.restype = None
-    inputs, arrays = bound.arguments[: -len(bound.arrays)], [np.empty_like(a) for a in bound.arrays]
+    inputs, arrays = bound.arguments[: -len(bound.arrays)], [aligned(a.shape, a.dtype) for a in bound.arrays]
     arguments = [
         ctypes.c_long(a) if isinstance(a, int) else a.ctypes.data_as(ctypes.c_void_p)
         for a in (*inputs, *arrays)
