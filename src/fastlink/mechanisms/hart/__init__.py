@@ -2,16 +2,11 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
-from fastlink.mechanisms.hart import design_facts, four_bar, line, motion
+from fastlink.mechanisms.hart import by_line, design_facts, four_bar, line, motion
 from fastlink.mechanisms.hart.declare import hart
 
-if TYPE_CHECKING:
-    from fastlink.catalogue import Catalogue
-
-__all__ = ["DRIVEN", "design_facts", "four_bar", "hart", "line", "motion"]
+__all__ = ["DRIVEN", "by_line", "design_facts", "four_bar", "hart", "line", "motion"]
 
 hart.check()
-#: No other input drives it.
-DRIVEN: dict[str, Catalogue] = {}
+#: The same linkage driven by F along its line.
+DRIVEN = {by_line.by_line.position.name: by_line.with_facts_of_hart()}

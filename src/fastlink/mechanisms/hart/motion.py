@@ -125,7 +125,7 @@ def omega_angle(sine_part: Any, cosine_part: Any, kappa: Any) -> Any:
     return atan2(sign * sine_part + 0.0, sign * cosine_part)
 
 
-@hart.quantity(units="m rad-1", symbol="dF_y/dphi", source=f"{PAGE}#rates")
+@hart.quantity(units="m rad-1", symbol="dF_y/dphi", source=f"{PAGE}#rates-and-extremes")
 def dF_y_dphi(m_along: Any, sine_part: Any, per_sigma: Any, branch_sign: Any) -> Any:
     """Rate of F along its line by the direction of MA."""
     return -(branch_sign * (0.5 * m_along * (sine_part * per_sigma)))
