@@ -7,7 +7,8 @@ import pytest
 
 import fastlink as fl
 from fastlink.exact import CONTEXT as MP
-from fastlink.exact import UNIT
+from fastlink.exact import UNIT, Exact
+from fastlink.mechanisms import catalogue
 from focal_designs import GIVEN, LENGTHS, exact, facts, family, given_by, one, random_designs
 
 BARS = ("lambda_", "m", "n", "p", "q", "r", "FT", "s", "T_ratio")
@@ -189,16 +190,24 @@ def test_the_straight_line_is_where_the_circle_goes():
     assert tested > 20
 
 
-def test_hart_s_example_stands_on_the_line_x_0():
-    found = facts({"a": [3.0], "b": [6.0], "c": [3.0], "d": [6.0], "rho": [-1.0]}, 2.0)
-    assert {name: float(found[name][0]) for name in ("m", "n", "p", "q", "line_x", "lambda_")} == {
-        "m": 4.0,
-        "n": 8.0,
-        "p": -4.0,
-        "q": 2.0,
-        "line_x": 0.0,
-        "lambda_": 0.75,
-    }
+def test_hart_s_linkages_are_the_completions_with_rho_minus_1():
+    rng = np.random.default_rng(14)
+    hart = Exact(catalogue("hart"), ("a", "b", "c", "p", "q", "line_x"), ("m", "n", "d", "kappa"))
+    found = exact(("m", "n", "p", "q", "line_x", "status"))
+    tested = 0
+    for m, n, d, kappa in rng.uniform(0.1, 2.0, (60, 4)):
+        at = hart.at({"m": m, "n": n, "d": d, "kappa": kappa / 2.5})
+        given = {name: at[name] for name in LENGTHS} | {"rho": -1.0, "completion": 2.0}
+        ours = found.at(given)
+        if ours["status"] == 3:
+            assert same(ours["m"], at["m"])
+            assert same(ours["n"], at["n"])
+            # the same but for the signs of p and q, and omega + pi
+            assert same(ours["p"], -at["p"])
+            assert same(ours["q"], -at["q"])
+            assert same(ours["line_x"], at["line_x"], d)
+            tested += 1
+    assert tested > 20
 
 
 # -- brute force over the crank -------------------------------------------------------------------------------

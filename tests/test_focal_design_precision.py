@@ -16,6 +16,8 @@ from focal_designs import CODES, FACTS, FAMILIES, GIVEN, LENGTHS, NUMBERS, exact
 
 # The longest chains (the angles) have some forty operations, whose errors mostly average out: 1.9 is the worst seen.
 MULTIPLE = 4
+# An s of some 1e16 is rounded to where rho is farther from -1 than one double.
+KINDS = [(kind, given) for kind in FAMILIES for given in GIVEN if (kind, given) != ("rho next to -1", "s")]
 NAMES = {given: [name for name in NUMBERS if name != given] for given in GIVEN}
 
 
@@ -38,12 +40,9 @@ def errors(designs, given):
 
 
 @pytest.mark.parametrize("n", [8, pytest.param(300, marks=pytest.mark.stress)])
-@pytest.mark.parametrize("given", GIVEN)
-@pytest.mark.parametrize("kind", FAMILIES)
+@pytest.mark.parametrize(("kind", "given"), KINDS)
 def test_every_number_is_a_few_roundings_off(kind, given, n):
     designs = given_by(given, family(kind, np.random.default_rng(n), n))
-    if given == "s" and kind == "rho next to -1":
-        pytest.skip("s is rounded to where rho is farther from -1")
     greatest = errors(designs, given)
     assert max(greatest.values()) <= MULTIPLE, greatest
 
