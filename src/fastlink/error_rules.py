@@ -87,11 +87,11 @@ class Rules:
         """Return the bound of a value whose low word does not come."""
         bound = bound or self.bound(node)
         relative, rest = bound.relative, bound.rest
-        for low, (times, high) in bound.lost.items():
+        for times, high in bound.lost.values():
             if high is node:
                 relative += abs(times)
             else:
-                rest = self.graph.add(rest, self.graph.mul(self.graph.number(abs(times)), self.size(low)))
+                rest = self.graph.add(rest, self._roundings(abs(times), high))
         return replace(bound, relative=relative, rest=rest, lost={})
 
     def size(self, node: Node) -> Node:
