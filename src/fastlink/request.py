@@ -112,7 +112,8 @@ def _unknown_input(catalogue: Catalogue, name: str, known: dict[str, Input]) -> 
     for model, inputs in catalogue.alternative_inputs.items():
         if name in inputs:
             return f"design: {name!r} belongs to links of model {model!r}; choose that model, or leave it out"
-    return f"design: input {name!r} is unknown to {catalogue.name}; {suggest(name, known)}"
+    others = [key for key, inputs in catalogue.alternative_inputs.items() if key in inputs]
+    return f"design: input {name!r} is unknown to {catalogue.name}; {suggest(name, [*known, *others])}"
 
 
 def _check_values(declared: Input, space: DesignSpace) -> None:
