@@ -1,6 +1,6 @@
 """Hart's linkage driven by F itself along its line: everything is explicit.
 
-With t the height of F over MN, G - H and G + H as in `line`, K = |kappa| and h the sign of omega in the branch,
+With t the height of F over MN, G - H and G + H as in `line` and K = |kappa|
 
     cos^2(omega/2) = (G + H - t^2)/(4 K m n),    sin^2(omega/2) = (t^2 - (G - H))/(4 K m n),
 
@@ -18,7 +18,7 @@ from fastlink.geometry import UNIT_ROUNDING
 from fastlink.jit import NOT_A_NUMBER, atan2, select, sqrt
 from fastlink.mechanisms import lengths
 from fastlink.mechanisms.hart.declare import PAGE, WUNDERLICH, hart
-from fastlink.mechanisms.hart.motion import omega_angle, over_lambda
+from fastlink.mechanisms.hart.motion import omega_angle, quotient
 from fastlink.mechanisms.planar_4r.rates import product
 
 F = TypeVar("F", bound=Callable[..., Any])
@@ -53,19 +53,16 @@ def omega_sign(branch: Any) -> Any:
 
 
 @_step("2 sqrt(K m n) cos(omega/2)")
-def to_outer(far_sum_excess: Any, near_difference_excess: Any, s_d: Any, s_t: Any) -> Any:
+def to_outer(outer_end: Any, s_t: Any) -> Any:
     """Root of G + H - t^2, scaled; NaN where F cannot be."""
-    end = 0.5 * (sqrt(far_sum_excess) * sqrt(-near_difference_excess) / s_d)
-    return sqrt(end - abs(s_t)) * sqrt(end + abs(s_t))
+    return sqrt(outer_end - abs(s_t)) * sqrt(outer_end + abs(s_t))
 
 
 @_step("2 sqrt(K m n) sin(omega/2)")
-def to_inner(near_sum_excess: Any, far_difference_excess: Any, s_d: Any, s_t: Any, omega_sign: Any) -> Any:
+def to_inner(inner_end: Any, stays_off: Any, s_t: Any, omega_sign: Any) -> Any:
     """Root of t^2 - (G - H), scaled, with the sign of omega; NaN where F cannot be."""
-    end = 0.5 * (sqrt(abs(near_sum_excess)) * sqrt(abs(far_difference_excess)) / s_d)
-    apart = (near_sum_excess < 0.0) != (far_difference_excess < 0.0)
-    root = select(apart, sqrt(abs(s_t) - end) * sqrt(abs(s_t) + end), sqrt(s_t * s_t + end * end))
-    return omega_sign * root
+    below = sqrt(abs(s_t) - inner_end) * sqrt(abs(s_t) + inner_end)
+    return omega_sign * select(stays_off == 1.0, below, sqrt(s_t * s_t + inner_end * inner_end))
 
 
 @_step("2 sqrt(K m n)")
@@ -78,9 +75,7 @@ for _name, _symbol, _part in (
     ("half_cosine", "cos(omega/2)", "to_outer"),
     ("half_sine", "sin(omega/2)", "to_inner"),
 ):
-    _step(_symbol, name=_name, meaning=f"{_symbol}", given={"x": _part, "lambda_": "omega_scale"})(
-        over_lambda
-    )
+    _step(_symbol, name=_name, meaning=_symbol, given={"x": _part, "y": "omega_scale"})(quotient)
 
 
 @_step("sin omega")

@@ -72,24 +72,35 @@ def line_x(m: Any, lambda_sign: Any, Z0: Any, Z0_low: Any, C0: Any, C0_low: Any,
 # -- the stroke -----------------------------------------------------------------------------------------------
 
 
+@hart.quantity(units="1", symbol="sqrt(G + H)", source=STROKE, internal=True)
+def outer_end(far_sum_excess: Any, near_difference_excess: Any, s_d: Any) -> Any:
+    """Root of G + H, scaled; NaN where the linkage never assembles."""
+    return 0.5 * (sqrt(far_sum_excess) * sqrt(-near_difference_excess) / s_d)
+
+
+@hart.quantity(units="1", symbol="sqrt|G - H|", source=STROKE, internal=True)
+def inner_end(near_sum_excess: Any, far_difference_excess: Any, s_d: Any) -> Any:
+    """Root of the size of G - H, scaled."""
+    return 0.5 * (sqrt(abs(near_sum_excess)) * sqrt(abs(far_difference_excess)) / s_d)
+
+
+@hart.quantity(units="1", symbol="G > H", source=STROKE, internal=True)
+def stays_off(near_sum_excess: Any, far_difference_excess: Any) -> Any:
+    """1 where F does not reach MN, else 0."""
+    return select((near_sum_excess < 0.0) != (far_difference_excess < 0.0), 1.0, 0.0)
+
+
 @hart.quantity(units="m", symbol="y_{outer}", source=STROKE)
-def F_y_outer(
-    far_sum_excess: Any, near_difference_excess: Any, s_d: Any, lift: Any, unit: Any, assembles: Any
-) -> Any:
+def F_y_outer(outer_end: Any, lift: Any, unit: Any, assembles: Any) -> Any:
     """Greatest distance of F from MN, where MPF and NQF are stretched; as far on the other side."""
-    height = 0.5 * (sqrt(far_sum_excess) * sqrt(-near_difference_excess) / s_d)
-    return select(assembles == 1.0, height * unit / lift, NOT_A_NUMBER)
+    return select(assembles == 1.0, outer_end * unit / lift, NOT_A_NUMBER)
 
 
 @hart.quantity(units="m", symbol="y_{inner}", source=STROKE)
-def F_y_inner(
-    near_sum_excess: Any, far_difference_excess: Any, s_d: Any, lift: Any, unit: Any, assembles: Any
-) -> Any:
+def F_y_inner(inner_end: Any, stays_off: Any, lift: Any, unit: Any, assembles: Any) -> Any:
     """Least distance of F from MN, where MPF and NQF are folded; 0 where its line is traced across MN."""
-    apart = (near_sum_excess < 0.0) != (far_difference_excess < 0.0)
-    roots = sqrt(abs(near_sum_excess)) * sqrt(abs(far_difference_excess))
-    height = select(apart, 0.5 * (roots / s_d), 0.0)
-    return select(assembles == 1.0, height * unit / lift, NOT_A_NUMBER)
+    height = select(stays_off == 1.0, inner_end * unit / lift, 0.0)
+    return select(assembles == 1.0, height, NOT_A_NUMBER)
 
 
 @hart.quantity(units="m", symbol="stroke", source=STROKE)

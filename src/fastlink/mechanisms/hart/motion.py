@@ -52,12 +52,12 @@ def middle(start: Any, length: Any, direction: Any) -> Any:
     return start + 0.5 * (length * direction)
 
 
-def over_lambda(x: Any, lambda_: Any) -> Any:
-    """Return x/lambda."""
-    return x / lambda_
+def quotient(x: Any, y: Any) -> Any:
+    """Return x/y."""
+    return x / y
 
 
-def over_lambda_from(start: Any, x: Any, lambda_: Any) -> Any:
+def from_start(start: Any, x: Any, lambda_: Any) -> Any:
     """Return start + x/lambda."""
     return start + x / lambda_
 
@@ -87,8 +87,8 @@ for _axis, _table_name, _direction in _AXES:
 for _name, _law, _given in (
     ("B_x", plus, {"x": "d", "y": "NB_x"}),
     ("F_y", end, {"start": "P_y", "length": "m_along", "direction": "PF_across"}),
-    ("Q_x", over_lambda_from, {"start": "d", "x": "NB_x"}),
-    ("Q_y", over_lambda, {"x": "B_y"}),
+    ("Q_x", from_start, {"start": "d", "x": "NB_x"}),
+    ("Q_y", quotient, {"x": "B_y", "y": "lambda_"}),
 ):
     hart.quantity(
         units="m",
