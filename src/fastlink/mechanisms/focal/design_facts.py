@@ -105,9 +105,15 @@ def share_of_support(s: Any, d: Any, valid: Any) -> Any:
 # -- what users ask for ---------------------------------------------------------------------------------------
 
 
-def length_of(scaled: Any, lift: Any, unit: Any) -> Any:
+@focal.quantity(units="m", symbol="unit/lift", source=SCALING, internal=True)
+def scale(unit: Any, lift: Any) -> Any:
+    """The length that scaled lengths are multiples of: a power of two."""
+    return unit / lift
+
+
+def length_of(scaled: Any, scale: Any) -> Any:
     """A length from its scaled length."""
-    return scaled * unit / lift
+    return scaled * scale
 
 
 for _name, _scaled, _source, _meaning in (
@@ -136,12 +142,12 @@ def T_ratio(T_share: Any) -> Any:
     return T_share
 
 
-def height(s_a: Any, s_b: Any, c: Any, s_d: Any, valid: Any, lift: Any, unit: Any) -> Any:
+def height(s_a: Any, s_b: Any, c: Any, s_d: Any, valid: Any, scale: Any) -> Any:
     """Height of a trapezoid with the sides a = b, the base d and the other base c."""
     near, _low = gap(s_a, s_a, -s_d, c)
     far, _low = gap(s_a, s_a, s_d, -c)
     symmetric = (s_a == s_b) & (valid == 1.0)
-    return select(symmetric, 0.5 * sqrt(near) * sqrt(far) * unit / lift, NOT_A_NUMBER)
+    return select(symmetric, 0.5 * sqrt(near) * sqrt(far) * scale, NOT_A_NUMBER)
 
 
 @focal.quantity(units="1", symbol="-c", source=f"{WUNDERLICH}, eq. (6.2)", internal=True)
@@ -162,8 +168,8 @@ for _name, _c, _meaning in (("h1", "s_c", "MN and AB"), ("h2", "minus_s_c", "MN 
 
 
 @focal.quantity(units="m", symbol="x", source=f"{WUNDERLICH}, eq. (7.5) corrected")
-def line_x(s_a: Any, s_b: Any, s_d: Any, lambda_: Any, rho_plus_1: Any, lift: Any, unit: Any) -> Any:
+def line_x(s_a: Any, s_b: Any, s_d: Any, lambda_: Any, rho_plus_1: Any, scale: Any) -> Any:
     """Place of the straight line that F moves on, x; NaN unless rho is -1."""
     offset = (s_a - s_b) * (s_a + s_b) / (lambda_ * s_d)
     on_a_line = (rho_plus_1 == 0.0) & (lambda_ != 0.0)
-    return select(on_a_line, 0.5 * (s_d + offset) * unit / lift, NOT_A_NUMBER)
+    return select(on_a_line, 0.5 * (s_d + offset) * scale, NOT_A_NUMBER)
