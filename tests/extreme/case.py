@@ -20,6 +20,8 @@ MULTIPLE = 8
 #: A residual is a few subtractions of numbers of at most 1, right to some roundings each; where a gap of the last bits
 #: of the lengths counts as zero, it is that gap in units of the smallest distances there (37 roundings at most here).
 RESIDUAL = 64
+#: What products of numbers below 2^-1022 on the way may do; a rate of psi by 1/d^2 may be 0 from there on.
+UNDERFLOW = CONTEXT.mpf(2) ** -1022 / MULTIPLE
 #: What a quotient by rounding errors exceeds.
 POLE = 2.0**50
 LARGEST = np.finfo(float).max
@@ -36,12 +38,12 @@ class Case:
     inputs : mapping of str to float
         All inputs and the position.
     status : str
-        What `status` must say, by rational arithmetic or by definition.
+        What `status` must say by rational arithmetic; else it is that of the same facts with 50 digits.
     """
 
     name: str
     inputs: Mapping[str, float]
-    status: str
+    status: str | None = None
 
 
 @dataclass(frozen=True)
@@ -55,28 +57,34 @@ class Mechanism:
     families : mapping of str to callable
         By name of the family what returns its cases, all of them or the small form.
     loop : str
-        A fact that is NaN where the loop does not close.
+        A fact that is NaN where the loop does not close, and with it all that is not `free`.
     swept : tuple of str
         What the compiled sweep is asked for: compiling all takes long.
     lengths : tuple of str
         The inputs that are lengths of links.
     free : tuple of str
         What does not need the loop.
+    measures : mapping of str to float
+        What measures its own roundings, not named a residual: the greatest that comes out.
+    skipped : tuple of str
+        What is left out, with the reason beside it.
     held : mapping of str to callable
         Internal facts that are right to a few roundings, see `extreme.exact.Exact`.
     """
 
     catalogue: Catalogue
     families: Mapping[str, Callable[[bool], list[Case]]]
-    loop: str
+    loop: str | None = None
     swept: tuple[str, ...] = ()
     lengths: tuple[str, ...] = ()
     free: tuple[str, ...] = ()
+    measures: Mapping[str, float] = field(default_factory=dict)
+    skipped: tuple[str, ...] = ()
     held: Mapping[str, Size] = field(default_factory=dict)
 
     @cached_property
     def quantities(self) -> tuple[str, ...]:
-        return tuple(self.catalogue.public)
+        return tuple(name for name in self.catalogue.public if name not in self.skipped)
 
 
 @dataclass(frozen=True)
@@ -115,32 +123,37 @@ def evaluated(mechanism: Mechanism, cases: list[Case]) -> dict[int, dict[str, An
 def outcomes(mechanism: Mechanism, case: Case, branch: int, found: Mapping[str, float]) -> dict[str, Outcome]:
     """Hold every quantity of one configuration against exact arithmetic."""
     catalogue, names = mechanism.catalogue, mechanism.quantities
-    exact = Configuration(
-        catalogue, (*names, mechanism.loop), case.inputs | {"branch": branch}, mechanism.held
-    )
+    loop = mechanism.loop
+    facts = names if loop is None else (*names, loop)
+    exact = Configuration(catalogue, facts, case.inputs | {"branch": branch}, mechanism.held)
     units, beyond = exact.roundings(), exact.leaves_doubles(LARGEST)
-    closes = not CONTEXT.isnan(exact.values[mechanism.loop])
+    closes = loop is None or not CONTEXT.isnan(exact.values[loop])
+    codes = [name for name in names if catalogue.facts[name].flags]
     result = {}
-    for name in names:
+    for name in (name for name in names if name not in codes):
         value = exact.values[name]
-        if catalogue.facts[name].flags:
-            result[name] = _code(found[name], value, name in beyond)
-        elif not closes and catalogue.varies(name) and name not in mechanism.free:
+        if not closes and catalogue.varies(name) and name not in mechanism.free:
             result[name] = Outcome("nan", True) if np.isnan(found[name]) else Outcome("open, a number", False)
         elif not np.isfinite(found[name]):
             result[name] = _not_finite(found[name], value, name in beyond or units[name] >= abs(value))
+        elif name in mechanism.measures:
+            result[name] = _value(found[name], CONTEXT.zero, mechanism.measures[name] / MULTIPLE)
         elif "residual" in name:
             # A coordinate has no more digits than its doubles.
             unit = max(UNIT, max(TINY / case.inputs[length] for length in mechanism.lengths))
             result[name] = _value(found[name], CONTEXT.zero, RESIDUAL * unit / MULTIPLE)
         else:
             result[name] = _value(found[name], value, UNIT * abs(value) + units[name])
-    return result
+    # A code may tell of a number that exact arithmetic has and doubles have not.
+    missing = any(abs(exact.values[name]) < CONTEXT.inf and not np.isfinite(found[name]) for name in result)
+    return result | {
+        name: _code(found[name], exact.values[name], missing and catalogue.varies(name)) for name in codes
+    }
 
 
-def _code(found: float, exact: Any, beyond: bool) -> Outcome:
+def _code(found: float, exact: Any, missing: bool) -> Outcome:
     same = np.isnan(found) if CONTEXT.isnan(exact) else found == float(exact)
-    return Outcome(f"code {found:.0f}", bool(same or beyond))
+    return Outcome(f"code {found:.0f}", bool(same or missing))
 
 
 def _not_finite(found: float, exact: Any, undetermined: bool) -> Outcome:
@@ -153,7 +166,8 @@ def _value(found: float, exact: Any, unit: Any) -> Outcome:
     if not CONTEXT.isfinite(exact):
         # A pole is met but for rounding.
         return Outcome("pole" if abs(found) > POLE else "undetermined, a number", abs(found) > POLE)
-    if exact == found:
+    straight = abs(abs(exact) - CONTEXT.pi) < 1e-40  # on which side is a matter of the 50th digit
+    if exact == found or (straight and abs(found) == np.pi):
         return Outcome("value", True)
-    error = abs(CONTEXT.mpf(float(found)) - exact) / (unit + TINY)
+    error = abs(CONTEXT.mpf(float(found)) - exact) / (unit + UNDERFLOW)
     return Outcome("value", bool(error <= MULTIPLE), float(error))

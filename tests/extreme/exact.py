@@ -13,8 +13,8 @@ __all__ = ["CONTEXT", "TINY", "UNIT", "Configuration", "Size", "alone"]
 
 #: What one rounding of a sum in twice the working precision does.
 UNIT_OF_TWO = 2.0**-103
-#: What rounding does where numbers are below 2^-1022: some halves of the least subnormal number.
-TINY = CONTEXT.mpf(2) ** -1070
+#: What rounding does where numbers are below 2^-1022: half of the least subnormal number.
+TINY = CONTEXT.mpf(2) ** -1075
 
 Size = Callable[[Mapping[str, Any]], Any]
 
@@ -75,7 +75,8 @@ class Configuration:
             parts = self.held[name](self.values) if name in self.held else 0
             rounding = (max(UNIT * size, TINY) + UNIT_OF_TWO * abs(parts)) / size
             for quantity, slope in self.from_held.condition(self.values, (name,)).items():
-                sums[quantity] += slope * rounding
+                # Where the value ends, it has no slope: nothing is allowed for it.
+                sums[quantity] += 0 if CONTEXT.isnan(slope) else slope * rounding
         return sums
 
     def leaves_doubles(self, largest: float) -> set[str]:

@@ -162,10 +162,7 @@ MINKOWSKI_4R = Mechanism(
         "scales": scales,
     },
     loop="half_root",
-    swept=(
-        *("psi", "AB_rapidity", "zeta", "B_x", "X_y", "configuration_status", "dpsi_dtheta", "d2psi_dtheta2"),
-        *("linkage_type", "theta_max_future"),
-    ),
+    swept=("psi", "AB_rapidity", "zeta", "B_x", "configuration_status", "dpsi_dtheta", "linkage_type"),
     lengths=tuple(LENGTHS),
     free=("A_x", "A_y"),
     held={
