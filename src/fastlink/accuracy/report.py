@@ -97,13 +97,21 @@ def draw(measured: xr.Dataset, to: str | Path) -> None:
         best = best[np.argsort(times[best])]
         axes.plot(times[best], errors[best], color="tab:blue", zorder=1)
         axes.scatter(times, errors, c=np.where(one["pareto"].values == 1, "tab:blue", "0.6"), s=18, zorder=2)
-        for way, x, y in zip(one["way"].values, times, errors, strict=True):
+        for number, (way, x, y) in enumerate(zip(one["way"].values, times, errors, strict=True)):
+            side = -1 if number % 2 else 1  # above and below by turns: neighbours hide each other
             axes.annotate(
-                str(way), (x, y), xytext=(2, 3), textcoords="offset points", fontsize=6, rotation=35
+                str(way),
+                (x, y),
+                xytext=(3, 3 * side),
+                textcoords="offset points",
+                fontsize=6,
+                rotation=30 * side,
+                verticalalignment="bottom" if side > 0 else "top",
+                rotation_mode="anchor",
             )
         axes.set(xscale="log", yscale="log", title=quantity, xlabel="run time per design / ns")
         axes.set_ylabel("largest relative error")
-        axes.margins(x=0.15, y=0.08)
+        axes.margins(x=0.25, y=0.2)
         axes.grid(color="0.9", linewidth=0.6)
     try:
         figure.savefig(Path(to), dpi=160)

@@ -26,8 +26,9 @@ ANGLES = tuple(2**k for k in range(5, 13))
 USUAL = 360
 #: Ways outside the kernels take so long for each design that few must do.
 OUTSIDE_DESIGNS = 8
-#: A way is timed for at least so long, so often, and with no more designs.
-SECONDS, REPEATS, MOST_DESIGNS = 0.02, 5, 2**16
+#: A way is timed for so long at least (other processes leave some runs of that length whole), so often, and with no
+#: more designs.
+SECONDS, REPEATS, MOST_DESIGNS = 0.003, 20, 2**16
 
 
 @dataclass(frozen=True)
