@@ -12,7 +12,7 @@ from dataclasses import replace
 from typing import Any
 
 from fastlink.derivative import in_a_sentence, made_function
-from fastlink.error_paths import Paths, is_smooth
+from fastlink.error_paths import Paths, is_size, is_smooth
 from fastlink.error_rules import Bound, Lost, Rules, U
 from fastlink.errors import InputError
 from fastlink.fact import Fact, Input, System
@@ -103,7 +103,8 @@ class ErrorBounds:
         """
         if name not in self._facts:
             found = self.found(name)
-            root, own = self._along_paths(name) if self._passes(name) else self._running(found)
+            along = self._passes(name) and not is_size(self.rules, self._value(found))
+            root, own = self._along_paths(name) if along else self._running(found)
             function, needs = made_function(f"{name}{ERROR}", self.graph, root, own)
             self._facts[name] = replace(labelled_error(found), function=function, needs=needs)
         return self._facts[name]

@@ -28,8 +28,8 @@ def of_quotient(quotient: Any, y: Any, e_x: Any, e_y: Any) -> Any:
 
 
 def of_root(x: Any, root: Any, e: Any) -> Any:
-    """Return what an error of x does to its root, which is not negative."""
-    return select(e < x, e / root, sqrt(e))
+    """Return what an error of x does to its root, which is not negative: e/(2 root), and what a chord has more."""
+    return select(e < x, 0.5 * (e + e * (e / x)) / root, sqrt(e))
 
 
 def of_direction(y: Any, x: Any, e_y: Any, e_x: Any) -> Any:

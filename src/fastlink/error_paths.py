@@ -11,7 +11,7 @@ from fastlink.error_rules import UNIT, Rules
 from fastlink.graph import Node
 from fastlink.jit import sqrt
 
-__all__ = ["Paths", "is_smooth"]
+__all__ = ["Paths", "is_size", "is_smooth"]
 
 #: A number of times a value.
 Share = tuple[float, Node]
@@ -24,6 +24,13 @@ def is_smooth(rules: Rules, node: Node) -> bool:
     root = node.kind == "call" and node.value is sqrt
     operation = root or node.kind in ("+", "-", "*", "/", "neg")
     return operation and all(is_smooth(rules, arg) for arg in node.args)
+
+
+def is_size(rules: Rules, node: Node) -> bool:
+    """Tell whether a value is the root of a sum of squares, which has no slope at zero."""
+    if node.kind in ("*", "/"):
+        return any(is_size(rules, arg) for arg in node.args)
+    return node.kind == "call" and node.value is sqrt and rules.bound(node.args[0]).positive
 
 
 class Paths:

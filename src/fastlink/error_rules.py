@@ -130,13 +130,19 @@ class Rules:
     def _of_sum(self, node: Node) -> Bound:
         x, y = node.args
         a, b = self.bound(x), self.bound(y)
-        if not a.lost or not b.lost:  # low words meet in sums of sums
-            a, b = self.settled(x), self.settled(y)
+        if not b.lost and self._is_high_word(x, a):  # low words meet in sums of sums
+            a = self.settled(x)
+        if not a.lost and self._is_high_word(y, b):
+            b = self.settled(y)
         lost = _merged(a.lost, b.lost if node.kind == "+" else _times(b.lost, -1.0))
         if node.kind == "+" and a.positive and b.positive:
             rest = self.graph.add(a.rest, b.rest)
             return Bound(max(a.relative, b.relative) + 1.0, rest, lost, positive=True)
         return Bound(1.0, self.graph.add(self.error(x, a), self.error(y, b)), lost)
+
+    def _is_high_word(self, node: Node, bound: Bound) -> bool:
+        bare = node.args[0] if node.kind == "neg" else node
+        return any(high in (node, bare) and low is not bare for low, (_times, high) in bound.lost.items())
 
     def _of_scaled(self, node: Node) -> Bound | None:
         """Return the bound of a product or quotient with a power of two, None of others."""
@@ -193,10 +199,11 @@ class Rules:
         """Return relative part and rest of what the arguments do to an unevaluated sum."""
         function, args, graph = call.value, call.args, self.graph
         if function in (two_sum, gap):
-            rest = graph.zero
+            rest, lost = graph.zero, dict[Node, tuple[float, Node]]()
             for arg in args:
-                rest = graph.add(rest, self.error(arg, self.settled(arg)))
-            return 0.0, rest
+                bound = self.bound(arg)
+                rest, lost = graph.add(rest, self.error(arg, bound)), _merged(lost, bound.lost)
+            return 0.0, self.settled(high, Bound(0.0, rest, lost)).rest
         if function is two_product:
             bound = self._of_ratio(graph.node("*", *args))
             return bound.relative - 1.0, bound.rest
@@ -261,6 +268,8 @@ class Rules:
         if b.lost and x is self.graph.zero:  # 0 where it is within rounding: so is the low word then
             choose = partial(self.graph.select, condition, x)
             lost = {choose(low): (times, choose(high)) for low, (times, high) in b.lost.items()}
+        elif a.lost and y.kind == "number" and y.value != y.value:  # else there is no number at all
+            lost = {low: (times, node if high is x else high) for low, (times, high) in a.lost.items()}
         else:
             a, b = self.settled(x), self.settled(y)
         rest = self.graph.select(condition, a.rest, b.rest)
