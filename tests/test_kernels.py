@@ -13,6 +13,7 @@ import pytest
 
 import fastlink as fl
 from configurations import PLANAR
+from fastlink.catalogue import Catalogue, Input
 from fastlink.kernels import compiled
 from fastlink.mechanisms import NAMES, catalogue
 from fastlink.plan import make_plan
@@ -193,3 +194,21 @@ def test_designs_beyond_the_first_lanes_are_computed_too():
     n, design = np.linspace(0.8, 1.2, 130), {"m": 1.0, "d": 1.2, "kappa": 0.5}
     found = fl.sweep("hart", fl.grid(n=n, **design), ["stroke"])["stroke"]
     np.testing.assert_array_equal(found, evaluate("hart", ["stroke"], n=n, phi=0.0, **design)["stroke"])
+
+
+@pytest.mark.parametrize("lanes", ["designs", "angles"])
+def test_a_fact_may_need_the_branch_itself(lanes):
+    toy = Catalogue("toy", "a toy", {1: "one", 2: "other"}, Input("theta", "rad", "theta", "input"))
+    toy.input("a", units="m", symbol="a", meaning="a length")
+    labels = {"units": "m", "symbol": "x", "source": "here"}
+
+    def x(a, branch, theta):
+        """A fact of all three."""
+        return a * branch + theta
+
+    toy.quantity(**labels)(x)
+    plan = make_plan(toy, ["x"], given=["a"], angles=40, lanes=lanes)
+    designs, angles = np.full((1, 64), 3.0), np.arange(40.0).reshape(1, 40)
+    found = np.empty((2, 2, 40))
+    plan.kernel(designs, angles, 2, 40, *(np.empty(size) for size in plan.scratch), found)
+    np.testing.assert_array_equal(found, [[3.0 + np.arange(40.0), 6.0 + np.arange(40.0)]] * 2)

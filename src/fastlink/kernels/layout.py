@@ -55,7 +55,9 @@ class KernelLayout:
         return [("", 0)]
 
     def copy_for(self, name: str, branch: int) -> str:
-        """Return the kernel's name of a value for one branch."""
+        """Return the kernel's name of a value for one branch; the branch itself is a number."""
+        if name == "branch":
+            return f"{self.plan.branches[branch]}.0"
         copies = self.suffixes(name)
         return name + copies[min(branch, len(copies) - 1)][0]
 
