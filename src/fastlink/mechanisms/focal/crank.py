@@ -60,6 +60,18 @@ def half_sine_omega(squared_half_sine: Any, squared_half_cosine: Any) -> Any:
     return sqrt(squared_half_sine * squared_half_cosine)
 
 
+@by_crank.quantity(units="1", symbol="|sin omega|", source=f"{WUNDERLICH}, eq. (1.5)", internal=True)
+def size_of_sine(half_sine_omega: Any) -> Any:
+    """Sine of omega without its sign."""
+    return 2.0 * half_sine_omega
+
+
+@by_crank.quantity(units="1", symbol="2/|sin omega|", source=f"{WUNDERLICH}, eq. (1.5)", internal=True)
+def per_half_sine(half_sine_omega: Any) -> Any:
+    """Reciprocal of half the sine of omega; infinite at a dead centre."""
+    return 1.0 / half_sine_omega
+
+
 @by_crank.quantity(units="1", symbol="sgn omega", source=POSITION, internal=True)
 def omega_sign(branch: Any) -> Any:
     """Sign of omega: 1 in branch 1, -1 in branch 2."""
@@ -67,9 +79,9 @@ def omega_sign(branch: Any) -> Any:
 
 
 @by_crank.quantity(units="1", symbol="sin omega", source=f"{WUNDERLICH}, eq. (1.5)", internal=True)
-def w_y(half_sine_omega: Any, omega_sign: Any) -> Any:
+def w_y(size_of_sine: Any, omega_sign: Any) -> Any:
     """Sine of omega."""
-    return omega_sign * (2.0 * half_sine_omega)
+    return omega_sign * size_of_sine
 
 
 # -- u, v, e ------------------------------------------------------------------------------------------------------
@@ -208,11 +220,13 @@ def rate(
     straight_lever: Any,
     swing: Any,
     bar: Any,
-    w_y: Any,
+    per_half_sine: Any,
+    omega_sign: Any,
 ) -> Any:
     """Return how fast a rocker turns: as the line from its pivot to F, and as omega changes."""
     lever = straight_lever + swing / bar
-    return s_r * ((s_r + base * g_x) + base * (g_y * lever) / w_y) / (x * x + y * y)
+    turning = omega_sign * ((0.5 * base) * (g_y * lever) * per_half_sine)
+    return s_r * ((s_r + base * g_x) + turning) / (x * x + y * y)
 
 
 for _name, _pivot, _base, _bar, _rocker in (
@@ -245,10 +259,26 @@ def half_sine(g_y: Any) -> Any:
     return 0.5 * g_y
 
 
-for _name, _slope, _need in (
-    ("Z", same, "half_sine"),
-    ("C", opposite, "half_sine"),
-    ("g_x", opposite, "g_y"),
-    ("g_y", same, "g_x"),
-):
-    by_crank.derivative(_name, SIGMA, given={"x": _need})(_slope)
+@by_crank.quantity(units="1", symbol="-sr/(mp)", source=DYAD, internal=True)
+def sine_change(s_s: Any, s_r: Any, s_m: Any, s_p: Any) -> Any:
+    """How much sin^2(omega/2) grows over half a turn."""
+    return -((s_s / s_m) * (s_r / s_p))
+
+
+def minus_product(x: Any, y: Any) -> Any:
+    """Return minus a product."""
+    return -(x * y)
+
+
+for _set in (None, "graded"):
+    for _name, _slope, _need in (
+        ("Z", same, "half_sine"),
+        ("C", opposite, "half_sine"),
+        ("g_x", opposite, "g_y"),
+        ("g_y", same, "g_x"),
+    ):
+        by_crank.derivative(_name, SIGMA, given={"x": _need}, alternative=_set)(_slope)
+    for _name, _change in (("squared_half_sine", product), ("squared_half_cosine", minus_product)):
+        by_crank.derivative(_name, SIGMA, given={"x": "sine_change", "y": "half_sine"}, alternative=_set)(
+            _change
+        )
