@@ -1,7 +1,7 @@
 """Burmester's focal mechanism and Hart's linkage: time of completions and of positions, against C and NumPy.
 
-C is the kernel's own text (`in_c`), NumPy its facts (`in_numpy`): both give the same bits. A fact is (what, value,
-unit, aim).
+C is the kernel's own text (`in_c`), NumPy its facts (`in_numpy`): both give the same bits. What they take next to C and
+NumPy by hand is told of the planar 4R. A fact is (what, value, unit, aim).
 """
 
 from dataclasses import dataclass
@@ -9,8 +9,8 @@ from functools import partial
 
 import numpy as np
 
-from benchmarks import c_kernel, in_c, in_numpy
-from benchmarks.engine import bind_results
+from benchmarks import c_kernel, in_c, in_numpy, inputs, numpy_baseline
+from benchmarks.engine import angles, bind_results, plan_of
 from benchmarks.inputs import aligned_copy, race
 from benchmarks.report import fact_table
 from fastlink.mechanisms import catalogue
@@ -107,9 +107,27 @@ def facts_of(case, n, K, rounds):
     return facts
 
 
+def by_hand(n, K, rounds, case="rates"):
+    """Tell what C and NumPy take that were written by hand, next to those of the text."""
+    x, tables = inputs.designs(n), inputs.angle_tables(K)
+    bound = bind_results(plan_of(case, K), inputs.INPUTS, x, angles(K))
+    out = inputs.outputs(case, n, K)
+    calls = {
+        "NumPy": in_numpy.bind(bound)[0],
+        "by hand": partial(numpy_baseline.evaluate, case, x, tables, out),
+    }
+    best = race(calls, rounds)
+    title = f"{case} of the planar 4R"
+    facts = [(f"{title}, NumPy of the facts / by hand", best["NumPy"] / best["by hand"], "", "")]
+    if c_kernel.available():
+        best = race({"C": in_c.bind(bound)[0], "by hand": c_kernel.bind(case, x, tables)[0]}, rounds)
+        facts.append((f"{title}, C of the text / by hand", best["C"] / best["by hand"], "", ""))
+    return facts
+
+
 def measure(quick=False, log=lambda text: None):
     """Return all facts; quick: small sizes."""
-    facts = []
+    facts = by_hand(2, 64, rounds=1) if quick else by_hand(64, 360, rounds=12)
     for case in CASES:
         log(case.title)
         facts += facts_of(case, 2, 64, rounds=1) if quick else facts_of(case, 64, 360, rounds=12)

@@ -1,7 +1,8 @@
 """A plan's kernel in C: the same text, statement by statement, for gcc to compile.
 
 So C does the same arithmetic whatever the mechanism, and gives the same bits. Only the exact product is written as C
-has it best, by a fused multiplication: the digits that it finds are the same.
+has it best, by a fused multiplication: the digits that it finds are the same. Not written are logarithms, which work on
+the bits of a number, dense systems and refined extremes.
 """
 
 import ast
@@ -74,7 +75,8 @@ class _Function:
         if isinstance(node, ast.Constant):
             return repr(node.value)
         if not isinstance(node, ast.Call) and (number := self.number(node)) is not None:
-            return {math.inf: "INFINITY"}.get(number, "NAN" if math.isnan(number) else f"({number!r})")
+            special = {"inf": "INFINITY", "-inf": "(-INFINITY)", "nan": "NAN"}
+            return special.get(repr(number), f"({number!r})")
         if isinstance(node, ast.Name):
             return node.id
         if isinstance(node, ast.UnaryOp):

@@ -1,10 +1,10 @@
-"""C and NumPy do the arithmetic of the kernels of focal and hart that they are timed against."""
+"""C and NumPy do the arithmetic of the kernels that they are timed against."""
 
 from __future__ import annotations
 
 import numpy as np
 import pytest
-from benchmarks import c_kernel, focal, in_c, in_numpy
+from benchmarks import c_kernel, engine, focal, in_c, in_numpy, inputs
 
 N, K = 70, 64  # designs of two blocks; the kernels are those of the benchmark
 
@@ -18,6 +18,18 @@ def test_the_same_bits(case, other):
     call, arrays = other.bind(bound)
     call()
     assert np.mean(np.isfinite(bound.arrays[0])) > 0.4  # rockers do not turn fully
+    for ours, theirs in zip(bound.arrays, arrays, strict=True):
+        np.testing.assert_array_equal(theirs, ours)
+
+
+@pytest.mark.parametrize("case", ["rates", "extremes"])
+def test_curves_and_extremes_have_the_same_bits_in_c(case):
+    if not c_kernel.available():
+        pytest.skip("the C kernels need gcc, which is not here")
+    plan = engine.plan_of(case, K)
+    bound = engine.bind_results(plan, inputs.INPUTS, inputs.designs(N), engine.angles(K))
+    call, arrays = in_c.bind(bound)
+    call()
     for ours, theirs in zip(bound.arrays, arrays, strict=True):
         np.testing.assert_array_equal(theirs, ours)
 
