@@ -10,7 +10,9 @@ import numpy as np
 import pytest
 
 import fastlink as fl
+import focal_configurations
 import hard_points
+import hart_configurations
 import minkowski_configurations
 from configurations import DIGITS, LENGTHS, LOADS, PLANAR, all_loads, masses_and_points, reference
 from fastlink import error_laws
@@ -239,6 +241,31 @@ def test_bounds_with_loads_of_another_input_and_of_derivatives_hold():
     driven = catalogue("planar_4r", "joint_angle_3")
     given = {name: inputs[name] for name in (*LENGTHS, "branch")} | {"joint_omega_3": inputs["omega1"]}
     assert_bounded(driven, quantities(driven), given | {"joint_angle_3": theta})
+
+
+@pytest.mark.parametrize("drive", focal_configurations.DRIVES)
+def test_bounds_of_the_focal_mechanism_hold(drive):
+    mechanism, rng = focal_configurations.DRIVES[drive], np.random.default_rng(50)
+    ratios = []
+    for designs in (
+        focal_configurations.random_designs(rng, 10),
+        focal_configurations.near_kites(rng, 10, 1e-8),
+    ):
+        position = {mechanism.position.name: rng.uniform(-3.0, 3.0, 10)}
+        ratios += assert_bounded(mechanism, quantities(mechanism), designs | position)
+    assert np.median(ratios) < 20.0
+
+
+def test_bounds_of_harts_linkage_hold():
+    ratios = []
+    for k, kind in enumerate(("random", "kappa 1e-9", "kite 0", "kite 1e-9", "gap 1e-9", "toggle 1e-9")):
+        rng = np.random.default_rng(60 + k)
+        inputs = hart_configurations.family(kind, rng, 10) | {"branch": rng.integers(1, 3, 10).astype(float)}
+        hart = hart_configurations.HART
+        inputs |= {name: rng.uniform(0.5, 2.0, 10) for name in hart.inputs if name not in inputs}
+        ratios += assert_bounded(hart, quantities(hart), inputs)
+    assert np.mean(np.array(ratios) <= 100.0) > 0.95
+    assert np.median(ratios) < 10.0
 
 
 def by_twofold_numbers(mechanism, names, inputs, theta, branch):

@@ -91,6 +91,8 @@ class Catalogue(Declarations):
             bounds = self._error_bounds(chosen, given)
             return bounds.fact(judged[0]) if judged[1] == ERROR else trust_of(bounds.found(judged[0]))
         plain, _, above = name.partition(BELOW)
+        if above and above not in chosen:
+            return None
         start = chosen.index(above) + 1 if above else 0
         for alternative in chosen[start:]:
             found = self.alternatives.get(alternative, {}).get(plain)

@@ -16,12 +16,15 @@ from fastlink.error_paths import Paths, is_size, is_smooth
 from fastlink.error_rules import Bound, Lost, Rules, U
 from fastlink.errors import InputError
 from fastlink.fact import Fact, Input, System
+from fastlink.geometry import two_sum
 from fastlink.graph import Node, is_power_of_two
 from fastlink.jit import INFINITY, select
 
 __all__ = ["ERROR", "TRUST", "ErrorBounds", "labelled_error", "trust_of"]
 
 ERROR, TRUST = "_error", "_trust"
+#: NAME and NAME_low are the two words of one value where their texts say so.
+LOW = "_low"
 #: Relative error bounds up to this one are trusted.
 TRUSTED = 1e-6
 TRUST_FLAGS = {0: "trusted", 1: "ill_conditioned", 2: "not_finite"}
@@ -126,10 +129,20 @@ class ErrorBounds:
             self._values[found.name] = self.graph.read(found.function, needs)
         return self._values[found.name]
 
-    def _running(self, found: Fact) -> tuple[Node, dict[Node, str]]:
-        """Return the bound by the bounds of what the fact needs, and the fact's value as a name."""
+    def _read(self, found: Fact) -> tuple[Node, Bound]:
+        """Return a fact's value and its bound; of a sum without further errors, what `two_sum` says is lost."""
         value = self._value(found)
         bound = self.rules.bound(value)
+        low = self.find(f"{found.name}{LOW}") if found.internal and value.kind == "+" else None
+        if isinstance(low, Fact) and bound == replace(self.exact, relative=1.0, positive=bound.positive):
+            word = self.graph.node("item", self.graph.call(two_sum, *value.args), value=1)
+            if self._value(low) is word:
+                return value, replace(bound, relative=0.0, lost={word: (-1.0, value)})
+        return value, bound
+
+    def _running(self, found: Fact) -> tuple[Node, dict[Node, str]]:
+        """Return the bound by the bounds of what the fact needs, and the fact's value as a name."""
+        value, bound = self._read(found)
         if not self._pair(found, value, bound):
             bound = self.rules.settled(value, bound)
         # At least a trace of the value: where it is not finite, so is its error.
@@ -200,8 +213,7 @@ class ErrorBounds:
                 return replace(
                     self.exact, scale=True, one={*map(abs, values)} == {1.0}, positive=min(values) > 0.0
                 )
-        value = self._value(found)
-        bound = self.rules.bound(value)
+        value, bound = self._read(found)
         lost = self._pair(found, value, bound)
         bound = replace(bound if lost else self.rules.settled(value, bound), lost=lost)
         if bound.rest is graph.zero:
@@ -226,15 +238,11 @@ class ErrorBounds:
             return {}
         name, graph = found.name, self.graph
         if value in bound.lost:
-            high = name.removesuffix("_low")
+            high = name.removesuffix(LOW)
             other = self.find(high) if high != name else None
-            if (
-                isinstance(other, Fact)
-                and other.internal
-                and value in self.rules.bound(self._value(other)).lost
-            ):
+            if isinstance(other, Fact) and other.internal and value in self._read(other)[1].lost:
                 return {graph.name(name): (1.0, graph.name(high))}
-        other = self.find(f"{name}_low")
+        other = self.find(f"{name}{LOW}")
         if isinstance(other, Fact) and self._value(other) in bound.lost:
             return {graph.name(other.name): (-1.0, graph.name(name))}
         return {}
