@@ -77,9 +77,10 @@ def test_run_writes_the_map_and_ends_with_the_summary(folder):
     rows = done.stdout.splitlines()
     assert rows[0].split() == ["designs", "20"]
     assert rows[1].split() == [str(turning), "rotates", "fully", f"{5 * turning:.1f}", "%"]
-    assert [row.split("  ")[0] for row in rows[6:]] == ["run time", "speed", "file"]
+    assert [row.split("  ")[0] for row in rows[6:]] == ["run time", "speed", "largest error", "file"]
     assert rows[7].endswith("designs/s")
-    assert rows[8].split()[1] == str(folder / "study.h5")
+    assert rows[8].endswith("roundings, of 20")
+    assert rows[9].split()[1] == str(folder / "study.h5")
 
 
 def test_run_to_another_file_quietly(folder):
@@ -173,7 +174,7 @@ def test_info_tells_what_a_map_holds(folder):
         "  a2      5: 1 to 1.4 m  length of the coupler AB",
         "  omega1  25 rad s-1  angular velocity of the crank, constant",
         "  omega4_max  (a2, a3, branch)  [rad s-1]  Angular velocity of the output link, greatest over the cycle",
-        "designs   20",
+        "designs        20",
     ):
         assert line in done.stdout.splitlines()
 

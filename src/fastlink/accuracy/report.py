@@ -21,6 +21,8 @@ INSTALL = "python -m pip install 'fastlink-linkages[plot]'"
 LEAST = 2.0**-54
 #: Errors below this are those of the last digit.
 EQUAL = 2.0**-48
+#: An error that is smaller by less is no smaller one.
+ALIKE = 0.99
 COLUMNS = 2
 
 
@@ -32,7 +34,7 @@ def front(measured: xr.Dataset) -> NDArray[np.int8]:
         order = np.lexsort((errors[:, k], times[:, k]))
         least = np.inf
         for way in order:
-            if errors[way, k] < least:
+            if errors[way, k] < ALIKE * least:
                 found[way, k], least = 1, errors[way, k]
     return found
 
