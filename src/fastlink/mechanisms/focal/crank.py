@@ -152,8 +152,9 @@ def dyad_N_y(s_q: Any, w_y: Any) -> Any:
     return s_q * w_y
 
 
-def per_lengths(x: Any, y: Any, dyad_x: Any, dyad_y: Any) -> Any:
-    """Reciprocal of the product of two equal lengths."""
+def per_lengths(x: Any, y: Any, dyad_x: Any, bar: Any, size_of_sine: Any) -> Any:
+    """Reciprocal of the product of two equal lengths, of both signs of omega."""
+    dyad_y = bar * size_of_sine
     return 1.0 / sqrt((x * x + y * y) * (dyad_x * dyad_x + dyad_y * dyad_y))
 
 
@@ -167,7 +168,7 @@ def turned_y(x: Any, y: Any, dyad_x: Any, dyad_y: Any, per: Any) -> Any:
     return (y * dyad_x - x * dyad_y) * per
 
 
-for _name, _pivot, _rocker in (("u", "M", "MA"), ("v", "N", "NB")):
+for _name, _pivot, _rocker, _bar in (("u", "M", "MA", "s_p"), ("v", "N", "NB", "s_q")):
     _vectors = {"x": f"{_pivot}F_x", "y": "MF_y", "dyad_x": f"dyad_{_pivot}_x", "dyad_y": f"dyad_{_pivot}_y"}
     for _fact, _law, _symbol in (
         (f"per_{_pivot}F", per_lengths, f"1/{_pivot}F^2"),
@@ -181,7 +182,7 @@ for _name, _pivot, _rocker in (("u", "M", "MA"), ("v", "N", "NB")):
             internal=True,
             name=_fact,
             meaning=f"Direction of {_rocker}" if _law is not per_lengths else f"1/{_pivot}F^2, scaled",
-            given=_vectors | {"per": f"per_{_pivot}F"},
+            given=_vectors | {"per": f"per_{_pivot}F", "bar": _bar},
         )(_law)
 
 declare_fifth(by_crank, "e", "AB", "g", "w")
