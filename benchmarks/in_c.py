@@ -16,6 +16,7 @@ from pathlib import Path
 
 from benchmarks import c_kernel
 from fastlink import jit
+from fastlink.kernels import LANES
 from fastlink.run import aligned
 
 HEADER = """#include <math.h>
@@ -48,7 +49,7 @@ OPERATORS = {
     ast.USub: "-",
 }
 OF_C = {"sqrt": "sqrt", "abs": "fabs", "copysign": "copysign"}
-LANES = "for (long {0} = {1}; {0} < {2}; {0}{3})"
+LOOP = "for (long {0} = {1}; {0} < {2}; {0} += {3}) {{"
 
 
 class _Function:
@@ -123,12 +124,6 @@ class _Function:
             return self.is_truth(node.args[1])
         return isinstance(node, ast.Compare) or (isinstance(node, ast.Name) and node.id in self.truths)
 
-    def is_pair(self, node):
-        if isinstance(node, ast.Tuple):
-            return True
-        is_call = isinstance(node, ast.Call) and isinstance(node.func, ast.Name)
-        return is_call and self.module.gives_pair(self.globals.get(node.func.id))
-
     # -- statements --
 
     def put(self, name, value, kind="double"):
@@ -170,12 +165,10 @@ class _Function:
                     self.add(f"return {self.text(value)};")
             elif isinstance(statement, ast.For):
                 bounds = [self.text(bound) for bound in statement.iter.args]
-                start, stop, step = {1: ["0", *bounds, "++"], 3: [*bounds[:2], f" += {bounds[-1]}"]}[
-                    len(bounds)
-                ]
-                if step == "++":
+                if len(bounds) == 1:
                     self.lines.append("#pragma GCC ivdep")
-                self.add(LANES.format(statement.target.id, start, stop, step) + " {")
+                    bounds = ["0", *bounds, "1"]
+                self.add(LOOP.format(statement.target.id, *bounds))
                 self.scopes.append({statement.target.id})
                 self.walk(statement.body)
                 self.scopes.pop()
@@ -200,7 +193,7 @@ class _Module:
     def lengths(self, array):
         """Return the lengths of an array but the first."""
         if array == "designs":
-            return ["((n_designs + 63) / 64 * 64)"]
+            return [f"((n_designs + {LANES - 1}) / {LANES} * {LANES})"]  # padded
         if array == "angles":
             return ["n_angles"]
         sizes = {"branch": str(len(self.plan.branches))}
