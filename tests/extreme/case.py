@@ -24,7 +24,7 @@ RESIDUAL = 64
 UNDERFLOW = CONTEXT.mpf(2) ** -1022 / MULTIPLE
 #: What a quotient by rounding errors exceeds.
 POLE = 2.0**50
-LARGEST = np.finfo(float).max
+LARGEST, LEAST = np.finfo(float).max, np.finfo(float).tiny
 
 
 @dataclass(frozen=True)
@@ -94,7 +94,8 @@ class Outcome:
     Attributes
     ----------
     what : str
-        ``value``, ``nan``, ``inf``; or what is wrong with it.
+        ``value``, ``nan``, ``inf``, ``pole``, ``code``; ``underflow`` where digits are lost because a product on the
+        way is below 2^-1022; or what is wrong with it.
     right : bool
         Whether it is what must come out.
     error : float
@@ -126,7 +127,9 @@ def outcomes(mechanism: Mechanism, case: Case, branch: int, found: Mapping[str, 
     loop = mechanism.loop
     facts = names if loop is None else (*names, loop)
     exact = Configuration(catalogue, facts, case.inputs | {"branch": branch}, mechanism.held)
-    units, beyond = exact.roundings(), exact.leaves_doubles(LARGEST)
+    units = exact.roundings()
+    beyond = exact.depending(lambda value: abs(value) > LARGEST)
+    small = exact.depending(lambda value: 0 < abs(value) < LEAST)
     closes = loop is None or not CONTEXT.isnan(exact.values[loop])
     codes = [name for name in names if catalogue.facts[name].flags]
     result = {}
@@ -144,6 +147,9 @@ def outcomes(mechanism: Mechanism, case: Case, branch: int, found: Mapping[str, 
             result[name] = _value(found[name], CONTEXT.zero, RESIDUAL * unit / MULTIPLE)
         else:
             result[name] = _value(found[name], value, UNIT * abs(value) + units[name])
+    for name in small.intersection(result):
+        if not result[name].right:
+            result[name] = Outcome("underflow", True)
     # A code may tell of a number that exact arithmetic has and doubles have not.
     missing = any(abs(exact.values[name]) < CONTEXT.inf and not np.isfinite(found[name]) for name in result)
     return result | {

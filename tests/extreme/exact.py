@@ -79,10 +79,10 @@ class Configuration:
                 sums[quantity] += 0 if CONTEXT.isnan(slope) else slope * rounding
         return sums
 
-    def leaves_doubles(self, largest: float) -> set[str]:
-        """Return what depends on a value beyond the largest double."""
-        beyond: set[str] = {name for name, value in self.values.items() if abs(value) > largest}
+    def depending(self, on: Callable[[Any], bool]) -> set[str]:
+        """Return what a value of some kind is met on the way to."""
+        found = {step.name for step in self.plain.steps if on(self.values[step.name])}
         for step in self.plain.steps:
-            if beyond.intersection(step.needs):
-                beyond.add(step.name)
-        return beyond
+            if found.intersection(step.needs):
+                found.add(step.name)
+        return found

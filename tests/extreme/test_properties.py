@@ -12,7 +12,7 @@ from extreme.case import Case, evaluated, outcomes
 from extreme.mechanisms import MECHANISMS
 from extreme.planar import MASSES, POINTS
 
-FEW, MANY = 60, 10_000
+FEW, MANY = 50, 10_000
 
 
 def examples(number: int) -> settings:

@@ -150,12 +150,6 @@ def P_ay(omega1_squared: Any, P_ddy: Any) -> Any:
     return omega1_squared * P_ddy
 
 
-@planar_4r.quantity(units="m-1", symbol="1/unit", source=f"{NUMERICS}#scaling", internal=True)
-def per_unit(lift: Any, unit: Any) -> Any:
-    """Reciprocal of the power of two at or below the longest link."""
-    return lift / unit
-
-
 @planar_4r.quantity(units="1", symbol="|P'|", source=COUPLER, internal=True)
 def curve_rate(P_dx: Any, P_dy: Any, per_unit: Any) -> Any:
     """Length of the derivative of the coupler point by the input angle, scaled."""

@@ -43,6 +43,12 @@ for _i, _link in (LINKS | {4: "ground link OD"}).items():
     )(lengths.scaled)
 
 
+@planar_4r.quantity(units="m-1", symbol="1/unit", source=f"{NUMERICS}#scaling", internal=True)
+def per_unit(lift: Any, unit: Any) -> Any:
+    """Reciprocal of the power of two at or below the longest link."""
+    return lift / unit
+
+
 @planar_4r.quantity(units="1", symbol="u P", source=f"{NUMERICS}#status", internal=True)
 def gap_rounding(s1: Any, s2: Any, s3: Any, s4: Any) -> Any:
     """What half a unit in the last place of each length may do to a sum of them: less is zero."""

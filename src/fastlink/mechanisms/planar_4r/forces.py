@@ -177,40 +177,40 @@ def moment2_A(I2: Any, alpha2: Any, AG_x: Any, AG_y: Any, p2_x: Any, p2_y: Any) 
     return I2 * alpha2 + cross(AG_x, AG_y, p2_x, p2_y)
 
 
-@planar_4r.quantity(units="m-2", symbol="1/(2 a_1 a_4)", source=REACTIONS, internal=True)
-def per_2_a1_a4(a1: Any, a4: Any) -> Any:
-    """Reciprocal of twice crank times ground."""
-    return 0.5 / a1 / a4
+@planar_4r.quantity(units="m-1", symbol="unit/(2 a_1 a_4)", source=REACTIONS, internal=True)
+def unit_per_2_a1_a4(s1: Any, s4: Any, per_unit: Any) -> Any:
+    """Power of two at or below the longest link over twice crank times ground."""
+    return 0.5 / s1 / s4 * per_unit
 
 
-@planar_4r.quantity(units="kg", symbol="I_3D/(2 a_1 a_4)", source=REACTIONS, internal=True)
-def I3_D_per_2_a1_a4(I3_D: Any, per_2_a1_a4: Any) -> Any:
-    """Moment of inertia about D over twice crank times ground."""
-    return I3_D * per_2_a1_a4
+@planar_4r.quantity(units="kg m", symbol="I_3D unit/(2 a_1 a_4)", source=REACTIONS, internal=True)
+def I3_D_per_2_a1_a4(I3_D: Any, unit_per_2_a1_a4: Any) -> Any:
+    """Moment of inertia about D over twice crank times ground, times that power of two."""
+    return I3_D * unit_per_2_a1_a4
 
 
-@planar_4r.quantity(units="N m-1", symbol="M_2/(AB x DB)", source=REACTIONS, internal=True)
-def pull_along_DB(moment2_A: Any, per_2_a1_a4: Any, per_sigma: Any, branch_sign: Any) -> Any:
-    """What the coupler's moment asks of the joint B, along DB."""
-    return moment2_A * (branch_sign * (per_2_a1_a4 * per_sigma))
+@planar_4r.quantity(units="N", symbol="M_2 unit/(AB x DB)", source=REACTIONS, internal=True)
+def pull_along_DB(moment2_A: Any, unit_per_2_a1_a4: Any, per_sigma: Any, branch_sign: Any) -> Any:
+    """What the coupler's moment asks of the joint B, along DB, for a length of that power of two."""
+    return moment2_A * (branch_sign * (unit_per_2_a1_a4 * per_sigma))
 
 
-@planar_4r.quantity(units="N m-1", symbol="I_3D alpha_4/(AB x DB)", source=REACTIONS, internal=True)
+@planar_4r.quantity(units="N", symbol="I_3D alpha_4 unit/(AB x DB)", source=REACTIONS, internal=True)
 def pull_along_AB(alpha4: Any, I3_D_per_2_a1_a4: Any, per_sigma: Any, branch_sign: Any) -> Any:
-    """What the output link's moment asks of the joint B, along AB."""
+    """What the output link's moment asks of the joint B, along AB, for a length of that power of two."""
     return alpha4 * (branch_sign * (I3_D_per_2_a1_a4 * per_sigma))
 
 
 @planar_4r.quantity(units="N", symbol="F_32x", source=REACTIONS)
-def F32_x(pull_along_DB: Any, pull_along_AB: Any, AB_x: Any, DB_x: Any) -> Any:
+def F32_x(pull_along_DB: Any, pull_along_AB: Any, AB_x: Any, DB_x: Any, per_unit: Any) -> Any:
     """Force of the output link on the coupler at B, x."""
-    return pull_along_DB * DB_x + pull_along_AB * AB_x
+    return (pull_along_DB * DB_x + pull_along_AB * AB_x) * per_unit
 
 
 @planar_4r.quantity(units="N", symbol="F_32y", source=REACTIONS)
-def F32_y(pull_along_DB: Any, pull_along_AB: Any, AB_y: Any, DB_y: Any) -> Any:
+def F32_y(pull_along_DB: Any, pull_along_AB: Any, AB_y: Any, DB_y: Any, per_unit: Any) -> Any:
     """Force of the output link on the coupler at B, y."""
-    return pull_along_DB * DB_y + pull_along_AB * AB_y
+    return (pull_along_DB * DB_y + pull_along_AB * AB_y) * per_unit
 
 
 @planar_4r.quantity(units="N", symbol="F_21x", source=REACTIONS)

@@ -110,9 +110,9 @@ def weight_moment(x: Any, y: Any, gravity_x: Any, gravity_y: Any) -> Any:
     return cross(x, y, gravity_x, gravity_y)
 
 
-def pull_less(replaced: Any, further: Any, per_2_a1_a4: Any, per_sigma: Any, branch_sign: Any) -> Any:
+def pull_less(replaced: Any, further: Any, unit_per_2_a1_a4: Any, per_sigma: Any, branch_sign: Any) -> Any:
     """What the moments about D ask of the joint B, along AB, less a moment on the output link."""
-    return replaced - further * (branch_sign * (per_2_a1_a4 * per_sigma))
+    return replaced - further * (branch_sign * (unit_per_2_a1_a4 * per_sigma))
 
 
 for _name, _symbol, _meaning, _first in (

@@ -90,7 +90,10 @@ def shaking_moment_printed(
     AB_y: Any,
     p3_x: Any,
     p3_y: Any,
+    per_unit: Any,
 ) -> Any:
     """Shaking moment as printed, T14 + r34 x F34 with r34 from the output link's mass centre to D."""
-    joint_B = pull_along_DB * DG_cross_DB + pull_along_AB * cross(DG_x, DG_y, AB_x, AB_y)
+    along_DB = pull_along_DB * per_unit
+    along_AB = pull_along_AB * per_unit
+    joint_B = along_DB * DG_cross_DB + along_AB * cross(DG_x, DG_y, AB_x, AB_y)
     return (joint_B + cross(DG_x, DG_y, p3_x, p3_y)) - T41
