@@ -99,18 +99,14 @@ def draw(measured: xr.Dataset, to: str | Path) -> None:
         best = best[np.argsort(times[best])]
         axes.plot(times[best], errors[best], color="tab:blue", zorder=1)
         axes.scatter(times, errors, c=np.where(one["pareto"].values == 1, "tab:blue", "0.6"), s=18, zorder=2)
-        for number, (way, x, y) in enumerate(zip(one["way"].values, times, errors, strict=True)):
-            side = -1 if number % 2 else 1  # above and below by turns: neighbours hide each other
-            axes.annotate(
-                str(way),
-                (x, y),
-                xytext=(3, 3 * side),
-                textcoords="offset points",
-                fontsize=6,
-                rotation=30 * side,
-                verticalalignment="bottom" if side > 0 else "top",
-                rotation_mode="anchor",
+        for way, x, y in zip(one["way"].values.tolist(), times, errors, strict=True):
+            # below its point what stands beside another way of the same kind, so that neither hides the other
+            side, *anchor = (-1, "right", "top") if way.endswith("relaxed") else (1, "left", "bottom")
+            place: dict[str, Any] = dict(
+                zip(("horizontalalignment", "verticalalignment"), anchor, strict=True)
             )
+            place |= {"textcoords": "offset points", "rotation": 35, "rotation_mode": "anchor", "fontsize": 6}
+            axes.annotate(way, (x, y), xytext=(3 * side, 3 * side), **place)
         axes.set(xscale="log", yscale="log", title=quantity, xlabel="run time per design / ns")
         axes.set_ylabel("largest relative error")
         axes.margins(x=0.25, y=0.2)

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field, replace
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -19,7 +20,7 @@ if TYPE_CHECKING:
 
     from fastlink.space import DesignSpace
 
-__all__ = ["Subject", "Way", "ways_for"]
+__all__ = ["Bound", "Subject", "Way", "race", "ways_for"]
 
 #: Numbers of input angles that extremes are taken over, and the one for everything else.
 ANGLES = tuple(2**k for k in range(5, 13))
@@ -28,7 +29,7 @@ USUAL = 360
 OUTSIDE_DESIGNS = 8
 #: A way is timed for so long at least (other processes leave some runs of that length whole), so often, and with no
 #: more designs.
-SECONDS, REPEATS, MOST_DESIGNS = 0.003, 20, 2**16
+SECONDS, REPEATS, MOST_DESIGNS = 0.003, 40, 2**16
 
 
 @dataclass(frozen=True)
@@ -66,34 +67,55 @@ class Way:
     relaxed: bool = False
     outside: Callable[[Asked, int], NDArray[Any]] | None = None
 
-    def measure(self, subject: Subject) -> tuple[NDArray[Any], float]:
-        """Return the values (designs, branches[, positions]) and the time that one design takes, in s."""
+    def bind(self, subject: Subject) -> Bound:
+        """Return this way to a quantity, evaluated once and ready to be timed."""
         if self.outside is not None:
             asked = subject.asked(**self.options)
             designs = min(subject.space.size, OUTSIDE_DESIGNS)
             started = time.perf_counter()
             values = self.outside(asked, designs)
-            return values, (time.perf_counter() - started) / designs
-        values, seconds = self._run(subject)
-        while seconds < SECONDS and subject.space.size < MOST_DESIGNS:
+            return Bound(values, designs, None, time.perf_counter() - started)
+        bound = self._kernels(subject)
+        while (seconds := min(bound.time() for _ in range(3))) < SECONDS and bound.designs < MOST_DESIGNS:
             times = 2 ** math.ceil(math.log2(2 * SECONDS / max(seconds, SECONDS / 64)))
             subject = replace(subject, space=_repeated(subject.space, times))
-            _, seconds = self._run(subject)
-        return values, seconds / subject.space.size
+            bound = self._kernels(subject)
+        return bound
 
-    def _run(self, subject: Subject) -> tuple[NDArray[Any], float]:
-        """Return the values, and the least time they took by one thread."""
+    def _kernels(self, subject: Subject) -> Bound:
         asked = subject.asked(**self.options)
         lengths = {"branch": len(asked.branches), asked.catalogue.position.name: asked.positions.size}
         shapes = [(tuple(lengths[axis] for axis in o.axes), o.dtype) for o in asked.plan.outputs]
         job = Job(asked.parts(relaxed=self.relaxed), shapes, asked.space.size)
         arrays = [np.empty((asked.space.size, *shape), dtype) for shape, dtype in shapes]
-        best = math.inf
-        for _ in range(REPEATS):
+        return Bound(arrays[0], asked.space.size, partial(run, job, targets=arrays))
+
+
+@dataclass
+class Bound:
+    """A way to a quantity of some designs: its values, and the least time that they took by one thread."""
+
+    values: NDArray[Any]
+    designs: int
+    call: Callable[[], None] | None
+    seconds: float = math.inf
+
+    def time(self) -> float:
+        """Evaluate again, unless it takes long, and return the least time so far."""
+        if self.call is not None:
             started = time.perf_counter()
-            run(job, targets=arrays)
-            best = min(best, time.perf_counter() - started)
-        return arrays[0], best
+            self.call()
+            self.seconds = min(self.seconds, time.perf_counter() - started)
+        return self.seconds
+
+
+def race(subject: Subject, ways: Iterable[Way]) -> dict[str, Bound]:
+    """Return every way by name, timed in turns: what else the machine does then meets all alike."""
+    bound = {way.name: way.bind(subject) for way in ways}
+    for _ in range(REPEATS):
+        for one in bound.values():
+            one.time()
+    return bound
 
 
 def _repeated(space: DesignSpace, times: int) -> DesignSpace:
