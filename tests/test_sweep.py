@@ -236,7 +236,7 @@ def test_extreme_sizes_change_nothing_but_the_size():
 
 def test_file_and_memory_hold_the_same(tmp_path):
     path = tmp_path / "maps.h5"
-    in_file, in_memory = small_map(to=path), small_map()
+    in_file, in_memory = small_map(to=path, verify=4), small_map(verify=4)
     assert_same_bits(in_memory, in_file)
     for name in in_memory.variables:
         assert in_file[name].attrs.keys() == in_memory[name].attrs.keys()
