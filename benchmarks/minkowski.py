@@ -8,13 +8,12 @@ from functools import partial
 import numpy as np
 
 from benchmarks import c_kernel
+from benchmarks.engine import bind_results
 from benchmarks.inputs import aligned_copy, empty, race
 from benchmarks.numpy_baseline import PIECE
-from fastlink.kernels import LANES
 from fastlink.mechanisms import catalogue
 from fastlink.plan import make_plan
 from fastlink.reading import read_facts
-from fastlink.run import aligned
 from fastlink.tables import angle_tables
 
 MINKOWSKI = catalogue("minkowski_4r")
@@ -106,18 +105,9 @@ def eq3(x, theta):
 
 def bind(names, x, theta=()):
     """Return one call of the bare kernel and the arrays that it fills."""
-    n = x.shape[1]
     plan = make_plan(MINKOWSKI, names, given=LENGTHS, angles=len(theta) or 1)
-    rows = x[[LENGTHS.index(name) for name in plan.inputs]]
-    rows = aligned_copy(np.pad(rows, ((0, 0), (0, -n % LANES)), mode="edge"))
-    tables = aligned_copy(plan.angle_tables(np.asarray(theta)))
-    lengths = {"branch": len(plan.branches)}
-    shapes = [tuple(lengths.get(axis, len(theta)) for axis in output.axes) for output in plan.outputs]
-    arrays = [aligned((n, *shape), output.dtype) for shape, output in zip(shapes, plan.outputs, strict=True)]
-    scratch = [empty((size,)) for size in plan.scratch]
-    call = partial(plan.kernel, rows, tables, n, len(theta), *scratch, *arrays)
-    call()
-    return call, arrays
+    bound = bind_results(plan, LENGTHS, x, theta)
+    return bound, bound.arrays
 
 
 def bind_c(x, theta):
