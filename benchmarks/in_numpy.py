@@ -25,7 +25,10 @@ def last_uses(steps, kept):
 def bind(bound):
     """Return a call of a bound kernel (`engine.Bound`) in NumPy, and the arrays that it fills."""
     plan, (rows, tables, n, K, *_) = bound.plan, bound.arguments
-    arrays, results = [aligned(a.shape, a.dtype) for a in bound.arrays], [o.request.quantity for o in plan.outputs]
+    arrays, results = (
+        [aligned(a.shape, a.dtype) for a in bound.arrays],
+        [o.request.quantity for o in plan.outputs],
+    )
     shared = dict(zip(plan.tables, tables, strict=True))
     shared["branch"] = np.array(plan.branches, dtype=float)[:, None]
     columns = dict(zip(plan.inputs, rows[:, :n, None, None] if K else rows[:, :n], strict=True))
