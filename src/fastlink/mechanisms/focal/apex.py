@@ -11,7 +11,8 @@ from typing import Any
 from fastlink.jit import atan2, select, sqrt
 from fastlink.mechanisms.focal.declare import WUNDERLICH, focal
 from fastlink.mechanisms.focal.drives import either
-from fastlink.mechanisms.focal.points import FIGURES, POSITION, angle, product
+from fastlink.mechanisms.focal.points import FIGURES, POSITION, angle
+from fastlink.mechanisms.planar_4r.rates import product
 from fastlink.mechanisms.planar_4r.slopes import same
 
 

@@ -14,9 +14,10 @@ from fastlink.jit import sqrt
 from fastlink.mechanisms.focal.declare import WUNDERLICH
 from fastlink.mechanisms.focal.drives import by_crank
 from fastlink.mechanisms.focal.dyad import DYAD
-from fastlink.mechanisms.focal.points import FIGURES, POSITION, angle, declare_fifth, declare_T, product
+from fastlink.mechanisms.focal.points import FIGURES, POSITION, angle, declare_fifth, declare_T
 from fastlink.mechanisms.planar_4r import planar_4r
-from fastlink.mechanisms.planar_4r.slopes import opposite, same
+from fastlink.mechanisms.planar_4r.rates import product
+from fastlink.mechanisms.planar_4r.slopes import opposite, opposite_product, same
 
 SIGMA = by_crank.position.name
 #: What the tables of the planar 4R are called here.
@@ -266,11 +267,6 @@ def sine_change(s_s: Any, s_r: Any, s_m: Any, s_p: Any) -> Any:
     return -((s_s / s_m) * (s_r / s_p))
 
 
-def minus_product(x: Any, y: Any) -> Any:
-    """Return minus a product."""
-    return -(x * y)
-
-
 for _set in (None, "graded"):
     for _name, _slope, _need in (
         ("Z", same, "half_sine"),
@@ -279,7 +275,7 @@ for _set in (None, "graded"):
         ("g_y", same, "g_x"),
     ):
         by_crank.derivative(_name, SIGMA, given={"x": _need}, alternative=_set)(_slope)
-    for _name, _change in (("squared_half_sine", product), ("squared_half_cosine", minus_product)):
+    for _name, _change in (("squared_half_sine", product), ("squared_half_cosine", opposite_product)):
         by_crank.derivative(_name, SIGMA, given={"x": "sine_change", "y": "half_sine"}, alternative=_set)(
             _change
         )

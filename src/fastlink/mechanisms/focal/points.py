@@ -17,6 +17,7 @@ from fastlink.jit import atan2
 from fastlink.mechanisms.focal.declare import DESIGN, WUNDERLICH
 from fastlink.mechanisms.focal.design_facts import length_of
 from fastlink.mechanisms.focal.drives import either
+from fastlink.mechanisms.planar_4r.rates import product
 
 POSITION = f"{DESIGN}#position"
 FIGURES = f"{WUNDERLICH}, Figs. 1 and 2"
@@ -30,11 +31,6 @@ def real_part(a_x: Any, a_y: Any, b_x: Any, b_y: Any) -> Any:
 def imaginary_part(a_x: Any, a_y: Any, b_x: Any, b_y: Any) -> Any:
     """Return the second component of the product of two directions."""
     return a_x * b_y + a_y * b_x
-
-
-def product(x: Any, y: Any) -> Any:
-    """Return a product."""
-    return x * y
 
 
 def along(start: Any, length: Any, direction: Any) -> Any:

@@ -14,8 +14,9 @@ from fastlink.jit import sqrt
 from fastlink.mechanisms.borrow import borrow, renaming
 from fastlink.mechanisms.focal.declare import WUNDERLICH, focal
 from fastlink.mechanisms.focal.design_facts import FOUR_BAR, PREFIX
-from fastlink.mechanisms.focal.points import FIGURES, POSITION, declare_fifth, declare_T, product
+from fastlink.mechanisms.focal.points import FIGURES, POSITION, declare_fifth, declare_T
 from fastlink.mechanisms.planar_4r import planar_4r
+from fastlink.mechanisms.planar_4r.rates import product
 
 PHI = focal.position.name
 #: What the planar 4R calls otherwise.
