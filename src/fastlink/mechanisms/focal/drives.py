@@ -5,7 +5,7 @@ What holds of both is declared in both by `either`.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from typing import Any, TypeVar
 
 from fastlink.catalogue import Catalogue, Input
@@ -13,7 +13,22 @@ from fastlink.mechanisms.focal.declare import focal
 
 F = TypeVar("F", bound=Callable[..., Any])
 
-by_crank = Catalogue(
+
+class _ByCrank(Catalogue):
+    """The mechanism by its crank, which tells what belongs to the other drive."""
+
+    def unknown(self, name: str, known: Iterable[str]) -> str:
+        if name == self.position.name:
+            return f"quantity {name!r} is the input, and a coordinate of the result: leave it out"
+        if name in focal.public:
+            return (
+                f"quantity {name!r} is told of input {focal.position.name!r} alone; "
+                f"leave input={self.position.name!r} out, or ask for such as 'dphi_dsigma'"
+            )
+        return super().unknown(name, known)
+
+
+by_crank = _ByCrank(
     f"{focal.name} driven by sigma",
     f"{focal.title}, driven by the crank SF",
     branches={
