@@ -207,3 +207,22 @@ def test_division_by_zero_and_choices_are_as_in_doubles():
         found["status"]
         == fl.sweep("planar_4r", fl.grid(**CRANK | {"a1": 0.5, "a2": 1.0, "a3": 0.5}), ["status"]).status
     )
+
+
+def test_studies_say_how_many_designs_are_verified(folder):
+    study = """
+mechanism = "planar_4r"
+quantities = ["theta4"]
+design = {a1 = 0.4, a2 = {values = [1.0, 1.1, 1.2]}, a3 = 0.8, a4 = 1.0}
+cycle = {theta1 = 8}
+output = {verify = VERIFY}
+"""
+    place = folder / "study.toml"
+    place.write_text(study.replace("VERIFY", "2"))
+    with fl.run_study(place) as maps:
+        assert maps.verified_designs == 2
+    with fl.run_study(place, overwrite=True, verify=0) as maps:
+        assert "verified_designs" not in maps.attrs
+    place.write_text(study.replace("VERIFY", "-1"))
+    with pytest.raises(fl.InputError, match=r"output.verify is -1; write how many designs to compute again"):
+        fl.run_study(place, overwrite=True)

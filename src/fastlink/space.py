@@ -99,6 +99,19 @@ class DesignSpace:
             else:
                 target[:] = self.constants[self._known(name)]
 
+    def some(self, count: int, rng: np.random.Generator) -> NDArray[np.int64]:
+        """Return the numbers of some designs chosen at random, in order; never a list of all: there may be 10^9."""
+        if count >= self.size:
+            return np.arange(self.size)
+        return np.sort(rng.choice(self.size, count, replace=False))
+
+    def at(self, designs: NDArray[np.int64]) -> dict[str, Floats]:
+        """Return every input of the designs with these numbers."""
+        rows = np.empty((len(self.names), designs.size))
+        for k, design in enumerate(designs.tolist()):
+            self.fill(self.names, design, design + 1, rows[:, k : k + 1])
+        return dict(zip(self.names, rows, strict=True))
+
     def with_constants(self, extra: Mapping[str, float]) -> DesignSpace:
         """Return this space with further constants; an input that already has a value keeps it."""
         given = set(self.names)

@@ -22,7 +22,6 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from fastlink.plans import PlanSet
-    from fastlink.space import DesignSpace
 
 __all__ = ["accuracy"]
 
@@ -89,7 +88,8 @@ def accuracy(
     place = None if to is None else check_target(to, 0, overwrite)
     asked = resolve(read.shape.mechanism, read.space, read.shape.quantities, **read.options)
     rng = np.random.default_rng(seed)
-    space = _sample(asked.space, designs, rng)
+    columns = asked.space.at(asked.space.some(designs, rng))
+    space = sampled("table", {}, columns, {"design_kind": "table"})
     measured, left_out = _measurable(asked.plan)
     if not measured:
         raise InputError(
@@ -118,17 +118,6 @@ def accuracy(
     if picture is not None:
         draw(result, picture)
     return result
-
-
-def _sample(space: DesignSpace, count: int, rng: np.random.Generator) -> DesignSpace:
-    """Return some designs of a space, each of its inputs as a column."""
-    chosen = np.arange(space.size)
-    if count < space.size:
-        chosen = np.sort(rng.choice(space.size, count, replace=False))
-    rows = np.empty((len(space.names), chosen.size))
-    for k, design in enumerate(chosen.tolist()):
-        space.fill(space.names, design, design + 1, rows[:, k : k + 1])
-    return sampled("table", {}, dict(zip(space.names, rows, strict=True)), {"design_kind": "table"})
 
 
 def _measurable(plan: PlanSet) -> tuple[list[str], list[str]]:

@@ -67,7 +67,7 @@ def _curves(asked: Asked, designs: int, dtype: str) -> NDArray[Any]:
     """Return the quantity (designs, branches, positions)."""
     catalogue, plan = asked.catalogue, asked.plan
     tables = (catalogue.position.name, *catalogue.tables, *catalogue.table_low_parts)
-    values = {name: column[:, None, None] for name, column in inputs_of(asked, designs).items()}
+    values = {name: column[:, None, None] for name, column in asked.space.at(np.arange(designs)).items()}
     values |= dict(zip(tables, angle_tables(catalogue, tables, asked.positions)[:, None, None], strict=True))
     values["branch"] = np.array(asked.branches, dtype=float)[None, :, None]
     values = {name: value.astype(dtype) for name, value in values.items()}
@@ -77,14 +77,6 @@ def _curves(asked: Asked, designs: int, dtype: str) -> NDArray[Any]:
     shape = (designs, len(asked.branches), asked.positions.size)
     curves: NDArray[Any] = np.broadcast_to(found, shape).astype(float)
     return curves if catalogue.varies(quantity) else curves[:, 0, 0]
-
-
-def inputs_of(asked: Asked, designs: int) -> dict[str, NDArray[Any]]:
-    """Return the inputs of the first designs."""
-    names = asked.space.names
-    rows = np.empty((len(names), designs))
-    asked.space.fill(names, 0, designs, rows)
-    return dict(zip(names, rows, strict=True))
 
 
 def _taken(request: Request, curves: NDArray[Any]) -> NDArray[Any]:
@@ -104,7 +96,7 @@ def sign_of(request: Request) -> float:
 def _extremes(asked: Asked, designs: int, found: Callable[..., float]) -> NDArray[Any]:
     """Return for each design and branch what ``found`` makes of the steps beside the best sample."""
     request, catalogue = asked.plan.outputs[0].request, asked.catalogue
-    curves, inputs = sign_of(request) * _curves(asked, designs, "float64"), inputs_of(asked, designs)
+    curves, inputs = sign_of(request) * _curves(asked, designs, "float64"), asked.space.at(np.arange(designs))
     step = asked.positions[1] - asked.positions[0]
     result = np.full(curves.shape[:2], np.nan)
     for design, k in np.argwhere(np.isfinite(curves).any(axis=-1)).tolist():

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from fastlink.accuracy.outside import inputs_of, sign_of
+from fastlink.accuracy.outside import sign_of
 from fastlink.exact import CONTEXT, Exact
 from fastlink.verify.extremes import outermost
 from fastlink.verify.stationary import Stationary
@@ -54,7 +54,7 @@ def truth_of(subject: Subject, rng: np.random.Generator) -> Truth:
     asked = subject.asked()
     output, catalogue, alternatives = asked.plan.outputs[0], asked.catalogue, asked.plan.alternatives
     count = asked.space.size
-    inputs, k = inputs_of(asked, count), rng.integers(len(asked.branches), size=count)
+    inputs, k = asked.space.at(np.arange(count)), rng.integers(len(asked.branches), size=count)
     branches = np.array(asked.branches, dtype=float)[k]
     request = output.request
     if request.reduction is not None:

@@ -64,17 +64,11 @@ class Verification:
 
     def __init__(self, plan: PlanSet, space: DesignSpace, positions: NDArray[Any], count: int) -> None:
         self.rng = np.random.default_rng(SEED)
-        size = space.size  # never a list of all designs: there may be 10^9
-        designs = np.arange(size) if size <= count else np.sort(self.rng.choice(size, count, replace=False))
-        rows = np.empty((len(space.names), designs.size))
-        for k, design in enumerate(designs):
-            space.fill(space.names, int(design), int(design) + 1, rows[:, k : k + 1])
-        self.designs = designs
+        self.designs = designs = space.some(count, self.rng)
         places = self.rng.integers(len(plan.branches), size=designs.size)
         # A subset of these is a random one, too.
         self.order = self.rng.permutation(designs.size)
-        inputs = dict(zip(space.names, rows[:, self.order], strict=True))
-        self.chosen = Chosen(plan, inputs, positions, places)
+        self.chosen = Chosen(plan, space.at(designs[self.order]), positions, places)
         self._lock = threading.Lock()
         self._kept: list[NDArray[Any]] = []
 
