@@ -9,7 +9,7 @@ import fastlink as fl
 from fastlink.exact import UNIT
 from focal_configurations import DRIVES, family, random_designs
 
-MANY = 20_000
+MANY = 27_000
 POINTS = [f"{point}_{axis}" for point in "ABPQFT" for axis in "xy"]
 BARS = ["s", "r", "FT", "m", "n", "p", "q", "lambda_"]
 DESIGN = ("a", "b", "c", "d", "rho", "completion")
