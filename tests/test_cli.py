@@ -122,7 +122,7 @@ def test_an_interrupt_is_one_line(folder, monkeypatch):
 
 
 @pytest.mark.skipif(os.name != "posix", reason="needs signals")
-def test_an_interrupted_run_leaves_nothing_behind(folder):
+def test_an_interrupted_run_is_kept_to_go_on(folder):
     # 2 10^7 designs: some seconds at the least
     Path("study.toml").write_text(
         STUDY.replace("1.4, 5]", "1.4, 2000]")
@@ -147,9 +147,13 @@ def test_an_interrupted_run_leaves_nothing_behind(folder):
     finally:
         process.kill()
         process.wait()
+        left = sorted(path.name for path in folder.iterdir())
+        Path("study.h5.part").unlink(missing_ok=True)  # of some hundred megabytes
     assert process.returncode == 130
-    assert errors == "fastlink: interrupted\n"
-    assert sorted(path.name for path in folder.iterdir()) == ["study.toml"]
+    interrupted, kept = errors.splitlines()
+    assert interrupted == "fastlink: interrupted"
+    assert kept.endswith("study.h5.part; run the same again to go on")
+    assert left == ["study.h5.part", "study.h5.part.journal", "study.toml"]
 
 
 # -- the other commands ----------------------------------------------------------------------------
