@@ -128,7 +128,7 @@ def outcomes(mechanism: Mechanism, case: Case, branch: int, found: Mapping[str, 
     facts = names if loop is None else (*names, loop)
     exact = Configuration(catalogue, facts, case.inputs | {"branch": branch}, mechanism.held)
     units = exact.roundings()
-    beyond = exact.depending(lambda value: abs(value) > LARGEST)
+    beyond = exact.depending(lambda value: abs(value) > LARGEST, tables=True)
     small = exact.depending(lambda value: 0 < abs(value) < LEAST)
     closes = loop is None or not CONTEXT.isnan(exact.values[loop])
     codes = [name for name in names if catalogue.facts[name].flags]

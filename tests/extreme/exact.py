@@ -79,9 +79,10 @@ class Configuration:
                 sums[quantity] += 0 if CONTEXT.isnan(slope) else slope * rounding
         return sums
 
-    def depending(self, on: Callable[[Any], bool]) -> set[str]:
-        """Return what a value of some kind is met on the way to."""
+    def depending(self, on: Callable[[Any], bool], tables: bool = False) -> set[str]:
+        """Return what a fact (or table) of some kind is met on the way to."""
         found = {step.name for step in self.plain.steps if on(self.values[step.name])}
+        found |= {name for name in self.tables if tables and name in self.values and on(self.values[name])}
         for step in self.plain.steps:
             if found.intersection(step.needs):
                 found.add(step.name)
