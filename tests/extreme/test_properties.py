@@ -42,8 +42,8 @@ def lengths(draw: st.DrawFn, widest: int = 250) -> tuple[list[float], float]:
     alike = st.floats(0.5, 2.0)
     spread = draw(st.sampled_from([alike, alike, *(sized(-k, k) for k in (3, 30, 250) if k <= widest)]))
     found = np.array([draw(spread) for _ in range(4)])
-    size = 2.0 ** draw(st.integers(-1070, 1000)) / np.max(found)
-    return [float(max(length, 5e-324)) for length in found * size], float(np.max(found) * size)
+    size = 2.0 ** draw(st.integers(-1070, 1000))
+    return [float(max(length, 5e-324)) for length in found / np.max(found) * size], size
 
 
 DIRECTION = st.one_of(st.floats(-4.0, 4.0), st.floats(allow_nan=False, allow_infinity=False))
