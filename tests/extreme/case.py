@@ -146,6 +146,10 @@ def outcomes(mechanism: Mechanism, case: Case, branch: int, found: Mapping[str, 
             unit = max(UNIT, max(TINY / case.inputs[length] for length in mechanism.lengths))
             result[name] = _value(found[name], CONTEXT.zero, RESIDUAL * unit / MULTIPLE)
         else:
+            angle = catalogue.facts[name].units == "rad" and catalogue.varies(name)
+            turned = angle and abs(found[name] - float(value)) > np.pi
+            # Next to the straight angle rounding tells pi from -pi.
+            value -= np.sign(float(value)) * 2 * CONTEXT.pi if turned else 0
             result[name] = _value(found[name], value, UNIT * abs(value) + units[name])
     for name in small.intersection(result):
         if not result[name].right:
@@ -172,8 +176,7 @@ def _value(found: float, exact: Any, unit: Any) -> Outcome:
     if not CONTEXT.isfinite(exact):
         # A pole is met but for rounding.
         return Outcome("pole" if abs(found) > POLE else "undetermined, a number", abs(found) > POLE)
-    straight = abs(abs(exact) - CONTEXT.pi) < 1e-40  # on which side is a matter of the 50th digit
-    if exact == found or (straight and abs(found) == np.pi):
+    if exact == found:
         return Outcome("value", True)
     error = abs(CONTEXT.mpf(float(found)) - exact) / (unit + UNDERFLOW)
     return Outcome("value", bool(error <= MULTIPLE), float(error))
