@@ -320,3 +320,14 @@ def test_bad_input_is_one_clear_line():
         with pytest.raises(fl.InputError, match=message) as error:
             fl.sweep("planar_4r", design, quantities, **options)
         assert "\n" not in str(error.value)
+
+
+@pytest.mark.parametrize("crank", [0.3, 0.5])
+def test_angles_of_a_kite_come_to_their_limits_at_the_fold(crank):
+    """At theta1 = 0 the pins A and D of a kite coincide: its angles have limits there, and no values."""
+    space = fl.grid(a1=crank, a2=1.0, a3=1.0, a4=crank)
+    found = fl.sweep("planar_4r", space, ["theta4_max", "theta4_min", "theta2_max", "theta2_min"])
+    for name in ("theta4", "theta2"):
+        # half-turns to the last bit: pi is rounded, and so is the angle next to it
+        np.testing.assert_allclose(found[f"{name}_max"], [0.0, np.pi], atol=2.0**-51)
+        np.testing.assert_allclose(found[f"{name}_min"], [-np.pi, 0.0], atol=2.0**-51)

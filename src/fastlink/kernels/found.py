@@ -133,7 +133,8 @@ def collect_ends(
 ) -> int:
     """Make items of the ends of the range where they may be extreme: at toggles, and where nothing else was found.
 
-    `wanted` says of each quantity whether its ends count: 0 for no, 1 where the first sample is, 2 at the very end.
+    `wanted` says of each quantity whether its ends count: 0 for no, 1 where the first sample is, 2 at the very end,
+    unless the first sample's place is negative: nothing has a value at the end itself then.
     """
     count = 0
     for which in range(wanted.size):
@@ -145,9 +146,9 @@ def collect_ends(
                 empty = empty or best[GREATEST, (which * branches + branch) * LANES + i] == -INFINITY
             for half in range(halves):
                 for upper in range(2):
-                    place = w[starts + upper, i]
-                    if place > 0.0 or empty:
-                        place = 0.0 if wanted[which] == 2 else place
+                    first = w[starts + upper, i]
+                    if first != 0.0 or empty:
+                        place = 0.0 if wanted[which] == 2 and first >= 0.0 else abs(first)
                         count = append_item(ends, count, i, which, half, upper == 1, place, 0.0, place, 0.0)
     return count
 

@@ -64,8 +64,9 @@ def place_samples(w: Any, scale: int, start: int, rows: int, spare: int, cells: 
         b[i] = 1.0 / a[i]
     for j in range(1, cells + 1):
         _sinh_step(low, high, a, b, up, down, w[rows + j], w[rows + cells + 1 + j])
-    w[rows] = w[start]
-    w[rows + cells + 1] = w[start + 1]
+    for i in range(LANES):
+        w[rows, i] = abs(w[start, i])
+        w[rows + cells + 1, i] = abs(w[start + 1, i])
 
 
 @called

@@ -101,6 +101,12 @@ def first_place(limit: Any, scale: Any) -> Any:
     return select(limit >= 0.0, NEAR_TOGGLE * scale, 0.0)
 
 
+def first_place_low(limit: Any, scale: Any, gamma0: Any) -> Any:
+    """Where samples begin at the lower end: minus that place in a kite, whose fold has no direction of AD."""
+    place = NEAR_TOGGLE * scale
+    return select(limit >= 0.0, select((limit == 0.0) & (gamma0 == 0.0), -place, place), 0.0)
+
+
 def is_toggle(limit: Any) -> Any:
     """1 where the range ends at a toggle, else 0."""
     return select(limit > 0.0, 1.0, 0.0)
@@ -109,9 +115,10 @@ def is_toggle(limit: Any) -> Any:
 for _end, _where, _limit in (("low", "lower", "Z0"), ("high", "upper", "C0")):
     _near = {"near": f"near_{_end}", "width": "range_width"}
     _from = {"limit": _limit, "scale": f"scale_{_end}"}
+    _first = (first_place_low, _from | {"gamma0": "gamma0"}) if _end == "low" else (first_place, _from)
     for _name, _part, _meaning, _given in (
         ("scale", grade, "scale of the graded samples", _near),
-        ("start", first_place, "place of the first sample", _from),
+        ("start", _first[0], "place of the first sample", _first[1]),
         ("toggle", is_toggle, "1 for a toggle, else 0", {"limit": _limit}),
     ):
         planar_4r.quantity(
