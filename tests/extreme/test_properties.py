@@ -86,8 +86,9 @@ def hart(draw: st.DrawFn) -> Case:
     return Case("any", {"m": m, "n": n, "d": d, "kappa": ratio, "phi": draw(DIRECTION)})
 
 
-#: As yet wrong where F is next to A, see test_cases.py.
-DOUBTFUL = {"focal": {"chi"}}
+#: chi is as yet wrong where F is next to A, see test_cases.py; Hart's closure is measured relative to bars that may be
+#: 1e15 times shorter than those whose roundings it sums.
+DOUBTFUL = {"focal": {"chi"}, "hart": {"closure_residual"}}
 ANY = {"planar_4r": planar(), "minkowski_4r": minkowski(), "focal": focal(), "hart": hart()}
 
 
