@@ -24,7 +24,9 @@ RESIDUAL = 64
 UNDERFLOW = CONTEXT.mpf(2) ** -1022 / MULTIPLE
 #: What a quotient by rounding errors exceeds.
 POLE = 2.0**50
-LARGEST, LEAST = np.finfo(float).max, np.finfo(float).tiny
+LARGEST = np.finfo(float).max
+#: A fact as small as that may have a factor (a squared length, say) below 2^-1022.
+LEAST = 2.0**-900
 
 
 @dataclass(frozen=True)
@@ -94,8 +96,8 @@ class Outcome:
     Attributes
     ----------
     what : str
-        ``value``, ``nan``, ``inf``, ``pole``, ``code``; ``underflow`` where digits are lost because a product on the
-        way is below 2^-1022; or what is wrong with it.
+        ``value``, ``nan``, ``inf``, ``pole``, ``code``; ``underflow`` where digits are lost and a product on the
+        way may be below 2^-1022; or what is wrong with it.
     right : bool
         Whether it is what must come out.
     error : float
