@@ -44,6 +44,11 @@ class Catalogue(Declarations):
         """The facts that users ask for by name."""
         return {name: fact for name, fact in self.facts.items() if not fact.internal}
 
+    @property
+    def offered(self) -> dict[str, Fact]:
+        """All that users ask for by name: the public facts, and what is made of whole curves."""
+        return self.public | self.curves
+
     def known_inputs(self, alternatives: Iterable[str] = ()) -> dict[str, Input]:
         """Return every input that a design may give, with those of the chosen sets of facts."""
         known = dict(self.inputs)
@@ -102,7 +107,7 @@ class Catalogue(Declarations):
                 return found if needs == found.needs and not above else replace(found, name=name, needs=needs)
             if found is not None:
                 return found
-        fact = self.facts.get(plain)
+        fact = self.facts.get(plain) or self.curves.get(plain)
         return replace(fact, name=name) if fact is not None and above else fact
 
     def _derivative_in(self, name: str) -> tuple[str, str] | None:
@@ -184,7 +189,7 @@ class Catalogue(Declarations):
         """Tell whether a fact changes over the input cycle."""
         if made := self._derivative_in(name) or self.judged_in(name):
             return self.varies(made[0])
-        return self.position.name in self._axes[name]
+        return name in self.curves or self.position.name in self._axes[name]
 
     def check(self) -> None:
         """Raise CatalogueError unless every name is declared and no fact depends on itself."""
@@ -204,8 +209,15 @@ class Catalogue(Declarations):
         for option in ((), *((name,) for name in {*self.alternatives, *self.alternative_inputs})):
             replaced = {name for key in option for name in self.alternatives.get(key, {})}
             known = leaves | (set(self.known_inputs(option)) - replaced)
-            for _ in self.closure(sorted(names), known, option):
-                pass
+            for step in self.closure(sorted(names), known, option):
+                if made := self.curves.keys() & set(step.needs):
+                    raise CatalogueError(
+                        f"{self.name}: {made.pop()} is of whole curves, {step.name} of a position"
+                    )
+        for fact in self.curves.values():
+            for need in fact.needs:
+                if need not in self.public or not self.varies(need):
+                    raise CatalogueError(f"{self.name}: {fact.name} is of {need}, which is no curve")
 
     def is_quantity(self, name: str) -> bool:
         """Tell whether users may ask for a name: a public fact, the derivative of one, the error bound of these."""
@@ -224,8 +236,10 @@ class Catalogue(Declarations):
         InputError
             There is no such quantity.
         """
+        if name in self.curves:
+            return self.curves[name]
         if not self.is_quantity(name):
-            raise InputError(self.unknown(name, self.public))
+            raise InputError(self.unknown(name, self.offered))
         derivative, judged = self._derivative_in(name), self.judged_in(name)
         made = derivative or judged
         if made is None:
@@ -244,6 +258,12 @@ class Catalogue(Declarations):
 
     def unknown(self, name: str, known: Iterable[str]) -> str:
         """Return what to say of a name that is none of the known ones."""
+        for curve in self.curves:
+            if f"_{curve}_" in f"_{name}_":
+                return (
+                    f"quantity {name!r}: {curve} is made of whole curves, and has no extremes, means, derivatives or "
+                    f"error bounds here; ask for {curve}, and take extremes and means of the map"
+                )
         if judged := self.judged_in(name):
             wrong = judged[0]
             return f"quantity {name!r}: {wrong!r} is unknown to {self.name}; {suggest(wrong, self.public)}"

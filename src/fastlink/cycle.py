@@ -93,13 +93,22 @@ LISTS = {"extrema": "value", "extrema_count": "count", "extrema_kind": "kind"}
 
 @dataclass(frozen=True)
 class Request:
-    """A name that was asked for: a quantity, what is taken of it over the cycle, or a list of its extremes."""
+    """A name that was asked for: a quantity, what is taken of it over the cycle, or a list of its extremes.
+
+    `of_curves` tells of a quantity that is made of whole curves, see `Catalogue.over_positions`.
+    """
 
     name: str
     quantity: str
     reduction: Reduction | None = None
     place: bool = False
     listed: str = ""
+    of_curves: bool = False
+
+    @property
+    def is_pointwise(self) -> bool:
+        """Whether a position says something of it by itself: it needs no whole curve at once."""
+        return not (self.of_curves or (self.reduction is not None and self.reduction.whole))
 
     @property
     def can_be_refined(self) -> bool:
@@ -117,6 +126,8 @@ def parse_request(name: str, catalogue: Catalogue) -> Request:
     """
     if catalogue.is_quantity(name):
         return Request(name, name)
+    if name in catalogue.curves:
+        return Request(name, name, of_curves=True)
     prefix = f"{catalogue.position.name}_at_"
     place = name.startswith(prefix)
     quantity, _, suffix = name.removeprefix(prefix).rpartition("_")
@@ -130,7 +141,7 @@ def parse_request(name: str, catalogue: Catalogue) -> Request:
                 return Request(name, quantity, listed=part)
             if part == "value":
                 return Request(name, quantity, listed="place")
-    known = [*catalogue.public, *reduced_names(catalogue)]
+    known = [*catalogue.offered, *reduced_names(catalogue)]
     raise InputError(catalogue.unknown(name, known))
 
 

@@ -32,6 +32,7 @@ class Declarations:
         self.positions = positions
         self.inputs: dict[str, Input] = {}
         self.facts: dict[str, Fact] = {}
+        self.curves: dict[str, Fact] = {}
         self.tables: dict[str, Fact] = {}
         self.table_low_parts: dict[str, str] = {}
         self.alternatives: dict[str, dict[str, Fact | System]] = {}
@@ -102,6 +103,21 @@ class Declarations:
                 self.facts[fact.name] = fact
             else:
                 self.alternatives.setdefault(alternative, {})[fact.name] = fact
+            return function
+
+        return declare
+
+    def over_positions(self, *, units: str, symbol: str, source: str) -> Callable[[F], F]:
+        """Declare a quantity that is made of whole curves: those of public facts, over all positions asked for.
+
+        The function is of NumPy: it takes arrays with the positions in the last axis, NaN where the mechanism does
+        not assemble, and returns such an array, each row by itself. The kernels know nothing of it.
+        """
+
+        def declare(function: F) -> F:
+            fact = self._fact(function, units, symbol, source, False, None)
+            self._check_new(fact.name, None)
+            self.curves[fact.name] = fact
             return function
 
         return declare
@@ -191,6 +207,7 @@ class Declarations:
             taken = (
                 name in self.inputs
                 or name in self.facts
+                or name in self.curves
                 or name in self.tables
                 or name in self.table_low_parts
             )

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any
 from fastlink import geometry
 from fastlink.asked import Asked, resolve
 from fastlink.fact import System
-from fastlink.plans import RefinedPlan
+from fastlink.plans import CurvePlan, RefinedPlan
 from fastlink.study import read_study
 
 if TYPE_CHECKING:
@@ -167,7 +167,7 @@ def explain_request(asked: Asked) -> Explanation:
         tuple(output.name for output in plan.outputs),
         "" if asked.spread is None else f"{asked.spread.name} ({asked.spread.length:,} values)",
         [_kernel(part, asked) for part in plan.parts],
-        tuple(name for name in catalogue.public if name not in made and name not in wanted),
+        tuple(name for name in catalogue.offered if name not in made and name not in wanted),
         sum(name not in made for name in catalogue.facts),
         len(catalogue.facts),
         tuple(dict.fromkeys(table for part in plan.parts for table in _tables(part))),
@@ -186,6 +186,8 @@ def _kernel(part: Plan | RefinedPlan, asked: Asked) -> tuple[str, tuple[str, ...
     gives = ", ".join(output.name for output in part.outputs)
     if isinstance(part, RefinedPlan):
         gives += f"; every extreme of {', '.join(search.quantity for search in part.searches)}"
+    if isinstance(part, CurvePlan):
+        gives += f"; by NumPy, of whole curves of {', '.join(output.name for output in part.curves.outputs)}"
     facts = tuple(name for step in part.steps for name in _names(step))
     loops = _loops(part.source, asked.catalogue.position.name)
     return gives, facts, loops, part.source

@@ -202,7 +202,7 @@ def _ordered(catalogue: Catalogue) -> list[Fact]:
     position = catalogue.position.name
     leaves = (*catalogue.inputs, *catalogue.tables, *catalogue.table_low_parts, BRANCH, position)
     effort: dict[str, int] = {}
-    for name in catalogue.public:
+    for name in catalogue.offered:
         steps = sum(1 for _ in catalogue.closure([name], leaves))
         vector = COMPONENT.sub("", name)
         effort[vector] = max(steps, effort.get(vector, 0))
@@ -211,7 +211,7 @@ def _ordered(catalogue: Catalogue) -> list[Fact]:
         vector = COMPONENT.sub("", fact.name)
         return catalogue.varies(fact.name), effort[vector], vector, fact.name
 
-    return sorted(catalogue.public.values(), key=place)
+    return sorted(catalogue.offered.values(), key=place)
 
 
 def _quantity(fact: Fact, dims: tuple[str, ...]) -> Quantity:

@@ -21,7 +21,7 @@ from fastlink.tables import angle_tables
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-__all__ = ["Kernel", "Plan", "make_plan", "output_of"]
+__all__ = ["Kernel", "Plan", "make_plan", "output_of", "parse_requests"]
 
 # Fewer angles than this leave vector lanes idle when lanes are angles.
 ANGLES_FOR_LANES = 32
@@ -99,10 +99,7 @@ def make_plan(
     InputError
         A name is unknown or asked twice, or an input that the closure needs is not given.
     """
-    requests = [parse_request(name, catalogue) for name in names]
-    for i, request in enumerate(requests):
-        if any(other.name == request.name for other in requests[:i]):
-            raise InputError(f"quantity {request.name!r} is asked for twice; name it once")
+    requests = parse_requests(names, catalogue)
     position = catalogue.position.name
     tables = (position, *catalogue.tables, *catalogue.table_low_parts)
     leaves = (*given, *tables, "branch")
@@ -121,6 +118,15 @@ def make_plan(
     # In the catalogue's order, so that one set of names has one kernel however the design is written.
     inputs = tuple(name for name in catalogue.known_inputs(alternatives) if name in read and name in leaves)
     return Plan(catalogue, outputs, steps, inputs, read_tables, tuple(branches), lanes, tuple(alternatives))
+
+
+def parse_requests(names: Iterable[str], catalogue: Catalogue) -> list[Request]:
+    """Read requested names, each of which is there once."""
+    requests = [parse_request(name, catalogue) for name in names]
+    for i, request in enumerate(requests):
+        if any(other.name == request.name for other in requests[:i]):
+            raise InputError(f"quantity {request.name!r} is asked for twice; name it once")
+    return requests
 
 
 def output_of(request: Request, catalogue: Catalogue, *, refined: bool = False) -> Output:

@@ -2,25 +2,26 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+import inspect
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, fields
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from fastlink.catalogue import Catalogue, System
+from fastlink.catalogue import Catalogue, Fact, System
 from fastlink.closure import Output, RefinedClosure, Search
-from fastlink.cycle import Extrema, Request, parse_request
+from fastlink.cycle import Extrema, Request
 from fastlink.errors import InputError
 from fastlink.kernels import write_refined
-from fastlink.plan import ANGLES_FOR_LANES, Kernel, Plan, make_plan, output_of
+from fastlink.plan import ANGLES_FOR_LANES, Kernel, Plan, make_plan, output_of, parse_requests
 from fastlink.searches import find_jumps, find_search, refined_closures
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-__all__ = ["PlanSet", "RefinedPlan", "make_plans"]
+__all__ = ["CurvePlan", "PlanSet", "RefinedPlan", "make_plans"]
 
 
 class RefinedPlan(RefinedClosure, Kernel):
@@ -36,6 +37,49 @@ class RefinedPlan(RefinedClosure, Kernel):
 
 
 @dataclass(frozen=True)
+class CurvePlan(Plan):
+    """What is made of whole curves: the kernel of a plan gives these, functions of NumPy the results.
+
+    Attributes
+    ----------
+    curves : Plan
+        The plan of the curves.
+    facts : tuple of Fact
+        What is made of them, for each output.
+    """
+
+    curves: Plan
+    facts: tuple[Fact, ...]
+
+    @cached_property
+    def _written(self) -> tuple[str, tuple[int, int]]:  # type: ignore[override]
+        files = (inspect.getmodule(fact.function) for fact in self.facts)
+        texts = (inspect.getsource(file) for file in dict.fromkeys(files) if file is not None)
+        return "\n\n".join((self.curves.source, *texts)), self.curves.scratch
+
+    @cached_property
+    def kernel(self) -> Any:
+        """The compiled kernel of the curves, and the functions."""
+        return self._from(self.curves.kernel)
+
+    @cached_property
+    def relaxed_kernel(self) -> Any:
+        """The same with the kernel of other roundings."""
+        return self._from(self.curves.relaxed_kernel)
+
+    def _from(self, kernel: Callable[..., None]) -> Callable[..., None]:
+        def run(x: NDArray[Any], angles: NDArray[Any], n: int, n_angles: int, *arrays: NDArray[Any]) -> None:
+            scratch, results = arrays[:2], arrays[2:]
+            curves = {o.name: np.empty((n, len(self.branches), n_angles)) for o in self.curves.outputs}
+            kernel(x, angles, n, n_angles, *scratch, *curves.values())
+            with np.errstate(all="ignore"):
+                for fact, result in zip(self.facts, results, strict=True):
+                    result[...] = fact.function(*(curves[need] for need in fact.needs))
+
+        return run
+
+
+@dataclass(frozen=True)
 class PlanSet:
     """The kernels that together give all results.
 
@@ -45,7 +89,7 @@ class PlanSet:
         The mechanism.
     outputs : tuple of Output
         The results, in the order asked.
-    parts : tuple of Plan or RefinedPlan
+    parts : tuple of Plan, CurvePlan or RefinedPlan
         The kernels.
     branches : tuple of int
         The assembly modes.
@@ -110,7 +154,7 @@ def make_plans(
     InputError
         A name is unknown or asked twice, an input is not given, or a quantity cannot be refined.
     """
-    requests = [parse_request(name, catalogue) for name in names]
+    requests = parse_requests(names, catalogue)
     for request in requests:
         if request.name in given:
             raise InputError(
@@ -128,12 +172,14 @@ def make_plans(
                 refined.add(request.name)
             elif request.listed:
                 raise InputError(_not_refined(request, catalogue))
-    sampled = [request.name for request in requests if request.name not in refined]
+    sampled = [r.name for r in requests if r.name not in refined and not r.of_curves]
     outputs = tuple(output_of(r, catalogue, refined=r.name in refined) for r in requests)
     options: dict[str, Any] = {"branches": branches, "alternatives": alternatives, "angles": angles}
     parts: list[Plan | RefinedPlan] = []
     if sampled:
         parts += _split(make_plan(catalogue, sampled, given=given, **options), angles)
+    if of_curves := tuple(output for output in outputs if output.request.of_curves):
+        parts.append(_over_curves(catalogue, of_curves, given, options))
     if searches:
         bounded = {r.quantity for r in requests if r.name in refined and r.can_be_refined}
         jumps = [find_jumps(catalogue, search) for name, search in searches.items() if name in bounded]
@@ -154,6 +200,19 @@ def _not_refined(request: Request, catalogue: Catalogue) -> str:
     return (
         f"quantity {request.name!r}: {request.quantity} of {catalogue.name} has no derivative by "
         f"{catalogue.position.name} here, so its extremes cannot be listed; ask for {request.quantity}_max and _min"
+    )
+
+
+def _over_curves(
+    catalogue: Catalogue, outputs: tuple[Output, ...], given: Sequence[str], options: dict[str, Any]
+) -> CurvePlan:
+    """Return the plan of what is made of whole curves."""
+    facts = tuple(catalogue.curves[output.name] for output in outputs)
+    needs = dict.fromkeys(need for fact in facts for need in fact.needs)
+    curves = make_plan(catalogue, needs, given=given, **options)
+    same = {field.name: getattr(curves, field.name) for field in fields(curves)}
+    return CurvePlan(
+        **same | {"outputs": outputs, "steps": (*curves.steps, *facts)}, curves=curves, facts=facts
     )
 
 

@@ -141,6 +141,11 @@ def evaluate(
     alternatives = alternatives_of(catalogue, links, solver, inputs)
     names = [quantities] if isinstance(quantities, str) else list(quantities)
     for name in names:
+        if name in catalogue.curves:
+            raise InputError(
+                f"evaluate: {name} is made of whole curves, which the given configurations need not be; "
+                "ask fastlink.sweep for it"
+            )
         catalogue.require(name)
     codes = all_choices(catalogue, inputs, alternatives)
     values = constants_of(catalogue, links, alternatives) | {name: of[0] for name, of in codes.items()}

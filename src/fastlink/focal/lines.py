@@ -2,32 +2,12 @@
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
+from typing import Any
 
-import numpy as np
-
+from fastlink.mechanisms.focal.straightness import StraightLine, fitted_line
 from fastlink.planar.designs import broadcast
 
 __all__ = ["StraightLine", "straight_line"]
-
-
-class StraightLine(NamedTuple):
-    """A line through given points, and how far they stand off it.
-
-    Attributes
-    ----------
-    x, y : ndarray
-        A point of the line: the centre of the points [m].
-    direction : ndarray
-        Its direction, in (-pi/2, pi/2] [rad].
-    deviation : ndarray
-        Distance of each point to the left of it [m]; NaN where the point is.
-    """
-
-    x: Any
-    y: Any
-    direction: Any
-    deviation: Any
 
 
 def straight_line(x: Any, y: Any) -> StraightLine:
@@ -45,8 +25,9 @@ def straight_line(x: Any, y: Any) -> StraightLine:
 
     Notes
     -----
-    The greatest distance is ``abs(line.deviation).max(axis=-1)``; `fastlink.planar.straightness` is the half-width of
-    the narrowest strip, which is less.
+    A sweep gives the distances as the quantity ``T_deviation``. The greatest one is
+    ``abs(line.deviation).max(axis=-1)``; `fastlink.planar.straightness` is the half-width of the narrowest strip, which
+    is less.
 
     Examples
     --------
@@ -61,14 +42,4 @@ def straight_line(x: Any, y: Any) -> StraightLine:
     >>> round(float(line.y), 4), round(float(np.abs(line.deviation).max()), 4)
     (4.2537, 0.6453)
     """
-    x, y = broadcast("straight_line", x=x, y=y)
-    there = np.isfinite(x) & np.isfinite(y)
-    count = np.where(there.any(axis=-1), there.sum(axis=-1), np.nan)
-    middle_x, middle_y = (np.where(there, values, 0.0).sum(axis=-1) / count for values in (x, y))
-    along = np.where(there, x - middle_x[..., None], 0.0)
-    across = np.where(there, y - middle_y[..., None], 0.0)
-    squares = ((along - across) * (along + across)).sum(axis=-1)
-    direction = 0.5 * np.arctan2(2.0 * (along * across).sum(axis=-1), squares) + 0.0 * middle_x
-    cosine, sine = np.cos(direction)[..., None], np.sin(direction)[..., None]
-    deviation = np.where(there, across * cosine - along * sine, np.nan)
-    return StraightLine(middle_x, middle_y, direction, deviation)
+    return fitted_line(*broadcast("straight_line", x=x, y=y))

@@ -15,6 +15,7 @@ from fastlink.mechanisms.focal import (
     residuals,
     rocker,
     status,
+    straightness,
 )
 from fastlink.mechanisms.focal.declare import focal
 
@@ -35,6 +36,7 @@ __all__ = [
     "residuals",
     "rocker",
     "status",
+    "straightness",
 ]
 
 focal.check()
