@@ -12,8 +12,8 @@ from focal_configurations import DRIVES, family, rows
 # As for the planar 4R (test_precision.py).
 MULTIPLE = 4
 # What is taken from S: s takes 3 roundings and r about 10, each of its own, while F, whose condition counts, depends on
-# rho through both at once: where S is far away their changes cancel in F, their roundings do not. Of 1218 configurations
-# of these families one is beyond 4 (F_x, 4.3); the worst that was ever met is 6.2 (chi, where S is far away).
+# rho through both at once: where S is far away their changes cancel in F, their roundings do not. Of 1218 of these
+# configurations one is beyond 4 (F_x, 4.3); the worst that was ever met is 6.2 (chi, where S is far away).
 LONG_CHAINS = dict.fromkeys(("sigma", "alpha", "chi", "F_x", "F_y", "T_x", "T_y"), 8)
 # rho near -1 has S and T far away, lambda near 0 (rho is then near -(a/b)^2, or -1) P and Q; near kites P and Q almost
 # meet.

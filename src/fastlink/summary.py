@@ -98,7 +98,9 @@ def _errors(dataset: xr.Dataset) -> list[tuple[str, str]]:
         if texts:
             lines.append((str(name), f"{', '.join(texts)}, of {int(array.attrs['verified_values']):,}"))
     width = max((len(name) for name, _ in lines), default=0)
-    return [("" if k else "largest error", f"{name:<{width}}  {text}") for k, (name, text) in enumerate(lines)]
+    return [
+        ("" if k else "largest error", f"{name:<{width}}  {text}") for k, (name, text) in enumerate(lines)
+    ]
 
 
 def aligned(rows: list[tuple[str, str]]) -> str:
