@@ -43,6 +43,20 @@ def accuracy_table(measured: xr.Dataset) -> str:
     """Return the result of `fastlink.accuracy` as lines of text, the fastest way first.
 
     A star marks the ways that no other one beats in both error and time.
+
+    Examples
+    --------
+    >>> import xarray as xr
+    >>> of_one = {"error_max": 4e-16, "error_99": 3e-16, "error_median": 1e-16, "ns_per_design": 335.0}
+    >>> counts = {"missed": 0, "values": 64, "pareto": 1}
+    >>> measured = xr.Dataset(
+    ...     {name: (("way", "quantity"), [[value]]) for name, value in (of_one | counts).items()},
+    ...     {"way": ["refined"], "quantity": ["omega4_max"]},
+    ... )
+    >>> print(accuracy_table(measured))
+    omega4_max
+       way      ns/design  largest     99 %   median   missed
+    *  refined        335  4.0e-16  3.0e-16  1.0e-16  0 of 64
     """
     head = ("", "way", "ns/design", "largest", "99 %", "median", "missed")
     blocks = []
