@@ -245,6 +245,14 @@ def test_T_deviation_of_a_straight_line_is_zero():
     assert line.direction == pytest.approx(np.arctan2(-1.0, 2.0), abs=10 * UNIT)
 
 
+@pytest.mark.parametrize("power", [-900, -500, 500, 900])
+def test_the_straight_line_has_the_same_bits_in_any_units(power):
+    x, y = np.random.default_rng(11).normal(size=(2, 5, 40)) * np.array([[[1.0]], [[1e-9]]])
+    plain, scaled = (fl.focal.straight_line(np.ldexp(x, k), np.ldexp(y, k)) for k in (0, power))
+    np.testing.assert_array_equal(scaled.direction, plain.direction)
+    np.testing.assert_array_equal(scaled.deviation, np.ldexp(plain.deviation, power))
+
+
 def test_the_straight_line_has_the_least_sum_of_squares():
     x, y = np.random.default_rng(8).normal(size=(2, 20, 40)) * np.array([[[2.0]], [[1.0]]])
     line = fl.focal.straight_line(x, y)

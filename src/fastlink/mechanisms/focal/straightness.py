@@ -37,10 +37,13 @@ def fitted_line(x: Any, y: Any) -> StraightLine:
     middle_x, middle_y = (np.where(there, values, 0.0).sum(axis=-1) / count for values in (x, y))
     along = np.where(there, x - middle_x[..., None], 0.0)
     across = np.where(there, y - middle_y[..., None], 0.0)
+    # over a power of two, so that no square leaves the range of doubles
+    power = np.frexp(np.maximum(abs(along), abs(across)).max(axis=-1))[1]
+    along, across = (np.ldexp(values, -power[..., None]) for values in (along, across))
     squares = ((along - across) * (along + across)).sum(axis=-1)
     direction = 0.5 * np.arctan2(2.0 * (along * across).sum(axis=-1), squares) + 0.0 * middle_x
     cosine, sine = np.cos(direction)[..., None], np.sin(direction)[..., None]
-    deviation = np.where(there, across * cosine - along * sine, np.nan)
+    deviation = np.where(there, np.ldexp(across * cosine - along * sine, power[..., None]), np.nan)
     return StraightLine(middle_x, middle_y, direction, deviation)
 
 
