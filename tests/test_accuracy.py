@@ -131,7 +131,7 @@ def test_dense_and_eliminated_reactions(folder_of_study):
         (
             {'"omega4_max", "transmission_angle", ': ""},
             {},
-            "none is a curve, a fact of the design, or NAME_max",
+            "none is told of single positions or of the design, or is NAME_max",
         ),
         ({"omega1": "omega"}, {}, "design.omega: "),
     ],

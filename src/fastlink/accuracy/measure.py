@@ -108,7 +108,7 @@ def accuracy(
     measured, left_out = _measurable(asked.plan)
     if not measured:
         raise InputError(
-            f"{study}: quantities: none is a curve, a fact of the design, or NAME_max or NAME_min"
+            f"{study}: quantities: none is told of single positions or of the design, or is NAME_max or NAME_min"
         )
     rows: dict[tuple[str, str], dict[str, float]] = {}
     for quantity in measured:
