@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Any
 from fastlink import geometry
 from fastlink.asked import Asked, resolve
 from fastlink.fact import System
+from fastlink.jit import TEXTS
 from fastlink.plans import CurvePlan, RefinedPlan
 from fastlink.study import read_study
 
@@ -273,7 +274,8 @@ def _is_constant(node: ast.AST) -> bool:
 def _helper(name: str) -> Counter[str]:
     """Return what a function of `fastlink.geometry` does."""
     work: Counter[str] = Counter()
-    tree = ast.parse(textwrap.dedent(inspect.getsource(getattr(geometry, name))))
+    function = getattr(geometry, name)
+    tree = ast.parse(textwrap.dedent(inspect.getsource(TEXTS.get(function, function))))
     for node in ast.walk(tree):
         if isinstance(node, (ast.Assign, ast.Return)) and node.value is not None:
             _count(ast.Assign([], node.value), work)
