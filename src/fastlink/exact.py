@@ -80,14 +80,15 @@ class Exact:
         return self._follow({**base, **changes}, changed, self.steps_after(*changes))
 
     def condition(self, base: Mapping[str, Any], inputs: Iterable[str]) -> dict[str, Any]:
-        """Return for each name the sum of |x df/dx| over the inputs x."""
+        """Return for each name the sum of |x df/dx| over the inputs x; of those beside which f has a value."""
         sums = dict.fromkeys(self.names, CONTEXT.zero)
         for name in inputs:
             if base[name] == 0:
                 continue
             moved = self.moved(base, {name: base[name] * (1 + STEP)})
             for quantity in self.names:
-                sums[quantity] += abs(moved[quantity] - base[quantity]) / STEP
+                change = abs(moved[quantity] - base[quantity])
+                sums[quantity] += CONTEXT.zero if CONTEXT.isnan(change) else change / STEP
         return sums
 
     def _follow(self, known: dict[str, Any], changed: str, steps: Iterable[Fact | System]) -> dict[str, Any]:
