@@ -86,11 +86,12 @@ def test_none_is_missed_and_each_is_right_to_rounding(family, n):
 
 
 def test_close_pairs_are_found():
-    for quantity, text in CLOSE_PAIRS:
-        lengths = np.array([[float.fromhex(length)] for length in text.split()])
-        counted = [point.branch for point in extrema(lengths[:, 0], quantity)]
-        _, _, count, _ = found(lengths, [quantity])[quantity]
-        assert count[0].tolist() == [counted.count(1), counted.count(2)], (quantity, text)
+    lengths = np.array([[float.fromhex(length) for length in text.split()] for _, text in CLOSE_PAIRS]).T
+    engine = found(lengths, RATES)
+    for i, (quantity, text) in enumerate(CLOSE_PAIRS):
+        counted = [point.branch for point in extrema(lengths[:, i], quantity)]
+        _, _, count, _ = engine[quantity]
+        assert count[i].tolist() == [counted.count(1), counted.count(2)], (quantity, text)
 
 
 @pytest.mark.parametrize(

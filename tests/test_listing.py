@@ -9,7 +9,9 @@ import pytest
 
 import fastlink as fl
 from fastlink import listing
+from fastlink.asked import resolve
 from fastlink.cycle import REDUCTIONS
+from fastlink.labelling import variable
 from fastlink.listing import Quantity, QuantityList, document
 from fastlink.mechanisms import NAMES
 from fastlink.mechanisms import catalogue as find_catalogue
@@ -38,11 +40,14 @@ SPACES = {
 
 @pytest.fixture(scope="module")
 def results():
-    """Every public quantity of each mechanism, over a swept input."""
+    """What a sweep says of every public quantity of each mechanism, over a swept input; nothing is compiled."""
     found = {}
     for mechanism, (inputs, options) in SPACES.items():
-        names = [row.name for row in fl.quantities(mechanism)]
-        found[mechanism] = fl.sweep(mechanism, fl.grid(**inputs), names, **options)
+        asked = resolve(
+            mechanism, fl.grid(**inputs), [row.name for row in fl.quantities(mechanism)], **options
+        )
+        labels = (asked.plan, asked.space, asked.positions.size)
+        found[mechanism] = {output.name: variable(output, *labels) for output in asked.plan.outputs}
     return found
 
 

@@ -7,6 +7,7 @@ import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 
 import fastlink as fl
+from fastlink.asked import resolve
 from fastlink.degree import degrees
 from fastlink.mechanisms import catalogue
 from fastlink.spread import Spread
@@ -77,8 +78,8 @@ def test_any_speed_is_within_rounding():
     ],
 )
 def test_no_axis_is_used_that_does_more_than_scale(given, asked):
-    found = sweep(asked, **{"a1": 0.4, "a2": 1.1, "a3": 0.8, "a4": 1.0, **given})
-    assert "scaling_axis" not in found.attrs
+    space = fl.grid(**{"a1": 0.4, "a2": 1.1, "a3": 0.8, "a4": 1.0, **given})
+    assert resolve("planar_4r", space, asked, links=BAR).spread is None
 
 
 def test_density_scales_forces_and_leaves_rates():
