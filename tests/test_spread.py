@@ -74,6 +74,7 @@ def test_any_speed_is_within_rounding():
         ({"omega1": [0.0, 2.0]}, ["omega4_max"]),
         ({"omega1": [1.0, 2.0], "gravity_y": -9.81}, ["T41_max"]),
         ({"omega1": 2.0, "a2": [1.1, 1.2]}, ["omega4_max"]),
+        ({"omega1": [1.0, 2.0]}, ["omega4", "omega4_error"]),
         ({"omega1": 2.0, "P_u": [0.1, 0.2], "P_v": 0.1}, ["P_x_max"]),
     ],
 )

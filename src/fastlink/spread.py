@@ -133,6 +133,8 @@ def _powers(plan: PlanSet, space: DesignSpace, name: str) -> list[float] | None:
         return None
     tables = (catalogue.position.name, *catalogue.tables, *catalogue.table_low_parts)
     asked = [output.request.quantity for output in plan.outputs]
+    if any(catalogue.judged_in(quantity) for quantity in asked):
+        return None  # an error bound knows nothing of the rounding of one more product
     found = degrees(catalogue.closure(asked, (*space.names, *tables, "branch"), plan.alternatives), name)
     powers = [_power(output, found) for output in plan.outputs]
     return None if None in powers else [power for power in powers if power is not None]
