@@ -83,7 +83,8 @@ class Asked:
         for name, values in sorted({**space.axes, **space.columns}.items()):
             digest.update(name.encode() + values.tobytes())
         digest.update(repr([self.branches, *(o.name for o in self.plan.outputs)]).encode())
-        return hashlib.sha256(digest.digest() + self.positions.tobytes()).hexdigest()
+        digest.update(self.positions.tobytes())
+        return digest.hexdigest()
 
     @property
     def evaluated(self) -> DesignSpace:
