@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from benchmarks.inputs import CASES, INPUTS, aligned_copy, designs, empty
-from fastlink.kernels import LANES
+from fastlink.codegen import LANES
 from fastlink.mechanisms import catalogue
 from fastlink.plan import Plan, make_plan
 from fastlink.plans import RefinedPlan

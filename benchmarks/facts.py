@@ -12,7 +12,8 @@ import numpy as np
 
 from benchmarks import dense_baseline, engine, errors
 from benchmarks.inputs import CASES, angle_tables, designs, empty, race
-from fastlink.jit import KERNEL_OPTIONS, atan2
+from fastlink.numerics.compiler import KERNEL_OPTIONS
+from fastlink.numerics.elementary import atan2
 
 ROOT = Path(__file__).parents[1]
 LIBRARIES = "import numba, xarray, h5netcdf"

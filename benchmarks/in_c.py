@@ -15,8 +15,8 @@ import textwrap
 from pathlib import Path
 
 from benchmarks import c_kernel
-from fastlink import jit
-from fastlink.kernels import LANES
+from fastlink.codegen import LANES
+from fastlink.numerics.compiler import COMPILED_AS
 from fastlink.run import aligned
 
 HEADER = """#include <math.h>
@@ -250,7 +250,7 @@ class _Module:
 
 def _compiled(function):
     """Return the function whose text is compiled for this one."""
-    return jit._magnitudes_atan2 if function is jit.atan2 else jit.TEXTS.get(function, function)
+    return COMPILED_AS.get(function, function)
 
 
 def _tree(function):

@@ -20,11 +20,11 @@ from configurations import (
     random_lengths,
     reference,
 )
-from fastlink import geometry
 from fastlink.catalogue import Catalogue, CatalogueError
 from fastlink.derivative import RULES
 from fastlink.errors import InputError
 from fastlink.fact import Input, statements
+from fastlink.numerics import compensated, vectors
 from fastlink.plan import make_plan
 from fastlink.reading import read_facts
 from test_precision import MULTIPLE, QUANTITIES, family
@@ -295,4 +295,4 @@ def test_every_function_of_geometry_has_a_rule_or_can_be_read():
     piecewise = {"power_of_two_below", "zero_where"}
     read = {"cross", "largest", "magnitude", "sign", "square_sum", "turn_rate"}
     assert exact | piecewise == {function.__name__ for function in RULES}
-    assert exact | piecewise | read == set(geometry.__all__)
+    assert exact | piecewise | read == {*compensated.__all__, *vectors.__all__}

@@ -10,20 +10,20 @@ import numpy as np
 import pytest
 
 from configurations import UNIT
-from fastlink import geometry, jit
+from fastlink.numerics import compensated, elementary
 
 
 @numba.njit(error_model="numpy")
 def compiled_atan2(y, x, out):
     for i in range(y.size):
-        out[i] = jit.atan2(y[i], x[i])
+        out[i] = elementary.atan2(y[i], x[i])
 
 
 def both_readings(y, x):
     compiled = np.empty_like(y)
     compiled_atan2(y, x, compiled)
     with np.errstate(all="ignore"):
-        plain = jit.atan2(y, x)
+        plain = elementary.atan2(y, x)
     np.testing.assert_array_equal(compiled.view(np.int64), plain.view(np.int64))
     return compiled
 
@@ -64,7 +64,7 @@ def test_gap_keeps_twice_the_working_precision():
     for _ in range(500):
         a, b, c = (float(v) for v in rng.uniform(0.5, 2.0, 3))
         d = float(-(a + b + c) + rng.choice([0.0, 1e-16, 1e-12, 1e-3]) * rng.normal())
-        high, low = geometry.gap(a, b, c, d)
+        high, low = compensated.gap(a, b, c, d)
         with mp.workdps(60):
             exact = mp.mpf(a) + b + c + d
             # Three two-sums are exact; only the last additions of errors round, each below 2^-105 of the terms.
@@ -78,7 +78,7 @@ def test_gap_keeps_twice_the_working_precision():
 def test_two_product_is_exact():
     rng = np.random.default_rng(3)
     for a, b in rng.normal(size=(300, 2)) * np.exp(rng.uniform(-100, 100, (300, 1))):
-        p, e = geometry.two_product(float(a), float(b))
+        p, e = compensated.two_product(float(a), float(b))
         with mp.workdps(60):
             assert mp.mpf(p) + mp.mpf(e) == mp.mpf(float(a)) * mp.mpf(float(b))
 
@@ -88,7 +88,7 @@ def test_gap_product_quotient_has_thirty_digits():
     for _ in range(300):
         f, g, x, y = (float(v) for v in rng.uniform(0.1, 2.0, 4))
         f_low, g_low = f * UNIT * 0.3, -g * UNIT * 0.4
-        high, low = geometry.gap_product_quotient(f, f_low, g, g_low, x, y)
+        high, low = compensated.gap_product_quotient(f, f_low, g, g_low, x, y)
         with mp.workdps(60):
             exact = (mp.mpf(f) + f_low) * (mp.mpf(g) + g_low) / (4 * mp.mpf(x) * y)
             # Each of the dropped terms is of second order in the rounding unit; there are fewer than 16.
@@ -97,19 +97,19 @@ def test_gap_product_quotient_has_thirty_digits():
 
 def test_power_of_two_below():
     for x in [1.0, 1.5, 1.9999999999999998, 2.0, 3e-150, 7e150, 0.4]:
-        assert geometry.power_of_two_below(x) == 2.0 ** np.floor(np.log2(x))
+        assert compensated.power_of_two_below(x) == 2.0 ** np.floor(np.log2(x))
 
 
 def test_square_root_below_zero_is_nan_in_every_reading():
-    assert mp.isnan(jit.sqrt(mp.mpf(-1)))
+    assert mp.isnan(elementary.sqrt(mp.mpf(-1)))
     with np.errstate(invalid="ignore"):
-        assert np.isnan(jit.sqrt(-1.0))
+        assert np.isnan(elementary.sqrt(-1.0))
 
 
 @numba.njit(error_model="numpy")
 def compiled_direction(x, cosines, sines):
     for i in range(x.size):
-        cosines[i], sines[i] = jit.cosine(x[i]), jit.sine(x[i])
+        cosines[i], sines[i] = elementary.cosine(x[i]), elementary.sine(x[i])
 
 
 def test_cosine_and_sine_are_within_two_units_in_the_last_place_and_one_text():
@@ -121,8 +121,8 @@ def test_cosine_and_sine_are_within_two_units_in_the_last_place_and_one_text():
     cosines, sines = np.empty(x.size + 4), np.empty(x.size + 4)
     compiled_direction(np.append(x, beyond), cosines, sines)
     assert np.isnan([*cosines[-4:], *sines[-4:]]).all()
-    np.testing.assert_array_equal(cosines[:-4], jit.cosine(x))
-    np.testing.assert_array_equal(sines[:-4], jit.sine(x))
+    np.testing.assert_array_equal(cosines[:-4], elementary.cosine(x))
+    np.testing.assert_array_equal(sines[:-4], elementary.sine(x))
     with mp.workdps(40):
         for angle, c, s in zip(x, cosines, sines, strict=False):
             exact = mp.mpf(float(angle))

@@ -20,8 +20,8 @@ from fastlink.catalogue import Catalogue
 from fastlink.error_rules import UNIT, WORDS, U
 from fastlink.errors import InputError
 from fastlink.fact import Input
-from fastlink.geometry import gap, pair_product
 from fastlink.mechanisms import NAMES, catalogue
+from fastlink.numerics.compensated import gap, pair_product
 from fastlink.reading import read_facts
 from fastlink.tables import _tabled, angle_tables
 from test_precision import FAMILIES, family

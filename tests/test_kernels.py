@@ -14,7 +14,7 @@ import pytest
 import fastlink as fl
 from configurations import PLANAR
 from fastlink.catalogue import Catalogue, Input
-from fastlink.kernels import compiled
+from fastlink.codegen import compiled
 from fastlink.mechanisms import NAMES, catalogue
 from fastlink.plan import make_plan
 from fastlink.plans import make_plans
@@ -63,7 +63,7 @@ def assembly():
             assert plan.lanes == lanes
             namespace = {}
             exec(compile(plan.source, f"<{name}>", "exec"), namespace)
-            from fastlink.jit import compile_kernel
+            from fastlink.numerics.elementary import compile_kernel
 
             kernel = compile_kernel(namespace["kernel"], compiled.signature(plan), cache=False)
             texts[name] = kernel.inspect_asm(kernel.signatures[0])

@@ -9,7 +9,7 @@ import numba
 import numpy as np
 import pytest
 
-from fastlink import logarithm
+from fastlink.numerics import logarithm
 
 FUNCTIONS = {"log": mp.log, "log1p": mp.log1p, "arsinh": mp.asinh}
 SPECIAL = np.array([0.0, -0.0, 1.0, np.inf, -np.inf, np.nan, -1.0, -2.0, 5e-324, 2.2e-308, 1.7e308])

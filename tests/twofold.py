@@ -10,21 +10,21 @@ from typing import Any
 
 import numpy as np
 
-from fastlink import geometry
-from fastlink.geometry import two_sum
+from fastlink.numerics import compensated
+from fastlink.numerics.compensated import two_sum
 
 
 def two_product(a, b):
     """Return the rounded product and its rounding error, of great numbers too."""
     # splitting what is greater would overflow
     up, other = (np.where(np.abs(x) > 2.0**900, 2.0**100, 1.0) for x in (a, b))
-    p, e = geometry.two_product(a / up, b / other)
+    p, e = compensated.two_product(a / up, b / other)
     return p * up * other, e * up * other
 
 
 @dataclass(frozen=True, eq=False)
 class Truth:
-    """Truth values that `fastlink.jit.select` chooses by, and what they are to a function that asks but once."""
+    """Truth values that `select` chooses by, and what they are to a function that asks but once."""
 
     values: Any
     alone: bool = True
@@ -143,7 +143,7 @@ def rounded(x):
 
 
 class Functions:
-    """The elementary functions of `fastlink.jit` for these numbers."""
+    """The elementary functions of `fastlink.numerics.elementary` for these numbers."""
 
     nan, inf, ln2 = (
         np.nan,

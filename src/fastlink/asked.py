@@ -8,9 +8,9 @@ from dataclasses import dataclass
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
+from fastlink.codegen.kernel import kernel_key
 from fastlink.cycle import with_lists
 from fastlink.errors import InputError
-from fastlink.kernels import kernel_key
 from fastlink.mechanisms import catalogue as find_catalogue
 from fastlink.plans import PlanSet, make_plans
 from fastlink.request import (
@@ -77,7 +77,7 @@ class Asked:
         """What tells the numbers that result from all others: kernels, designs, input positions."""
         digest = hashlib.sha256()
         for part in self.plan.parts:
-            digest.update(kernel_key(part.source).encode())
+            digest.update(kernel_key(part.written).encode())
         space = self.space
         digest.update(repr((space.dims, space.shape, sorted(space.constants.items()))).encode())
         for name, values in sorted({**space.axes, **space.columns}.items()):
@@ -97,7 +97,7 @@ class Asked:
         return [
             Part(
                 part.relaxed_kernel if relaxed else part.kernel,
-                part.scratch,
+                part.written.scratch,
                 len(part.inputs),
                 part.angle_tables(self.positions),
                 tuple(places[output.name] for output in part.outputs),

@@ -24,10 +24,9 @@ __all__ = ["LISTS", "REDUCTIONS", "Reduction", "Request", "parse_request"]
 class Reduction:
     """One way to take a number from a quantity's cycle.
 
-    Choices are by `select`: numba compiles a conditional expression as branches, 58 extremes in 10 s instead of 5.
     `update` and `finish` are kernel text over ``{value}`` (the quantity here), ``{acc}`` (the accumulator),
     ``{place}`` (that of the input position) and ``{count}`` (that of the configurations that assemble). Where the whole
-    curve is needed at once, `whole` names the function of `fastlink.kernels.whole` that takes it instead.
+    curve is needed at once, `whole` names the function of `fastlink.codegen.runtime.fluctuation` that takes it instead.
     """
 
     suffix: str

@@ -28,7 +28,7 @@ class Degree:
 
     @property
     def context(self) -> _Functions:
-        """The functions of `fastlink.jit` for such numbers."""
+        """The functions of `fastlink.numerics.elementary` for such numbers."""
         return _Functions()
 
     def _sum(self, other: Any) -> Degree:
@@ -75,11 +75,11 @@ class _Condition:
     __rand__ = __or__ = __ror__ = __and__
 
     def __bool__(self) -> bool:
-        """Let `fastlink.jit.sqrt` go on, which asks whether its argument is negative."""
+        """Let `fastlink.numerics.elementary.sqrt` go on, which asks whether its argument is negative."""
         return True
 
     def choose(self, if_true: Any, if_false: Any) -> Any:
-        """Return what `fastlink.jit.select` gives."""
+        """Return what `fastlink.numerics.elementary.select` gives."""
         if isinstance(if_true, Degree):
             return if_true + if_false
         return if_false + if_true if isinstance(if_false, Degree) else Degree(0.0)

@@ -14,12 +14,12 @@ from dataclasses import replace
 from itertools import count
 from typing import Any
 
-from fastlink import geometry
 from fastlink.errors import InputError
 from fastlink.fact import Fact, Input, System
 from fastlink.graph import Graph, Node, is_power_of_two
-from fastlink.jit import INFINITY, NOT_A_NUMBER, atan2, cosine, select, sine, sqrt
-from fastlink.logarithm import log, log1p, log_quotient
+from fastlink.numerics import compensated, vectors
+from fastlink.numerics.elementary import INFINITY, NOT_A_NUMBER, atan2, cosine, select, sine, sqrt
+from fastlink.numerics.logarithm import log, log1p, log_quotient
 
 __all__ = ["Derivation", "NoDerivative", "derivative_name", "in_a_sentence", "labelled", "made_function"]
 
@@ -117,16 +117,16 @@ def _of_second(graph: Graph, args: Sequence[Node], slopes: Sequence[Node], value
     return slopes[1]
 
 
-#: Functions of `geometry` with a rule of their own; all others are read. Of an unevaluated sum (high, low) the first
-#: carries the derivative: the second is what rounding lost.
+#: Functions of `fastlink.numerics` with a rule of their own; all others are read. Of an unevaluated sum (high, low) the
+#: first carries the derivative: the second is what rounding lost.
 RULES: dict[Any, Rule] = {
-    geometry.two_sum: _of_sum,
-    geometry.gap: _of_sum,
-    geometry.two_product: _of_product,
-    geometry.pair_product: _of_pair_product,
-    geometry.gap_product_quotient: _of_gap_product_quotient,
-    geometry.power_of_two_below: _of_constant,
-    geometry.zero_where: _of_second,
+    compensated.two_sum: _of_sum,
+    compensated.gap: _of_sum,
+    compensated.two_product: _of_product,
+    compensated.pair_product: _of_pair_product,
+    compensated.gap_product_quotient: _of_gap_product_quotient,
+    compensated.power_of_two_below: _of_constant,
+    vectors.zero_where: _of_second,
 }
 
 
@@ -273,7 +273,7 @@ class Derivation:
         if function is log1p:
             return graph.div(slopes[0], graph.add(graph.one, args[0]))
         if function is atan2:
-            return graph.call(geometry.turn_rate, *args, *slopes)
+            return graph.call(vectors.turn_rate, *args, *slopes)
         if function is abs:
             negative = graph.node("<", args[0], graph.zero)
             return graph.select(negative, graph.neg(slopes[0]), slopes[0])
@@ -307,7 +307,7 @@ def made_function(
 
 #: What a text may name.
 FUNCTIONS: dict[str, Any] = {
-    **{name: getattr(geometry, name) for name in geometry.__all__},
+    **{name: getattr(module, name) for module in (compensated, vectors) for name in module.__all__},
     "sqrt": sqrt,
     "atan2": atan2,
     "cosine": cosine,

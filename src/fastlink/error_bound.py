@@ -16,9 +16,9 @@ from fastlink.error_paths import Paths, is_size, is_smooth
 from fastlink.error_rules import Bound, Lost, Rules, U
 from fastlink.errors import InputError
 from fastlink.fact import Fact, Input, System
-from fastlink.geometry import two_sum
 from fastlink.graph import Node, is_power_of_two
-from fastlink.jit import INFINITY, select
+from fastlink.numerics.compensated import two_sum
+from fastlink.numerics.elementary import INFINITY, select
 
 __all__ = ["ERROR", "TRUST", "ErrorBounds", "labelled_error", "trust_of"]
 

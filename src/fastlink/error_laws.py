@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from fastlink.jit import PI, select, sqrt
+from fastlink.numerics.elementary import PI, select, sqrt
 
 __all__ = [
     *("of_direction", "of_logarithm", "of_product", "of_quotient", "of_root"),

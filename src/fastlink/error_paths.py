@@ -9,7 +9,7 @@ from __future__ import annotations
 from fastlink.error_laws import root_slope, root_slope_of_squares
 from fastlink.error_rules import UNIT, Rules
 from fastlink.graph import Node
-from fastlink.jit import sqrt
+from fastlink.numerics.elementary import sqrt
 
 __all__ = ["Paths", "is_size", "is_smooth"]
 

@@ -12,7 +12,8 @@ from dataclasses import dataclass, field, replace
 from functools import partial
 
 from fastlink.error_laws import of_direction, of_logarithm, of_product, of_quotient, of_root
-from fastlink.geometry import (
+from fastlink.graph import Graph, Node, is_power_of_two
+from fastlink.numerics.compensated import (
     gap,
     gap_product_quotient,
     pair_product,
@@ -20,9 +21,21 @@ from fastlink.geometry import (
     two_product,
     two_sum,
 )
-from fastlink.graph import Graph, Node, is_power_of_two
-from fastlink.jit import atan2, cos, cosh, cosine, doubled, doublings, exp, select, sin, sine, sinh, sqrt
-from fastlink.logarithm import arsinh, log, log1p, log_quotient
+from fastlink.numerics.elementary import (
+    atan2,
+    cos,
+    cosh,
+    cosine,
+    doubled,
+    doublings,
+    exp,
+    select,
+    sin,
+    sine,
+    sinh,
+    sqrt,
+)
+from fastlink.numerics.logarithm import arsinh, log, log1p, log_quotient
 
 __all__ = ["UNIT", "Bound", "Lost", "Rules", "U"]
 

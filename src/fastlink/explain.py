@@ -12,10 +12,10 @@ from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from fastlink import geometry
 from fastlink.asked import Asked, resolve
 from fastlink.fact import System
-from fastlink.jit import TEXTS
+from fastlink.numerics import compensated, vectors
+from fastlink.numerics.compiler import COMPILED_AS
 from fastlink.plans import CurvePlan, RefinedPlan
 from fastlink.study import read_study
 
@@ -37,6 +37,7 @@ OPERATIONS = {
 PLACES = "each step of a search; each sample where these are not listed"
 CALLS = {"select": "choices", "sqrt": "sqrt", "abs": "+ -"}
 ELEMENTARY = ("atan2", "cosine", "sine", "log_quotient", "arsinh")
+HELPERS = {name: getattr(module, name) for module in (compensated, vectors) for name in module.__all__}
 KINDS = ("+ -", "*", "/", "sqrt", "choices", "atan2, log, cos", "loads", "stores")
 
 
@@ -250,7 +251,7 @@ def _count(statement: ast.Assign, work: Counter[str]) -> None:
                 work["atan2, log, cos"] += 1
             elif name in CALLS:
                 work[CALLS[name]] += 1
-            elif hasattr(geometry, name):
+            elif name in HELPERS:
                 work.update(_helper(name))
         operation = getattr(node, "op", node)
         if isinstance(node, (ast.operator, ast.unaryop)) or _is_constant(node):
@@ -263,7 +264,7 @@ def _count(statement: ast.Assign, work: Counter[str]) -> None:
 def _is_constant(node: ast.AST) -> bool:
     """Tell whether the compiler knows a value: a number, a constant of the module, what is made of such."""
     if isinstance(node, ast.Name):
-        return isinstance(getattr(geometry, node.id, None), float)
+        return any(isinstance(getattr(module, node.id, None), float) for module in (compensated, vectors))
     if isinstance(node, (ast.BinOp, ast.UnaryOp)):
         operands = (node.left, node.right) if isinstance(node, ast.BinOp) else (node.operand,)
         return all(_is_constant(operand) for operand in operands)
@@ -272,10 +273,10 @@ def _is_constant(node: ast.AST) -> bool:
 
 @cache
 def _helper(name: str) -> Counter[str]:
-    """Return what a function of `fastlink.geometry` does."""
+    """Return what a function of `fastlink.numerics.compensated` does."""
     work: Counter[str] = Counter()
-    function = getattr(geometry, name)
-    tree = ast.parse(textwrap.dedent(inspect.getsource(TEXTS.get(function, function))))
+    function = HELPERS[name]
+    tree = ast.parse(textwrap.dedent(inspect.getsource(COMPILED_AS.get(function, function))))
     for node in ast.walk(tree):
         if isinstance(node, (ast.Assign, ast.Return)) and node.value is not None:
             _count(ast.Assign([], node.value), work)

@@ -35,7 +35,7 @@ class Grade:
 
     @property
     def context(self) -> _Functions:
-        """The functions of `fastlink.jit` for such numbers."""
+        """The functions of `fastlink.numerics.elementary` for such numbers."""
         return _Functions()
 
     def _sum(self, other: Any) -> Grade:
@@ -68,7 +68,7 @@ class Grade:
         return Grade(self.order, abs(self.parity), self.choice)
 
     def __ge__(self, other: Any) -> bool:
-        # `fastlink.jit.sqrt` asks whether its argument is negative.
+        # `fastlink.numerics.elementary.sqrt` asks whether its argument is negative.
         if isinstance(other, Grade) or other != 0:
             raise TypeError("a grade has no value to compare")
         return True

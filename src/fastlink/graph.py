@@ -12,8 +12,9 @@ from dataclasses import dataclass
 from typing import Any
 
 from fastlink.fact import parameters, statements
-from fastlink.jit import TEXTS, atan2, cosine, select, sine, sqrt
-from fastlink.logarithm import log, log1p, log_quotient
+from fastlink.numerics.compiler import COMPILED_AS
+from fastlink.numerics.elementary import atan2, cosine, select, sine, sqrt
+from fastlink.numerics.logarithm import log, log1p, log_quotient
 
 __all__ = ["Graph", "Node", "is_power_of_two"]
 
@@ -202,7 +203,7 @@ class Graph:
             return self.select(*args)
         if function in self._kept:
             return self.call(function, *args)
-        return self.read(TEXTS.get(function, function), args)
+        return self.read(COMPILED_AS.get(function, function), args)
 
     # -- writing ---------------------------------------------------------------------------------
 

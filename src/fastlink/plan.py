@@ -2,7 +2,7 @@
 
 A fact that depends on the design alone is computed once per design; what depends on the input angle
 alone, once per angle; what does not depend on the branch, once for both branches. The kernel's text is a
-straight-line loop over lanes (see `fastlink.kernels`), to be read with ``plan.source``.
+straight-line loop over lanes (see `fastlink.codegen`), to be read with ``plan.source``.
 """
 
 from __future__ import annotations
@@ -13,13 +13,16 @@ from typing import TYPE_CHECKING, Any
 
 from fastlink.catalogue import Catalogue, System
 from fastlink.closure import EXTREMUM, Closure, Lanes, Output
+from fastlink.codegen.kernel import load_kernel
+from fastlink.codegen.pointwise import write_kernel
 from fastlink.cycle import Request, parse_request
 from fastlink.errors import InputError
-from fastlink.kernels import load_kernel, write_kernel
 from fastlink.tables import angle_tables
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
+
+    from fastlink.codegen.source import Source
 
 __all__ = ["Kernel", "Plan", "make_plan", "output_of", "parse_requests"]
 
@@ -30,34 +33,30 @@ ANGLES_FOR_LANES = 32
 class Kernel:
     """What every plan has: the text of its kernel, and the machine code."""
 
-    _written: tuple[str, tuple[int, int]]
+    written: Source
 
     @property
     def source(self) -> str:
         """The text of the kernel."""
-        return self._written[0]
-
-    @property
-    def scratch(self) -> tuple[int, int]:
-        """Lengths of the kernel's two scratch arrays."""
-        return self._written[1]
+        return self.written.text
 
     @cached_property
     def kernel(self) -> Any:
         """The compiled kernel (compiled, or loaded from the cache, on first use)."""
-        return load_kernel(self, self.source)  # type: ignore[arg-type]
+        return load_kernel(self.written)
 
     @cached_property
     def relaxed_kernel(self) -> Any:
         """The same text compiled for other roundings, to compare: see `fastlink.accuracy`."""
-        return load_kernel(self, self.source, relaxed=True)  # type: ignore[arg-type]
+        return load_kernel(self.written, relaxed=True)
 
 
 class Plan(Closure, Kernel):
     """A closure over given input positions, with its kernel."""
 
     @cached_property
-    def _written(self) -> tuple[str, tuple[int, int]]:  # type: ignore[override]
+    def written(self) -> Source:  # type: ignore[override]
+        """The text of the kernel, and what it is called with."""
         return write_kernel(self)
 
     def angle_tables(self, theta: NDArray[Any]) -> NDArray[Any]:

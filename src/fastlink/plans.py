@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import inspect
 from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
@@ -12,14 +12,16 @@ import numpy as np
 
 from fastlink.catalogue import Catalogue, Fact, System
 from fastlink.closure import Output, RefinedClosure, Search
+from fastlink.codegen.extrema import write_refined
 from fastlink.cycle import Extrema, Request
 from fastlink.errors import InputError
-from fastlink.kernels import write_refined
 from fastlink.plan import ANGLES_FOR_LANES, Kernel, Plan, make_plan, output_of, parse_requests
 from fastlink.searches import find_jumps, find_search, refined_closures
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
+
+    from fastlink.codegen.source import Source
 
 __all__ = ["CurvePlan", "PlanSet", "RefinedPlan", "make_plans"]
 
@@ -28,7 +30,8 @@ class RefinedPlan(RefinedClosure, Kernel):
     """A closure that finds every extreme of some quantities, with its kernel."""
 
     @cached_property
-    def _written(self) -> tuple[str, tuple[int, int]]:  # type: ignore[override]
+    def written(self) -> Source:  # type: ignore[override]
+        """The text of the kernel, and what it is called with."""
         return write_refined(self)
 
     def angle_tables(self, theta: NDArray[Any]) -> NDArray[Any]:
@@ -52,10 +55,12 @@ class CurvePlan(Plan):
     facts: tuple[Fact, ...]
 
     @cached_property
-    def _written(self) -> tuple[str, tuple[int, int]]:  # type: ignore[override]
+    def written(self) -> Source:  # type: ignore[override]
+        """The text of the curves' kernel and of the functions."""
         files = (inspect.getmodule(fact.function) for fact in self.facts)
         texts = (inspect.getsource(file) for file in dict.fromkeys(files) if file is not None)
-        return "\n\n".join((self.curves.source, *texts)), self.curves.scratch
+        of_curves = self.curves.written
+        return replace(of_curves, text="\n\n".join((of_curves.text, *texts)))
 
     @cached_property
     def kernel(self) -> Any:
@@ -69,7 +74,8 @@ class CurvePlan(Plan):
 
     def _from(self, kernel: Callable[..., None]) -> Callable[..., None]:
         def run(x: NDArray[Any], angles: NDArray[Any], n: int, n_angles: int, *arrays: NDArray[Any]) -> None:
-            scratch, results = arrays[:2], arrays[2:]
+            count = len(self.written.scratch)
+            scratch, results = arrays[:count], arrays[count:]
             curves = {o.name: np.empty((n, len(self.branches), n_angles)) for o in self.curves.outputs}
             kernel(x, angles, n, n_angles, *scratch, *curves.values())
             with np.errstate(all="ignore"):

@@ -16,10 +16,12 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from fastlink.kernels import LANES
+from fastlink.codegen.runtime.cells import LANES
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
+
+    from fastlink.codegen.source import Array
 
 __all__ = ["Deliver", "Job", "Part", "aligned", "block_length", "default_threads", "run"]
 
@@ -40,8 +42,8 @@ class Part:
     ----------
     kernel : callable
         A compiled kernel.
-    scratch : tuple of int
-        Lengths of its two scratch arrays.
+    scratch : tuple of Array
+        The arrays that it works in.
     inputs : int
         Rows of its design array.
     angles : array (tables, angles)
@@ -53,7 +55,7 @@ class Part:
     """
 
     kernel: Callable[..., None]
-    scratch: tuple[int, int]
+    scratch: tuple[Array, ...]
     inputs: int
     angles: NDArray[Any]
     results: tuple[int, ...]
@@ -87,7 +89,8 @@ class _Bound:
         self.x = aligned((part.inputs, -(-length // LANES) * LANES))
         self.angles = aligned(part.angles.shape)
         self.angles[...] = part.angles
-        self.scratch = [aligned((size,)) for size in part.scratch]
+        n_angles = part.angles.shape[1]
+        self.scratch = [aligned(array.lengths(n_angles), array.dtype) for array in part.scratch]
 
     def __call__(self, start: int, end: int, arrays: Sequence[NDArray[Any]]) -> None:
         """Evaluate designs start to end into the arrays of the job."""

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from fastlink.errors import InputError
-from fastlink.geometry import cross
+from fastlink.numerics.vectors import cross
 from fastlink.planar.designs import broadcast
 from fastlink.reading import evaluate
 

@@ -8,8 +8,9 @@ from __future__ import annotations
 
 from typing import Any
 
-from fastlink.geometry import largest, power_of_two_below
-from fastlink.jit import INFINITY, NOT_A_NUMBER, select
+from fastlink.numerics.compensated import power_of_two_below
+from fastlink.numerics.elementary import INFINITY, NOT_A_NUMBER, select
+from fastlink.numerics.vectors import largest
 
 # Powers of two: beyond SMALL and LARGE the products of lengths need a lift.
 SMALL, LARGE = 2.0**-500, 2.0**500

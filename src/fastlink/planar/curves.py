@@ -12,7 +12,7 @@ import numpy as np
 from scipy.spatial import ConvexHull, QhullError
 
 from fastlink.errors import InputError
-from fastlink.geometry import cross
+from fastlink.numerics.vectors import cross
 from fastlink.planar.designs import CURVE, broadcast, curve_designs
 from fastlink.planar.sextics import coupler_sextic
 from fastlink.reading import evaluate

@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 
 from fastlink.errors import InputError, suggest
-from fastlink.geometry import gap
 from fastlink.mechanisms.planar_4r.factors import IO_CROSS, IO_PRODUCTS
+from fastlink.numerics.compensated import gap
 from fastlink.planar.designs import broadcast
 
 __all__ = ["io_coefficients"]

@@ -8,12 +8,12 @@ from __future__ import annotations
 
 from typing import Any
 
-from fastlink.jit import atan2, select, sqrt
 from fastlink.mechanisms.focal.declare import WUNDERLICH, focal
 from fastlink.mechanisms.focal.drives import either
 from fastlink.mechanisms.focal.points import FIGURES, POSITION, angle
 from fastlink.mechanisms.planar_4r.rates import product
 from fastlink.mechanisms.planar_4r.slopes import same
+from fastlink.numerics.elementary import atan2, select, sqrt
 
 
 @focal.quantity(units="1", symbol="|s| + r < |m|, |p|", source=POSITION, internal=True)

@@ -14,9 +14,10 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
-from fastlink.geometry import gap, pair_product, power_of_two_below, sign, square_sum, two_sum
-from fastlink.jit import NOT_A_NUMBER, select, sqrt
 from fastlink.mechanisms.focal.declare import DESIGN, GIVEN_LAMBDA, GIVEN_S, WUNDERLICH, focal
+from fastlink.numerics.compensated import gap, pair_product, power_of_two_below, square_sum, two_sum
+from fastlink.numerics.elementary import NOT_A_NUMBER, select, sqrt
+from fastlink.numerics.vectors import sign
 
 COMPLETION = f"{WUNDERLICH}, eq. (2.5); {DESIGN}#completion"
 

@@ -10,7 +10,6 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import Any
 
-from fastlink.jit import sqrt
 from fastlink.mechanisms.focal.declare import WUNDERLICH
 from fastlink.mechanisms.focal.drives import by_crank
 from fastlink.mechanisms.focal.dyad import DYAD
@@ -18,6 +17,7 @@ from fastlink.mechanisms.focal.points import FIGURES, POSITION, angle, declare_f
 from fastlink.mechanisms.planar_4r import planar_4r
 from fastlink.mechanisms.planar_4r.rates import product
 from fastlink.mechanisms.planar_4r.slopes import opposite, opposite_product, same
+from fastlink.numerics.elementary import sqrt
 
 SIGMA = by_crank.position.name
 #: What the tables of the planar 4R are called here.

@@ -10,10 +10,10 @@ from collections.abc import Callable
 from typing import Any
 
 from fastlink.catalogue import GradedRange
-from fastlink.jit import select
 from fastlink.mechanisms.focal.drives import by_crank
 from fastlink.mechanisms.focal.dyad import DYAD
 from fastlink.mechanisms.planar_4r import graded
+from fastlink.numerics.elementary import select
 
 SIGMA = by_crank.position.name
 

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from typing import Any
 
-from fastlink.geometry import gap
-from fastlink.jit import NOT_A_NUMBER, select, sqrt
 from fastlink.mechanisms.borrow import borrow
 from fastlink.mechanisms.focal.declare import DESIGN, GIVEN_S, LINKS, WUNDERLICH, focal
 from fastlink.mechanisms.planar_4r import planar_4r
+from fastlink.numerics.compensated import gap
+from fastlink.numerics.elementary import NOT_A_NUMBER, select, sqrt
 
 SCALING = f"{DESIGN}#numerics"
 

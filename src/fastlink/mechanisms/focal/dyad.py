@@ -18,12 +18,13 @@ from __future__ import annotations
 
 from typing import Any
 
-from fastlink.geometry import two_product, zero_where
-from fastlink.jit import select
 from fastlink.mechanisms.borrow import borrow
 from fastlink.mechanisms.focal.declare import DESIGN, GIVEN_LAMBDA, focal
 from fastlink.mechanisms.focal.design_facts import FOUR_BAR, PREFIX
 from fastlink.mechanisms.planar_4r import planar_4r
+from fastlink.numerics.compensated import two_product
+from fastlink.numerics.elementary import select
+from fastlink.numerics.vectors import zero_where
 
 DYAD = f"{DESIGN}#the-crank"
 

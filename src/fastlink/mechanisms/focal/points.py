@@ -13,11 +13,11 @@ from __future__ import annotations
 from typing import Any
 
 from fastlink.catalogue import Catalogue
-from fastlink.jit import atan2
 from fastlink.mechanisms.focal.declare import DESIGN, WUNDERLICH
 from fastlink.mechanisms.focal.design_facts import length_of
 from fastlink.mechanisms.focal.drives import either
 from fastlink.mechanisms.planar_4r.rates import product
+from fastlink.numerics.elementary import atan2
 
 POSITION = f"{DESIGN}#position"
 FIGURES = f"{WUNDERLICH}, Figs. 1 and 2"

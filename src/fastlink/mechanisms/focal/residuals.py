@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from typing import Any
 
-from fastlink.geometry import largest, square_sum
-from fastlink.jit import select, sqrt
 from fastlink.mechanisms.focal.declare import WUNDERLICH
 from fastlink.mechanisms.focal.drives import either
 from fastlink.mechanisms.focal.points import POSITION
+from fastlink.numerics.compensated import square_sum
+from fastlink.numerics.elementary import select, sqrt
+from fastlink.numerics.vectors import largest
 
 # -- the bars ---------------------------------------------------------------------------------------------------
 

@@ -10,13 +10,13 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import Any
 
-from fastlink.jit import sqrt
 from fastlink.mechanisms.borrow import borrow, renaming
 from fastlink.mechanisms.focal.declare import WUNDERLICH, focal
 from fastlink.mechanisms.focal.design_facts import FOUR_BAR, PREFIX
 from fastlink.mechanisms.focal.points import FIGURES, POSITION, declare_fifth, declare_T
 from fastlink.mechanisms.planar_4r import planar_4r
 from fastlink.mechanisms.planar_4r.rates import product
+from fastlink.numerics.elementary import sqrt
 
 PHI = focal.position.name
 #: What the planar 4R calls otherwise.

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from typing import Any
 
-from fastlink.jit import INFINITY, select
 from fastlink.mechanisms.focal.declare import DESIGN, WUNDERLICH, focal
+from fastlink.numerics.elementary import INFINITY, select
 
 STATUS_FLAGS = {
     0: "completed",

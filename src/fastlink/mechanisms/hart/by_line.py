@@ -14,12 +14,12 @@ from collections.abc import Callable
 from typing import Any, TypeVar
 
 from fastlink.catalogue import Catalogue, Input
-from fastlink.geometry import UNIT_ROUNDING
-from fastlink.jit import NOT_A_NUMBER, atan2, select, sqrt
 from fastlink.mechanisms import lengths
 from fastlink.mechanisms.hart.declare import PAGE, WUNDERLICH, hart
 from fastlink.mechanisms.hart.motion import omega_angle, quotient
 from fastlink.mechanisms.planar_4r.rates import product
+from fastlink.numerics.compensated import UNIT_ROUNDING
+from fastlink.numerics.elementary import NOT_A_NUMBER, atan2, select, sqrt
 
 F = TypeVar("F", bound=Callable[..., Any])
 DRIVE = f"{PAGE}#driven-along-the-line"

@@ -10,12 +10,13 @@ from __future__ import annotations
 
 from typing import Any
 
-from fastlink.geometry import UNIT_ROUNDING, gap, gap_product_quotient, pair_product, two_sum, zero_where
-from fastlink.jit import NOT_A_NUMBER, select
 from fastlink.mechanisms import lengths
 from fastlink.mechanisms.hart.declare import PAGE, hart
 from fastlink.mechanisms.planar_4r.rates import product
 from fastlink.mechanisms.planar_4r.slopes import opposite
+from fastlink.numerics.compensated import UNIT_ROUNDING, gap, gap_product_quotient, pair_product, two_sum
+from fastlink.numerics.elementary import NOT_A_NUMBER, select
+from fastlink.numerics.vectors import zero_where
 
 NUMERICS = f"{PAGE}#numerics"
 #: Beyond these powers of two the fourth power of kappa, or of its inverse, is no double.

@@ -8,13 +8,13 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import Any
 
-from fastlink.geometry import gap, pair_product, two_product
-from fastlink.jit import NOT_A_NUMBER, select
 from fastlink.mechanisms.borrow import borrow, borrow_range
 from fastlink.mechanisms.hart.declare import WUNDERLICH, hart
 from fastlink.mechanisms.hart.design_facts import NUMERICS
 from fastlink.mechanisms.planar_4r import planar_4r
 from fastlink.mechanisms.planar_4r.rates import product
+from fastlink.numerics.compensated import gap, pair_product, two_product
+from fastlink.numerics.elementary import NOT_A_NUMBER, select
 
 PLANAR = "docs/numerics.md"
 POSITION = f"{WUNDERLICH}, eqs. (1.2) to (1.4); {NUMERICS}"

@@ -13,13 +13,14 @@ from __future__ import annotations
 
 from typing import Any
 
-from fastlink.geometry import UNIT_ROUNDING, largest
-from fastlink.jit import NOT_A_NUMBER, atan2, select, sqrt
 from fastlink.mechanisms.hart.declare import PAGE, WUNDERLICH, hart
 from fastlink.mechanisms.hart.design_facts import NUMERICS
 from fastlink.mechanisms.hart.four_bar import POSITION
 from fastlink.mechanisms.planar_4r.rates import product
 from fastlink.mechanisms.planar_4r.slopes import same
+from fastlink.numerics.compensated import UNIT_ROUNDING
+from fastlink.numerics.elementary import NOT_A_NUMBER, atan2, select, sqrt
+from fastlink.numerics.vectors import largest
 
 # -- the bars from M to F -------------------------------------------------------------------------------------
 

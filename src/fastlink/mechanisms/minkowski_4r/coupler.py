@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from typing import Any
 
-from fastlink.jit import INFINITY, NOT_A_NUMBER, PI, select, sqrt
-from fastlink.logarithm import arsinh, log_quotient
 from fastlink.mechanisms.minkowski_4r import position  # noqa: F401 (on which it builds)
 from fastlink.mechanisms.minkowski_4r.declare import HEGEDUS, NUMERICS, minkowski_4r
+from fastlink.numerics.elementary import INFINITY, NOT_A_NUMBER, PI, select, sqrt
+from fastlink.numerics.logarithm import arsinh, log_quotient
 
 POSITION = f"{NUMERICS}#position"
 # Beyond it 2 arsinh(sqrt(x/2)) is log(2 x) to rounding.

@@ -8,9 +8,9 @@ from __future__ import annotations
 
 from typing import Any
 
-from fastlink.geometry import gap, gap_product_quotient, power_of_two_below
 from fastlink.mechanisms import lengths
 from fastlink.mechanisms.minkowski_4r.declare import LINKS, NUMERICS, minkowski_4r
+from fastlink.numerics.compensated import gap, gap_product_quotient, power_of_two_below
 
 POSITION = f"{NUMERICS}#position"
 SCALING = f"{NUMERICS}#scaling"

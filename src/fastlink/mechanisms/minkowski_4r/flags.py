@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from typing import Any
 
-from fastlink.jit import INFINITY, select
 from fastlink.mechanisms.minkowski_4r import coupler, rates, sextic  # noqa: F401 (of which they tell)
 from fastlink.mechanisms.minkowski_4r.declare import NUMERICS, minkowski_4r
+from fastlink.numerics.elementary import INFINITY, select
 
 CONFIGURATIONS = f"{NUMERICS}#configurations"
 THERE = {0: "there", 1: "see_configuration_status", 2: "beyond_the_range_of_numbers"}

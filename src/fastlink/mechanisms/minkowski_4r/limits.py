@@ -10,10 +10,11 @@ from __future__ import annotations
 
 from typing import Any
 
-from fastlink.geometry import gap, sign, two_sum, zero_where
-from fastlink.jit import INFINITY, NOT_A_NUMBER, select, sqrt
-from fastlink.logarithm import arsinh
 from fastlink.mechanisms.minkowski_4r.declare import HEGEDUS, minkowski_4r
+from fastlink.numerics.compensated import gap, two_sum
+from fastlink.numerics.elementary import INFINITY, NOT_A_NUMBER, select, sqrt
+from fastlink.numerics.logarithm import arsinh
+from fastlink.numerics.vectors import sign, zero_where
 
 LIMITS = f"{HEGEDUS}, section 3.6"
 BRANCHING = f"{HEGEDUS}, Corollaries 3.2 to 3.4"

@@ -10,10 +10,20 @@ from __future__ import annotations
 
 from typing import Any
 
-from fastlink.jit import INFINITY, NOT_A_NUMBER, cosh, doubled, doublings, exp, select, sinh, sqrt
-from fastlink.logarithm import log_quotient, quotient_sign
 from fastlink.mechanisms.minkowski_4r.declare import HEGEDUS, minkowski_4r
 from fastlink.mechanisms.minkowski_4r.design_facts import POSITION, SCALING
+from fastlink.numerics.elementary import (
+    INFINITY,
+    NOT_A_NUMBER,
+    cosh,
+    doubled,
+    doublings,
+    exp,
+    select,
+    sinh,
+    sqrt,
+)
+from fastlink.numerics.logarithm import log_quotient, quotient_sign
 
 UP, ROOT_DOWN = 2.0**1000, 2.0**-500
 ORIENTATION_FLAGS = {-1: "past_pointing", 0: "none", 1: "future_pointing"}

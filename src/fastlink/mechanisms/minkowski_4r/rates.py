@@ -22,10 +22,10 @@ from __future__ import annotations
 
 from typing import Any
 
-from fastlink.geometry import gap
-from fastlink.jit import NOT_A_NUMBER, select
 from fastlink.mechanisms.minkowski_4r import coupler, position  # noqa: F401 (whose rates these are)
 from fastlink.mechanisms.minkowski_4r.declare import NUMERICS, minkowski_4r
+from fastlink.numerics.compensated import gap
+from fastlink.numerics.elementary import NOT_A_NUMBER, select
 
 RATES = f"{NUMERICS}#rates"
 # Of the longest link.

@@ -9,10 +9,10 @@ from __future__ import annotations
 
 from typing import Any
 
-from fastlink.geometry import sign
-from fastlink.jit import NOT_A_NUMBER, select
 from fastlink.mechanisms.minkowski_4r.declare import HEGEDUS, minkowski_4r
 from fastlink.mechanisms.minkowski_4r.limits import THEOREMS
+from fastlink.numerics.elementary import NOT_A_NUMBER, select
+from fastlink.numerics.vectors import sign
 
 FUTURE = f"{THEOREMS}#future-pointing-assemblies"
 CRANK_FLAGS = {0: "crank", 1: "rocker", 2: "superrocker", 3: "invalid_input"}

@@ -11,8 +11,8 @@ from __future__ import annotations
 
 from typing import Any
 
-from fastlink.jit import NOT_A_NUMBER, select
 from fastlink.mechanisms.planar_4r.declare import NUMERICS, planar_4r
+from fastlink.numerics.elementary import NOT_A_NUMBER, select
 
 CIRCUITS = f"{NUMERICS}#circuits"
 

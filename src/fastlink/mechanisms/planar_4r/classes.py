@@ -13,9 +13,9 @@ from __future__ import annotations
 
 from typing import Any
 
-from fastlink.geometry import zero_where
-from fastlink.jit import NOT_A_NUMBER, atan2, select, sqrt
 from fastlink.mechanisms.planar_4r.declare import HAYES, NUMERICS, planar_4r
+from fastlink.numerics.elementary import NOT_A_NUMBER, atan2, select, sqrt
+from fastlink.numerics.vectors import zero_where
 
 STATUS = f"{HAYES}, eq. (1); {NUMERICS}#status"
 TOGGLES = f"{NUMERICS}#toggles"

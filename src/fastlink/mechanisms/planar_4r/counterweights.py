@@ -8,9 +8,9 @@ from __future__ import annotations
 
 from typing import Any
 
-from fastlink.jit import PI, cosine, select, sine
 from fastlink.mechanisms.planar_4r import loads  # noqa: F401 (declares what is replaced)
 from fastlink.mechanisms.planar_4r.declare import HAYES, LINKS, build_on, planar_4r, plus
+from fastlink.numerics.elementary import PI, cosine, select, sine
 
 COUNTERWEIGHTS = f"{HAYES}, Fig. 2, with counterweights"
 

@@ -14,10 +14,10 @@ from __future__ import annotations
 
 from typing import Any
 
-from fastlink.geometry import cross
-from fastlink.jit import sqrt
 from fastlink.mechanisms.planar_4r import rates
 from fastlink.mechanisms.planar_4r.declare import HAYES, NUMERICS, planar_4r
+from fastlink.numerics.elementary import sqrt
+from fastlink.numerics.vectors import cross
 
 RATES = f"{NUMERICS}#rates"
 COUPLER = f"{NUMERICS}#coupler"

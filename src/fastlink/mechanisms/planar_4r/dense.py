@@ -8,8 +8,8 @@ from __future__ import annotations
 
 from typing import Any
 
-from fastlink.geometry import cross
 from fastlink.mechanisms.planar_4r.declare import HAYES, planar_4r
+from fastlink.numerics.vectors import cross
 
 EQUATION_9 = f"{HAYES}, eq. (9)"
 UNKNOWNS = ("F41_x", "F41_y", "F21_x", "F21_y", "F32_x", "F32_y", "F43_x", "F43_y", "T41")

@@ -7,10 +7,11 @@ from __future__ import annotations
 
 from typing import Any
 
-from fastlink.geometry import UNIT_ROUNDING, gap, gap_product_quotient, zero_where
-from fastlink.jit import select
 from fastlink.mechanisms import lengths
 from fastlink.mechanisms.planar_4r.declare import HAYES, LINKS, NUMERICS, planar_4r
+from fastlink.numerics.compensated import UNIT_ROUNDING, gap, gap_product_quotient
+from fastlink.numerics.elementary import select
+from fastlink.numerics.vectors import zero_where
 
 IO_FACTORS = f"{HAYES}, eq. (1)"
 STATUS_FLAGS = {

@@ -19,9 +19,9 @@ from dataclasses import replace
 from typing import Any
 
 from fastlink.catalogue import Catalogue, Fact, Input
-from fastlink.jit import TWO_PI, atan2, cos, select, sin, sqrt
 from fastlink.mechanisms.borrow import facts_of, moved, with_derivatives
 from fastlink.mechanisms.planar_4r.declare import planar_4r
+from fastlink.numerics.elementary import TWO_PI, atan2, cos, select, sin, sqrt
 
 __all__ = ["driven_by", "driven_catalogues"]
 

@@ -8,8 +8,8 @@ from __future__ import annotations
 
 from typing import Any
 
-from fastlink.geometry import gap
 from fastlink.mechanisms.planar_4r.declare import HAYES, planar_4r
+from fastlink.numerics.compensated import gap
 
 #: Which equation of the paper, and products of which factors multiply v_i^2 v_j^2, v_i^2, v_j^2 and 1.
 IO_PRODUCTS = {

@@ -9,8 +9,8 @@ from __future__ import annotations
 
 from typing import Any
 
-from fastlink.geometry import cross, magnitude
 from fastlink.mechanisms.planar_4r.declare import HAYES, planar_4r
+from fastlink.numerics.vectors import cross, magnitude
 
 REACTIONS = f"{HAYES}, eq. (9)"
 CENTRES = f"{HAYES}, Fig. 2"

@@ -11,9 +11,9 @@ from __future__ import annotations
 from typing import Any
 
 from fastlink.catalogue import GradedRange
-from fastlink.jit import NOT_A_NUMBER, TWO_PI, atan2, select, sqrt
 from fastlink.mechanisms.planar_4r.declare import NUMERICS, planar_4r
 from fastlink.mechanisms.planar_4r.factors import IO_PRODUCTS
+from fastlink.numerics.elementary import NOT_A_NUMBER, TWO_PI, atan2, select, sqrt
 
 EXTREMES = f"{NUMERICS}#extremes"
 #: Of the first sample's distance from a toggle: so close that the highest power of 1/sigma is all there is.

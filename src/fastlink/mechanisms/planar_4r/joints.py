@@ -13,8 +13,8 @@ from __future__ import annotations
 
 from typing import Any
 
-from fastlink.jit import INFINITY, NOT_A_NUMBER, atan2, select, sqrt
 from fastlink.mechanisms.planar_4r.declare import HAYES, planar_4r
+from fastlink.numerics.elementary import INFINITY, NOT_A_NUMBER, atan2, select, sqrt
 
 JOINTS = f"{HAYES}, eqs. (1) to (6)"
 JOINT_RATES = f"{HAYES}, eq. (7) for all pairs"

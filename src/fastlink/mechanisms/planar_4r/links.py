@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from typing import Any
 
-from fastlink.jit import PI
 from fastlink.mechanisms.planar_4r.declare import HAYES, LINKS, planar_4r
+from fastlink.numerics.elementary import PI
 
 ROUND_BAR = "round_bar"
 SOURCE = f"{HAYES}, Table 1"

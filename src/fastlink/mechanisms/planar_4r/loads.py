@@ -10,9 +10,9 @@ from __future__ import annotations
 
 from typing import Any
 
-from fastlink.geometry import cross
 from fastlink.mechanisms.planar_4r import dense, forces, shaking  # noqa: F401 (declare what is replaced)
 from fastlink.mechanisms.planar_4r.declare import HAYES, build_on, less, planar_4r, plus
+from fastlink.numerics.vectors import cross
 
 LOADS = f"{HAYES}, eq. (9), with loads"
 GRAVITY, COUPLER_FORCE, OUTPUT_TORQUE, MOMENT_POINT = (

@@ -8,9 +8,9 @@ from __future__ import annotations
 
 from typing import Any
 
-from fastlink.geometry import largest
-from fastlink.jit import atan2, cos, select, sin, sqrt
 from fastlink.mechanisms.planar_4r.declare import HAYES, NUMERICS, planar_4r
+from fastlink.numerics.elementary import atan2, cos, select, sin, sqrt
+from fastlink.numerics.vectors import largest
 
 POSITION = f"{NUMERICS}#position"
 #: Below it the folded position of a change point is not told from its neighbours.

@@ -7,9 +7,9 @@ from __future__ import annotations
 
 from typing import Any
 
-from fastlink.geometry import cross
 from fastlink.mechanisms.planar_4r.declare import HAYES, planar_4r
 from fastlink.mechanisms.planar_4r.forces import CENTRES, force_magnitude
+from fastlink.numerics.vectors import cross
 
 SHAKING = f"{HAYES}, section 5"
 

@@ -13,9 +13,9 @@ from __future__ import annotations
 
 from typing import Any
 
-from fastlink.jit import INFINITY, select
 from fastlink.mechanisms.planar_4r import coupler, joints, position, rates  # noqa: F401 (whose derivatives these are)
 from fastlink.mechanisms.planar_4r.declare import NUMERICS, planar_4r
+from fastlink.numerics.elementary import INFINITY, select
 
 RATES = f"{NUMERICS}#rates"
 

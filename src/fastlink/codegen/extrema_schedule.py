@@ -7,8 +7,8 @@ from functools import cached_property
 from typing import TYPE_CHECKING
 
 from fastlink.catalogue import Fact
-from fastlink.kernels.found import GREATEST, LEAST, PLACE, VALUE
-from fastlink.kernels.items import STATE_ROWS
+from fastlink.codegen.runtime.cells import STATE_ROWS
+from fastlink.codegen.runtime.results import GREATEST, LEAST, PLACE, VALUE
 
 if TYPE_CHECKING:
     from fastlink.closure import Output, RefinedClosure, Search
@@ -76,13 +76,17 @@ class RefinedLayout:
         """Return what the sampled functions are made of."""
         return [self.graded.sine, *(search.slope for search in self.plan.searches)]
 
-    @cached_property
-    def item_needs(self) -> list[str]:
-        """The design values that an item carries."""
-        values = (search.quantity for search in self.plan.searches)
-        return self.design_needs(
-            self.needed_for((*self.slope_names(), *values, self.plan.catalogue.position.name))
-        )
+    def slope_of(self, search: Search) -> list[str]:
+        """Return what one sampled function is made of."""
+        return [self.graded.sine, search.slope]
+
+    def values_of(self, search: Search) -> list[str]:
+        """Return what is evaluated where an extreme was found: the quantity and the input position."""
+        return [search.quantity, self.plan.catalogue.position.name]
+
+    def item_needs(self, search: Search) -> list[str]:
+        """Return the design values that an item of a search carries."""
+        return self.design_needs(self.needed_for((*self.slope_of(search), *self.values_of(search))))
 
     def wants_ends(self, search: Search) -> int:
         """Tell whether the ends of the range count: 0 for no, 1 where samples begin, 2 at the very end."""
@@ -100,15 +104,10 @@ class RefinedLayout:
         """Return the first row of a search's samples in one half of the range."""
         return (search * self.halves + half) * self.samples
 
-    @property
+    @cached_property
     def value_row(self) -> int:
-        """Row of the state that holds the first search's quantity; the others and the input angle follow."""
-        return STATE_ROWS + len(self.item_needs)
-
-    @property
-    def slope_row(self) -> int:
-        """Row of the state that holds the first sampled function; the others follow."""
-        return self.value_row + len(self.plan.searches) + 1
+        """Row of the state that holds a quantity; that of the input position follows."""
+        return STATE_ROWS + max(len(self.item_needs(search)) for search in self.plan.searches)
 
     def number_of(self, quantity: str) -> int:
         """Return the number of the search for a quantity's extremes, which stands before that for its jumps."""

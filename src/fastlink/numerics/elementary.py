@@ -1,72 +1,25 @@
-"""Numba options and the elementary functions of the facts.
+"""The elementary functions of the facts.
 
-This is the only module that knows numba's options. Arithmetic is strict IEEE: no fastmath, so a
-quantity has the same bits whatever else is asked and however a sweep is cut. ``error_model="numpy"``
-keeps divisions free of branches; with numba's default nothing vectorises.
-
-Every function here has three readings: compiled (vectorisable, no libm call), NumPy, and mpmath.
+Every function here has three readings: compiled (vectorisable, no libm call), NumPy, and mpmath. Arithmetic is strict
+IEEE: a quantity has the same bits whatever else is asked and however a sweep is cut.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from typing import Any, TypeVar
+from typing import Any
 
-import numba
 import numpy as np
-from numba.core.compiler import Compiler
-from numba.extending import overload, register_jitable
+
+from fastlink.numerics.compiler import compiled_as, inlined
 
 __all__ = [
-    *("KERNEL_OPTIONS", "called", "inlined", "select", "sqrt", "atan2", "cosine", "sine"),
-    *("sin", "cos", "exp", "doublings", "compiled_as", "context_of", "separate"),
+    *("select", "sqrt", "atan2", "cosine", "sine", "bits_of", "double_of"),
+    *("sin", "cos", "exp", "doublings", "context_of"),
 ]
 
 PI, TWO_PI = 3.141592653589793, 6.283185307179586
 INFINITY = float("inf")
 NOT_A_NUMBER = float("nan")
-
-KERNEL_OPTIONS: dict[str, Any] = {"error_model": "numpy", "nogil": True}
-#: Freedoms that are never taken but to show what they would cost and gain: see docs/accuracy.md.
-RELAXED = {"reassoc", "contract", "arcp", "nsz"}
-INLINE_OPTIONS: dict[str, Any] = {"error_model": "numpy", "forceinline": True}
-
-F = TypeVar("F", bound=Callable[..., Any])
-
-#: The straight-line text of a function that is compiled as another one.
-TEXTS: dict[Callable[..., Any], Callable[..., Any]] = {}
-
-
-def inlined(function: F) -> F:
-    """Make a straight-line function callable from kernels; a call leaves no trace there.
-
-    A function that is not inlined stops the vectorisation of the loop around it.
-    """
-    result: F = register_jitable(**INLINE_OPTIONS)(function)
-    return result
-
-
-def compiled_as(text: Callable[..., Any]) -> Callable[[F], F]:
-    """Make a function callable from kernels as an `inlined` text, beside its other readings."""
-
-    def declare(function: F) -> F:
-        overload(function, jit_options=INLINE_OPTIONS, strict=False)(lambda *types: text)
-        TEXTS[function] = text
-        return function
-
-    return declare
-
-
-def called(function: F) -> F:
-    """Make a function with loops of its own callable from kernels: compiled once per machine.
-
-    It must read nothing of other files but `inlined` functions of this one, whose edits its cache would not notice.
-    """
-    try:
-        result: F = numba.njit(**KERNEL_OPTIONS, cache=True)(function)
-    except RuntimeError:  # no folder that can be written: compiled once per process
-        result = numba.njit(**KERNEL_OPTIONS)(function)
-    return result
 
 
 def context_of(*values: Any) -> Any:
@@ -86,11 +39,6 @@ def sqrt(x: Any) -> Any:
     return context.sqrt(x) if x >= 0 else context.nan
 
 
-@overload(sqrt, jit_options=INLINE_OPTIONS, strict=False)
-def _sqrt(x: Any) -> Any:
-    return lambda x: np.sqrt(x)
-
-
 def select(condition: Any, if_true: Any, if_false: Any) -> Any:
     """Return `if_true` where the condition holds, else `if_false`; both are evaluated."""
     if isinstance(condition, np.ndarray):
@@ -100,10 +48,14 @@ def select(condition: Any, if_true: Any, if_false: Any) -> Any:
     return if_true if condition else if_false
 
 
-@overload(select, jit_options=INLINE_OPTIONS, strict=False)
-def _select(condition: Any, if_true: Any, if_false: Any) -> Any:
-    # np.where on scalars stops vectorisation, a conditional expression does not.
-    return lambda condition, if_true, if_false: if_true if condition else if_false
+def bits_of(x: Any) -> Any:
+    """Return the 64 bits of doubles as signed integers."""
+    return np.asarray(x, dtype=np.float64).view(np.int64)[()]
+
+
+def double_of(bits: Any) -> Any:
+    """Return the doubles that have these bits."""
+    return np.asarray(bits, dtype=np.int64).view(np.float64)[()]
 
 
 def _tabled(name: str, x: Any) -> Any:
@@ -203,6 +155,7 @@ def _magnitudes_atan2(y: Any, x: Any) -> Any:
     return np.copysign(angle, y)
 
 
+@compiled_as(_magnitudes_atan2)
 def atan2(y: Any, x: Any) -> Any:
     """Angle of the vector (x, y) in [-pi, pi], within 2 units in the last place.
 
@@ -216,14 +169,6 @@ def atan2(y: Any, x: Any) -> Any:
         return _magnitudes_atan2(np.asarray(y, dtype=float), np.asarray(x, dtype=float))[()]
 
 
-inlined(_magnitudes_atan2)
-
-
-@overload(atan2, jit_options=INLINE_OPTIONS, strict=False)
-def _atan2(y: Any, x: Any) -> Any:
-    return lambda y, x: _magnitudes_atan2(y, x)
-
-
 # pi/2 in three parts of 33 bits: multiples up to 2^20 of the first two are exact.
 PI_2_HIGH = float.fromhex("0x1.921fb54400000p+0")
 PI_2_MIDDLE = float.fromhex("0x1.0b4611a600000p-34")
@@ -234,6 +179,7 @@ GREATEST_DIRECTION = 1e6
 WHOLE = 1.5 * 2.0**52
 
 
+@inlined
 def _polynomial_cos_sin(x: Any) -> Any:
     quarters = (x * PER_PI_2 + WHOLE) - WHOLE
     r = ((x - quarters * PI_2_HIGH) - quarters * PI_2_MIDDLE) - quarters * PI_2_LOW
@@ -256,6 +202,17 @@ def _polynomial_cos_sin(x: Any) -> Any:
     return c, s
 
 
+@inlined
+def _polynomial_cosine(x: Any) -> Any:
+    return _polynomial_cos_sin(x)[0]
+
+
+@inlined
+def _polynomial_sine(x: Any) -> Any:
+    return _polynomial_cos_sin(x)[1]
+
+
+@compiled_as(_polynomial_cosine)
 def cosine(x: Any) -> Any:
     """Cosine of a direction that a design gives, within 2 roundings; NaN beyond a million rad.
 
@@ -265,61 +222,8 @@ def cosine(x: Any) -> Any:
     return _polynomial_cos_sin(np.asarray(x, dtype=float))[0][()] if context is None else context.cos(x)
 
 
+@compiled_as(_polynomial_sine)
 def sine(x: Any) -> Any:
     """Sine of a direction that a design gives: see `cosine`."""
     context = context_of(x)
     return _polynomial_cos_sin(np.asarray(x, dtype=float))[1][()] if context is None else context.sin(x)
-
-
-inlined(_polynomial_cos_sin)
-
-
-@overload(cosine, jit_options=INLINE_OPTIONS, strict=False)
-def _cosine(x: Any) -> Any:
-    return lambda x: _polynomial_cos_sin(x)[0]
-
-
-@overload(sine, jit_options=INLINE_OPTIONS, strict=False)
-def _sine(x: Any) -> Any:
-    return lambda x: _polynomial_cos_sin(x)[1]
-
-
-def separate(function: F) -> F:
-    """Make a part of a kernel's text a function of its own: what is called twice is compiled once."""
-    result: F = numba.njit(**KERNEL_OPTIONS)(function)
-    return result
-
-
-class _Restrict(Compiler):  # type: ignore[misc]
-    """Numba's compiler with one promise more: the array arguments of a kernel do not overlap.
-
-    It is C's ``restrict``. Without it, a loop that stores to more than a few arrays is not vectorised,
-    or stores to a tile and copies (1.3 to 3 times as long, measured on curves).
-    """
-
-    def __init__(
-        self,
-        typingctx: Any,
-        targetctx: Any,
-        library: Any,
-        args: Any,
-        return_type: Any,
-        flags: Any,
-        locals: Any,
-    ) -> None:
-        flags.noalias = True
-        super().__init__(typingctx, targetctx, library, args, return_type, flags, locals)
-
-
-def compile_kernel(
-    function: Callable[..., Any], signature: tuple[Any, ...], *, cache: bool = True, relaxed: bool = False
-) -> Any:
-    """Compile a kernel for one signature, or load it from the cache beside its file.
-
-    The arrays that it is called with must not overlap. A `relaxed` one may regroup sums and fuse multiplications with
-    them; `inlined` functions stay strict.
-    """
-    options = KERNEL_OPTIONS | ({"fastmath": RELAXED} if relaxed else {})
-    kernel = numba.njit(**options, cache=cache, pipeline_class=_Restrict)(function)
-    kernel.compile(signature)
-    return kernel

@@ -7,8 +7,9 @@ from __future__ import annotations
 
 import ast
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from copy import deepcopy
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from fastlink.fact import Fact, System, statements
@@ -16,7 +17,7 @@ from fastlink.fact import Fact, System, statements
 if TYPE_CHECKING:
     from fastlink.closure import Closure, RefinedClosure
 
-__all__ = ["Text", "paste_fact", "paste_system"]
+__all__ = ["Array", "Source", "Text", "paste_fact", "paste_system"]
 
 HEADER = '''"""Kernel of {mechanism}, written by fastlink: {names}."""
 
@@ -26,6 +27,66 @@ from numpy import {of_numpy}
 '''
 
 
+#: Stands for the number of input positions in the shape of an array.
+N_ANGLES = "n_angles"
+
+
+@dataclass(frozen=True)
+class Array:
+    """An array that a kernel is called with.
+
+    Attributes
+    ----------
+    name, dtype : str
+        Its name in the text, and what it is of: float64, int64 or int8.
+    shape : tuple of int, str or None
+        Lengths of its axes; `N_ANGLES` for that of the input positions, None where the text does not know.
+    """
+
+    name: str
+    dtype: str
+    shape: tuple[int | str | None, ...]
+
+    def lengths(self, n_angles: int) -> tuple[int, ...]:
+        """Return the shape for a number of input positions, of an array without unknown lengths."""
+        return tuple(n_angles if length == N_ANGLES else int(length or 0) for length in self.shape)
+
+
+@dataclass(frozen=True)
+class Source:
+    """The text of a kernel, and what it is called with.
+
+    A kernel takes the array of designs (inputs, designs padded to whole vectors), the array of angles (tables, input
+    positions), the numbers of both, scratch, and an array for each result.
+
+    Attributes
+    ----------
+    text : str
+        A module with a function ``kernel``.
+    inputs, tables : int
+        Rows of the arrays of designs and of angles.
+    scratch, results : tuple of Array
+        In the order of the arguments.
+    """
+
+    text: str
+    inputs: int
+    tables: int
+    scratch: tuple[Array, ...]
+    results: tuple[Array, ...]
+
+    @property
+    def arguments(self) -> list[tuple[str, tuple[int | None, ...]]]:
+        """The dtype of each argument and its lengths, None for those that are known at run time only."""
+        designs, angles = ("float64", (self.inputs, None)), ("float64", (self.tables, None))
+        count: tuple[str, tuple[int | None, ...]] = ("int64", ())
+        arrays = (
+            (array.dtype, tuple(n if isinstance(n, int) else None for n in array.shape))
+            for array in (*self.scratch, *self.results)
+        )
+        return [designs, angles, count, count, *arrays]
+
+
 class Text:
     """Lines of a kernel under construction, with the functions it must import."""
 
@@ -33,6 +94,8 @@ class Text:
         self.lines: list[str] = []
         self.indent = 0
         self.imports: dict[str, set[str]] = {}
+        #: The lines of functions that the kernel calls.
+        self.functions: list[str] = []
 
     def add(self, line: str = "") -> None:
         """Append one line at the current indentation."""
@@ -47,15 +110,25 @@ class Text:
         """Leave a block."""
         self.indent -= 1
 
-    def module(self, plan: Closure | RefinedClosure, of_numpy: str) -> str:
-        """Return the lines as a module: what it gives, its imports, the kernel."""
+    def use(self, module: str, *names: str) -> None:
+        """Import names of a module of fastlink."""
+        self.imports.setdefault(f"fastlink.{module}", set()).update(names)
+
+    def module(
+        self, plan: Closure | RefinedClosure, scratch: Sequence[Array], results: Sequence[Array]
+    ) -> str:
+        """Return a module: what it gives, its imports, what was written before, and the lines as the kernel's body."""
+        names = ", ".join(array.name for array in (*scratch, *results))
+        head = f"def kernel(designs, angles, n_designs, n_angles, {names}):"
+        body = [head, *(f"    {line}" if line else "" for line in self.lines)]
+        of_numpy = "array, inf, nan"
         imports = "\n".join(
             f"from {module} import {', '.join(sorted(found))}"
             for module, found in sorted(self.imports.items())
         )
         names = ", ".join(output.name for output in plan.outputs)
         header = HEADER.format(mechanism=plan.catalogue.name, names=names, of_numpy=of_numpy, imports=imports)
-        return header + "\n".join(self.lines) + "\n"
+        return header + "\n".join([*self.functions, *body]) + "\n"
 
 
 class _Rename(ast.NodeTransformer):

@@ -11,14 +11,14 @@ from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING
 
 from fastlink.catalogue import Fact, System, parameters
-from fastlink.kernels.emit import Text, paste_fact, paste_system
-from fastlink.kernels.items import LANES
-from fastlink.kernels.layout import KernelLayout, Step, names_of
+from fastlink.codegen.runtime.cells import LANES, MOST_LANES
+from fastlink.codegen.schedule import KernelLayout, Step, names_of
+from fastlink.codegen.source import N_ANGLES, Array, Source, Text, paste_fact, paste_system
 
 if TYPE_CHECKING:
-    from fastlink.closure import Closure, Output
+    from fastlink.closure import Closure, Output, RefinedClosure
 
-__all__ = ["write_kernel"]
+__all__ = ["results_of", "write_kernel"]
 
 # Angles between two loops of curves: what is kept between them stays in the first cache.
 TILE = 512
@@ -32,19 +32,16 @@ class _Writer(KernelLayout):
         self.text = Text()
         self.tile: list[str] = []
 
-    def write(self) -> str:
+    def write(self) -> Source:
         text = self.text
-        outputs = ", ".join(f"out_{o.name}" for o in self.plan.outputs)
-        text.open(f"def kernel(designs, angles, n_designs, n_angles, w, w2, {outputs}):")
+        text.use("numerics.compiler", "lanes", "entries")
         for step in self.constant_steps:
             for branch in self.plan.branches:
                 assert isinstance(step, Fact)
                 paste_fact(step, {"branch": f"{branch}.0"}, f"__{branch}", text)
-        for value, _ in self.whole_curves():
-            text.imports.setdefault("numpy", set()).add("empty")
-            text.add(f"whole_{value} = empty((n_angles, {LANES}))")
         text.open(f"for i0 in range(0, n_designs, {LANES}):")
-        text.add(f"lanes = min({LANES}, n_designs - i0)")
+        text.add(f"n_here = min({LANES}, n_designs - i0)")
+        text.add(f"width = (n_here + {MOST_LANES - 1}) & {-MOST_LANES}")
         self.write_design_loop()
         if self.curves or self.cycles:
             if self.plan.lanes == "designs":
@@ -52,7 +49,22 @@ class _Writer(KernelLayout):
             else:
                 self.write_curve_loop()
         self.write_results()
-        return text.module(self.plan, "inf, nan")
+        scratch, results = self.scratch(), results_of(self.plan)
+        written = text.module(self.plan, scratch, results)
+        return Source(written, len(self.plan.inputs), len(self.plan.tables), scratch, results)
+
+    def scratch(self) -> tuple[Array, ...]:
+        """Return the arrays that the kernel works in."""
+        systems = sum(self.system_size(s) * len(self.suffixes(s.unknowns[0])) for s in self.systems)
+        arrays = [Array("w", "float64", (max(len(self.rows), 1), LANES))]
+        if systems:
+            arrays.append(Array("w2", "float64", (systems, LANES)))
+        if self.tile:
+            arrays.append(Array("tile", "float64", (len(self.tile), TILE)))
+        if self.whole_curves():
+            arrays.append(Array("sums", "float64", (4, LANES)))
+        wholes = dict.fromkeys(value for value, _ in self.whole_curves())
+        return (*arrays, *(Array(f"whole_{value}", "float64", (N_ANGLES, LANES)) for value in wholes))
 
     def paste(self, steps: Sequence[Step], stores: Mapping[str, list[str]] | None = None) -> None:
         """Append steps branch by branch, and each value's lines of `stores` as soon as it is known.
@@ -86,21 +98,14 @@ class _Writer(KernelLayout):
     def paste_entries(self, system: System, values: Mapping[str, str], suffix: str, k: int) -> None:
         """Append the entries of a linear system, into its place for branch number k."""
         start, width = k * self.system_size(system), len(system.unknowns) + 1
-        paste_system(
-            system, values, suffix, self.text, lambda r, c: f"w2[{(start + r * width + c) * LANES} + i]"
-        )
+        paste_system(system, values, suffix, self.text, lambda r, c: f"w2[{start + r * width + c}, i]")
 
     def write_design_loop(self) -> None:
-        """What depends on the design alone, and the accumulators' first values.
-
-        Inputs and results are cut to the block first: where an index may be negative, numba gathers and scatters.
-        """
+        """What depends on the design alone, and the accumulators' first values."""
         text, plan = self.text, self.plan
+        text.open("for i in lanes(width):")
         for k, name in enumerate(plan.inputs):
-            text.add(f"block_{name} = designs[{k}, i0 : i0 + {LANES}]")
-        text.open(f"for i in range({LANES}):")
-        for name in plan.inputs:
-            text.add(f"{name} = block_{name}[i]")
+            text.add(f"{name} = designs[{k}, i0 + i]")
         self.paste(self.design_steps)
         for name in dict.fromkeys((*self.lane_needs(), *(o.request.quantity for o in self.per_design))):
             text.add(f"{self.row(name)} = {name}  # {name}")
@@ -122,7 +127,7 @@ class _Writer(KernelLayout):
         stages = self.stages()
         carried = self.carried(stages)
         for number, stage in enumerate(stages):
-            text.open(f"for i in range({LANES}):")
+            text.open("for i in lanes(width):")
             facts = [s for s in stage if isinstance(s, Fact)]
             made = {n for s in facts for n in names_of(s)}
             last = number == len(stages) - 1
@@ -143,14 +148,14 @@ class _Writer(KernelLayout):
                 if isinstance(step, System):
                     self.write_solve(step)
         if self.curves:
-            text.open("for i in range(lanes):")
+            text.open("for i in range(n_here):")
             for output in self.curves:
                 for k in range(len(self.plan.branches)):
                     name = self.copy_for(output.request.quantity, k)
                     text.add(f"out_{output.name}[i0 + i, {k}, j] = {self.row('curve ' + name)}")
             text.close()
         for value in dict.fromkeys(value for value, _ in self.whole_curves()):
-            text.open(f"for i in range({LANES}):")
+            text.open("for i in lanes(width):")
             text.add(f"whole_{value}[j, i] = {self.row('curve ' + value)}")
             text.close()
         text.close()
@@ -159,27 +164,25 @@ class _Writer(KernelLayout):
             assert reduction is not None
             _, acc, _, _ = _slot_names(output, value.removeprefix(output.request.quantity), self.position)
             self.row(acc)
-            start = self.rows[acc] * LANES
-            text.imports.setdefault("fastlink.kernels.whole", set()).add(reduction.whole)
-            text.add(f"{reduction.whole}(whole_{value}, w[{start} : {start + LANES}])")
+            text.use("codegen.runtime.fluctuation", reduction.whole)
+            text.add(f"{reduction.whole}(whole_{value}, w[{self.rows[acc]}], n_angles, width, sums)")
 
     def write_unknowns(self, system: System) -> None:
         n = len(system.unknowns)
         for r, unknown in enumerate(system.unknowns):
             for suffix, k in self.suffixes(unknown):
-                self.text.add(
-                    f"{unknown}{suffix} = w2[{(k * self.system_size(system) + r * (n + 1) + n) * LANES} + i]"
-                )
+                row = k * self.system_size(system) + r * (n + 1) + n
+                self.text.add(f"{unknown}{suffix} = w2[{row}, i]")
 
     def write_solve(self, system: System) -> None:
-        self.text.imports.setdefault("fastlink.kernels.dense", set()).add("solve_lanes")
+        self.text.use("codegen.runtime.linear_solve", "solve_lanes")
         for _, k in self.suffixes(system.unknowns[0]):
             start, size = k * self.system_size(system), len(system.unknowns)
-            self.text.add(f"solve_lanes(w2.reshape(w2.size // {LANES}, {LANES}), {start}, {size})")
+            self.text.add(f"solve_lanes(w2, {start}, {size}, width)")
 
     def write_updates(self) -> None:
         """Take the values of this angle into the accumulators."""
-        self.text.imports.setdefault("fastlink.jit", set()).update(("select", "sqrt"))
+        self.text.use("numerics.elementary", "select", "sqrt")
         done: set[str] = set()
         for output, suffix, _ in self.accumulators():
             reduction = output.request.reduction
@@ -205,47 +208,44 @@ class _Writer(KernelLayout):
         """Lanes are angles: each design's curves go straight into the results."""
         text, stages = self.text, self.curve_stages()
         self.tile = sorted(self.carried(stages)[0])
-        piece = f", j0 : j0 + {TILE}" if self.tile else ""
-        tables = [f"all_{name} = angles[{k}{piece}]" for k, name in enumerate(self.plan.tables)]
-        for line in tables if not self.tile else ():
-            text.add(line)
-        text.open("for i in range(lanes):")
+        text.open("for i in range(n_here):")
         for name in self.lane_needs():
             text.add(f"{name} = {self.row(name)}")
         if self.tile:
-            text.open(f"for j0 in range(0, n_angles, {TILE}):")
-            for line in tables:
-                text.add(line)
-            for k, name in enumerate(self.tile):
-                start = len(self.rows) * LANES + k * TILE
-                text.add(f"tile_{name} = w[{start} : {start + TILE}]")
+            text.open(f"for piece in range(0, n_angles, {TILE}):")
+            # The last piece ends where the angles end.
+            text.add(f"j0 = max(min(piece, n_angles - {TILE}), 0)")
         stores: dict[str, list[str]] = {}
         for output in self.curves:
             for k in range(len(self.plan.branches)):
-                curve = f"curve_{output.name}_{k}"
-                text.add(f"{curve} = out_{output.name}[i0 + i, {k}{piece}]")
                 value = self.copy_for(output.request.quantity, k)
-                stores.setdefault(value, []).append(f"{curve}[j] = {value}")
+                store = f"out_{output.name}[i0 + i, {k}, {self.angle}] = {value}"
+                stores.setdefault(value, []).append(store)
         for stage in stages:
             self.write_curve_stage(stage, stores)
         if self.tile:
             text.close()
         text.close()
 
+    @property
+    def angle(self) -> str:
+        """The index of an input position in a loop over these."""
+        return "j0 + j" if self.tile else "j"
+
     def write_curve_stage(self, stage: Sequence[Step], stores: Mapping[str, list[str]]) -> None:
         """One loop over angles; what is made here and read in the next one waits in the tile."""
         text = self.text
-        text.open(f"for j in range({f'min({TILE}, n_angles - j0)' if self.tile else 'n_angles'}):")
-        for name in self.plan.tables:
-            text.add(f"{name} = all_{name}[j]")
+        text.open(f"for j in entries({f'min({TILE}, n_angles)' if self.tile else 'n_angles'}):")
+        for k, name in enumerate(self.plan.tables):
+            text.add(f"{name} = angles[{k}, {self.angle}]")
         made = {name for step in stage for name in names_of(step)}
-        for name in self.tile:
+        for row, name in enumerate(self.tile):
             if name not in made:
-                text.add(f"{name} = tile_{name}[j]")
+                text.add(f"{name} = tile[{row}, j]")
         self.paste(stage, stores)
-        for name in self.tile:
+        for row, name in enumerate(self.tile):
             if name in made:
-                text.add(f"tile_{name}[j] = {name}")
+                text.add(f"tile[{row}, j] = {name}")
         text.close()
 
     def write_results(self) -> None:
@@ -253,11 +253,9 @@ class _Writer(KernelLayout):
         text = self.text
         if not (self.per_design or self.cycles):
             return
+        text.open("for i in range(n_here):")
         for output in self.per_design:
-            text.add(f"block_out_{output.name} = out_{output.name}[i0 : i0 + lanes]")
-        text.open("for i in range(lanes):")
-        for output in self.per_design:
-            text.add(f"block_out_{output.name}[i] = {self.row(output.request.quantity)}")
+            text.add(f"out_{output.name}[i0 + i] = {self.row(output.request.quantity)}")
         for output in self.cycles:
             reduction = output.request.reduction
             assert reduction is not None
@@ -291,13 +289,14 @@ def _slots(output: Output, suffix: str, position: str, initial: str) -> list[tup
     return slots
 
 
-def write_kernel(plan: Closure) -> tuple[str, tuple[int, int]]:
-    """Return the text of the plan's kernel and the lengths of its two scratch arrays.
+def results_of(plan: Closure | RefinedClosure) -> tuple[Array, ...]:
+    """Return the arrays of a plan's results: designs, then branches, then input positions or extremes."""
+    lengths = {"branch": len(plan.branches)}
+    return tuple(
+        Array(f"out_{o.name}", o.dtype, (None, *(lengths.get(axis) for axis in o.axes))) for o in plan.outputs
+    )
 
-    The kernel takes the design array (inputs, designs padded to whole lanes), the angle array (tables, angles),
-    the numbers of designs and angles, two scratch arrays, and one output array for each result.
-    """
-    writer = _Writer(plan)
-    text = writer.write()
-    systems = sum(writer.system_size(s) * len(writer.suffixes(s.unknowns[0])) for s in writer.systems)
-    return text, (max(len(writer.rows) * LANES + len(writer.tile) * TILE, 1), max(systems, 1) * LANES)
+
+def write_kernel(plan: Closure) -> Source:
+    """Return the text of the plan's kernel, and what it is called with."""
+    return _Writer(plan).write()

@@ -12,7 +12,6 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from fastlink.fact import Fact, System, statements
-from fastlink.kernels.items import LANES
 
 if TYPE_CHECKING:
     from fastlink.closure import Closure, Output
@@ -64,7 +63,7 @@ class KernelLayout:
     def row(self, name: str) -> str:
         """Return the place of a lane value in the scratch array, reserving it on first use."""
         row = self.rows.setdefault(name, len(self.rows))
-        return f"w[{row * LANES} + i]"
+        return f"w[{row}, i]"
 
     def lane_needs(self) -> list[str]:
         """Return what the lane loop reads of the design: inputs and facts of the design."""

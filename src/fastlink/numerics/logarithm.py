@@ -1,4 +1,4 @@
-"""Logarithms that vectorise: compiled, NumPy, and mpmath readings, as everything of `fastlink.jit`.
+"""Logarithms that vectorise: compiled, NumPy, and mpmath readings, as everything of `fastlink.numerics.elementary`.
 
 The compiled reading splits the exponent off by the bits of the number and takes the rest by one division and a
 polynomial, as FDLIBM does; it calls nothing, so a loop around it vectorises.
@@ -10,7 +10,16 @@ from typing import Any
 
 import numpy as np
 
-from fastlink.jit import INFINITY, NOT_A_NUMBER, compiled_as, context_of, inlined, select, sqrt
+from fastlink.numerics.compiler import compiled_as, inlined
+from fastlink.numerics.elementary import (
+    INFINITY,
+    NOT_A_NUMBER,
+    bits_of,
+    context_of,
+    double_of,
+    select,
+    sqrt,
+)
 
 __all__ = ["arsinh", "log", "log1p", "log_quotient", "quotient_sign"]
 
@@ -41,9 +50,9 @@ BITS_OF_ONE, BITS_OF_ROOT_HALF, FRACTION_BITS = 0x3FF0000000000000, 0x3FE6A09E66
 def _binary_parts(x: Any) -> Any:
     """Return k and f for a positive x = 2^k (1 + f) with 1 + f between the roots of 1/2 and 2."""
     tiny = x < 2.0**-1022
-    bits = np.float64(select(tiny, x * 2.0**54, x)).view(np.int64) + (BITS_OF_ONE - BITS_OF_ROOT_HALF)
+    bits = bits_of(select(tiny, x * 2.0**54, x)) + (BITS_OF_ONE - BITS_OF_ROOT_HALF)
     k = ((bits >> 52) - 1023) * 1.0 - select(tiny, 54.0, 0.0)
-    return k, np.int64((bits & FRACTION_BITS) + BITS_OF_ROOT_HALF).view(np.float64) - 1.0
+    return k, double_of((bits & FRACTION_BITS) + BITS_OF_ROOT_HALF) - 1.0
 
 
 @inlined
@@ -78,11 +87,11 @@ def _have_quotient(x_bits: Any, y_bits: Any) -> Any:
 
 @inlined
 def _polynomial_log_quotient(x: Any, y: Any, twos: Any) -> Any:
-    x, y = np.float64(abs(x)), np.float64(abs(y))
-    x_bits, y_bits = x.view(np.int64), y.view(np.int64)
+    x, y = abs(x), abs(y)
+    x_bits, y_bits = bits_of(x), bits_of(y)
     # The difference of the bits is that of the logarithms to 0.09 doublings: x/(2^k y) is between 1/1.51 and 1.51.
     k = (x_bits - y_bits + HALF_A_DOUBLING) >> 52
-    near = np.int64(y_bits + (k << 52)).view(np.float64)
+    near = double_of(y_bits + (k << 52))
     s = (x - near) / (x + near)
     z = s * s
     found = (k + twos) * LN_2 + ((s + s) + (s * z) * _series(z))
@@ -91,7 +100,7 @@ def _polynomial_log_quotient(x: Any, y: Any, twos: Any) -> Any:
 
 @inlined
 def _signed_quotient(x: Any, y: Any) -> Any:
-    found = _have_quotient(np.float64(abs(x)).view(np.int64), np.float64(abs(y)).view(np.int64))
+    found = _have_quotient(bits_of(abs(x)), bits_of(abs(y)))
     return select(found, np.copysign(1.0, x) * np.copysign(1.0, y), 0.0)
 
 

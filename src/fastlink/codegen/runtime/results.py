@@ -8,8 +8,9 @@ from __future__ import annotations
 
 from typing import Any
 
-from fastlink.jit import INFINITY, NOT_A_NUMBER, PI, TWO_PI, called
-from fastlink.kernels.items import FA, FB, HALF, LANE, LANES, REAL, UPPER, WHICH, append_item
+from fastlink.codegen.runtime.cells import FA, FB, HALF, LANE, LANES, REAL, UPPER, append_item
+from fastlink.numerics.compiler import lanes, outlined
+from fastlink.numerics.elementary import INFINITY, NOT_A_NUMBER, PI, TWO_PI
 
 __all__ = ["clear", "collect_ends", "store_best", "store_counts", "store_list", "take"]
 
@@ -18,18 +19,22 @@ PLACE, VALUE, KIND = range(3)
 GREATEST, AT_GREATEST, LEAST, AT_LEAST = range(4)
 
 
-@called
+@outlined
 def clear(lists: Any, best: Any, found: Any) -> None:
     """Forget what was found."""
-    lists[:] = NOT_A_NUMBER
-    best[GREATEST] = -INFINITY
-    best[LEAST] = INFINITY
-    best[AT_GREATEST] = NOT_A_NUMBER
-    best[AT_LEAST] = NOT_A_NUMBER
-    found[:] = 0
+    for r in range(lists.shape[0]):
+        for column in range(lists.shape[1]):
+            for k in range(lists.shape[2]):
+                lists[r, column, k] = NOT_A_NUMBER
+    for i in lanes(found.size):
+        best[GREATEST, i] = -INFINITY
+        best[LEAST, i] = INFINITY
+        best[AT_GREATEST, i] = NOT_A_NUMBER
+        best[AT_LEAST, i] = NOT_A_NUMBER
+        found[i] = 0
 
 
-@called
+@outlined
 def _insert(lists: Any, column: int, count: int, theta: float, value: float, kind: float) -> None:
     """Insert into a sorted list; beyond its length the last one drops out, and the count tells."""
     room = lists.shape[2]
@@ -46,16 +51,14 @@ def _insert(lists: Any, column: int, count: int, theta: float, value: float, kin
     lists[KIND, column, k] = kind
 
 
-@called
+@outlined
 def take(
     s: Any,
     width: int,
-    row: int,
+    which: int,
     ends: bool,
-    toggles: int,
     w: Any,
-    sides: int,
-    branches: int,
+    about: Any,
     own: Any,
     other: Any,
     onto: Any,
@@ -65,20 +68,21 @@ def take(
     best: Any,
     found: Any,
 ) -> None:
-    """Sort items into the results of their design.
+    """Sort the items of a search into the results of their design.
 
     Parameters
     ----------
     s, width : array, int
         State of the items.
-    row : int
-        Row of the first quantity's value, those of the others follow, then that of theta1.
+    which : int
+        Number of the search.
     ends : bool
         Whether the items are ends of the range.
-    toggles : int
-        Rows of `w` that say whether the lower and the upper end are toggles.
-    sides, branches : int
-        Halves by branch that were searched, and branches that are asked for.
+    w : array
+        Lane values.
+    about : array of int
+        Row of the state that holds the quantity, the next one holds theta1; row of `w` that says whether the lower end
+        is a toggle, the next one whether the upper one is; sides that were searched; branches that are asked for.
     own, other : array of int
         For each branch that was searched where its results go, and those of its mirror; -1 for nowhere.
     onto : array of int
@@ -86,12 +90,14 @@ def take(
     order, parity : array
         For each quantity the power of 1/sigma by which it grows at a toggle, and what the mirror does to it.
     """
+    row, toggles, sides, branches = about[0], about[1], about[2], about[3]
     for i in range(width):
         if s[REAL, i] == 0.0:
             continue
-        lane, which, half = int(s[LANE, i]), int(s[WHICH, i]), int(s[HALF, i])
-        value, theta = s[row + which, i], s[row + order.size, i]
-        branch, side = half // sides, half % sides
+        lane, half = int(s[LANE, i]), int(s[HALF, i])
+        value, theta = s[row, i], s[row + 1, i]
+        branch = half >> (sides - 1)
+        side = half - branch * sides
         kind = 0.0
         jumps = onto[which] != which
         if jumps:
@@ -107,12 +113,14 @@ def take(
             kind = 1.0 if rises == (side == 0) else -1.0
         # Of its own branch, then of the mirror's.
         for mirror in range(2):
-            target = other[branch] if mirror else own[branch]
+            target = other[branch] if mirror == 1 else own[branch]
             if target < 0:
                 continue
-            if mirror:
+            if mirror == 1:
                 theta = TWO_PI - theta if theta > 0.0 else 0.0
-                value, kind = value if jumps else parity[which] * value, parity[which] * kind
+                if not jumps:
+                    value = parity[which] * value
+                kind = parity[which] * kind
             column = (onto[which] * branches + target) * LANES + lane
             if kind != 0.0:
                 if lists.shape[2] > 0:
@@ -127,65 +135,70 @@ def take(
                 best[AT_LEAST, column] = theta
 
 
-@called
+@outlined
 def collect_ends(
-    w: Any, starts: int, lanes: int, halves: int, wanted: Any, best: Any, branches: int, ends: Any
+    w: Any,
+    starts: int,
+    count: int,
+    halves: int,
+    which: int,
+    very_end: bool,
+    best: Any,
+    branches: int,
+    ends: Any,
 ) -> int:
     """Make items of the ends of the range where they may be extreme: at toggles, and where nothing else was found.
 
-    `wanted` says of each quantity whether its ends count: 0 for no, 1 where the first sample is, 2 at the very end,
-    unless the first sample's place is negative: nothing has a value at the end itself then.
+    An end counts where the first sample is; with `very_end` at the end itself, unless the first sample's place is
+    negative: nothing has a value at the end itself then.
     """
-    count = 0
-    for which in range(wanted.size):
-        if wanted[which] == 0:
-            continue
-        for i in range(lanes):
-            empty = False
-            for branch in range(branches):
-                empty = empty or best[GREATEST, (which * branches + branch) * LANES + i] == -INFINITY
-            for half in range(halves):
-                for upper in range(2):
-                    first = w[starts + upper, i]
-                    if first != 0.0 or empty:
-                        place = 0.0 if wanted[which] == 2 and first >= 0.0 else abs(first)
-                        count = append_item(ends, count, i, which, half, upper == 1, place, 0.0, place, 0.0)
-    return count
+    total = 0
+    for i in range(count):
+        empty = False
+        for branch in range(branches):
+            empty = empty or best[GREATEST, (which * branches + branch) * LANES + i] == -INFINITY
+        for half in range(halves):
+            for upper in range(2):
+                first = w[starts + upper, i]
+                if first != 0.0 or empty:
+                    place = 0.0 if very_end and first >= 0.0 else abs(first)
+                    total = append_item(ends, total, i, half, upper == 1, place, 0.0, place, 0.0)
+    return total
 
 
-@called
-def store_list(result: Any, first: int, lanes: int, base: int, lists: Any, row: int) -> None:
+@outlined
+def store_list(result: Any, first: int, count: int, base: int, lists: Any, row: int) -> None:
     """Copy a list of each design and branch."""
-    for i in range(lanes):
+    for i in range(count):
         for branch in range(result.shape[1]):
             for k in range(result.shape[2]):
                 value = lists[row, base + branch * LANES + i, k] if k < lists.shape[2] else NOT_A_NUMBER
                 result[first + i, branch, k] = value
 
 
-@called
-def store_kinds(result: Any, first: int, lanes: int, base: int, lists: Any) -> None:
+@outlined
+def store_kinds(result: Any, first: int, count: int, base: int, lists: Any) -> None:
     """Copy the kinds: 1 for a maximum, -1 for a minimum, 0 beyond the last extreme."""
-    for i in range(lanes):
+    for i in range(count):
         for branch in range(result.shape[1]):
             for k in range(result.shape[2]):
                 kind = lists[KIND, base + branch * LANES + i, k] if k < lists.shape[2] else NOT_A_NUMBER
                 result[first + i, branch, k] = int(kind) if kind == kind else 0
 
 
-@called
-def store_counts(result: Any, first: int, lanes: int, base: int, found: Any) -> None:
+@outlined
+def store_counts(result: Any, first: int, count: int, base: int, found: Any) -> None:
     """Copy how many extremes were found."""
-    for i in range(lanes):
+    for i in range(count):
         for branch in range(result.shape[1]):
             result[first + i, branch] = min(found[base + branch * LANES + i], 127)
 
 
-@called
-def store_best(result: Any, first: int, lanes: int, base: int, best: Any, row: int) -> None:
+@outlined
+def store_best(result: Any, first: int, count: int, base: int, best: Any, row: int) -> None:
     """Copy a greatest or least value, or its place in the row after; NaN where there is none."""
-    where = row // 2 * 2 + 1
-    for i in range(lanes):
+    where = row | 1
+    for i in range(count):
         for branch in range(result.shape[1]):
             column = base + branch * LANES + i
             there_is = best[where, column] == best[where, column]

@@ -1,0 +1,304 @@
+"""The text of a kernel that finds every extreme of some quantities, to rounding.
+
+For a block of designs: samples of the derivatives on the graded range (lanes are designs), the cells that hold a
+zero, their refinement (lanes are cells), and the quantities there. See `fastlink.codegen.runtime.sampling`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from typing import TYPE_CHECKING
+
+from fastlink.catalogue import Fact, parameters
+from fastlink.codegen.extrema_schedule import RefinedLayout
+from fastlink.codegen.pointwise import results_of
+from fastlink.codegen.runtime.cells import HALF, ITEM_ROWS, LANES, MOST_LANES, STATE_ROWS, UPPER, X
+from fastlink.codegen.runtime.cells import F as F_ROW
+from fastlink.codegen.source import Array, Source, Text, paste_fact
+
+if TYPE_CHECKING:
+    from fastlink.closure import Output, RefinedClosure, Search
+
+__all__ = ["write_refined"]
+
+# Bisection alone halves a cell to nothing in half as many; values that are no numbers must not go on for ever.
+MOST_STEPS = 200
+
+
+class _Refined(RefinedLayout):
+    """One kernel while it is written."""
+
+    def __init__(self, plan: RefinedClosure) -> None:
+        super().__init__(plan)
+        self.text = Text()
+
+    def write(self) -> Source:
+        """Return the kernel."""
+        text, plan = self.text, self.plan
+        text.use("numerics.compiler", "lanes")
+        for number, search in enumerate(plan.searches):
+            self.write_evaluations(number, search)
+        self.write_tables()
+        text.open(f"for i0 in range(0, n_designs, {LANES}):")
+        text.add(f"n_here = min({LANES}, n_designs - i0)")
+        text.add(f"width = (n_here + {MOST_LANES - 1}) & {-MOST_LANES}")
+        self.write_designs()
+        self.write_samples()
+        text.use("codegen.runtime.results", "clear")
+        text.add("clear(lists, best, found)")
+        for number, search in enumerate(plan.searches):
+            self.write_search(number, search)
+        for number, search in enumerate(plan.searches):
+            if self.wants_ends(search):
+                self.write_ends(number, search)
+        for output in plan.outputs:
+            self.write_result(output)
+        text.close()
+        scratch, results = self.scratch(), results_of(plan)
+        return Source(text.module(plan, scratch, results), len(plan.inputs), 0, scratch, results)
+
+    def scratch(self) -> tuple[Array, ...]:
+        """Return the arrays that the kernel works in."""
+        plan, searches = self.plan, self.plan.searches
+        columns = len(searches) * len(plan.branches) * LANES
+        room = LANES * self.halves
+        kept = max(search.most for search in searches) if self.lists else 0
+        return (
+            Array("w", "float64", (self.used(), LANES)),
+            Array("samples", "float64", (len(searches) * self.halves * self.samples, LANES)),
+            Array("state", "float64", (self.value_row + 2, LANES)),
+            Array("valleys", "float64", (room * self.samples, ITEM_ROWS)),
+            Array("roots", "float64", (3 * room * self.samples, ITEM_ROWS)),
+            Array("ends", "float64", (2 * room, ITEM_ROWS)),
+            Array("flags", "int8", (LANES,)),
+            Array("lane", "int64", (LANES,)),
+            Array("counts", "int64", (2,)),
+            Array("found", "int64", (columns,)),
+            Array("best", "float64", (4, columns)),
+            Array("lists", "float64", (3, columns, kept)),
+        )
+
+    @property
+    def lists(self) -> bool:
+        """Whether whole lists of extremes are asked for."""
+        return any(output.request.listed for output in self.plan.outputs)
+
+    # -- the loops ---------------------------------------------------------------------------------
+
+    def write_tables(self) -> None:
+        """What tells the searches and branches apart."""
+        plan, searches = self.plan, self.plan.searches
+        toggle = self.row(self.graded.ends[0][2])
+        for name, numbers in (
+            ("about", [self.value_row, toggle, plan.sides, len(plan.branches)]),
+            ("own", [self.own_place(b) for b in plan.computed]),
+            ("other", [self.mirror_of(b) for b in plan.computed]),
+            ("order", [search.order for search in searches]),
+            ("onto", [self.number_of(search.quantity) for search in searches]),
+            ("parity", [float(search.parity) for search in searches]),
+            *(
+                (f"rows_{k}", [self.row(n) for n in self.item_needs(s)] or [0])
+                for k, s in enumerate(searches)
+            ),
+        ):
+            self.text.add(f"{name} = array({numbers})")
+
+    def write_designs(self) -> None:
+        """What depends on the design alone."""
+        text, plan = self.text, self.plan
+        text.open("for i in lanes(width):")
+        for k, name in enumerate(plan.inputs):
+            text.add(f"{name} = designs[{k}, i0 + i]")
+        for step in self.design_steps:
+            paste_fact(step, dict(zip(parameters(step.function), step.needs, strict=True)), "", text)
+        for name, row in self.rows.items():
+            text.add(f"w[{row}, i] = {name}")
+        text.close()
+
+    def write_samples(self) -> None:
+        """The derivatives at all places of the graded range, on both sides of it: both branches side by side."""
+        text, cells, plan = self.text, self.cells, self.plan
+        side = self.graded.leaves[2]
+        self.places = rows = self.row("places", 2 * (cells + 1))
+        spare = self.row("spare", 4)
+        scale, start = self.row(self.graded.ends[0][0]), self.row(self.graded.ends[0][1])
+        steps = self.needed_for(self.slope_names())
+        text.use("codegen.runtime.sampling", "place_samples")
+        text.add(f"place_samples(w, {scale}, {start}, {rows}, {spare}, {cells}, width)")
+        text.open(f"for j in range({self.samples}):")
+        text.add(f"from_upper = j > {cells}")
+        text.add(f"place = {rows + 3 * cells + 1} - j if from_upper else {rows} + j")
+        text.open(f"for turn in range({plan.sides}):")
+        text.open("for i in lanes(width):")
+        self.write_place("w[place, i]", "from_upper")
+        text.add(f"{side} = 1.0 if turn == 0 else -1.0")
+        self.load_designs(steps, lambda name: self.row(name), "w")
+        for step in (s for s in steps if "branch" not in plan.axes[s.name]):
+            self.paste(step)
+        for k, branch in enumerate(plan.computed):
+            text.add(f"branch__{branch} = {branch}.0")
+            for step in (s for s in steps if "branch" in plan.axes[s.name]):
+                self.paste(step, f"__{branch}")
+            for number, search in enumerate(plan.searches):
+                row = f"{self.sample_row(number, k * plan.sides)} + turn * {self.samples} + j"
+                text.add(f"samples[{row}, i] = {self.scaled(search, f'__{branch}')}")
+        for _ in range(3):
+            text.close()
+
+    def write_place(self, place: str, upper: str) -> None:
+        """The distances of a place from the near and the far end, over the width."""
+        near, far = self.graded.leaves[:2]
+        text = self.text
+        text.add(f"square = {place} * {place}")
+        text.add("rest = 1.0 / (1.0 + square)")
+        text.add(f"{near} = rest if {upper} else square * rest")
+        text.add(f"{far} = square * rest if {upper} else rest")
+
+    def load_designs(self, steps: Sequence[Fact], row: Callable[[str], int], array: str) -> None:
+        """What facts need of the design."""
+        for name in self.design_needs(steps):
+            self.text.add(f"{name} = {array}[{row(name)}, i]")
+
+    def named(self, name: str, copy: str = "") -> str:
+        """Return the name of a value, of one branch's copy where there are copies."""
+        return name + (copy if "branch" in self.plan.axes[name] else "")
+
+    def scaled(self, search: Search, copy: str = "") -> str:
+        """Return the derivative times the power of sin mu that keeps it finite and not zero at a toggle."""
+        factors = [search.slope, *[self.graded.sine] * search.slope_order]
+        return " * ".join(self.named(name, copy) for name in factors)
+
+    def paste(self, step: Fact, copy: str = "") -> None:
+        """Append a fact, reading the copies of one branch."""
+        names = (self.named(need, copy) for need in step.needs)
+        values = dict(zip(parameters(step.function), names, strict=True))
+        paste_fact(step, values, copy if "branch" in self.plan.axes[step.name] else "", self.text)
+
+    # -- the search --------------------------------------------------------------------------------
+
+    def write_search(self, number: int, search: Search) -> None:
+        """Cells that hold a zero of one function, their refinement, and what is found there."""
+        text = self.text
+        text.use("codegen.runtime.cells", "gather")
+        text.use(
+            "codegen.runtime.roots",
+            "advance_roots",
+            "advance_valleys",
+            "begin_roots",
+            "begin_valleys",
+            "split",
+        )
+        text.add("counts[0] = 0")
+        text.add("counts[1] = 0")
+        self.write_collect(number, search)
+        text.open(f"for start in range(0, counts[0], {LANES}):")
+        text.add(f"filled = gather(valleys, start, counts[0], w, rows_{number}, state, lane)")
+        text.add("is_open = begin_valleys(state, filled)")
+        self.write_steps(number, "advance_valleys")
+        text.add("split(state, filled, counts, roots)")
+        text.close()
+        text.open(f"for start in range(0, counts[1], {LANES}):")
+        text.add(f"filled = gather(roots, start, counts[1], w, rows_{number}, state, lane)")
+        text.add("is_open = begin_roots(state, filled, flags)")
+        self.write_steps(number, "advance_roots")
+        self.write_take(number, ends=False)
+        text.close()
+
+    def write_steps(self, number: int, advance: str) -> None:
+        """The steps of a refinement."""
+        text = self.text
+        text.open(f"for step in range({MOST_STEPS}):")
+        text.open("if not is_open:")
+        text.add("break")
+        text.close()
+        text.add(f"slope_{number}(state, filled)")
+        text.add(f"is_open = {advance}(state, filled, flags)")
+        text.close()
+
+    def write_take(self, number: int, *, ends: bool) -> None:
+        """Values at the places of items, and to which design they belong."""
+        self.text.use("codegen.runtime.results", "take")
+        self.text.add(f"value_{number}(state, filled)")
+        tables = "about, own, other, onto, order, parity, lists, best, found"
+        self.text.add(f"take(state, filled, {number}, {ends}, w, {tables})")
+
+    def write_ends(self, number: int, search: Search) -> None:
+        """Values at the ends of the range, where these may be extreme."""
+        text = self.text
+        text.use("codegen.runtime.results", "collect_ends")
+        text.use("codegen.runtime.roots", "place_ends")
+        start = self.row(self.graded.ends[0][1])
+        where = f"w, {start}, n_here, {self.halves}, {number}, {search.at_limit}"
+        text.add(f"n_ends = collect_ends({where}, best, {len(self.plan.branches)}, ends)")
+        text.open(f"for start in range(0, n_ends, {LANES}):")
+        text.add(f"filled = gather(ends, start, n_ends, w, rows_{number}, state, lane)")
+        text.add("place_ends(state, filled)")
+        self.write_take(number, ends=True)
+        text.close()
+
+    def write_collect(self, number: int, search: Search) -> None:
+        """Make items of all halves of one function."""
+        self.text.use("codegen.runtime.sampling", "collect")
+        if self.plan.mirrored:
+            self.text.use("codegen.runtime.sampling", "silence")
+            rows = f"{self.sample_row(number, 0)}, {self.sample_row(number, 1)}"
+            self.text.add(f"silence(samples, {rows}, {self.samples}, width)")
+        for half in range(self.halves):
+            first = self.plan.mirrored and half == 0
+            rows = f"{self.sample_row(number, half)}, {self.sample_row(number, self.beyond(half))}"
+            what = f"{half}, {float(search.slope_parity) if first else 1.0}"
+            self.text.add(
+                f"collect(w, samples, {rows}, {self.places}, {self.cells}, n_here, {what}, "
+                "flags, counts, roots, valleys)"
+            )
+
+    def write_evaluations(self, number: int, search: Search) -> None:
+        """Functions of their own: the sampled function at the places of items, and the quantity there."""
+        self.write_evaluation(f"slope_{number}", search, self.slope_of(search), {F_ROW: self.scaled(search)})
+        quantity, position = self.values_of(search)
+        stores = {self.value_row: quantity, self.value_row + 1: position}
+        self.write_evaluation(f"value_{number}", search, [quantity, position], stores)
+
+    def write_evaluation(
+        self, name: str, search: Search, names: Sequence[str], stores: Mapping[int, str]
+    ) -> None:
+        """A function of the state that computes values at the places of items."""
+        outer, self.text.lines = self.text.lines, []
+        text = self.text
+        text.use("numerics.compiler", "outlined")
+        text.add("@outlined")
+        text.open(f"def {name}(state, width):")
+        text.open("for i in lanes(width):")
+        text.add(f"upper = state[{UPPER}, i] > 0.0")
+        self.write_place(f"state[{X}, i]", "upper")
+        self.write_half(f"state[{HALF}, i]")
+        steps, needs = self.needed_for(names), self.item_needs(search)
+        self.load_designs(steps, lambda need: STATE_ROWS + needs.index(need), "state")
+        for step in steps:
+            self.paste(step)
+        for row, value in stores.items():
+            text.add(f"state[{row}, i] = {value}")
+        text.close()
+        text.close()
+        text.functions += [*text.lines, "", ""]
+        text.lines = outer
+
+    def write_half(self, half: str) -> None:
+        """Tell branch and side of a half: halves are numbered branch by branch, both sides of each."""
+        side, computed = self.graded.leaves[2], self.plan.computed
+        above = f"({half} == 0.0) | ({half} == 2.0)"
+        self.text.add(f"{side} = 1.0 if {above} else -1.0" if self.plan.sides == 2 else f"{side} = 1.0")
+        former = f"{computed[0]}.0 if {half} <= {self.plan.sides - 1.0} else " if len(computed) > 1 else ""
+        self.text.add(f"branch = {former}{computed[-1]}.0")
+
+    def write_result(self, output: Output) -> None:
+        """Copy one result of a search."""
+        name, values = self.store_of(output)
+        self.text.use("codegen.runtime.results", name)
+        base = self.number_of(output.request.quantity) * len(self.plan.branches) * LANES
+        self.text.add(f"{name}(out_{output.name}, i0, n_here, {base}, {values})")
+
+
+def write_refined(plan: RefinedClosure) -> Source:
+    """Return the text of the kernel, and what it is called with."""
+    return _Refined(plan).write()

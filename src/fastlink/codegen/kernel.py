@@ -1,0 +1,125 @@
+"""Kernels to call: the text of a kernel, its machine code, and how it is called."""
+
+from __future__ import annotations
+
+import hashlib
+import os
+import threading
+from collections.abc import Callable
+from functools import cache
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from fastlink.codegen.cache import environment, kept
+from fastlink.codegen.machine import compile_object, host, lanes_of_host, load_object, version
+from fastlink.codegen.source import Source
+from fastlink.codegen.translate import Refused, translate
+from fastlink.errors import InputError, suggest
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+__all__ = ["BACKENDS", "Kernel", "backend_of", "kernel_key", "llvm_text", "load_kernel"]
+
+#: Compilers of kernels: the translator of this package, and numba.
+BACKENDS = ("llvm", "numba")
+KINDS = {"float64": "f", "int64": "i", "int8": "c"}
+_lock = threading.Lock()
+_loaded: dict[str, Callable[..., None]] = {}
+
+
+def backend_of(chosen: str | None) -> str:
+    """Return the compiler to use: the chosen one, else that of FASTLINK_BACKEND, else our own.
+
+    Raises
+    ------
+    InputError
+        There is none of that name.
+    """
+    name = chosen or os.environ.get("FASTLINK_BACKEND") or BACKENDS[0]
+    if name not in BACKENDS:
+        where = "backend" if chosen else "environment variable FASTLINK_BACKEND"
+        raise InputError(f"{where}: {name!r} is unknown; {suggest(str(name), BACKENDS)}")
+    return name
+
+
+@cache
+def _environment() -> bytes:
+    """Return what every kernel depends on besides its text."""
+    return environment() + repr((version(), host(), lanes_of_host())).encode()
+
+
+def kernel_key(source: Source, options: str = "") -> str:
+    """Return what tells a kernel's machine code from all others."""
+    text = repr((source.arguments, options)) + source.text
+    return hashlib.sha256(_environment() + text.encode()).hexdigest()[:32]
+
+
+def llvm_text(source: Source, *, lanes: int | None = None, relaxed: bool = False) -> str:
+    """Return the kernel as LLVM's assembly language, for vectors of so many lanes."""
+    arguments = [(KINDS[dtype], lengths) for dtype, lengths in source.arguments]
+    return translate(source.text, arguments, lanes or lanes_of_host(), relaxed=relaxed)
+
+
+class Kernel:
+    """Machine code with the arguments of a `Source`.
+
+    It is called with designs, angles, their numbers, scratch and results. The arrays must lie in rows and not overlap.
+
+    Attributes
+    ----------
+    address : int
+        Of the function, which takes the address of a table (see `table`) and needs no lock of Python.
+    """
+
+    def __init__(self, source: Source, code: bytes) -> None:
+        self.source = source
+        self._code = load_object(code)
+        self.address, self.call = self._code.address, self._code.call
+        self._arguments = source.arguments
+
+    def table(self, *arguments: Any) -> NDArray[np.int64]:
+        """Return the addresses and lengths of the arguments, as the machine code reads them."""
+        entries = []
+        for (dtype, lengths), argument in zip(self._arguments, arguments, strict=True):
+            if not lengths:
+                entries.append(argument)
+                continue
+            if argument.dtype != dtype or argument.ndim != len(lengths) or not argument.flags.c_contiguous:
+                raise TypeError(
+                    f"{dtype} array in rows of {len(lengths)} axes expected, not {argument.dtype} "
+                    f"{argument.shape}"
+                )
+            entries.append(argument.ctypes.data)
+            for length, known in zip(argument.shape, lengths, strict=True):
+                if known is None:
+                    entries.append(length)
+                elif known != length:
+                    raise TypeError(f"{length} entries along an axis of {known}")
+        return np.array(entries, dtype=np.int64)
+
+    def __call__(self, *arguments: Any) -> None:
+        """Evaluate."""
+        table = self.table(*arguments)  # it lives as long as the call
+        self.call(table.ctypes.data)
+
+
+def load_kernel(source: Source, backend: str = BACKENDS[0], *, relaxed: bool = False) -> Callable[..., None]:
+    """Return a kernel, compiled now or taken from the cache; numba compiles what the translator refuses."""
+    key = kernel_key(source, f"{backend} {relaxed}")
+    with _lock:
+        if key not in _loaded:
+            _loaded[key] = _load(source, key, backend, relaxed)
+        return _loaded[key]
+
+
+def _load(source: Source, key: str, backend: str, relaxed: bool) -> Callable[..., None]:
+    if backend == "llvm":
+        try:
+            return Kernel(source, kept(key, lambda: compile_object(llvm_text(source, relaxed=relaxed))))
+        except Refused:
+            pass
+    from fastlink.codegen.numba_backend import compile_by_numba
+
+    return compile_by_numba(source, key, relaxed=relaxed)

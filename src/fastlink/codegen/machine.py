@@ -1,0 +1,122 @@
+"""LLVM text to machine code, and machine code to something to call. This is the only module that knows LLVM's options.
+
+Arithmetic is strict IEEE: no fastmath flag is ever written, so nothing is regrouped or fused. The vectorisers are off:
+loops over lanes are vectors already, and other loops are short.
+"""
+
+from __future__ import annotations
+
+import ctypes
+import threading
+from functools import cache
+from typing import Any
+
+import llvmlite
+import llvmlite.binding as llvm
+
+__all__ = ["assembly", "compile_object", "host", "lanes_of_host", "load_object", "optimised", "version"]
+
+#: Of the calls into LLVM: llvmlite has one lock for all of them anyway.
+_lock = threading.RLock()
+
+
+@cache
+def _start() -> None:
+    llvm.initialize_native_target()
+    llvm.initialize_native_asmprinter()
+
+
+@cache
+def host() -> tuple[str, str]:
+    """Return the name of the processor, and its features as LLVM writes them."""
+    return llvm.get_host_cpu_name(), llvm.get_host_cpu_features().flatten()
+
+
+def version() -> str:
+    """Return the version of LLVM and of its binding."""
+    return f"llvmlite {llvmlite.__version__}, LLVM {'.'.join(map(str, llvm.llvm_version_info))}"
+
+
+@cache
+def lanes_of_host() -> int:
+    """Return how many doubles a register of this processor holds: 8 with AVX-512, 4 with AVX, else 2."""
+    features = host()[1].split(",")
+    return 8 if "+avx512f" in features else 4 if "+avx" in features else 2
+
+
+def _target_machine(cpu: str | None, triple: str | None = None) -> Any:
+    _start()
+    name, features = (cpu, "") if cpu else host()
+    target = llvm.Target.from_triple(triple) if triple else llvm.Target.from_default_triple()
+    return target.create_target_machine(cpu=name, features=features, opt=2, reloc="pic", codemodel="default")
+
+
+def optimised(
+    text: str, *, cpu: str | None = None, triple: str | None = None, check: bool = False
+) -> tuple[Any, Any]:
+    """Return a module after LLVM's passes, and the target machine that they were for.
+
+    Parameters
+    ----------
+    text : str
+        LLVM's assembly language.
+    cpu, triple : str, optional
+        Another processor than this one, as LLVM names it.
+    check : bool
+        Run LLVM's verifier first.
+    """
+    machine = _target_machine(cpu, triple)
+    module = llvm.parse_assembly(text)
+    if check:
+        module.verify()
+    module.triple = machine.triple
+    module.data_layout = str(machine.target_data)
+    options = llvm.create_pipeline_tuning_options(2)
+    options.loop_vectorization = options.slp_vectorization = options.loop_unrolling = False
+    builder = llvm.create_pass_builder(machine, options)
+    builder.getModulePassManager().run(module, builder)
+    return module, machine
+
+
+def compile_object(
+    text: str, *, cpu: str | None = None, triple: str | None = None, check: bool = False
+) -> bytes:
+    """Return the object code of LLVM text."""
+    with _lock:
+        module, machine = optimised(text, cpu=cpu, triple=triple, check=check)
+        return bytes(machine.emit_object(module))
+
+
+def assembly(text: str, *, cpu: str | None = None, triple: str | None = None) -> str:
+    """Return the assembly language of LLVM text."""
+    with _lock:
+        module, machine = optimised(text, cpu=cpu, triple=triple)
+        return str(machine.emit_assembly(module))
+
+
+class Loaded:
+    """Object code in memory.
+
+    Attributes
+    ----------
+    address : int
+        Of its function ``kernel(table)``, which needs no lock of Python.
+    call : callable
+        ``call(address of the table)``.
+    """
+
+    def __init__(self, code: bytes) -> None:
+        with _lock:
+            # Each engine owns a target machine: one that is shared crashed.
+            self._engine = llvm.create_mcjit_compiler(llvm.parse_assembly(""), _target_machine(None))
+            self._engine.add_object_file(llvm.ObjectFileRef.from_data(code))
+            self._engine.finalize_object()
+            self.address: int = self._engine.get_function_address("kernel")
+        if not self.address:
+            raise ValueError("object code without a kernel")
+        self.call = ctypes.CFUNCTYPE(None, ctypes.c_void_p)(self.address)
+
+
+def load_object(code: bytes) -> Loaded:
+    """Return object code, loaded."""
+    return Loaded(code)

@@ -1,0 +1,108 @@
+"""The other compiler: numba, for the same text. The only module that knows numba's options.
+
+It is what the translator is tested against, and what compiles where that refuses or knows no processor.
+"""
+
+from __future__ import annotations
+
+import importlib.util
+import sys
+from collections.abc import Callable, Sequence
+from functools import cache
+from typing import TYPE_CHECKING, Any
+
+import numba
+import numpy as np
+from numba.core.compiler import Compiler
+from numba.extending import overload, register_jitable
+
+from fastlink.codegen.cache import written_file
+from fastlink.numerics import elementary
+from fastlink.numerics.compiler import COMPILED_AS, INLINED, OUTLINED
+
+if TYPE_CHECKING:
+    from types import ModuleType
+
+    from fastlink.codegen.source import Source
+
+__all__ = ["compile_by_numba"]
+
+#: Keeps divisions free of branches; with numba's default nothing vectorises.
+OPTIONS: dict[str, Any] = {"error_model": "numpy", "nogil": True}
+INLINE_OPTIONS: dict[str, Any] = {"error_model": "numpy", "forceinline": True}
+#: Freedoms that are never taken but to show what they would cost and gain: see docs/accuracy.md.
+RELAXED = {"reassoc", "contract", "arcp", "nsz"}
+#: What numba reads instead of functions that are operations; np.where on scalars would stop vectorisation.
+OPERATIONS: dict[Callable[..., Any], Callable[..., Any]] = {
+    elementary.sqrt: lambda x: np.sqrt(x),
+    elementary.select: lambda condition, if_true, if_false: if_true if condition else if_false,
+    elementary.bits_of: lambda x: np.float64(x).view(np.int64),
+    elementary.double_of: lambda bits: np.int64(bits).view(np.float64),
+}
+
+
+@cache
+def _declared() -> set[Callable[..., Any]]:
+    return set()
+
+
+def declare() -> None:
+    """Tell numba of every function that kernels call; of those that were marked since, when called again."""
+
+    def reading(text: Callable[..., Any]) -> Callable[..., Any]:
+        return lambda *types: text
+
+    texts = OPERATIONS | COMPILED_AS
+    for function in [*texts, *INLINED, *OUTLINED]:
+        if function in _declared():
+            continue
+        _declared().add(function)
+        if function in texts:
+            overload(function, jit_options=INLINE_OPTIONS, strict=False)(reading(texts[function]))
+        else:
+            register_jitable(**(INLINE_OPTIONS if function in INLINED else OPTIONS))(function)
+
+
+class _Restrict(Compiler):  # type: ignore[misc]
+    """Numba's compiler with one promise more: the array arguments of a kernel do not overlap.
+
+    It is C's ``restrict``. Without it, a loop that stores to more than a few arrays is not vectorised.
+    """
+
+    def __init__(
+        self, typing: Any, target: Any, library: Any, args: Any, result: Any, flags: Any, names: Any
+    ) -> None:
+        flags.noalias = True
+        super().__init__(typing, target, library, args, result, flags, names)
+
+
+def _signature(arguments: Sequence[tuple[str, tuple[int | None, ...]]]) -> tuple[Any, ...]:
+    types = ((getattr(numba.types, dtype), len(lengths)) for dtype, lengths in arguments)
+    return tuple(numba.types.Array(dtype, axes, "C") if axes else dtype for dtype, axes in types)
+
+
+def _module(text: str, key: str) -> ModuleType:
+    """Return the text as a module, from a file: numba's cache stands beside it."""
+    name = f"fastlink_kernel_{key}"
+    if name in sys.modules:
+        return sys.modules[name]
+    spec = importlib.util.spec_from_file_location(name, written_file(f"{name}.py", text))
+    assert spec is not None
+    assert spec.loader is not None
+    module = importlib.util.module_from_spec(spec)
+    sys.modules[name] = module
+    spec.loader.exec_module(module)
+    return module
+
+
+def compile_by_numba(source: Source, key: str, *, relaxed: bool = False) -> Callable[..., None]:
+    """Return the kernel as numba compiles it, or has it in its cache; it is called with the kernel's arguments."""
+    declare()
+    module = _module(source.text, key)
+    for function in vars(module).values():
+        if callable(function) and function in OUTLINED:
+            register_jitable(**OPTIONS)(function)
+    options = OPTIONS | ({"fastmath": RELAXED} if relaxed else {})
+    kernel = numba.njit(**options, cache=True, pipeline_class=_Restrict)(module.kernel)
+    kernel.compile(_signature(source.arguments))
+    return kernel  # type: ignore[no-any-return]

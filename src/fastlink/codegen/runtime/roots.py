@@ -1,0 +1,201 @@
+"""Zeros and least magnitudes in their brackets, refined in the lanes: no item waits for another design."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from fastlink.codegen.runtime.cells import (
+    F1,
+    F2,
+    FA,
+    FB,
+    FC,
+    HALF,
+    LANE,
+    OPEN,
+    REAL,
+    STEPS,
+    TOLERANCE,
+    UPPER,
+    X1,
+    X2,
+    XA,
+    XB,
+    XC,
+    F,
+    X,
+    append_item,
+)
+from fastlink.numerics.compiler import inlined, lanes, outlined
+
+__all__ = ["advance_roots", "advance_valleys", "begin_roots", "begin_valleys", "place_ends", "split"]
+
+# 2 units in the last place of a place, and 2^-56 of the cell where the zero is at 0.
+RELATIVE = 2.0**-51
+ABSOLUTE = 2.0**-56
+# A minimum is found to half the digits; closer pairs of zeros are not told from none.
+VALLEY_RELATIVE = 2.0**-26
+# After this many steps a parabola is trusted that stays above half of the least magnitude.
+TRUSTED_STEPS = 4
+GOLDEN = 0.3819660112501051
+
+
+@outlined
+def begin_valleys(s: Any, width: int) -> bool:
+    """Choose the first place of each valley; return whether any is open."""
+    for i in lanes(width):
+        low, high, c = s[XA, i], s[XB, i], s[XC, i]
+        turned = high < low
+        a, fa = (high if turned else low), (s[FB, i] if turned else s[FA, i])
+        b, fb = (low if turned else high), (s[FA, i] if turned else s[FB, i])
+        s[TOLERANCE, i] = ABSOLUTE * (low if turned else high)
+        s[X, i] = c + GOLDEN * (b - c) if b - c > c - a else c + GOLDEN * (a - c)
+        s[F, i] = 0.0
+        s[X1, i] = a
+        s[F1, i] = fa
+        s[X2, i] = b
+        s[F2, i] = fb
+        s[STEPS, i] = 0.0
+        s[OPEN, i] = 1.0
+    return width > 0
+
+
+@outlined
+def begin_roots(s: Any, width: int, flags: Any) -> bool:
+    """Choose the first place of each root, which may be an end of its bracket; return whether any is open."""
+    for i in lanes(width):
+        a, fa, b, fb = s[XA, i], s[FA, i], s[XB, i], s[FB, i]
+        s[TOLERANCE, i] = ABSOLUTE * (b if b > a else a)
+        t = fa / (fa - fb)
+        t = 0.02 if t < 0.02 else t
+        t = 0.98 if t > 0.98 else t
+        found = (fa == 0.0) | (fb == 0.0)
+        s[X, i] = (a if fa == 0.0 else b) if found else a + t * (b - a)
+        s[F, i] = 0.0
+        s[X1, i] = a
+        s[F1, i] = fa
+        s[X2, i] = b
+        s[F2, i] = fb
+        s[OPEN, i] = 0.0 if found else 1.0
+    return _any_open(s, width, flags)
+
+
+@outlined
+def place_ends(s: Any, width: int) -> None:
+    """Place items at the ends of the range, where they are."""
+    for i in lanes(width):
+        s[X, i] = s[XA, i]
+
+
+@outlined
+def _any_open(s: Any, width: int, flags: Any) -> bool:
+    """Tell whether any item is open; eight flags are read at once, a sum of the lanes waits for each addition."""
+    for i in lanes(width):
+        flags[i] = 1 if s[OPEN, i] > 0.0 else 0
+    words = flags.view(np.int64)
+    found = 0
+    for k in range(width >> 3):
+        found = found | words[k]
+    return found != 0
+
+
+@outlined
+def advance_roots(s: Any, width: int, flags: Any) -> bool:
+    """Take the function's value at each place, choose the next; return whether any item is open.
+
+    One step of Chandrupatla's method: inverse quadratic interpolation where it is safe, else bisection.
+    """
+    for i in lanes(width):
+        x, f, x1, f1, x2, f2 = s[X, i], s[F, i], s[X1, i], s[F1, i], s[X2, i], s[F2, i]
+        same = (f > 0.0) == (f1 > 0.0)
+        x3 = x1 if same else x2
+        f3 = f1 if same else f2
+        x2 = x2 if same else x1
+        f2 = f2 if same else f1
+        nearer = abs(f2) < abs(f)
+        best = x2 if nearer else x
+        best_f = f2 if nearer else f
+        gap = x2 - x
+        per_gap = 1.0 / gap
+        limit = (RELATIVE * abs(best) + s[TOLERANCE, i]) * abs(per_gap)
+        # Values over f2, so that nothing overflows.
+        per_f2 = 1.0 / f2
+        a, b = f * per_f2, f3 * per_f2
+        per_b = 1.0 / (1.0 - b)
+        xi = gap / (x2 - x3)
+        phi = (1.0 - a) * per_b
+        smooth = (phi * phi < xi) & ((1.0 - phi) * (1.0 - phi) < 1.0 - xi)
+        skew = (x3 - x) * per_gap
+        step = a * per_b * ((b * (b - a) - skew * (1.0 - a)) / ((1.0 - a) * (b - a)))
+        t = step if smooth else 0.5
+        t = t if t > limit else limit
+        t = t if t < 1.0 - limit else 1.0 - limit
+        done = (limit > 0.5) | (best_f == 0.0)
+        place = best if done else x + t * gap
+        is_open = s[OPEN, i]
+        s[X, i] = place if is_open > 0.0 else x
+        s[X1, i] = x
+        s[F1, i] = f
+        s[X2, i] = x2
+        s[F2, i] = f2
+        s[OPEN, i] = 0.0 if done else is_open
+    return _any_open(s, width, flags)
+
+
+@inlined
+def _vertex(a: float, fa: float, c: float, fc: float, b: float, fb: float) -> float:
+    """Return the least value of the parabola through three points of a valley."""
+    left, right = (fc - fa) / (c - a), (fb - fc) / (b - c)
+    bend = (right - left) / (b - a)
+    slope = left + bend * (c - a)
+    return fc - slope * slope / (4.0 * bend)
+
+
+@outlined
+def advance_valleys(s: Any, width: int, flags: Any) -> bool:
+    """Take a golden-section step towards the least magnitude; return whether any item is open.
+
+    An item is done where the sign changes.
+    """
+    for i in range(width):
+        if s[OPEN, i] == 0.0:
+            continue
+        a, b, c, fc, x, f = s[X1, i], s[X2, i], s[XC, i], s[FC, i], s[X, i], s[F, i]
+        if (f > 0.0) != (fc > 0.0):
+            s[OPEN, i] = 0.0
+            continue
+        # The outer of the two interior places replaces the end on its side.
+        inner, f_inner, outer, f_outer = (x, f, c, fc) if abs(f) < abs(fc) else (c, fc, x, f)
+        if outer < inner:
+            a = outer
+            s[F1, i] = f_outer
+        else:
+            b = outer
+            s[F2, i] = f_outer
+        s[X1, i] = a
+        s[X2, i] = b
+        s[XC, i] = inner
+        s[FC, i] = f_inner
+        s[STEPS, i] += 1.0
+        at_end = (inner == a) | (inner == b)
+        least = 0.0 if at_end else _vertex(a, abs(s[F1, i]), inner, abs(f_inner), b, abs(s[F2, i]))
+        high = s[STEPS, i] >= TRUSTED_STEPS and (at_end or least > 0.5 * abs(f_inner))
+        if high or b - a <= VALLEY_RELATIVE * inner + s[TOLERANCE, i]:
+            s[OPEN, i] = 0.0
+            continue
+        s[X, i] = inner + GOLDEN * (b - inner) if b - inner > inner - a else inner + GOLDEN * (a - inner)
+    return _any_open(s, width, flags)
+
+
+@outlined
+def split(s: Any, width: int, counts: Any, roots: Any) -> None:
+    """Make two roots of each valley in which a place of the other sign was found."""
+    for i in range(width):
+        if s[REAL, i] > 0.0 and (s[F, i] > 0.0) != (s[FC, i] > 0.0):
+            lane, half = int(s[LANE, i]), int(s[HALF, i])
+            upper = s[UPPER, i] > 0.0
+            x, f = s[X, i], s[F, i]
+            counts[1] = append_item(roots, counts[1], lane, half, upper, s[XA, i], s[FA, i], x, f)
+            counts[1] = append_item(roots, counts[1], lane, half, upper, x, f, s[XB, i], s[FB, i])

@@ -1,0 +1,326 @@
+"""Kernel text to LLVM: one walk over its syntax tree.
+
+The grammar: functions of numbers and arrays; assignments, also to entries of arrays; ``if``, ``while``, ``break``,
+``continue``, ``return``; ``for`` over ``range``, ``lanes`` or ``entries``. The body of a loop over `lanes` or `entries`
+is assignments alone, each lane on its own, and the counter stands as the last index of arrays only; its values are
+vectors, and nothing is left to a vectoriser. Calls are of functions marked in `fastlink.numerics.compiler`, which are
+of the same grammar, and of those in `BUILT_IN`. All else is refused with its line.
+
+Python's own meaning of the text is kept: run as it is, it gives the same bits. Division of integers (``//``, ``%``) and
+negative indices mean other things in machine code, so they are refused, or never written.
+"""
+
+from __future__ import annotations
+
+import ast
+from collections.abc import Sequence
+from typing import Any
+
+from fastlink.codegen.calls import Calls
+from fastlink.codegen.expressions import Name, Refused
+from fastlink.codegen.ir import LLVM, Array, Lane, Slot, Value, constant
+from fastlink.codegen.module import Module
+
+__all__ = ["Refused", "translate"]
+
+#: Freedoms that are never taken but to show what they would cost and gain: see docs/accuracy.md.
+RELAXED = " reassoc contract arcp nsz"
+#: Loops whose counter is many at once.
+ABREAST = ("lanes", "entries")
+
+
+def _signature(arg: Name) -> Any:
+    if isinstance(arg, Array):
+        return arg.kind, tuple(length.known for length in arg.shape)
+    assert isinstance(arg, Value)
+    return arg.kind
+
+
+class _Function(Calls):
+    """One function while it is translated."""
+
+    def __init__(
+        self,
+        module: Module,
+        node: ast.FunctionDef,
+        scope: dict[str, Any],
+        args: Sequence[Name],
+        symbol: str,
+        noalias: bool,
+    ) -> None:
+        super().__init__(module, node, scope)
+        self.symbol = symbol
+        self.result: str | None = None
+        self.parameters: list[str] = []
+        #: Where `continue` and `break` go.
+        self.loops: list[tuple[str, str]] = []
+        for parameter, arg in zip(node.args.args, args, strict=True):
+            self.names[parameter.arg] = self._parameter(arg, noalias)
+
+    def _parameter(self, arg: Name, noalias: bool) -> Name:
+        def next_one(text: str) -> str:
+            at = f"%p{len(self.parameters)}"
+            self.parameters.append(f"{text} {at}")
+            return at
+
+        if isinstance(arg, Array):
+            at = next_one("ptr noalias" if noalias else "ptr")
+            shape = (d if d.known is not None else Value(next_one("i64"), "i") for d in arg.shape)
+            return Array(at, arg.kind, tuple(shape))
+        assert isinstance(arg, Value)
+        return self.slot(Value(next_one(LLVM[arg.kind]), arg.kind))
+
+    def finish(self) -> tuple[str, str | None]:
+        """Translate the body, add the function to the module, return its name and the kind of its result."""
+        self.block(self.node.body)
+        if self.result is None:
+            self.put("ret void")
+        else:
+            self.put("unreachable")
+        result = LLVM[self.result] if self.result else "void"
+        head = f"define internal {result} @{self.symbol}({', '.join(self.parameters)}) #0 {{\nentry:"
+        self.module.text += [head, *self.allocas, *self.lines, "}"]
+        return self.symbol, self.result
+
+    def translated(
+        self, node: ast.FunctionDef, scope: dict[str, Any], args: Sequence[Any]
+    ) -> tuple[str, str | None]:
+        """Return the name of a function for arguments of these kinds, and the kind of its result."""
+        return translate_function(self.module, node, scope, args)
+
+    # -- statements --------------------------------------------------------------------------------
+
+    def block(self, body: Sequence[ast.stmt]) -> None:
+        """Translate statements; what they bind to values that have no place in memory ends with them."""
+        before = dict(self.names)
+        for statement in body:
+            self.statement(statement)
+        kept = {name: value for name, value in self.names.items() if isinstance(value, Slot)}
+        self.names = kept | before if not self.straight else self.names
+
+    def statement(self, node: ast.stmt) -> None:
+        """Translate one statement."""
+        if self.width > 1 and not isinstance(node, (ast.Assign, ast.AugAssign)):
+            self.refuse(node, "lanes have assignments only")
+        match node:
+            case ast.Expr(value=ast.Constant()) | ast.Pass():
+                pass
+            case ast.Expr():
+                self.value(node.value)
+            case ast.Assign(targets=[target]):
+                self.assign(target, self.value(node.value))
+            case ast.AugAssign():
+                now = self.number(_as_load(node.target))
+                self.assign(node.target, self.binary(node, node.op, now, self.number(node.value)))
+            case ast.If():
+                self.do_if(node)
+            case ast.While(orelse=[]):
+                self.do_while(node)
+            case ast.For(target=ast.Name(), orelse=[]):
+                self.do_for(node)
+            case ast.Break() | ast.Continue():
+                self.jump(self.loops[-1][isinstance(node, ast.Break)])
+                self.start(self.label())
+            case ast.Return():
+                self.do_return(node)
+            case _:
+                self.refuse(node, "no such statement here")
+
+    def assign(self, target: ast.expr, value: Name) -> None:
+        """Bind a name, store an entry, or take a tuple apart."""
+        if isinstance(target, ast.Tuple):
+            if not isinstance(value, tuple) or len(value) != len(target.elts):
+                self.refuse(target, "as many values as names are needed")
+            for part, one in zip(target.elts, value, strict=True):
+                self.assign(part, one)
+        elif isinstance(target, ast.Subscript):
+            entry, lanes = self.entry(target)
+            if not isinstance(value, Value) or entry.shape or not isinstance(lanes, int):
+                self.refuse(target, "one number goes to one entry")
+            self.store(entry, value, lanes)
+        elif isinstance(target, ast.Name):
+            self.bind(target, value)
+        else:
+            self.refuse(target, "no such target")
+
+    def bind(self, target: ast.Name, value: Name) -> None:
+        """Let a name stand for a value: as it is where the text is straight, else by a place in memory."""
+        old = self.names.get(target.id)
+        if self.straight or not isinstance(value, Value):
+            if isinstance(old, Lane):
+                self.refuse(target, "it is bound to something else already")
+            if isinstance(old, Slot):
+                self.refuse(target, "what lanes assign is not known outside of them")
+            self.everywhere.pop(target.id, None)
+            self.names[target.id] = value
+        elif isinstance(old, Slot):
+            if old.kind != value.kind and value.known is None and {old.kind, value.kind} != {"i", "u"}:
+                self.refuse(target, f"its kind changes from {old.kind} to {value.kind}")
+            self.write(old, value)
+        elif old is None:
+            self.names[target.id] = self.slot(value)
+        else:
+            self.refuse(target, "a counter or an array keeps its name")
+
+    def do_if(self, node: ast.If) -> None:
+        """Translate a branch."""
+        yes, no, done = self.label(), self.label(), self.label()
+        self.branch(self.number(node.test), yes, no if node.orelse else done)
+        self.start(yes)
+        self.block(node.body)
+        self.jump(done)
+        if node.orelse:
+            self.start(no)
+            self.block(node.orelse)
+            self.jump(done)
+        self.start(done)
+
+    def do_while(self, node: ast.While) -> None:
+        """Translate a loop with a condition."""
+        head, body, done = self.label(), self.label(), self.label()
+        self.jump(head)
+        self.start(head)
+        self.branch(self.number(node.test), body, done)
+        self.start(body)
+        self.loops.append((head, done))
+        self.block(node.body)
+        self.loops.pop()
+        self.jump(head)
+        self.start(done)
+
+    def do_for(self, node: ast.For) -> None:
+        """Translate a loop over counters, one by one or as many as a vector has lanes."""
+        call, target = node.iter, node.target
+        assert isinstance(target, ast.Name)
+        name = call.func.id if isinstance(call, ast.Call) and isinstance(call.func, ast.Name) else ""
+        if not isinstance(call, ast.Call) or name not in ("range", *ABREAST) or call.keywords:
+            self.refuse(node.iter, "loops run over range, lanes or entries")
+        if isinstance(self.names.get(target.id), (Slot, Array)):
+            self.refuse(target, "a counter has a name of its own")
+        bounds = [self.number(arg) for arg in call.args]
+        if name in ABREAST:
+            self.abreast(node, target.id, bounds[0], overlaps=name == "entries")
+            return
+        start, stop, step = (
+            (constant(0), bounds[0], constant(1)) if len(bounds) == 1 else (*bounds, constant(1))[:3]
+        )
+        if not step.known:
+            self.refuse(node.iter, "the step is a number that is known")
+
+        def body(counter: Value, more: str, done: str) -> None:
+            self.loops.append((more, done))
+            before, self.names[target.id] = self.names.get(target.id), counter
+            self.block(node.body)
+            del self.names[target.id]
+            if before is not None:
+                self.names[target.id] = before
+            self.loops.pop()
+
+        self.counted(start, stop, step, body)
+
+    def abreast(self, node: ast.For, name: str, stop: Value, *, overlaps: bool) -> None:
+        """Translate a loop over lanes; with `overlaps`, the last vector ends where the entries end."""
+        if self.width > 1:
+            self.refuse(node, "lanes have no loops")
+        width = constant(self.module.lanes)
+
+        def body(counter: Value, more: str, done: str) -> None:
+            if overlaps:
+                last = self.integer("sub", stop, width)
+                counter = self.select(self.compare("lt", counter, last), counter, last)
+            kept = dict(self.names), self.straight, self.width, self.everywhere
+            self.straight, self.width, self.everywhere = True, self.module.lanes, {}
+            self.names[name] = Lane(counter)
+            for statement in node.body:
+                self.statement(statement)
+            self.names, self.straight, self.width, self.everywhere = kept
+
+        self.counted(constant(0), stop, width, body)
+
+    def do_return(self, node: ast.Return) -> None:
+        """Return from a function that is called."""
+        if self.straight:
+            self.refuse(node, "an inlined function returns at its end")
+        if node.value is None:
+            self.put("ret void")
+        else:
+            value = self.number(node.value)
+            self.result = self.result or value.kind
+            self.put(f"ret {LLVM[self.result]} {self.to_kind(value, self.result).at}")
+        self.start(self.label())
+
+
+def translate_function(
+    module: Module,
+    node: ast.FunctionDef,
+    scope: dict[str, Any],
+    args: Sequence[Name],
+    *,
+    noalias: bool = False,
+) -> tuple[str, str | None]:
+    """Translate a function for arguments of these kinds, once; return its name and the kind of its result."""
+    key = (node, tuple(_signature(arg) for arg in args))
+    if key not in module.functions:
+        symbol = f"{node.name}.{len(module.functions)}"
+        module.functions[key] = symbol, None
+        module.functions[key] = _Function(module, node, scope, args, symbol, noalias).finish()
+    return module.functions[key]
+
+
+def _as_load(target: ast.expr) -> ast.expr:
+    """Return the expression that reads what an assignment writes."""
+    if isinstance(target, ast.Name):
+        return ast.Name(target.id, ast.Load())
+    assert isinstance(target, ast.Subscript)
+    return ast.Subscript(target.value, target.slice, ast.Load())
+
+
+def scope_of(tree: ast.Module) -> dict[str, Any]:
+    """Return the names of a text: what it imports, and its functions as syntax trees."""
+    scope: dict[str, Any] = {}
+    for node in tree.body:
+        if isinstance(node, (ast.Import, ast.ImportFrom)):
+            exec(compile(ast.Module([node], []), "<kernel>", "exec"), scope)
+        elif isinstance(node, ast.FunctionDef):
+            scope[node.name] = node
+    return scope
+
+
+def translate(
+    text: str, arguments: Sequence[tuple[str, tuple[int | None, ...]]], lanes: int, *, relaxed: bool = False
+) -> str:
+    """Return the LLVM of a kernel: a function ``kernel(ptr)`` of a table.
+
+    Parameters
+    ----------
+    text : str
+        A module with a function ``kernel``.
+    arguments : sequence of (kind, lengths)
+        Of each argument of the kernel its kind, and the lengths of its axes, None where the text does not know them.
+        The table holds the arguments in order: a pointer and the unknown lengths of an array, or an integer.
+    lanes : int
+        How many doubles a vector has.
+    relaxed : bool
+        Let sums be regrouped, and products be fused with them, but in functions of `fastlink.numerics`.
+
+    Raises
+    ------
+    Refused
+        The text is not of the grammar.
+    """
+    tree = ast.parse(text)
+    module, args, places = Module(lanes, RELAXED if relaxed else ""), [], []
+    for kind, lengths in arguments:
+        places += [*(["ptr"] if lengths else ["i64"]), *("i64" for length in lengths if length is None)]
+        shape = (Value("", "i") if length is None else constant(length) for length in lengths)
+        args.append(Array("", kind, tuple(shape)) if lengths else Value("", kind))
+    scope = scope_of(tree)
+    name, _ = translate_function(module, scope["kernel"], scope, args, noalias=True)
+    lines, given = [], []
+    for place, kind in enumerate(places):
+        lines.append(f"  %a{place} = getelementptr inbounds i64, ptr %table, i64 {place}")
+        lines.append(f"  %x{place} = load {kind}, ptr %a{place}")
+        given.append(f"{kind} %x{place}")
+    call = f"  call void @{name}({', '.join(given)})"
+    module.text += ["define void @kernel(ptr %table) #0 {", *lines, call, "  ret void", "}"]
+    return f"{module}\n"

@@ -1,0 +1,48 @@
+"""Marks for functions that kernels call: how their text is compiled.
+
+The functions stay plain Python. The two compilers of `fastlink.codegen` read the marks; nothing here imports one.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any, TypeVar
+
+__all__ = ["COMPILED_AS", "INLINED", "OUTLINED", "compiled_as", "entries", "inlined", "lanes", "outlined"]
+
+F = TypeVar("F", bound=Callable[..., Any])
+
+#: Functions whose text is pasted at each call.
+INLINED: set[Callable[..., Any]] = set()
+#: Functions that kernels call: a text with loops of its own, compiled once for each kernel.
+OUTLINED: set[Callable[..., Any]] = set()
+#: The straight-line text of a function whose other readings are more than that text.
+COMPILED_AS: dict[Callable[..., Any], Callable[..., Any]] = {}
+
+#: Loop over vector lanes, a whole number of vectors. The body is straight-line, each lane on its own.
+lanes = range
+#: Loop over entries side by side, at least as many as a vector has lanes; the last vector may overlap the one before.
+entries = range
+
+
+def inlined(function: F) -> F:
+    """Mark a straight-line function; a call of it leaves no trace in the machine code."""
+    INLINED.add(function)
+    return function
+
+
+def outlined(function: F) -> F:
+    """Mark a function with loops of its own."""
+    OUTLINED.add(function)
+    return function
+
+
+def compiled_as(text: Callable[..., Any]) -> Callable[[F], F]:
+    """Let kernels read a call of the decorated function as a call of `text`."""
+    INLINED.add(text)
+
+    def declare(function: F) -> F:
+        COMPILED_AS[function] = text
+        return function
+
+    return declare

@@ -1,0 +1,65 @@
+"""Plane vectors, and choices among numbers, that the mechanisms share."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from fastlink.numerics.compensated import power_of_two_below
+from fastlink.numerics.compiler import compiled_as, inlined
+from fastlink.numerics.elementary import context_of, select, sqrt
+
+__all__ = ["cross", "largest", "magnitude", "sign", "turn_rate", "zero_where"]
+
+# `power_of_two_below` overflows from 2^971 on; what underflows instead is as small as LEAST.
+LARGE, SMALL, LEAST = 2.0**60, 2.0**-60, 2.0**-1000
+
+
+@inlined
+def cross(a_x: Any, a_y: Any, b_x: Any, b_y: Any) -> Any:
+    """Return the moment a_x b_y - a_y b_x."""
+    return a_x * b_y - a_y * b_x
+
+
+@inlined
+def largest(a: Any, b: Any, c: Any, d: Any) -> Any:
+    """Return the largest of four numbers; not for numbers that may be NaN."""
+    e = select(a > b, a, b)
+    f = select(c > d, c, d)
+    return select(e > f, e, f)
+
+
+@inlined
+def zero_where(condition: Any, x: Any) -> Any:
+    """Return x, 0 where the condition says that it is zero within rounding; its derivative is that of x."""
+    return select(condition, 0.0, x)
+
+
+@inlined
+def _scaled_magnitude(x: Any, y: Any) -> Any:
+    size = LARGE * power_of_two_below(SMALL * abs(x) + SMALL * abs(y))
+    size = select(size == 0.0, LEAST, size)
+    u = x / size
+    v = y / size
+    return size * sqrt(u * u + v * v)
+
+
+@compiled_as(_scaled_magnitude)
+def magnitude(x: Any, y: Any) -> Any:
+    """Return the length of the vector (x, y), whose squares may lie beyond all doubles."""
+    context = context_of(x, y)
+    return _scaled_magnitude(x, y) if context is None else context.sqrt(x * x + y * y)
+
+
+@inlined
+def turn_rate(y: Any, x: Any, dy: Any, dx: Any) -> Any:
+    """Return the derivative of atan2(y, x); the squares of the ratios do not overflow."""
+    size = select(abs(x) < abs(y), abs(y), abs(x))
+    v = y / size
+    u = x / size
+    return (u * dy - v * dx) / (size * (u * u + v * v))
+
+
+@inlined
+def sign(x: Any) -> Any:
+    """Return 1, 0 or -1 with the sign of x; 0 of NaN."""
+    return select(x > 0.0, 1.0, select(x < 0.0, -1.0, 0.0))
