@@ -5,8 +5,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from benchmarks.inputs import CASES, INPUTS, aligned_copy, designs, empty
-from fastlink.codegen import LANES
+from benchmarks.inputs import CASES, INPUTS, aligned_copy, designs
+from fastlink.codegen.runtime.cells import LANES
 from fastlink.mechanisms import catalogue
 from fastlink.plan import Plan, make_plan
 from fastlink.plans import RefinedPlan
@@ -30,6 +30,11 @@ def rows_of(plan, x):
     """Return the rows of the design array that the plan's kernel reads, padded to whole lanes."""
     rows = x[[INPUTS.index(name) for name in plan.inputs]]
     return aligned_copy(np.pad(rows, ((0, 0), (0, -x.shape[1] % LANES)), mode="edge"))
+
+
+def scratch_of(plan, K):
+    """Return the arrays that a kernel works in."""
+    return [aligned(array.lengths(K), array.dtype) for array in plan.written.scratch]
 
 
 def shapes(plan, K):
@@ -59,7 +64,7 @@ def bind(case, x, theta1, **options):
 def bind_plan(plan, x, theta=()):
     """Return a kernel whose results are alike in shape, bound to designs and angles; compiles it."""
     n, tables = x.shape[1], aligned_copy(plan.angle_tables(np.asarray(theta)))
-    scratch = [empty((size,)) for size in plan.scratch]
+    scratch = scratch_of(plan, len(theta))
     shape = shapes(plan, len(theta))[0]
     whole = aligned((len(plan.outputs), n, *shape), plan.outputs[0].dtype)  # as the C kernel has it
     bound = Bound(plan, (rows_of(plan, x), tables, n, len(theta), *scratch, *whole), list(whole))
@@ -77,7 +82,12 @@ def job_of(plan, size, K, pool=BLOCK_DESIGNS):
 
     outputs = [(shape, output.dtype) for shape, output in zip(shapes(plan, K), plan.outputs, strict=True)]
     part = Part(
-        plan.kernel, plan.scratch, len(plan.inputs), plan.angle_tables(angles(K)), range(len(outputs)), fill
+        plan.kernel,
+        plan.written.scratch,
+        len(plan.inputs),
+        plan.angle_tables(angles(K)),
+        tuple(range(len(outputs))),
+        fill,
     )
     return Job([part], outputs, size)
 
@@ -113,7 +123,7 @@ def bind_results(plan, names, x, theta=()):
     arrays = [
         aligned((n, *(lengths.get(axis, K) for axis in output.axes)), output.dtype) for output in plan.outputs
     ]
-    scratch = [empty((size,)) for size in plan.scratch]
+    scratch = scratch_of(plan, K)
     tables = aligned_copy(plan.angle_tables(np.asarray(theta)))
     bound = Bound(plan, (rows, tables, n, K, *scratch, *arrays), arrays)
     bound()

@@ -5,15 +5,15 @@ import subprocess
 import sys
 import tempfile
 import time
+from functools import partial
 from pathlib import Path
 
-import numba
 import numpy as np
 
 from benchmarks import dense_baseline, engine, errors
 from benchmarks.inputs import CASES, angle_tables, designs, empty, race
-from fastlink.numerics.compiler import KERNEL_OPTIONS
-from fastlink.numerics.elementary import atan2
+from fastlink.codegen.kernel import load_kernel
+from fastlink.codegen.source import Array, Source
 
 ROOT = Path(__file__).parents[1]
 LIBRARIES = "import numba, xarray, h5netcdf"
@@ -22,6 +22,15 @@ COMPILED = (
     "import time; from benchmarks.engine import plan_of; plan = plan_of({!r}); start = time.perf_counter(); "
     "plan.kernel; print(time.perf_counter() - start)"
 )
+ATAN2 = """
+from fastlink.numerics.compiler import lanes
+from fastlink.numerics.elementary import atan2
+
+
+def kernel(points, angles, n, n_angles, out):
+    for i in lanes(n):
+        out[i] = atan2(points[0, i], points[1, i])
+"""
 
 
 def python(code, **environment):
@@ -45,15 +54,14 @@ def angles(n=64, K=360, rounds=12):
         best = race({"without": engine.bind(case, x, K), "with": with_angles}, rounds)
         facts.append((f"{case} with theta2, theta4 / without", best["with"] / best["without"], "", "<= 2.3"))
 
-    @numba.njit(**KERNEL_OPTIONS)
-    def ours(y, x, out):
-        for i in range(out.size):
-            out[i] = atan2(y[i], x[i])
-
-    y, x, out = (empty((4096,)) for _ in range(3))
-    y[:], x[:] = np.random.default_rng(0).normal(size=(2, 4096))
-    calls = {"ours": lambda: ours(y, x, out), "NumPy": lambda: np.arctan2(y, x, out=out)}
-    best = {name: 1e9 * t / y.size for name, t in race(calls, rounds).items()}
+    kernel = load_kernel(Source(ATAN2, 2, 0, (), (Array("out", "float64", (None,)),)))
+    points, out = empty((2, 4096)), empty((4096,))
+    points[:] = np.random.default_rng(0).normal(size=points.shape)
+    calls = {
+        "ours": partial(kernel, points, np.empty((0, 0)), out.size, 0, out),
+        "NumPy": partial(np.arctan2, *points, out=out),
+    }
+    best = {name: 1e9 * t / out.size for name, t in race(calls, rounds).items()}
     facts.append(("atan2", best["ours"], "ns", ""))
     facts.append(("np.arctan2", best["NumPy"], "ns", ""))
     return facts

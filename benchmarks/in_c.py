@@ -15,7 +15,7 @@ import textwrap
 from pathlib import Path
 
 from benchmarks import c_kernel
-from fastlink.codegen import LANES
+from fastlink.codegen.runtime.cells import LANES, MOST_LANES
 from fastlink.numerics.compiler import COMPILED_AS
 from fastlink.run import aligned
 
@@ -49,6 +49,9 @@ OPERATORS = {
     ast.USub: "-",
 }
 OF_C = {"sqrt": "sqrt", "abs": "fabs", "copysign": "copysign"}
+KINDS = {"float64": "double", "int64": "int64_t", "int8": "int8_t"}
+#: Of whole numbers.
+COUNTS = {"min": "<", "max": ">"}
 LOOP = "for (long {0} = {1}; {0} < {2}; {0} += {3}) {{"
 
 
@@ -90,32 +93,26 @@ class _Function:
             (operator,), (other,) = node.ops, node.comparators
             return f"({self.text(node.left)} {OPERATORS[type(operator)]} {self.text(other)})"
         if isinstance(node, ast.Subscript):
-            return self.place(node)[0]
+            return self.entry(node)
         name = node.func.attr if isinstance(node.func, ast.Attribute) else node.func.id
         values = [self.text(argument) for argument in node.args]
         if name == "select":
             # gcc vectorises no choice of truths
             choice = "(({0} & {1}) | (!{0} & {2}))" if self.is_truth(node) else "({0} ? {1} : {2})"
             return choice.format(*values)
-        if name == "min":
-            return "({0} < {1} ? {0} : {1})".format(*values)
+        if name in COUNTS:
+            return f"({{0}} {COUNTS[name]} {{1}} ? {{0}} : {{1}})".format(*values)
         function = OF_C.get(name) or self.module.use(self.globals[name])
         return f"{function}({', '.join(values)})"
 
-    def place(self, node):
-        """Return an entry of an array, or where a row of it begins, and whether it is a row."""
-        entries = node.slice.elts if isinstance(node.slice, ast.Tuple) else [node.slice]
-        is_slice = isinstance(entries[-1], ast.Slice)
-        array, lengths = node.value.id, self.module.lengths(node.value.id)
-        at = ""
-        for number, entry in enumerate(entries):
-            index = self.text(entry.lower if isinstance(entry, ast.Slice) else entry)
-            at = f"({at}) * {lengths[number - 1]} + {index}" if number else index
-        for length in lengths[len(entries) - 1 :]:
-            at = f"({at}) * {length}"
-        if is_slice or len(entries) <= len(lengths):
-            return f"{array} + {at}", True
-        return f"{array}[{at}]", False
+    def entry(self, node):
+        """Return an entry of an array."""
+        indices = node.slice.elts if isinstance(node.slice, ast.Tuple) else [node.slice]
+        first, *others = map(self.text, indices)
+        at = first
+        for length, index in zip(self.module.lengths(node.value.id), others, strict=True):
+            at = f"({at}) * {length} + {index}"
+        return f"{node.value.id}[{at}]"
 
     def is_truth(self, node):
         if isinstance(node, ast.BinOp):
@@ -145,13 +142,14 @@ class _Function:
             for name, part in zip(names, values, strict=True):
                 self.put(name, part)
         elif isinstance(target, ast.Subscript):
-            self.add(f"{self.place(target)[0]} = {self.text(value)};")
-        elif isinstance(value, ast.Subscript) and (found := self.place(value))[1]:
-            self.put(target.id, found[0], self.module.kind(value.value.id) + " *restrict")
-        elif isinstance(value, ast.Call) and getattr(value.func, "id", "") == "min":
-            self.put(target.id, self.text(value), "long")
+            self.add(f"{self.entry(target)} = {self.text(value)};")
         else:
-            self.put(target.id, self.text(value), "long" if self.is_truth(value) else "double")
+            is_count = isinstance(value, ast.Call) and getattr(value.func, "id", "") in COUNTS
+            self.put(target.id, self.text(value), "long" if is_count or self.is_truth(value) else "double")
+            if target.id == "width":
+                self.add(
+                    f"if (width % {MOST_LANES}) __builtin_unreachable();"
+                )  # gcc writes no rest of a loop
 
     def walk(self, body):
         for statement in body:
@@ -165,7 +163,7 @@ class _Function:
                     self.add(f"return {self.text(value)};")
             elif isinstance(statement, ast.For):
                 bounds = [self.text(bound) for bound in statement.iter.args]
-                if len(bounds) == 1:
+                if len(bounds) == 1:  # lanes, entries, results of lanes
                     self.lines.append("#pragma GCC ivdep")
                     bounds = ["0", *bounds, "1"]
                 self.add(LOOP.format(statement.target.id, *bounds))
@@ -182,22 +180,17 @@ class _Module:
 
     def __init__(self, plan):
         self.plan, self.functions = plan, {}
-        self.axes = {f"out_{o.name}": o.axes for o in plan.outputs}
-        self.kinds = {f"out_{o.name}": "int8_t" if o.dtype == "int8" else "double" for o in plan.outputs}
-
-    def kind(self, array):
-        """Return of what kind the entries of an array are."""
-        constant = "const " if array in ("designs", "angles") else ""
-        return constant + self.kinds.get(array, "double")
+        source = plan.written
+        self.arrays = {array.name: array for array in (*source.scratch, *source.results)}
 
     def lengths(self, array):
-        """Return the lengths of an array but the first."""
+        """Return the lengths of an array but the first, as the benchmarks lay it out."""
         if array == "designs":
             return [f"((n_designs + {LANES - 1}) / {LANES} * {LANES})"]  # padded
         if array == "angles":
             return ["n_angles"]
-        sizes = {"branch": str(len(self.plan.branches))}
-        return [sizes.get(axis, "n_angles") for axis in self.axes.get(array, ())]
+        known = self.arrays[array].shape[1:]
+        return [length if isinstance(length, int) else "n_angles" for length in known]
 
     def gives_pair(self, function):
         if function is None:
@@ -240,11 +233,12 @@ class _Module:
                 known |= {alias.name: getattr(found, alias.name) for alias in node.names}
         kernel = _Function(self, known)
         kernel.walk(tree.body[-1].body)
-        outputs = "".join(f", {kind} *restrict {name}" for name, kind in self.kinds.items())
-        head = (
-            "void kernel(const double *restrict designs, const double *restrict angles, long n_designs, "
-            f"long n_angles, double *restrict w, double *restrict w2{outputs})"
-        )
+        parameters = [
+            "const double *restrict designs, const double *restrict angles",
+            "long n_designs, long n_angles",
+        ]
+        parameters += [f"{KINDS[a.dtype]} *restrict {a.name}" for a in self.arrays.values()]
+        head = f"void kernel({', '.join(parameters)})"
         return "\n\n".join([HEADER, *self.functions.values(), "\n".join([head, "{", *kernel.lines, "}"]), ""])
 
 
