@@ -77,6 +77,8 @@ class Expressions(Builder, ABC):
         self.names: dict[str, Name] = {}
         self.straight = False
         self.width = 1
+        #: Where the instructions before the loop over lanes end.
+        self.before = 0
         #: Numbers from outside that stand in all lanes already.
         self.everywhere: dict[str, Value] = {}
 
@@ -139,6 +141,8 @@ class Expressions(Builder, ABC):
             self.refuse(node, "nothing has that name here")
         if isinstance(value, Lane):
             self.refuse(node, "the counter of lanes stands as last index only")
+        if isinstance(value, Slot) and self.width > 1 and value.kind == "f":
+            value = self.everywhere[node.id] = self.before_lanes(value)
         if isinstance(value, Slot):
             value = self.read(value)
         if isinstance(value, (bool, int, float, np.number)):
@@ -146,6 +150,15 @@ class Expressions(Builder, ABC):
             return constant(number, "u" if isinstance(value, np.unsignedinteger) else None)
         if self.width > 1 and isinstance(value, Value) and value.lanes == 1 and value.kind == "f":
             value = self.everywhere[node.id] = self.spread(value, self.width)
+        return value
+
+    def before_lanes(self, slot: Slot) -> Value:
+        """Return a number from outside in all lanes, spread there once, before the loop."""
+        inside, self.lines = self.lines, []
+        value = self.spread(self.read(slot), self.width)
+        inside[self.before : self.before] = self.lines
+        self.before += len(self.lines)
+        self.lines = inside
         return value
 
     def lookup(self, name: str) -> Any:
