@@ -1,45 +1,59 @@
-"""Machine code, kept in the user's cache under a hash of all it depends on."""
+"""Machine code, kept in the user's cache under a hash of all it depends on.
+
+The cache only saves time: a file that is damaged is made again, and a folder that cannot be read, written or locked
+costs a compilation. Processes that want the same kernel wait for the one that compiles it.
+"""
 
 from __future__ import annotations
 
+import atexit
 import contextlib
 import hashlib
 import os
+import re
+import shutil
 import tempfile
-from collections.abc import Callable
-from functools import cache, lru_cache
+import threading
+import time
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from functools import cache
 from pathlib import Path
+from typing import TypeVar
 
 import platformdirs
 
 import fastlink.codegen
 import fastlink.numerics
+from fastlink.codegen.notice import notice
+from fastlink.errors import InputError
 
-__all__ = ["cache_folder", "environment", "kept", "written_file"]
+__all__ = [
+    *("Contents", "alone", "cache_folder", "clear", "contents", "environment", "forget", "kept"),
+    *("limit", "written_file"),
+]
 
-#: Packages whose every file a kernel may depend on.
+T = TypeVar("T")
+
+#: Packages whose every file a kernel may depend on. The facts of mechanisms are pasted into its text, which is hashed.
 PACKAGES = (fastlink.codegen, fastlink.numerics)
+#: Bytes that the cache may take, unless FASTLINK_CACHE_BYTES says otherwise: some thousand kernels.
+MOST_BYTES = 256 << 20
+#: Seconds after which an unused kernel goes, even where there is room: most likely an older version made it.
+UNUSED = 90 * 86400.0
+#: Seconds to wait for another process that compiles the same kernel; none takes as long on an idle machine.
+PATIENCE = 30.0
+#: The folder is looked through for what must go when a process has written this part of what it may hold.
+PART = 16
+DIGEST = 32
+#: What tells a kernel from others, in the names of all its files.
+KEY = re.compile("[0-9a-f]{32,}")
 
 
 def cache_folder() -> Path:
-    """Return the folder of compiled kernels: FASTLINK_CACHE_DIR, else the user's cache folder.
-
-    Where neither can be written, a folder for this process alone.
-    """
+    """Return the folder of compiled kernels: of FASTLINK_CACHE_DIR, else in the user's cache; it may not exist."""
     chosen = os.environ.get("FASTLINK_CACHE_DIR") or platformdirs.user_cache_dir("fastlink")
-    folder = Path(chosen) / "kernels"
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-        if os.access(folder, os.W_OK | os.X_OK):
-            return folder
-    except OSError:
-        pass
-    return _private_folder()
-
-
-@lru_cache(maxsize=1)
-def _private_folder() -> Path:
-    return Path(tempfile.mkdtemp(prefix="fastlink-kernels-"))
+    return Path(chosen) / "kernels"
 
 
 @cache
@@ -49,37 +63,221 @@ def environment() -> bytes:
     for package in PACKAGES:
         for folder in package.__path__:
             for file in sorted(Path(folder).rglob("*.py")):
+                digest.update(f"{file.relative_to(folder)} {file.stat().st_size} ".encode())
                 digest.update(file.read_bytes())
     return digest.digest()
 
 
-def written_file(name: str, text: str) -> Path:
-    """Return a file of the cache that holds a text."""
-    path = cache_folder() / name
-    if not path.exists():
-        _write(path, text.encode())
-    return path
+# -- one kernel ------------------------------------------------------------------------------------
 
 
-def _write(path: Path, data: bytes) -> None:
-    # Another process may write the same file: each writes its own and renames it.
-    handle, temporary = tempfile.mkstemp(dir=path.parent, suffix=".tmp")
-    with os.fdopen(handle, "wb") as file:
-        file.write(data)
-    os.replace(temporary, path)
+def kept(key: str, compile: Callable[[], bytes], load: Callable[[bytes], T]) -> T:
+    """Return object code, loaded: from the cache, else compiled now and kept there.
 
-
-def kept(key: str, compile: Callable[[], bytes]) -> bytes:
-    """Return the object code under a key: from the cache, else compiled now and kept there."""
+    Parameters
+    ----------
+    key : str
+        What tells the object code from all other, in hexadecimal digits.
+    compile : callable
+        Returns the object code.
+    load : callable
+        Returns what is made of object code; where it raises an error, what the cache has is made again.
+    """
     path = cache_folder() / f"{key}.o"
+    found = _read(path, load)
+    if found is not None:
+        return found
+    with notice(), alone(key):
+        found = _read(path, load)  # another process has made it meanwhile
+        if found is None:
+            code = compile()
+            found = load(code)
+            with contextlib.suppress(OSError):
+                _write(path, hashlib.sha256(code).digest() + code)
+    return found
+
+
+def _read(path: Path, load: Callable[[bytes], T]) -> T | None:
+    """Return what a file of the cache holds, loaded; None where it is missing or damaged."""
     try:
         data = path.read_bytes()
     except OSError:
-        data = b""
-    digest, code = data[:32], data[32:]
-    if hashlib.sha256(code).digest() == digest:
-        return code
-    code = compile()
+        return None
+    code = data[DIGEST:]
+    # LLVM crashes on some object code that is cut short, so nothing is tried whose digest is wrong.
+    if not code or hashlib.sha256(code).digest() != data[:DIGEST]:
+        return None
+    try:
+        found = load(code)
+    except (RuntimeError, ValueError):
+        return None
+    _use(path)
+    return found
+
+
+def _use(path: Path) -> None:
+    """Note that a file was used. The time of its change stays: numba's cache compares it."""
     with contextlib.suppress(OSError):
-        _write(path, hashlib.sha256(code).digest() + code)
-    return code
+        os.utime(path, ns=(time.time_ns(), path.stat().st_mtime_ns))
+
+
+@contextlib.contextmanager
+def alone(key: str) -> Iterator[None]:
+    """Let other processes that want the same kernel wait; without a lock where none can be had."""
+    import filelock  # 15 ms, for nothing where the cache has all
+
+    folder = cache_folder() / "locks"
+    lock = filelock.FileLock(folder / f"{key[:2]}.lock")
+    with contextlib.ExitStack() as stack:
+        with contextlib.suppress(OSError, NotImplementedError):  # its Timeout is an OSError
+            folder.mkdir(parents=True, exist_ok=True)
+            stack.enter_context(lock.acquire(timeout=PATIENCE, poll_interval=0.02))
+        yield
+
+
+def written_file(name: str, text: str) -> Path:
+    """Return a file that holds a text: of the cache, or of this process alone where that cannot be written."""
+    for folder in (cache_folder, _private_folder):
+        path = folder() / name
+        try:
+            if path.read_bytes() == text.encode():
+                _use(path)
+                return path
+        except OSError:
+            pass
+        with contextlib.suppress(OSError):
+            _write(path, text.encode())
+            return path
+    raise OSError(f"neither {cache_folder()} nor {_private_folder()} can be written")
+
+
+@cache
+def _private_folder() -> Path:
+    folder = tempfile.mkdtemp(prefix="fastlink-kernels-")
+    atexit.register(shutil.rmtree, folder, ignore_errors=True)
+    return Path(folder)
+
+
+def forget(key: str) -> None:
+    """Remove what numba keeps of a kernel beside its file."""
+    for folder in (cache_folder(), _private_folder()):
+        for path in (folder / "__pycache__").glob(f"*{key}*"):
+            with contextlib.suppress(OSError):
+                path.unlink()
+
+
+def _write(path: Path, data: bytes) -> None:
+    """Write a file at once: what is half written has another name."""
+    path.parent.mkdir(parents=True, exist_ok=True)
+    temporary = path.with_name(f"{path.name}.{os.getpid()}-{threading.get_ident()}.tmp")
+    try:
+        temporary.write_bytes(data)
+        os.replace(temporary, path)
+    except BaseException:
+        with contextlib.suppress(OSError):
+            temporary.unlink()
+        raise
+    _bound(len(data))
+
+
+# -- all of them -----------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class Contents:
+    """What the cache holds.
+
+    Attributes
+    ----------
+    folder : Path
+        Where.
+    kernels, size : int
+        How many kernels, and how many bytes all files have.
+    limit : int
+        How many bytes they may have.
+    """
+
+    folder: Path
+    kernels: int
+    size: int
+    limit: int
+
+
+@dataclass
+class _Entry:
+    """All files of one kernel."""
+
+    files: list[Path]
+    size: int = 0
+    used: float = 0.0
+
+
+def limit() -> int:
+    """Return how many bytes the cache may take: FASTLINK_CACHE_BYTES, else 256 MiB."""
+    chosen = os.environ.get("FASTLINK_CACHE_BYTES", "")
+    if not chosen:
+        return MOST_BYTES
+    if not chosen.isdecimal():
+        raise InputError(
+            f"environment variable FASTLINK_CACHE_BYTES: {chosen!r} is not a number of bytes; "
+            f"write such as {MOST_BYTES}, or 0 to keep nothing"
+        )
+    return int(chosen)
+
+
+def _entries() -> dict[str, _Entry]:
+    """Return what the cache holds by kernel; numba has several files for one."""
+    found: dict[str, _Entry] = {}
+    for folder, inner, names in os.walk(cache_folder()):
+        inner[:] = [name for name in inner if name != "locks"]
+        for name in names:
+            path = Path(folder, name)
+            with contextlib.suppress(OSError):  # another process removes files too
+                known = path.lstat()
+                key = KEY.search(name)
+                entry = found.setdefault(key[0] if key else name, _Entry([]))
+                entry.files.append(path)
+                entry.size += known.st_size
+                entry.used = max(entry.used, known.st_atime, known.st_mtime)
+    return found
+
+
+def contents() -> Contents:
+    """Return how much the cache holds."""
+    entries = _entries()
+    return Contents(cache_folder(), len(entries), sum(entry.size for entry in entries.values()), limit())
+
+
+def clear() -> Contents:
+    """Remove every kernel, and return what there was. Processes that have them loaded go on."""
+    before = contents()
+    for entry in _entries().values():
+        _remove(entry)
+    shutil.rmtree(before.folder / "locks", ignore_errors=True)
+    return before
+
+
+def _remove(entry: _Entry) -> None:
+    for file in entry.files:
+        with contextlib.suppress(OSError):
+            file.unlink()
+
+
+#: Bytes that this process has written since it last removed what must go.
+_written: float = float("inf")
+
+
+def _bound(size: int) -> None:
+    """Remove the kernels that were not used for longest until the rest is in bounds; not at every call."""
+    global _written
+    _written += size
+    if _written * PART < limit():
+        return
+    _written = 0.0
+    entries = sorted(_entries().values(), key=lambda entry: entry.used)
+    too_many = sum(entry.size for entry in entries) - limit()
+    for entry in entries:
+        if too_many <= 0 and entry.used > time.time() - UNUSED:
+            break
+        _remove(entry)
+        too_many -= entry.size

@@ -4,15 +4,17 @@ from __future__ import annotations
 
 import hashlib
 import os
+import sys
 import threading
 from collections.abc import Callable
-from functools import cache
+from functools import cache, partial
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from fastlink.codegen.cache import environment, kept
+from fastlink.codegen.cache import alone, environment, forget, kept
 from fastlink.codegen.machine import compile_object, host, lanes_of_host, load_object, version
+from fastlink.codegen.notice import notice
 from fastlink.codegen.source import Source
 from fastlink.codegen.translate import Refused, translate
 from fastlink.errors import InputError, suggest
@@ -47,7 +49,7 @@ def backend_of(chosen: str | None) -> str:
 @cache
 def _environment() -> bytes:
     """Return what every kernel depends on besides its text."""
-    return environment() + repr((version(), host(), lanes_of_host())).encode()
+    return environment() + repr((version(), sys.platform, host(), lanes_of_host())).encode()
 
 
 def kernel_key(source: Source, options: str = "") -> str:
@@ -117,9 +119,16 @@ def load_kernel(source: Source, backend: str = BACKENDS[0], *, relaxed: bool = F
 def _load(source: Source, key: str, backend: str, relaxed: bool) -> Callable[..., None]:
     if backend == "llvm":
         try:
-            return Kernel(source, kept(key, lambda: compile_object(llvm_text(source, relaxed=relaxed))))
+            return kept(
+                key, lambda: compile_object(llvm_text(source, relaxed=relaxed)), partial(Kernel, source)
+            )
         except Refused:
             pass
     from fastlink.codegen.numba_backend import compile_by_numba
 
-    return compile_by_numba(source, key, relaxed=relaxed)
+    with notice(), alone(key):
+        try:
+            return compile_by_numba(source, key, relaxed=relaxed)
+        except Exception:  # of all kinds, where a file of numba's cache is damaged
+            forget(key)
+            return compile_by_numba(source, key, relaxed=relaxed)
