@@ -1,4 +1,4 @@
-"""The command line: ``fastlink run``, ``accuracy``, ``explain``, ``quantities``, ``info``, ``new``, ``plot``.
+"""The command line: ``run``, ``accuracy``, ``explain``, ``quantities``, ``info``, ``new``, ``cache``, ``plot``.
 
 Everything heavy is imported inside the commands, so that help comes at once.
 """
@@ -115,11 +115,15 @@ def run(
 def explain(
     study: Annotated[Path, typer.Argument(metavar="STUDY.toml", help="The study file.", show_default=False)],
     text: Annotated[bool, typer.Option("--text", help="Print the text of the kernels too.")] = False,
+    ir: Annotated[bool, typer.Option("--ir", help="Print what LLVM makes machine code of, too.")] = False,
+    asm: Annotated[
+        bool, typer.Option("--asm", help="Print the kernels in assembly language for this processor, too.")
+    ] = False,
 ) -> None:
     """Tell what a study computes and what it leaves out; nothing is run."""
     from fastlink.explain import explain as explained
 
-    typer.echo(explained(study).text(kernels=text))
+    typer.echo(explained(study).text(kernels=text, ir=ir, asm=asm))
 
 
 @command
@@ -192,6 +196,22 @@ def accuracy(
 
     found = measure(study, designs=designs, outside=outside, to=to, picture=picture, overwrite=overwrite)
     typer.echo(accuracy_table(found))
+
+
+@command
+def cache(
+    clear: Annotated[bool, typer.Option("--clear", help="Remove all compiled kernels.")] = False,
+) -> None:
+    """Tell where compiled kernels are kept and how many bytes they take; clear them if wanted."""
+    from fastlink.codegen import cache as kept
+
+    found = kept.clear() if clear else kept.contents()
+    kernels = f"{found.kernels:,} kernel{'s' * (found.kernels != 1)} of {found.size:,} bytes"
+    if clear:
+        left = kept.contents().size
+        typer.echo(f"{found.folder}: {kernels} removed" + (f"; {left:,} bytes cannot be" if left else ""))
+    else:
+        typer.echo(f"{found.folder}: {kernels}; the oldest go beyond {found.limit:,}")
 
 
 @command

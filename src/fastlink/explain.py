@@ -4,15 +4,19 @@ from __future__ import annotations
 
 import ast
 import inspect
+import re
 import textwrap
 from collections import Counter
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from fastlink.asked import Asked, resolve
+from fastlink.codegen.kernel import llvm_text
+from fastlink.codegen.machine import assembly
+from fastlink.codegen.translate import Refused
 from fastlink.fact import System
 from fastlink.numerics import compensated, vectors
 from fastlink.numerics.compiler import COMPILED_AS
@@ -20,6 +24,7 @@ from fastlink.plans import CurvePlan, RefinedPlan
 from fastlink.study import read_study
 
 if TYPE_CHECKING:
+    from fastlink.codegen.source import Source
     from fastlink.plan import Plan
 
 __all__ = ["Explanation", "LoopWork", "explain"]
@@ -33,8 +38,6 @@ OPERATIONS = {
     ast.Compare: "choices",
     ast.IfExp: "choices",
 }
-#: When the function of a kernel runs that evaluates at any place of the graded range.
-PLACES = "each step of a search; each sample where these are not listed"
 CALLS = {"select": "choices", "sqrt": "sqrt", "abs": "+ -"}
 ELEMENTARY = ("atan2", "cosine", "sine", "log_quotient", "arsinh")
 HELPERS = {name: getattr(module, name) for module in (compensated, vectors) for name in module.__all__}
@@ -53,7 +56,7 @@ class LoopWork:
         How often.
     work : dict of str to int
         Number of operations of each kind, of numbers read from arrays and written to arrays; functions of the house
-        are counted by what they do, elementary functions as one.
+        are counted by what they do, elementary functions as one; functions with loops are not counted.
     """
 
     per: str
@@ -81,6 +84,8 @@ class Explanation:
         How many facts of the mechanism are not computed, and how many there are.
     tables : tuple of str
         What of the input position is tabled; none for a map of designs.
+    sources : tuple of Source
+        For each kernel its text, and what it is called with.
     """
 
     title: str
@@ -91,9 +96,10 @@ class Explanation:
     facts_left_out: int
     facts_known: int
     tables: tuple[str, ...] = field(default=())
+    sources: tuple[Source, ...] = field(default=())
 
-    def text(self, *, kernels: bool = False) -> str:
-        """Return the explanation as text, with the text of the kernels if wanted."""
+    def text(self, *, kernels: bool = False, ir: bool = False, asm: bool = False) -> str:
+        """Return the explanation, with the kernels' text, its translation for LLVM, its assembly language if wanted."""
         lines = [self.title, _folded("asked for", self.results)]
         if self.scaling_axis:
             lines.append(
@@ -109,7 +115,13 @@ class Explanation:
                 _folded("computes", facts),
                 _table(loops),
             ]
+            if helpers := re.findall(
+                r"^from fastlink\.codegen\.runtime\.\w+ import (.+)", text, re.MULTILINE
+            ):
+                lines.append(_folded("  not counted", helpers))
             lines += ["", text] if kernels else []
+            if ir or asm:
+                lines += _machine_texts(self.sources[number - 1], ir, asm)
         share = f"{self.facts_left_out} of {self.facts_known} facts"
         return "\n".join([*lines, "", _folded(f"left out: {share}, among them", self.left_out)])
 
@@ -173,6 +185,7 @@ def explain_request(asked: Asked) -> Explanation:
         sum(name not in made for name in catalogue.facts),
         len(catalogue.facts),
         tuple(dict.fromkeys(table for part in plan.parts for table in _tables(part))),
+        tuple((part.curves if isinstance(part, CurvePlan) else part).written for part in plan.parts),
     )
 
 
@@ -191,48 +204,61 @@ def _kernel(part: Plan | RefinedPlan, asked: Asked) -> tuple[str, tuple[str, ...
     if isinstance(part, CurvePlan):
         gives += f"; by NumPy, of whole curves of {', '.join(output.name for output in part.curves.outputs)}"
     facts = tuple(name for step in part.steps for name in _names(step))
-    loops = _loops(part.source, asked.catalogue.position.name)
+    searched = [search.quantity for search in part.searches] if isinstance(part, RefinedPlan) else []
+    loops = _loops(part.source, asked.catalogue.position.name, searched)
     return gives, facts, loops, part.source
 
 
-def _loops(source: str, position: str) -> list[LoopWork]:
+def _machine_texts(source: Source, ir: bool, asm: bool) -> list[str]:
+    """Return a kernel in LLVM's language, in assembly language, or both."""
+    try:
+        text = llvm_text(source)
+    except Refused as why:
+        return ["", f"compiled by numba, for the translator refuses it: {why}"]
+    return [*(["", text] if ir else []), *(["", assembly(text)] if asm else [])]
+
+
+def _loops(source: str, position: str, searched: Sequence[str]) -> list[LoopWork]:
     """Return the work of every loop of a kernel that computes something."""
     found: dict[tuple[str, str], Counter[str]] = {}
 
-    def walk(body: Iterable[ast.stmt], around: tuple[tuple[str, str], ...]) -> None:
+    def walk(body: Iterable[ast.stmt], function: str, around: Mapping[str, str]) -> None:
         for statement in body:
             if isinstance(statement, ast.For):
-                loop = ast.unparse(statement.target), ast.unparse(statement.iter)
-                walk(statement.body, (*around, loop))
+                loop = {ast.unparse(statement.target): ast.unparse(statement.iter)}
+                walk(statement.body, function, {**around, **loop})
             elif isinstance(statement, ast.If):
-                walk((*statement.body, *statement.orelse), around)
-            elif isinstance(statement, ast.Assign) and (where := _place(around, position)):
+                walk((*statement.body, *statement.orelse), function, around)
+            elif isinstance(statement, ast.Assign) and ("i" in around or "j" in around):
+                where = _place(function, around, position, searched)
                 _count(statement, found.setdefault(where, Counter()))
 
-    for function in ast.parse(source).body:
-        if isinstance(function, ast.FunctionDef):
-            walk(function.body, ())
+    functions = [node for node in ast.parse(source).body if isinstance(node, ast.FunctionDef)]
+    for part in sorted(functions, key=lambda node: node.name != "kernel"):
+        walk(part.body, part.name, {})
     rows = [
         LoopWork(per, times, {kind: work[kind] for kind in KINDS}) for (per, times), work in found.items()
     ]
     return [row for row in rows if any(row.work.values())]
 
 
-def _place(around: Sequence[tuple[str, str]], position: str) -> tuple[str, str] | None:
-    """Return for what a loop is run, and how often, from the loops that it stands in."""
-    variables = [variable for variable, _ in around]
-    counts = {variable: times.removeprefix("range(").removesuffix(")") for variable, times in around}
-    inner = counts.get("i", counts.get("j"))
-    if inner is None:
-        return None
-    if inner == "width":
-        return ("extreme", "once") if "i0" in variables else ("place", PLACES)
-    if "j" not in variables:
+def _place(
+    function: str, around: Mapping[str, str], position: str, searched: Sequence[str]
+) -> tuple[str, str]:
+    """Return for what a loop is run, and how often: by its function, and the loops it stands in."""
+    kind, _, number = function.rpartition("_")
+    if kind == "slope":
+        return "place", f"each step of the search of {searched[int(number)]}"
+    if kind == "value":
+        return "extreme", f"once, of {searched[int(number)]}"
+    if "j" not in around:
         return "design", "once"
-    per = f"design and {position}" if "i" in variables else position
-    if counts["j"] == "n_angles":
+    per = f"design and {position}" if "i" in around else position
+    if "n_angles" in around["j"]:
         return per, "both modes together"
-    return "design and sample", f"{counts['j']} samples of the graded range"
+    samples, sides = (re.sub(r"\D", "", around.get(counter, "1")) for counter in ("j", "turn"))
+    often = f"{samples} samples of the graded range"
+    return "design and sample", often if sides == "1" else f"{often}, on {sides} sides"
 
 
 def _count(statement: ast.Assign, work: Counter[str]) -> None:
