@@ -5,23 +5,19 @@ from __future__ import annotations
 import itertools
 
 import mpmath as mp
-import numba
 import numpy as np
 import pytest
 
 from configurations import UNIT
 from fastlink.numerics import compensated, elementary
+from support.compiled import Compiled
 
-
-@numba.njit(error_model="numpy")
-def compiled_atan2(y, x, out):
-    for i in range(y.size):
-        out[i] = elementary.atan2(y[i], x[i])
+ATAN2 = Compiled(elementary, "atan2(a, b)")
+DIRECTION = Compiled(elementary, "cosine(a)", "sine(a)")
 
 
 def both_readings(y, x):
-    compiled = np.empty_like(y)
-    compiled_atan2(y, x, compiled)
+    compiled = ATAN2(y, x)
     with np.errstate(all="ignore"):
         plain = elementary.atan2(y, x)
     np.testing.assert_array_equal(compiled.view(np.int64), plain.view(np.int64))
@@ -106,20 +102,13 @@ def test_square_root_below_zero_is_nan_in_every_reading():
         assert np.isnan(elementary.sqrt(-1.0))
 
 
-@numba.njit(error_model="numpy")
-def compiled_direction(x, cosines, sines):
-    for i in range(x.size):
-        cosines[i], sines[i] = elementary.cosine(x[i]), elementary.sine(x[i])
-
-
 def test_cosine_and_sine_are_within_two_units_in_the_last_place_and_one_text():
     rng = np.random.default_rng(4)
     x = np.concatenate(
         [rng.uniform(-7, 7, 3000), np.arange(-32, 33) * (np.pi / 4), rng.uniform(-1e6, 1e6, 500)]
     )
     beyond = np.array([1.1e6, np.inf, -np.inf, np.nan])
-    cosines, sines = np.empty(x.size + 4), np.empty(x.size + 4)
-    compiled_direction(np.append(x, beyond), cosines, sines)
+    cosines, sines = DIRECTION(np.append(x, beyond))
     assert np.isnan([*cosines[-4:], *sines[-4:]]).all()
     np.testing.assert_array_equal(cosines[:-4], elementary.cosine(x))
     np.testing.assert_array_equal(sines[:-4], elementary.sine(x))
