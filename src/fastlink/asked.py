@@ -5,13 +5,14 @@ from __future__ import annotations
 import hashlib
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import partial
+from functools import lru_cache, partial
 from typing import TYPE_CHECKING, Any
 
-from fastlink.codegen.kernel import kernel_key
-from fastlink.cycle import with_lists
+from fastlink.codegen.kernel import backend_of
+from fastlink.cycle import Extrema, with_lists
 from fastlink.errors import InputError
 from fastlink.mechanisms import catalogue as find_catalogue
+from fastlink.plan import ANGLES_FOR_LANES
 from fastlink.plans import PlanSet, make_plans
 from fastlink.request import (
     all_choices,
@@ -28,7 +29,7 @@ from fastlink.run import Part
 from fastlink.spread import Spread, find_spread
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Iterable, Mapping
 
     from numpy.typing import NDArray
 
@@ -61,6 +62,8 @@ class Asked:
         How reactions are found.
     spread : Spread or None
         The axis that only scales the results, if there is one.
+    backend : str
+        What compiles the kernels.
     """
 
     mechanism: str
@@ -71,13 +74,14 @@ class Asked:
     positions: NDArray[Any]
     solver: str
     spread: Spread | None
+    backend: str
 
     @property
     def fingerprint(self) -> str:
         """What tells the numbers that result from all others: kernels, designs, input positions."""
         digest = hashlib.sha256()
         for part in self.plan.parts:
-            digest.update(kernel_key(part.written).encode())
+            digest.update(part.key.encode())
         space = self.space
         digest.update(repr((space.dims, space.shape, sorted(space.constants.items()))).encode())
         for name, values in sorted({**space.axes, **space.columns}.items()):
@@ -96,7 +100,7 @@ class Asked:
         places = {output.name: place for place, output in enumerate(self.plan.outputs)}
         return [
             Part(
-                part.relaxed_kernel if relaxed else part.kernel,
+                part.compiled(self.backend, relaxed=relaxed),
                 part.written.scratch,
                 len(part.inputs),
                 part.angle_tables(self.positions),
@@ -120,6 +124,7 @@ def resolve(
     solver: str = "eliminated",
     extrema: str | None = None,
     allow_invalid: bool = False,
+    backend: str | None = None,
 ) -> Asked:
     """Check a request, and find what is to be computed; nothing is compiled.
 
@@ -127,7 +132,7 @@ def resolve(
     ----------
     by_name : mapping of str to angles, optional
         Input positions that were given by the name of the input.
-    mechanism, space, quantities, links, input, angles, branch, solver, extrema, allow_invalid
+    mechanism, space, quantities, links, input, angles, branch, solver, extrema, allow_invalid, backend
         As in `fastlink.sweep`.
 
     Raises
@@ -146,16 +151,56 @@ def resolve(
     given = given_angles(catalogue, angles, by_name or {})
     positions = check_positions(catalogue, given)
     check_turn(catalogue, names, given)
-    plan = make_plans(
+    plan = plans_of(
         catalogue,
-        with_lists(catalogue, names),
+        names,
         given=space.names,
         branches=branches,
         alternatives=alternatives,
         angles=positions.size,
         extrema=check_extrema(extrema, catalogue, given),
     )
-    return Asked(mechanism, catalogue, space, plan, branches, positions, solver, find_spread(plan, space))
+    spread = find_spread(plan, space)
+    return Asked(mechanism, catalogue, space, plan, branches, positions, solver, spread, backend_of(backend))
+
+
+def plans_of(
+    catalogue: Catalogue,
+    names: Sequence[str],
+    *,
+    given: Iterable[str],
+    branches: tuple[int, ...],
+    alternatives: tuple[str, ...],
+    angles: int,
+    extrema: Extrema,
+) -> PlanSet:
+    """Return what `make_plans` makes of a request and of what belongs to it, made once."""
+    # the number of angles decides no more than what the lanes are
+    lanes = min(angles, ANGLES_FOR_LANES)
+    known = tuple(names), frozenset(given), branches, alternatives, lanes, extrema
+    return _plans(catalogue, catalogue.version, *known)
+
+
+@lru_cache(maxsize=256)
+def _plans(
+    catalogue: Catalogue,
+    version: int,
+    names: tuple[str, ...],
+    given: frozenset[str],
+    branches: tuple[int, ...],
+    alternatives: tuple[str, ...],
+    angles: int,
+    extrema: Extrema,
+) -> PlanSet:
+    return make_plans(
+        catalogue,
+        with_lists(catalogue, names),
+        given=sorted(given),
+        branches=branches,
+        alternatives=alternatives,
+        angles=angles,
+        extrema=extrema,
+    )
 
 
 def _names(quantities: Sequence[str]) -> list[str]:

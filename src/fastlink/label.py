@@ -116,8 +116,12 @@ def assemble(
         if values.dtype != variable.dtype:
             raise TypeError(f"{variable.name}: values are {values.dtype}, not {variable.dtype}")
         data[variable.name] = (variable.dims, values, plain_attrs(variable.attrs))
-    marked = {**coords.attrs, **plain_attrs(attrs), FORMAT: FORMAT_VERSION}
-    return xr.Dataset(data, coords=coords.coords, attrs=marked)
+    return xr.Dataset(data, coords=coords.coords, attrs=coords.attrs | marked(attrs))
+
+
+def marked(attrs: Mapping[str, Any]) -> dict[str, Any]:
+    """Return global attributes as a complete map has them."""
+    return plain_attrs(attrs) | {FORMAT: FORMAT_VERSION}
 
 
 def check_dims(coords: xr.Dataset, variable: Variable) -> None:

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
+from functools import cache, lru_cache
 from importlib.metadata import PackageNotFoundError, version
 from typing import TYPE_CHECKING, Any
 
@@ -10,17 +11,16 @@ import numpy as np
 
 from fastlink.catalogue import Catalogue, Fact, Input
 from fastlink.closure import EXTREMUM, Output
-from fastlink.label import Variable
+from fastlink.label import Variable, assemble, marked, plain_attrs
 from fastlink.label import coordinates as dataset_coordinates
 from fastlink.plans import PlanSet
+from fastlink.space import DesignSpace, frozen
 
 if TYPE_CHECKING:
     import xarray as xr
     from numpy.typing import NDArray
 
-    from fastlink.space import DesignSpace
-
-__all__ = ["about", "coordinates", "trailing", "variable"]
+__all__ = ["about", "assembled", "coordinates", "trailing", "variable"]
 
 
 def trailing(output: Output, plan: PlanSet, positions: int) -> tuple[int, ...]:
@@ -35,6 +35,18 @@ def trailing(output: Output, plan: PlanSet, positions: int) -> tuple[int, ...]:
 
 def variable(output: Output, plan: PlanSet, space: DesignSpace, positions: int) -> Variable:
     """Return a result with its dimensions and attributes."""
+    return Variable(
+        output.name,
+        (*space.dims, *output.axes),
+        (*space.shape, *trailing(output, plan, positions)),
+        np.dtype(output.dtype),
+        dict(_labels(plan, output)),
+    )
+
+
+@lru_cache(maxsize=1024)
+def _labels(plan: PlanSet, output: Output) -> dict[str, Any]:
+    """Return the attributes of a result."""
     fact = plan.catalogue.require(output.request.quantity)
     position = plan.catalogue.position
     reduction, place = output.request.reduction, output.request.place
@@ -56,13 +68,7 @@ def variable(output: Output, plan: PlanSet, space: DesignSpace, positions: int) 
     if fact.flags:
         del attrs["units"]
         attrs |= _flags(fact.flags, output.dtype)
-    return Variable(
-        output.name,
-        (*space.dims, *output.axes),
-        (*space.shape, *trailing(output, plan, positions)),
-        np.dtype(output.dtype),
-        attrs,
-    )
+    return attrs
 
 
 def _of_list(part: str, fact: Fact, position: Input) -> dict[str, Any]:
@@ -94,10 +100,10 @@ def coordinates(plan: PlanSet, space: DesignSpace, positions: NDArray[Any]) -> x
     if "branch" in used:
         meanings = "; ".join(f"{branch}: {meaning}" for branch, meaning in catalogue.branches.items())
         labels = {"long_name": "assembly mode", "comment": meanings}
-        further["branch"] = (("branch",), np.array(plan.branches, dtype=np.int32), labels)
+        further["branch"] = (("branch",), frozen(np.array(plan.branches, dtype=np.int32)), labels)
     if EXTREMUM in used:
         labels = {"long_name": f"number of the extreme, by growing {catalogue.position.name}"}
-        further[EXTREMUM] = ((EXTREMUM,), np.arange(1, plan.extrema_kept + 1, dtype=np.int32), labels)
+        further[EXTREMUM] = ((EXTREMUM,), frozen(np.arange(1, plan.extrema_kept + 1, dtype=np.int32)), labels)
     position = catalogue.position
     if position.name in used:
         further[position.name] = ((position.name,), positions, _describe(position))
@@ -105,15 +111,58 @@ def coordinates(plan: PlanSet, space: DesignSpace, positions: NDArray[Any]) -> x
     return dataset_coordinates(space, {name: _describe(known[name]) for name in space.names}, further)
 
 
-def about(mechanism: str, plan: PlanSet, solver: str, positions: int, threads: int) -> dict[str, Any]:
+def assembled(
+    plan: PlanSet,
+    space: DesignSpace,
+    positions: NDArray[Any],
+    variables: Sequence[Variable],
+    arrays: Mapping[str, NDArray[Any]],
+    attrs: Mapping[str, Any],
+) -> xr.Dataset:
+    """Return the labelled Dataset of a sweep that stayed in memory.
+
+    That of one design is a copy of the last one of its kind: 0.1 ms, where xarray takes 0.8 ms to make it anew, more
+    than all the rest of such a sweep.
+    """
+    if space.dims:
+        return assemble(coordinates(plan, space, positions), variables, arrays, attrs)
+    used = any(plan.catalogue.position.name in output.axes for output in plan.outputs)
+    known = tuple(space.constants), tuple(space.attrs.items()), positions.tobytes() if used else b""
+    data = {variable.name: arrays[variable.name].reshape(variable.shape) for variable in variables}
+    found = _blank(plan, *known).copy(deep=False, data=data)
+    for name, value in space.constants.items():
+        found.variables[name].data = np.array(value)
+    for variable in variables:
+        found.variables[variable.name].attrs = plain_attrs(variable.attrs)
+    found.attrs |= marked(attrs)
+    return found
+
+
+@lru_cache(maxsize=64)
+def _blank(
+    plan: PlanSet, names: tuple[str, ...], attrs: tuple[tuple[str, Any], ...], positions: bytes
+) -> xr.Dataset:
+    """Return the Dataset of one design, its values yet to come."""
+    space = DesignSpace("grid", (), (), dict.fromkeys(names, 0.0), attrs=dict(attrs))
+    angles = np.frombuffer(positions)
+    variables = [variable(output, plan, space, angles.size) for output in plan.outputs]
+    values = {variable.name: np.empty(variable.shape, variable.dtype) for variable in variables}
+    return assemble(coordinates(plan, space, angles), variables, values, {})
+
+
+def about(
+    mechanism: str, plan: PlanSet, solver: str, positions: int, threads: int, backend: str
+) -> dict[str, Any]:
     """Return the global attributes that are known before a sweep."""
     catalogue = plan.catalogue
+    versions = ["fastlink " + _version("fastlink-linkages"), *_compiler(backend), "numpy " + np.__version__]
     attrs: dict[str, Any] = {
         "Conventions": "CF-1.11",
         "title": f"{catalogue.title}: {', '.join(output.name for output in plan.outputs)}",
         "mechanism": mechanism,
         "input": catalogue.position.name,
-        "source": f"fastlink {_version('fastlink-linkages')}, numba {_version('numba')}, numpy {np.__version__}",
+        "source": ", ".join(versions),
+        "backend": backend,
         "solver": solver,
         "threads": threads,
     }
@@ -133,9 +182,16 @@ def _describe(declared: Input) -> dict[str, Any]:
 def _flags(meanings: Mapping[int, str], dtype: str) -> dict[str, Any]:
     """Return CF's labels of a code."""
     words = " ".join(meaning.replace(" ", "_") for meaning in meanings.values())
-    return {"flag_values": np.array(list(meanings), dtype=dtype), "flag_meanings": words}
+    return {"flag_values": frozen(np.array(list(meanings), dtype=dtype)), "flag_meanings": words}
 
 
+def _compiler(backend: str) -> tuple[str, ...]:
+    """Return what compiles kernels, with its version; what is not used need not be imported to tell."""
+    names = ("llvmlite",) if backend == "llvm" else (backend, "llvmlite")
+    return tuple(f"{name} {_version(name)}" for name in names)
+
+
+@cache
 def _version(distribution: str) -> str:
     try:
         return version(distribution)

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 
 from fastlink.catalogue import Catalogue, System
 from fastlink.closure import EXTREMUM, Closure, Lanes, Output
-from fastlink.codegen.kernel import load_kernel
+from fastlink.codegen.kernel import backend_of, kernel_key, load_kernel
 from fastlink.codegen.pointwise import write_kernel
 from fastlink.cycle import Request, parse_request
 from fastlink.errors import InputError
@@ -41,14 +41,36 @@ class Kernel:
         return self.written.text
 
     @cached_property
+    def key(self) -> str:
+        """What tells the kernel's text and arguments from all others."""
+        return kernel_key(self.written)
+
+    def compiled(self, backend: str | None = None, *, relaxed: bool = False) -> Any:
+        """Return the kernel, compiled or loaded from the cache on first use.
+
+        Parameters
+        ----------
+        backend : {"llvm", "numba"}, optional
+            The compiler; see `fastlink.codegen.kernel.backend_of`.
+        relaxed : bool
+            Compile for other roundings, to compare: see `fastlink.accuracy`.
+        """
+        which = backend_of(backend), relaxed
+        if which not in self._kernels:
+            self._kernels[which] = self._load(*which)
+        return self._kernels[which]
+
+    def _load(self, backend: str, relaxed: bool) -> Any:
+        return load_kernel(self.written, backend, relaxed=relaxed)
+
+    @property
     def kernel(self) -> Any:
-        """The compiled kernel (compiled, or loaded from the cache, on first use)."""
-        return load_kernel(self.written)
+        """The kernel by the compiler that is used unless another one is named."""
+        return self.compiled()
 
     @cached_property
-    def relaxed_kernel(self) -> Any:
-        """The same text compiled for other roundings, to compare: see `fastlink.accuracy`."""
-        return load_kernel(self.written, relaxed=True)
+    def _kernels(self) -> dict[tuple[str, bool], Any]:
+        return {}
 
 
 class Plan(Closure, Kernel):

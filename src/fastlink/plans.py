@@ -62,15 +62,8 @@ class CurvePlan(Plan):
         of_curves = self.curves.written
         return replace(of_curves, text="\n\n".join((of_curves.text, *texts)))
 
-    @cached_property
-    def kernel(self) -> Any:
-        """The compiled kernel of the curves, and the functions."""
-        return self._from(self.curves.kernel)
-
-    @cached_property
-    def relaxed_kernel(self) -> Any:
-        """The same with the kernel of other roundings."""
-        return self._from(self.curves.relaxed_kernel)
+    def _load(self, backend: str, relaxed: bool) -> Any:
+        return self._from(self.curves.compiled(backend, relaxed=relaxed))
 
     def _from(self, kernel: Callable[..., None]) -> Callable[..., None]:
         def run(x: NDArray[Any], angles: NDArray[Any], n: int, n_angles: int, *arrays: NDArray[Any]) -> None:
@@ -85,9 +78,9 @@ class CurvePlan(Plan):
         return run
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class PlanSet:
-    """The kernels that together give all results.
+    """The kernels that together give all results; it is itself alone that it equals, so that things are kept by it.
 
     Attributes
     ----------

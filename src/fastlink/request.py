@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import math
+import operator
 from collections.abc import Iterable, Mapping, Sequence
+from functools import lru_cache, reduce
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -21,6 +24,7 @@ __all__ = [
     "POSITIONS",
     "SOLVERS",
     "all_choices",
+    "allowed",
     "alternatives_of",
     "check_apart",
     "check_branches",
@@ -90,7 +94,8 @@ def check_inputs(
     for name in space.names:
         if name not in known:
             raise InputError(_unknown_input(catalogue, name, known))
-        if not allow_invalid:
+        value = space.constants.get(name)
+        if not allow_invalid and (value is None or not allowed(known[name], value)):
             _check_values(known[name], space)
 
 
@@ -102,10 +107,24 @@ def check_apart(catalogue: Catalogue, names: Sequence[str]) -> None:
     InputError
         With two of them.
     """
-    for name in names:
-        for other in catalogue.instead_of(name):
-            if other in names:
-                raise InputError(f"design: {other} and {name} determine each other; leave one of them out")
+    for name, other in _exclusive(catalogue, catalogue.version, tuple(names)):
+        raise InputError(f"design: {other} and {name} determine each other; leave one of them out")
+
+
+@lru_cache(maxsize=256)
+def _exclusive(catalogue: Catalogue, version: int, names: tuple[str, ...]) -> list[tuple[str, str]]:
+    """Return the pairs of given inputs that determine each other."""
+    return [(name, other) for name in names for other in catalogue.instead_of(name) if other in names]
+
+
+def allowed(declared: Input, value: Any) -> Any:
+    """Tell whether an input may have a value, or of each of an array whether it may."""
+    finite = abs(value) < math.inf
+    if declared.choices:
+        return finite & reduce(operator.or_, (value == code for code in declared.choices))
+    if declared.rule == "positive":
+        return finite & (value > 0)
+    return finite & (value >= 0) if declared.rule == "non-negative" else finite
 
 
 def _unknown_input(catalogue: Catalogue, name: str, known: dict[str, Input]) -> str:
@@ -119,18 +138,12 @@ def _unknown_input(catalogue: Catalogue, name: str, known: dict[str, Input]) -> 
 def _check_values(declared: Input, space: DesignSpace) -> None:
     name = declared.name
     values = space.values(name)
-    bad = ~np.isfinite(values)
-    if declared.choices:
-        bad |= ~np.isin(values, list(declared.choices))
-    elif declared.rule == "positive":
-        bad |= ~(values > 0)
-    elif declared.rule == "non-negative":
-        bad |= ~(values >= 0)
+    bad = ~allowed(declared, values)
     if bad.any():
         where = int(np.flatnonzero(bad)[0])
         place = f"{name}[{where}]" if values.size > 1 else name
-        allowed = RULES.get(declared.rule, "")
-        remedy = f"a finite number{' ' if allowed else ''}{allowed}"
+        rule = RULES.get(declared.rule, "")
+        remedy = f"a finite number{' ' if rule else ''}{rule}"
         if declared.choices:
             remedy = "one of " + ", ".join(
                 f"{code} ({meaning})" for code, meaning in declared.choices.items()
@@ -214,8 +227,10 @@ def check_turn(catalogue: Catalogue, names: Iterable[str], angles: Any) -> None:
     InputError
         With the name that needs it.
     """
+    if np.ndim(angles) == 0:
+        return
     for request in (parse_request(name, catalogue) for name in names):
-        if request.reduction is not None and request.reduction.whole and np.ndim(angles) > 0:
+        if request.reduction is not None and request.reduction.whole:
             position = catalogue.position.name
             remedy = "write a number of angles" if catalogue.positions is None else "leave it out"
             raise InputError(

@@ -7,6 +7,7 @@ static split stalls for a whole time slice when another process holds a core.
 from __future__ import annotations
 
 import itertools
+import math
 import os
 import threading
 from collections.abc import Callable, Sequence
@@ -110,7 +111,7 @@ def default_threads() -> int:
 
 def aligned(shape: tuple[int, ...], dtype: str = "float64") -> NDArray[Any]:
     """Return an uninitialised array that begins on a cache line: stores across two lines take longer."""
-    size = int(np.prod(shape, dtype=np.int64)) * np.dtype(dtype).itemsize
+    size = math.prod(shape) * np.dtype(dtype).itemsize
     raw = np.empty(size + CACHE_LINE, dtype=np.uint8)
     start = -raw.ctypes.data % CACHE_LINE
     return raw[start : start + size].view(dtype).reshape(shape)
@@ -118,7 +119,7 @@ def aligned(shape: tuple[int, ...], dtype: str = "float64") -> NDArray[Any]:
 
 def block_length(job: Job, threads: int) -> int:
     """Return how many designs a block holds: results that fit the cache, and several blocks per thread."""
-    row = sum(int(np.prod(shape, dtype=np.int64)) * np.dtype(dtype).itemsize for shape, dtype in job.outputs)
+    row = sum(math.prod(shape) * np.dtype(dtype).itemsize for shape, dtype in job.outputs)
     share = -(-job.size // (4 * threads))
     length = max(1, min(BLOCK_DESIGNS, BLOCK_BYTES // max(row, 1), share))
     return length if length < LANES else length // LANES * LANES
@@ -155,6 +156,7 @@ def run(
     length = block or block_length(job, threads)
     ranges = [(0, job.size)] if todo is None else todo
     blocks = ((k, min(k + length, stop)) for start, stop in ranges for k in range(start, stop, length))
+    threads = min(threads, max(1, sum(-(-(stop - start) // length) for start, stop in ranges)))
     lock, stop = threading.Lock(), threading.Event()
 
     def work() -> None:

@@ -10,6 +10,7 @@ import itertools
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
+from functools import lru_cache
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -110,7 +111,7 @@ def find_spread(plan: PlanSet, space: DesignSpace) -> Spread | None:
     axes = [name for name in space.dims if name in space.axes and len(space.axes[name]) > 1]
     for name in sorted(axes, key=lambda name: -len(space.axes[name])):
         values = space.axes[name]
-        powers = _powers(plan, space, name) if (values > 0.0).all() else None
+        powers = _powers(plan, space.names, name) if (values > 0.0).all() else None
         if powers is None:
             continue
         place = space.dims.index(name)
@@ -126,7 +127,8 @@ def find_spread(plan: PlanSet, space: DesignSpace) -> Spread | None:
     return None
 
 
-def _powers(plan: PlanSet, space: DesignSpace, name: str) -> list[float] | None:
+@lru_cache(maxsize=256)
+def _powers(plan: PlanSet, given: tuple[str, ...], name: str) -> list[float] | None:
     """Return by which power of an input each result grows, or None where one does not."""
     catalogue = plan.catalogue
     if catalogue.known_inputs(plan.alternatives)[name].choices:
@@ -135,7 +137,7 @@ def _powers(plan: PlanSet, space: DesignSpace, name: str) -> list[float] | None:
     asked = [output.request.quantity for output in plan.outputs]
     if any(catalogue.judged_in(quantity) for quantity in asked):
         return None  # an error bound knows nothing of the rounding of one more product
-    found = degrees(catalogue.closure(asked, (*space.names, *tables, "branch"), plan.alternatives), name)
+    found = degrees(catalogue.closure(asked, (*given, *tables, "branch"), plan.alternatives), name)
     powers = [_power(output, found) for output in plan.outputs]
     return None if None in powers else [power for power in powers if power is not None]
 

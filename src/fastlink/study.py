@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 from pydantic import ValidationError
 
 from fastlink.catalogue import Catalogue
+from fastlink.codegen.kernel import backend_of
 from fastlink.cycle import Request, parse_request
 from fastlink.errors import InputError
 from fastlink.links import Links, links_from
@@ -80,6 +81,7 @@ class Study:
             "branch": cycle.branch,
             "solver": cycle.solver,
             "extrema": cycle.extrema,
+            "backend": self.shape.run.backend,
         }
 
 
@@ -200,6 +202,8 @@ def read_study(path: str | Path) -> Study:
     with found.at(f"cycle.{next(iter(by_name), 'angles')}"):
         angles = angles_of(given_angles(catalogue, shape.cycle.angles, by_name))
         check_positions(catalogue, angles)
+    with found.at("run.backend"):
+        backend_of(shape.run.backend)
     with found.at("cycle.extrema"):
         check_extrema(shape.cycle.extrema, catalogue, angles)
     space = space_of(found, path, shape.design)

@@ -20,7 +20,7 @@ LONGEST_AXIS = 10_000_000  # 80 MB: axes are held in memory
 
 MOST_LINES = 20
 WHERE = re.compile(
-    r"^(grid|table|sobol|latin_hypercube|design|links|branch|theta1?|phi|sigma|joint_angle_\d): "
+    r"^(grid|table|sobol|latin_hypercube|design|links|backend|branch|theta1?|phi|sigma|joint_angle_\d): "
 )
 # what the functions say to who calls them in Python, and how a study file has it
 PHRASES = {
@@ -168,6 +168,12 @@ class Cycle(_Table):
     extrema: Annotated[str | None, Field(strict=True), _or_say('"refined" or "sampled"')] = None
 
 
+class Run(_Table):
+    """How kernels are compiled."""
+
+    backend: Annotated[str | None, Field(strict=True), _or_say('"llvm" or "numba"')] = None
+
+
 class OutputFile(_Table):
     """Where the result goes, and how many of its designs are computed again."""
 
@@ -189,10 +195,11 @@ class StudyFile(_Table):
     design: Design
     links: LinkModel | None = None
     cycle: Cycle = Cycle()
+    run: Run = Run()
     output: OutputFile = OutputFile()
 
 
-_TABLES: dict[str, type[BaseModel]] = {"cycle": Cycle, "output": OutputFile}
+_TABLES: dict[str, type[BaseModel]] = {"cycle": Cycle, "run": Run, "output": OutputFile}
 _EXAMPLES = {
     "mechanism": 'mechanism = "planar_4r"',
     "quantities": 'quantities = ["omega4_max"]',

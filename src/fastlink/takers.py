@@ -51,21 +51,25 @@ class Bar:
     """A progress bar that threads may feed."""
 
     def __init__(self, total: int, shown: bool) -> None:
-        from tqdm import tqdm
+        self.bar: Any = None
+        if shown:
+            from tqdm import tqdm  # 15 ms, which nobody waits for who sees no bar
 
-        self.bar = tqdm(total=total, unit=" designs", unit_scale=True, disable=not shown, file=sys.stderr)
+            self.bar = tqdm(total=total, unit=" designs", unit_scale=True, file=sys.stderr)
         self.lock = threading.Lock()
 
     def take(self, start: int, stop: int, arrays: list[NDArray[Any]]) -> None:
         """Show that a block is done; thread-safe."""
-        with self.lock:
-            self.bar.update(stop - start)
+        if self.bar is not None:
+            with self.lock:
+                self.bar.update(stop - start)
 
     def __enter__(self) -> Bar:
         return self
 
     def __exit__(self, *error: object) -> None:
-        self.bar.close()
+        if self.bar is not None:
+            self.bar.close()
 
 
 def progress_bar(total: int, progress: bool | None) -> Bar:
