@@ -1,10 +1,19 @@
-"""``python -m benchmarks.agree``: agreement of fastlink, C, NumPy, the dense solve, JAX, and the paper."""
+"""``python -m benchmarks.agree``: agreement of fastlink, its peers, the dense solve and the paper."""
 
 import importlib.util
 
 import numpy as np
 
-from benchmarks import c_kernel, dense_baseline, engine, jax_baseline, numpy_baseline
+from benchmarks import (
+    c_kernel,
+    dense_baseline,
+    engine,
+    heyoka_baseline,
+    jax_baseline,
+    numba_baseline,
+    numpy_baseline,
+)
+from benchmarks.closed_forms import FORMS
 from benchmarks.inputs import CASES, angle_tables, designs, round_bars
 
 TABLE_1 = ([0.4], [1.2], [0.8], [1.0])
@@ -42,7 +51,10 @@ def agree(n=100, K=90):
     if c_kernel.available():
         others += [(case, "C", c_kernel.evaluate) for case in CASES]
     if importlib.util.find_spec("jax"):
-        others += [(case, "JAX", jax_baseline.evaluate) for case in ("rates", "reactions")]
+        others += [(case, "JAX", jax_baseline.evaluate) for case in CASES]
+    if heyoka_baseline.available():
+        others += [(case, "heyoka.py", heyoka_baseline.evaluate) for case in FORMS]
+    others += [(case, "numba by hand", numba_baseline.evaluate) for case in CASES]
     found = {
         (case, name): difference(evaluate(case, x, tables), ours[case]) for case, name, evaluate in others
     }

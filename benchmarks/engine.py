@@ -2,6 +2,7 @@
 
 import time
 from dataclasses import dataclass
+from functools import cached_property, partial
 
 import numpy as np
 
@@ -52,7 +53,17 @@ class Bound:
 
     def __call__(self):
         """Evaluate."""
-        self.plan.kernel(*self.arguments)
+        self.call()
+
+    @cached_property
+    def call(self):
+        """What evaluates. The table of arguments is filled once, as ctypes has those of the C kernels."""
+        kernel = self.plan.kernel
+        if not hasattr(kernel, "table"):  # numba's
+            return partial(kernel, *self.arguments)
+        table = kernel.table(*self.arguments)
+        address, call = table.ctypes.data, kernel.call
+        return lambda table=table: call(address)
 
 
 def bind(case, x, theta1, **options):

@@ -1,11 +1,10 @@
-"""Refined extremes: their time, also against samples and scipy, their error, what is missed, compilation.
+"""Refined extremes: their time, also against samples and scipy, their error, what is missed.
 
 A fact is (what, value, unit, aim). Times are of the bare kernel, one thread, by design and branch: a quantity with a
 mirror symmetry is searched in both branches whichever are asked for, so that one alone costs as much as both.
 """
 
 import math
-import tempfile
 from dataclasses import replace
 
 import mpmath
@@ -13,7 +12,6 @@ import numpy as np
 from scipy.optimize import brentq
 
 from benchmarks import c_kernel, engine
-from benchmarks.facts import python
 from benchmarks.families import FAMILIES
 from benchmarks.inputs import INPUTS, race, round_bars
 from fastlink.exact import DIGITS
@@ -32,10 +30,6 @@ TIMED = {
 }
 TIMED_FAMILIES = ("crank", "drag-link", "rocker input", "non-Grashof")
 BLOCK = 4096
-COMPILED = (
-    "import time; from benchmarks.extrema import extremes, plans; parts = plans(extremes({!r})); "
-    "start = time.perf_counter(); [part.kernel for part in parts]; print(time.perf_counter() - start)"
-)
 
 
 def extremes(quantities):
@@ -193,7 +187,7 @@ def against_scipy(n=100, rounds=12):
     return [("extremes of omega4 by 360 samples and brentq / refined, crank", ratio, "times", "")]
 
 
-# ---- derivatives and compilation ----
+# ---- derivatives ----
 
 
 def derivative(n=64, K=360, rounds=12):
@@ -203,36 +197,17 @@ def derivative(n=64, K=360, rounds=12):
         {name: engine.bind_plan(plans([name], angles=K)[0], x, theta) for name in ("T41", "d_T41_d_theta1")},
         rounds,
     )
-    return [("d_T41_d_theta1 / T41, curves", best["d_T41_d_theta1"] / best["T41"], "times", "")]
-
-
-def compilation(asked=(("omega4", "alpha4"), ("T41",))):
-    """The first use on a machine, the first use of other plans with their helpers compiled, use in a second process."""
-    facts = []
-    for quantities in asked:
-        label, code = f"extremes of {' and '.join(quantities)}", COMPILED.format(quantities)
-        with (
-            tempfile.TemporaryDirectory() as helpers,
-            tempfile.TemporaryDirectory() as one,
-            tempfile.TemporaryDirectory() as two,
-        ):
-            nothing, first, second = (
-                python(code, NUMBA_CACHE_DIR=helpers, FASTLINK_CACHE_DIR=folder) for folder in (one, two, two)
-            )
-        facts.append((f"compile {label}, nothing compiled", nothing, "s", "< 3"))
-        facts.append((f"compile {label}, first time", first, "s", "< 3"))
-        facts.append((f"load {label} in a second process", second, "s", ""))
-    return facts
+    return [("d_T41_d_theta1 / T41, curves", best["d_T41_d_theta1"] / best["T41"], "", "")]
 
 
 def measure(quick=False, log=lambda text: None):
-    """Return all facts; quick: small sizes, few quantities, no compilation."""
+    """Return all facts; quick: small sizes, few quantities."""
     if quick:
         few = ("omega4",)
         facts = times(64, 1, few) + against_c(64, 1) + error(2, 36, few) + missed(64, ("crank",), ("alpha4",))
         return facts + against_scipy(2, 1) + derivative(8, 64, 1)
     facts = []
-    for part in (times, against_c, error, missed, against_scipy, derivative, compilation):
+    for part in (times, against_c, error, missed, against_scipy, derivative):
         log(f"extrema: {part.__name__}")
         facts += part()
     return facts

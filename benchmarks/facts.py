@@ -1,9 +1,8 @@
-"""Other facts: angles, the start of a program, compilation. A fact is (what, value, unit, aim)."""
+"""Other facts: angles, the stacked system, the start of a program. A fact is (what, value, unit, aim)."""
 
 import os
 import subprocess
 import sys
-import tempfile
 import time
 from functools import partial
 from pathlib import Path
@@ -11,17 +10,13 @@ from pathlib import Path
 import numpy as np
 
 from benchmarks import dense_baseline, engine, errors
-from benchmarks.inputs import CASES, angle_tables, designs, empty, race
+from benchmarks.inputs import angle_tables, designs, empty, race
 from fastlink.codegen.kernel import load_kernel
 from fastlink.codegen.source import Array, Source
 
 ROOT = Path(__file__).parents[1]
-LIBRARIES = "import numba, xarray, h5netcdf"
+LIBRARIES = "import llvmlite.binding, xarray, h5netcdf"
 TIMED = "import time; start = time.perf_counter(); {}; print(time.perf_counter() - start)"
-COMPILED = (
-    "import time; from benchmarks.engine import plan_of; plan = plan_of({!r}); start = time.perf_counter(); "
-    "plan.kernel; print(time.perf_counter() - start)"
-)
 ATAN2 = """
 from fastlink.numerics.compiler import lanes
 from fastlink.numerics.elementary import atan2
@@ -85,23 +80,15 @@ def system(n=64, K=360, rounds=6, count=100):
     ]
 
 
-def compilation(cases=CASES):
-    """The first use of each plan, and its first use in a second process."""
-    facts = []
-    for case in cases:
-        with tempfile.TemporaryDirectory() as folder:
-            first, second = (python(COMPILED.format(case), FASTLINK_CACHE_DIR=folder) for _ in range(2))
-        facts.append((f"compile {case}, first time", first, "s", "< 3"))
-        facts.append((f"load {case} in a second process", second, "s", ""))
-    return facts
-
-
 def start(repeats=5):
     """Imports in fresh processes, in turns; the shortest of each."""
     codes = {
         "libraries": TIMED.format(LIBRARIES),
         "import fastlink": TIMED.format("import fastlink"),
         "import fastlink; fastlink.sweep": TIMED.format("import fastlink; fastlink.sweep"),
+        "import fastlink; fastlink.sweep and the planar 4R": TIMED.format(
+            "import fastlink, fastlink.mechanisms.planar_4r; fastlink.sweep"
+        ),
     }
     best = dict.fromkeys(codes, np.inf)
     help_time = np.inf

@@ -7,92 +7,70 @@ processor has them.
 """
 
 import argparse
+import importlib.util
 import json
 import os
 import subprocess
 import sys
+import time
 from pathlib import Path
 
 import numpy as np
 
-from benchmarks.inputs import angle_tables, best_time, designs
+from benchmarks.closed_forms import FORMS, rates, reactions
+from benchmarks.inputs import CASES, angle_tables, best_time, designs
 from benchmarks.numpy_baseline import constants
 
 WIDE = "--xla_cpu_prefer_vector_width=512"
 
 
 def kernels():
-    """Return by case the jitted functions of (x, tables): for each curve a pair, its two branches."""
+    """Return by case the jitted functions of (x, tables): for each result a pair, its two branches."""
     import jax
     import jax.numpy as jnp
 
     jax.config.update("jax_enable_x64", True)
     jax.config.update("jax_platforms", "cpu")
 
-    def kinematics(o, tables):
-        cos, sin, Z, Z_low, C, C_low = tables
-        p = (Z - o["Z0"]) + (Z_low - o["Z0_low"])
-        q = (C - o["C0"]) + (C_low - o["C0_low"])
-        sigma = jnp.sqrt(p * q)
-        r_sigma, r_gamma = 1 / sigma, 1 / (o["gamma0"] + Z)
-        A = o["a"] * cos, o["a"] * sin
-        u_x = (o["d"] - o["a"]) + 2 * o["a"] * Z
-        AB, DB, height = (p / 2 + o["beta"]) * r_gamma, -(p / 2 + o["delta"]) * r_gamma, sigma / 2 * r_gamma
-        odd = height * A[1], height * u_x
-        w, h = o["w"], sin / 2
-        H, k = h * r_sigma, o["kappa"] * r_gamma
-        dH = (o["C0"] * Z * p - o["Z0"] * C * q) * (r_sigma * r_sigma * r_sigma) / 2
-        T, j = w / 2 * ((o["lambda"] + Z) * r_gamma), h * r_gamma
-        E, L = -w * w / 2 * (o["eps"] * j * r_gamma), H * k * j
-        parts = (
-            (T, w / 2 * (H * (k - 1))),
-            (T, w / 2 * (H * (k + 1))),
-            (E, w * w / 2 * (dH * (k - 1) - L)),
-            (E, w * w / 2 * (dH * (k + 1) - L)),
-        )
-        return A, (AB * u_x, -AB * A[1]), (DB * u_x, -DB * A[1]), odd, parts, r_sigma
+    def form(name):
+        return jax.jit(lambda x, tables: FORMS[name](constants(x), tables, jnp.sqrt))
 
-    def both(even, odd):
-        return even - odd, even + odd
+    def greatest(curve):
+        found = jnp.max(jnp.where(curve == curve, curve, -jnp.inf), axis=1)
+        return jnp.where(found > -jnp.inf, found, jnp.nan)
 
-    def rates(x, tables):
-        A, AB, _, odd, parts, _ = kinematics(constants(x), tables)
-        return (*(both(A[i] + AB[i], odd[i]) for i in range(2)), *(both(*part) for part in parts))
-
-    def branch_reactions(o, tables, parts, s):
-        cos, sin = tables[:2]
-        A, AB, DB, odd, rate, r_sigma = parts
-        AB, DB = ([even[i] + s * odd[i] for i in range(2)] for even in (AB, DB))
-        omega2, omega4, alpha2, alpha4 = (even + s * f for even, f in rate)
-        g2 = o["g2_u"] * AB[0] - o["g2_v"] * AB[1], o["g2_u"] * AB[1] + o["g2_v"] * AB[0]
-        g3 = o["f3_u"] * DB[0] - o["f3_v"] * DB[1], o["f3_u"] * DB[1] + o["f3_v"] * DB[0]
-        ww, w2, w4 = o["w"] * o["w"], omega2 * omega2, omega4 * omega4
-        f2_x = o["m2"] * (-ww * A[0] - alpha2 * g2[1] - w2 * g2[0])
-        f2_y = o["m2"] * (-ww * A[1] + alpha2 * g2[0] - w2 * g2[1])
-        scale = 2 * s * o["r"] * r_sigma
-        M2 = (o["I2"] * alpha2 + (g2[0] * f2_y - g2[1] * f2_x)) * scale
-        M3 = o["J3"] * scale * alpha4
-        F32_x, F32_y = M2 * DB[0] + M3 * AB[0], M2 * DB[1] + M3 * AB[1]
-        F21_x, F21_y = F32_x - f2_x, F32_y - f2_y
-        F41_x = o["f1_u"] * cos - o["f1_v"] * sin - F21_x
-        F41_y = o["f1_u"] * sin + o["f1_v"] * cos - F21_y
-        F43_x = F32_x - (alpha4 * g3[1] + w4 * g3[0])
-        F43_y = F32_y + (alpha4 * g3[0] - w4 * g3[1])
-        T41 = A[1] * F21_x - A[0] * F21_y
-        return F41_x, F41_y, F21_x, F21_y, F32_x, F32_y, F43_x, F43_y, T41
-
-    def reactions(x, tables):
+    def extremes(x, tables):
         o = constants(x)
-        parts = kinematics(o, tables)
-        branches = (branch_reactions(o, tables, parts, s) for s in (-1, 1))
-        return tuple(zip(*branches, strict=True))
+        omega4, alpha4 = rates(o, tables, jnp.sqrt)[3::2]
+        found = dict(zip(CASES["reactions"], reactions(o, tables, jnp.sqrt), strict=True))
+        of = {"omega4": omega4, "alpha4": alpha4, "T41": found["T41"], "F32_x": found["F32_x"]}
+        results = []
+        for name in CASES["extremes"]:
+            quantity, _, kind = name.rpartition("_")
+            sign = 1.0 if kind == "max" else -1.0
+            results.append(tuple(sign * greatest(sign * curve) for curve in of[quantity]))
+        return tuple(results)
 
-    return {"rates": jax.jit(rates), "reactions": jax.jit(reactions)}
+    return {name: form(name) for name in FORMS} | {"extremes": jax.jit(extremes)}
 
 
 def evaluate(case, x, tables):
     """One array for each name of ``CASES[case]``."""
     return tuple(np.stack(pair, axis=1) for pair in kernels()[case](x, tables))
+
+
+def available():
+    return importlib.util.find_spec("jax") is not None
+
+
+def compile_time(case, n=512, K=360):
+    """Return how long a case takes to compile, in s; to be called once in a process."""
+    import jax
+
+    kernel, x, tables = kernels()[case], jax.device_put(designs(n)), jax.device_put(angle_tables(K))
+    start = time.perf_counter()
+    kernel.lower(x, tables).compile()
+    return time.perf_counter() - start
 
 
 def measure(n=512, K=360):

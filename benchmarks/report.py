@@ -21,17 +21,52 @@ HEADS = {
     "to_C": "time / C",
     "NumPy": "faster than NumPy",
     "JAX": "faster than JAX",
+    "heyoka": "faster than heyoka.py",
+    "numba": "faster than numba by hand",
     "threads": "gain by two threads",
     "error": "max error",
 }
-FORMATS = {"ns": ".2f", "to_C": ".2f", "NumPy": ".3g", "JAX": ".3g", "threads": ".2f", "error": ".1f"}
+FORMATS = {
+    "ns": ".2f",
+    "to_C": ".2f",
+    "NumPy": ".3g",
+    "JAX": ".3g",
+    "heyoka": ".3g",
+    "numba": ".3g",
+    "threads": ".2f",
+    "error": ".1f",
+}
 LEGEND = (
     "One thread, 360 input angles, two assembly modes; times are shortest of many, taken in turns in one "
-    "process (JAX: fresh ones), without compilation. C: `benchmarks/kernels.c`, gcc -O3, the same arithmetic. "
+    "process (JAX: fresh ones), without compilation. C: `benchmarks/kernels.c`, gcc -O3, the same arithmetic. numba by "
+    "hand: textbook formulas in loops. "
     "np.linalg.solve: the stacked 9x9 systems, ready assembled. Errors against 50 digits, in roundings: "
     "2^-53 (|f| + sum of |x df/dx| over the inputs x)."
 )
-PACKAGES = ("numba", "llvmlite", "numpy", "xarray", "h5py", "h5netcdf", "jax")
+#: Of the table of times to an answer, in the order of `answers.COLUMNS`.
+ANSWER_HEADS = {
+    "request": "time to a first answer",
+    "cold": "set-up, empty cache: s",
+    "to_heyoka": "/ heyoka.py",
+    "known": "known kernel, new process: s",
+    "again": "known in the process: ms",
+    "memory": "compiling takes: MiB",
+    "cache": "cached: KiB per kernel",
+}
+ANSWER_FORMATS = {
+    "cold": ".2f",
+    "to_heyoka": ".1f",
+    "known": ".3f",
+    "again": ".2f",
+    "memory": ".0f",
+    "cache": ".1f",
+}
+ANSWER_LEGEND = (
+    "Shortest of fresh processes, imports not counted. A known kernel is in the cache; known times are of one design "
+    "swept, but for the README's command, which is set up. heyoka.py compiles the same, its caches off."
+)
+USED = ("llvmlite", "numba", "numpy", "jax", "heyoka", "gcc")
+PACKAGES = ("numba", "llvmlite", "numpy", "xarray", "h5py", "h5netcdf", "jax", "heyoka", "pylinkage")
 
 
 def _version(package):
@@ -77,12 +112,20 @@ def _markdown(heads, rows):
     return "\n".join(lines)
 
 
-def speed_table(rows):
+def _table(rows, heads, formats):
     def cell(row, name):
-        value = row[name]
-        return "-" if value is None else format(value, FORMATS[name]) if name in FORMATS else value
+        value = row.get(name)
+        return "-" if value is None else format(value, formats[name]) if name in formats else value
 
-    return _markdown(list(HEADS.values()), [[cell(row, name) for name in HEADS] for row in rows])
+    return _markdown(list(heads.values()), [[cell(row, name) for name in heads] for row in rows])
+
+
+def speed_table(rows):
+    return _table(rows, HEADS, FORMATS)
+
+
+def answer_table(answers):
+    return f"{_table(answers, ANSWER_HEADS, ANSWER_FORMATS)}\n\n{ANSWER_LEGEND}"
 
 
 def fact_table(facts):
@@ -92,17 +135,16 @@ def fact_table(facts):
 
 def caption(about):
     versions = about["versions"]
-    used = ", ".join(
-        f"{name} {versions[name]}" for name in ("numba", "numpy", "jax", "gcc") if versions[name]
-    )
+    used = ", ".join(f"{name} {versions[name]}" for name in USED if versions.get(name))
     absent = "" if versions["gcc"] else " No gcc: C is not measured."
     place = f"{about['processor']}, {about['cores']} cores, {about['system']}"
     return f"{LEGEND}{absent} {place}; {used}; {about['date']}."
 
 
-def text_of(rows, about):
-    """Return the table with its caption: what the README shows."""
-    return f"{speed_table(rows)}\n\n{caption(about)}"
+def text_of(rows, answers, about):
+    """Return the tables with their captions: what the README shows."""
+    shown = f"{speed_table(rows)}\n\n{caption(about)}"
+    return f"{answer_table(answers)}\n\n{shown}" if answers else shown
 
 
 def in_readme():
@@ -111,13 +153,19 @@ def in_readme():
     return found.group(1).strip() if found else None
 
 
-def write(rows, facts, about):
+def record():
+    """Return what was written last, or None."""
+    path = FOLDER / "benchmarks.json"
+    return json.loads(path.read_text()) if path.exists() else None
+
+
+def write(rows, answers, facts, about):
     """Write both files, and the README's part where it has the markers."""
     FOLDER.mkdir(parents=True, exist_ok=True)
     named = [dict(zip(("fact", "value", "unit", "aim"), fact, strict=True)) for fact in facts]
-    everything = {"machine": about, "cases": rows, "facts": named}
+    everything = {"machine": about, "cases": rows, "answers": answers, "facts": named}
     (FOLDER / "benchmarks.json").write_text(json.dumps(everything, indent=2) + "\n")
-    shown = text_of(rows, about)
+    shown = text_of(rows, answers, about)
     (FOLDER / "benchmarks.md").write_text(f"{shown}\n\n{fact_table(facts)}\n")
     if in_readme() is not None:
         before, rest = README.read_text().split(BEGIN, 1)

@@ -4,27 +4,59 @@ from functools import partial
 
 import numpy as np
 
-from benchmarks import c_kernel, dense_baseline, engine, errors, jax_baseline, numpy_baseline
+from benchmarks import (
+    c_kernel,
+    dense_baseline,
+    engine,
+    errors,
+    heyoka_baseline,
+    jax_baseline,
+    numba_baseline,
+    numpy_baseline,
+)
+from benchmarks.closed_forms import FORMS
 from benchmarks.inputs import CASES, angle_tables, designs, outputs, race
 
-COLUMNS = ("case", "ns", "to_C", "NumPy", "JAX", "threads", "error")
+COLUMNS = ("case", "ns", "to_C", "NumPy", "JAX", "heyoka", "numba", "threads", "error")
 
 
-def case_row(case, n, K, rounds, seconds, repeats):
-    """Return the row of a case without JAX; times are ns per configuration, one thread."""
+def against_c(case, n=64, K=360):
+    """Return calls, of ours and of C where there is a compiler, and what they are called with."""
     x, tables = designs(n), angle_tables(K)
     calls = {"ours": engine.bind(case, x, K)}
     if c_kernel.available():
         calls["C"], _ = c_kernel.bind(case, x, tables)
+    return calls, x, tables
+
+
+def ratios_to_c(cases=CASES, rounds=12):
+    """Return facts: the time of each case over that of C."""
+    facts = []
+    for case in cases:
+        best = race(against_c(case)[0], rounds)
+        if "C" in best:
+            facts.append((f"{case}, time / C", best["ours"] / best["C"], "", ""))
+    return facts
+
+
+def case_row(case, n, K, rounds, seconds, repeats):
+    """Return the row of a case without JAX; times are ns per configuration, one thread."""
+    calls, x, tables = against_c(case, n, K)
     calls["NumPy"] = partial(numpy_baseline.evaluate, case, x, tables, outputs(case, n, K))
+    calls["numba"], _ = numba_baseline.bind(case, x, tables)
+    if case in FORMS and heyoka_baseline.available():
+        calls["heyoka"], _ = heyoka_baseline.bind(case, x, tables)
     best = race(calls, rounds)
     one, two, count = engine.threads(case, seconds, repeats, K)
+    faster = {
+        name: best[name] / best["ours"] if name in best else None for name in ("NumPy", "heyoka", "numba")
+    }
     return {
         "case": case,
         "ns": 1e9 * best["ours"] / (2 * n * K),
         "to_C": best["ours"] / best["C"] if "C" in best else None,
-        "NumPy": best["NumPy"] / best["ours"],
         "JAX": None,
+        **faster,
         "threads": one / two,
         "error": None,
         "run_ns": 1e9 * one / count,
@@ -59,9 +91,7 @@ def dense_rows(n, K, rounds, count):
 
 def add_jax(rows, n, K, turns=2):
     """Put in how many times as long JAX takes: a fresh process each time, in turns with ours."""
-    kernels = {
-        row["case"]: engine.bind(row["case"], designs(n), K) for row in rows if row["case"] in JAX_CASES
-    }
+    kernels = {row["case"]: engine.bind(row["case"], designs(n), K) for row in rows if row["case"] in CASES}
     ours, theirs = dict.fromkeys(kernels, np.inf), dict.fromkeys(kernels, np.inf)
     for _ in range(turns):
         for wide in (True, False):
@@ -75,9 +105,6 @@ def add_jax(rows, n, K, turns=2):
     for row in rows:
         if row["case"] in kernels:
             row["JAX"] = theirs[row["case"]] / ours[row["case"]]
-
-
-JAX_CASES = ("rates", "reactions")
 
 
 def measure(quick=False, log=lambda text: None):
