@@ -94,11 +94,18 @@ class Calls(Expressions):
         if function is np.array and len(node.args) == 1 and isinstance(node.args[0], ast.List):
             return self.module.constant_array([self.number(part) for part in node.args[0].elts])
         args = [self.value(arg) for arg in node.args]
+        if self.width > 1 and (isinstance(function, ast.FunctionDef) or function in OUTLINED):
+            self.refuse(node, "lanes call no functions with loops")
         if isinstance(function, ast.FunctionDef):
             return self.call_function(function, self.scope, args)
         if function in BUILT_IN:
-            return BUILT_IN[function](self, *args)
+            operation: Any = BUILT_IN[function]
+            if len(args) != operation.__code__.co_argcount - 1 or not all(isinstance(a, Value) for a in args):
+                self.refuse(node, "it takes other arguments")
+            return operation(self, *args)
         function = COMPILED_AS.get(function, function)
+        if function in OUTLINED | INLINED and len(args) != function.__code__.co_argcount:
+            self.refuse(node, "it takes other arguments")
         if function in OUTLINED:
             return self.call_function(syntax(function), function.__globals__, args)
         if function in INLINED:
@@ -118,8 +125,6 @@ class Calls(Expressions):
         self, node: ast.FunctionDef, scope: dict[str, Any], args: Sequence[Any]
     ) -> Value | None:
         """Call a function, which is translated if it is not yet."""
-        if self.width > 1:
-            self.refuse(node, "lanes call no functions with loops")
         name, kind = self.translated(node, scope, args)
         given = []
         for arg in args:

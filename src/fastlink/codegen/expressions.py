@@ -117,7 +117,7 @@ class Expressions(Builder, ABC):
                 return self.binary(node, node.op, self.number(node.left), self.number(node.right))
             case ast.UnaryOp():
                 return self.unary(node)
-            case ast.Compare(ops=[sign], comparators=[other]):
+            case ast.Compare(ops=[sign], comparators=[other]) if type(sign) in COMPARISONS:
                 return self.compare(COMPARISONS[type(sign)], self.number(node.left), self.number(other))
             case ast.BoolOp():
                 return self.shortcut(node)
@@ -246,7 +246,7 @@ class Expressions(Builder, ABC):
         """Return what a module holds, or the shape or size of an array."""
         if isinstance(node.value, ast.Name):
             module = self.scope.get(node.value.id)
-            if isinstance(module, ModuleType):
+            if isinstance(module, ModuleType) and hasattr(module, node.attr):
                 found = getattr(module, node.attr)
                 return constant(found) if isinstance(found, float) else found
         of = self.value(node.value)

@@ -118,7 +118,7 @@ class _Function(Calls):
                 self.do_while(node)
             case ast.For(target=ast.Name(), orelse=[]):
                 self.do_for(node)
-            case ast.Break() | ast.Continue():
+            case ast.Break() | ast.Continue() if self.loops:
                 self.jump(self.loops[-1][isinstance(node, ast.Break)])
                 self.start(self.label())
             case ast.Return():
@@ -137,6 +137,8 @@ class _Function(Calls):
             entry, lanes = self.entry(target)
             if not isinstance(value, Value) or entry.shape or not isinstance(lanes, int):
                 self.refuse(target, "one number goes to one entry")
+            if value.lanes > lanes:
+                self.refuse(target, "lanes go to entries side by side")
             self.store(entry, value, lanes)
         elif isinstance(target, ast.Name):
             self.bind(target, value)
@@ -147,8 +149,8 @@ class _Function(Calls):
         """Let a name stand for a value: as it is where the text is straight, else by a place in memory."""
         old = self.names.get(target.id)
         if self.straight or not isinstance(value, Value):
-            if isinstance(old, Lane):
-                self.refuse(target, "it is bound to something else already")
+            if isinstance(old, Lane) or (isinstance(old, Array) and not self.straight):
+                self.refuse(target, "a counter or an array keeps its name")
             if isinstance(old, Slot):
                 self.refuse(target, "what lanes assign is not known outside of them")
             self.everywhere.pop(target.id, None)
@@ -195,9 +197,11 @@ class _Function(Calls):
         name = call.func.id if isinstance(call, ast.Call) and isinstance(call.func, ast.Name) else ""
         if not isinstance(call, ast.Call) or name not in ("range", *ABREAST) or call.keywords:
             self.refuse(node.iter, "loops run over range, lanes or entries")
-        if isinstance(self.names.get(target.id), (Slot, Array)):
+        if target.id in self.names:
             self.refuse(target, "a counter has a name of its own")
         bounds = [self.number(arg) for arg in call.args]
+        if not 1 <= len(bounds) <= (1 if name in ABREAST else 3) or any(n.kind == "f" for n in bounds):
+            self.refuse(node.iter, "counters run from one whole number to another")
         if name in ABREAST:
             self.abreast(node, target.id, bounds[0], overlaps=name == "entries")
             return
@@ -209,11 +213,9 @@ class _Function(Calls):
 
         def body(counter: Value, more: str, done: str) -> None:
             self.loops.append((more, done))
-            before, self.names[target.id] = self.names.get(target.id), counter
+            self.names[target.id] = counter
             self.block(node.body)
             del self.names[target.id]
-            if before is not None:
-                self.names[target.id] = before
             self.loops.pop()
 
         self.counted(start, stop, step, body)

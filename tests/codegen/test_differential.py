@@ -1,0 +1,74 @@
+"""Every kind of kernel: the text run as Python, our machine code and numba's give the same bits."""
+
+from __future__ import annotations
+
+import importlib
+import pkgutil
+import re
+
+import llvmlite.binding as llvm
+import numpy as np
+import pytest
+
+import fastlink.codegen.runtime
+from fastlink.codegen.kernel import BACKENDS, Kernel, llvm_text
+from fastlink.codegen.machine import compile_object, lanes_of_host
+from fastlink.numerics.compiler import OUTLINED
+from support.compiled import assert_same_bits
+from support.plan_families import FAMILIES, kernels, run_as_python, run_compiled
+
+
+def few(*names):
+    """Parameters of a test: these families, all others in the long tests."""
+    assert set(names) <= set(FAMILIES)
+    return [name if name in names else pytest.param(name, marks=pytest.mark.stress) for name in FAMILIES]
+
+
+@pytest.mark.parametrize("name", FAMILIES)
+def test_machine_code_has_the_bits_of_the_text(name):
+    for plan, arguments in kernels(FAMILIES[name].request()):
+        llvm.parse_assembly(llvm_text(plan.written)).verify()
+        found = run_compiled(plan, arguments)
+        assert_same_bits(found, run_as_python(plan, arguments))
+        assert_written(plan, arguments, found)
+
+
+@pytest.mark.parametrize("name", few("curves of rapidity", "reductions", "extremes of one branch"))
+def test_both_compilers_give_the_same_bits(name):
+    for plan, arguments in kernels(FAMILIES[name].request()):
+        first, *others = (run_compiled(plan, arguments, backend) for backend in BACKENDS)
+        for other in others:
+            assert_same_bits(first, other)
+
+
+@pytest.mark.parametrize("name", few("curves in pieces", "reductions", "systems", "extremes of forces"))
+def test_any_width_gives_the_same_bits(name):
+    """Wider vectors than the processor has are two registers each."""
+    for plan, arguments in kernels(FAMILIES[name].request()):
+        expected = run_compiled(plan, arguments)
+        for lanes in {2, 4, 8} - {lanes_of_host()}:
+            code = compile_object(llvm_text(plan.written, lanes=lanes), check=True)
+            found = [a.copy() if isinstance(a, np.ndarray) else a for a in arguments]
+            Kernel(plan.written, code)(*found)
+            assert_same_bits(found[-len(expected) :], expected)
+
+
+def assert_written(plan, arguments, found):
+    """Every result was stored, and there is more in it than what does not assemble."""
+    for output, before, after in zip(plan.outputs, arguments[-len(found) :], found, strict=True):
+        assert not (after == before).any(), output.name
+        assert np.isfinite(after).any() or plan.catalogue.name == "focal", output.name
+
+
+def test_the_families_call_every_function_that_kernels_call():
+    modules = [
+        importlib.import_module(f"fastlink.codegen.runtime.{module.name}")
+        for module in pkgutil.iter_modules(fastlink.codegen.runtime.__path__)
+    ]
+    written = {name for module in modules for name in module.__all__ if getattr(module, name) in OUTLINED}
+    texts = [plan.source for family in FAMILIES.values() for plan, _ in kernels(family.request())]
+    imports = [line for text in texts for line in re.findall(r"^from fastlink.codegen.runtime.*", text, re.M)]
+    called = {name for line in imports for name in re.findall(r"\w+", line.partition(" import ")[2])}
+    assert written - called <= {"append_item"}  # other helpers call it
+    for word in ("entries(min(", "w2[", "turn in range(2)", "silence(", "store_list(", "for step in range("):
+        assert any(word in text for text in texts), word

@@ -1,0 +1,133 @@
+"""Every kind of kernel there is, on a few designs: what the compilers are compared on."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+import fastlink as fl
+from configurations import draw
+from fastlink.asked import resolve
+from fastlink.closure import EXTREMUM
+from fastlink.codegen.kernel import load_kernel
+from fastlink.codegen.runtime.cells import LANES
+from fastlink.plans import CurvePlan
+
+
+@dataclass(frozen=True)
+class Family:
+    """A request that has kernels of one kind.
+
+    Designs are random, of all classes: some assemble nowhere. There are more of them than the lanes of a vector, and no
+    whole number of vectors.
+    """
+
+    mechanism: str
+    names: Sequence[str]
+    angles: int = 9
+    options: Mapping[str, Any] = field(default_factory=dict)
+    designs: int = 11
+
+    def request(self) -> Any:
+        """Return the request, resolved."""
+        from fastlink.mechanisms import catalogue
+
+        found = catalogue(self.mechanism, self.options.get("input"))
+        rng = np.random.default_rng(len(self.names) + self.designs)
+        columns = draw(found.inputs, rng, self.designs)
+        # Twice in three a crank that is short enough to turn.
+        first = next(iter(found.inputs))
+        columns[first] = np.where(np.arange(self.designs) % 3, 0.3, 1.0) * columns[first]
+        if "completion" in columns:
+            columns["completion"] = 1.0 + np.arange(self.designs) % 2
+        # Only angles have a turn that a number of them can share.
+        angles = self.angles if found.position.units == "rad" else np.linspace(-2.0, 2.0, self.angles)
+        return resolve(self.mechanism, fl.table(columns), self.names, angles=angles, **self.options)
+
+
+SAMPLED = {"extrema": "sampled"}
+MOTION = ["A_x", "theta4", "omega4", "alpha2"]
+REDUCED = ["omega4_max", "omega4_min", "theta1_at_omega4_max", "T41_mean", "alpha4_rms", "T41_fluctuation"]
+FORCES = ["F32_x", "T41", "shaking_moment"]
+FAMILIES: dict[str, Family] = {
+    # Lanes are angles: the last vector of angles overlaps the one before.
+    "curves": Family("planar_4r", MOTION, 37),
+    "curves of forces": Family("planar_4r", FORCES, 41),
+    "curves of one branch": Family("planar_4r", MOTION, 37, {"branch": 2}),
+    "curves by another joint": Family(
+        "planar_4r", ["joint_angle_1", "joint_omega_4"], 37, {"input": "joint_angle_2"}
+    ),
+    "curves of rapidity": Family("minkowski_4r", ["psi"], 37),
+    "curves in pieces": Family("minkowski_4r", ["psi", "A_x"], 517, designs=2),
+    "curves of the focal mechanism": Family("focal", ["T_x", "S_x", "psi_rate"], 37, {"input": "sigma"}),
+    "curves by the rocker": Family("focal", ["T_x", "T_y"], 37),
+    "whole curves": Family("focal", ["T_deviation"], 37, {"input": "sigma"}),
+    "curves of Hart's linkage": Family("hart", ["F_x", "F_y", "P_x"], 37),
+    "curves by the line": Family("hart", ["phi", "P_x"], 37, {"input": "F_y"}),
+    # Lanes are designs.
+    "few angles": Family("planar_4r", MOTION, 5),
+    "reductions": Family("planar_4r", REDUCED, 9, SAMPLED),
+    "fluctuation over two angles": Family("planar_4r", ["T41_fluctuation", "omega4_rms"], 2, SAMPLED),
+    "curves and reductions": Family("planar_4r", ["omega4", "omega4_max"], 37, SAMPLED),
+    "systems": Family("planar_4r", ["F32_x", "T41", "T41_max"], 5, {"solver": "dense"} | SAMPLED),
+    "designs": Family("planar_4r", ["swing", "grashof_class", "time_ratio", "status"], 4),
+    "flags": Family("minkowski_4r", ["linkage_type", "configuration_status", "status"], 37),
+    "designs of the focal mechanism": Family("focal", ["status"], 4),
+    "designs of Hart's linkage": Family("hart", ["stroke", "status"], 4),
+    "derivatives": Family("planar_4r", ["d_omega4_d_a1", "d_T41_d_m2", "d_omega4_d_theta1"], 37),
+    "error bounds": Family("planar_4r", ["omega4_error", "omega4_trust", "T41_error"], 5),
+    "reduced rapidity": Family("minkowski_4r", ["psi_max", "psi_rms"], 9, SAMPLED),
+    # Every extreme: a search by samples, and roots.
+    "extremes": Family("planar_4r", ["omega4_max", "theta1_at_omega4_max", "transmission_angle_min"]),
+    "extremes of forces": Family("planar_4r", ["T41_max", "F32_max"]),
+    "extremes of one branch": Family("planar_4r", ["omega4_min"], 9, {"branch": 1}),
+    "lists of extremes": Family("planar_4r", ["alpha4_extrema", "T41_extrema"]),
+    "angles that jump": Family("planar_4r", ["theta4_max", "theta4_min", "theta2_extrema"]),
+    "extremes by another joint": Family("planar_4r", ["joint_omega_4_max"], 9, {"input": "joint_angle_2"}),
+    "extremes of the focal mechanism": Family("focal", ["psi_rate_max"], 9, {"input": "sigma"}),
+}
+
+
+def kernels(request: Any) -> list[tuple[Any, list[Any]]]:
+    """Return the kernels of a request, each with its arguments: designs, angles, their numbers, fresh arrays."""
+    found = []
+    for part in request.plan.parts:
+        plan = part.curves if isinstance(part, CurvePlan) else part
+        size = request.evaluated.size
+        designs = np.empty((len(plan.inputs), -(-size // LANES) * LANES))
+        request.evaluated.fill(plan.inputs, 0, size, designs)
+        designs[:, size:] = designs[:, size - 1 : size]
+        angles = plan.angle_tables(request.positions)
+        n_angles = angles.shape[1]
+        lengths = {
+            "branch": len(plan.branches),
+            request.catalogue.position.name: n_angles,
+            EXTREMUM: request.plan.extrema_kept,
+        }
+        # What scratch holds from before, and what results hold, is nothing that a kernel may read.
+        scratch = [np.full(a.lengths(n_angles), 77, a.dtype) for a in plan.written.scratch]
+        results = [np.full((size, *(lengths[axis] for axis in o.axes)), 55, o.dtype) for o in plan.outputs]
+        found.append((plan, [designs, np.ascontiguousarray(angles), size, n_angles, *scratch, *results]))
+    return found
+
+
+def run_as_python(plan: Any, arguments: Sequence[Any]) -> list[np.ndarray]:
+    """Return the results of the text as it is."""
+    namespace: dict[str, Any] = {}
+    exec(compile(plan.source, "<kernel>", "exec"), namespace)
+    with np.errstate(all="ignore"):
+        return _run(namespace["kernel"], plan, arguments)
+
+
+def run_compiled(plan: Any, arguments: Sequence[Any], backend: str = "llvm") -> list[np.ndarray]:
+    """Return the results of machine code."""
+    return _run(load_kernel(plan.written, backend), plan, arguments)
+
+
+def _run(kernel: Any, plan: Any, arguments: Sequence[Any]) -> list[np.ndarray]:
+    own = [a.copy() if isinstance(a, np.ndarray) else a for a in arguments]
+    kernel(*own)
+    return own[len(own) - len(plan.outputs) :]
