@@ -13,6 +13,7 @@ if TYPE_CHECKING:
     from fastlink import focal, hart, minkowski, planar
     from fastlink.accuracy import accuracy, accuracy_table
     from fastlink.design import DesignSpace, grid, latin_hypercube, sobol, table
+    from fastlink.engine.function import function
     from fastlink.errors import InputError
     from fastlink.explain import explain
     from fastlink.links import round_bar
@@ -31,6 +32,7 @@ _PLACES = {
     "InputError": ("fastlink.errors", "InputError"),
     "evaluate": ("fastlink.reading", "evaluate"),
     "explain": ("fastlink.explain", "explain"),
+    "function": ("fastlink.engine.function", "function"),
     "grid": ("fastlink.design", "grid"),
     "latin_hypercube": ("fastlink.design", "latin_hypercube"),
     "open": ("fastlink.store", "open_map"),
@@ -55,6 +57,7 @@ __all__ = [
     "evaluate",
     "explain",
     "focal",
+    "function",
     "grid",
     "hart",
     "latin_hypercube",

@@ -125,6 +125,7 @@ def resolve(
     extrema: str | None = None,
     allow_invalid: bool = False,
     backend: str | None = None,
+    companions: bool = True,
 ) -> Asked:
     """Check a request, and find what is to be computed; nothing is compiled.
 
@@ -132,6 +133,8 @@ def resolve(
     ----------
     by_name : mapping of str to angles, optional
         Input positions that were given by the name of the input.
+    companions : bool
+        Whether the status of each design comes along, and what belongs to a list of extremes.
     mechanism, space, quantities, links, input, angles, branch, solver, extrema, allow_invalid, backend
         As in `fastlink.sweep`.
 
@@ -141,7 +144,7 @@ def resolve(
         Bad input; the message says what, where, and what to write instead.
     """
     catalogue = find_catalogue(mechanism, input)
-    names = _names(quantities)
+    names = _names(quantities, companions)
     alternatives = alternatives_of(catalogue, links, solver, space.names)
     check_inputs(catalogue, space, alternatives, allow_invalid)
     space = space.with_constants(constants_of(catalogue, links, alternatives))
@@ -154,6 +157,7 @@ def resolve(
     plan = plans_of(
         catalogue,
         names,
+        companions,
         given=space.names,
         branches=branches,
         alternatives=alternatives,
@@ -167,6 +171,7 @@ def resolve(
 def plans_of(
     catalogue: Catalogue,
     names: Sequence[str],
+    companions: bool,
     *,
     given: Iterable[str],
     branches: tuple[int, ...],
@@ -174,10 +179,10 @@ def plans_of(
     angles: int,
     extrema: Extrema,
 ) -> PlanSet:
-    """Return what `make_plans` makes of a request and of what belongs to it, made once."""
+    """Return what `make_plans` makes of a request, made once."""
     # the number of angles decides no more than what the lanes are
     lanes = min(angles, ANGLES_FOR_LANES)
-    known = tuple(names), frozenset(given), branches, alternatives, lanes, extrema
+    known = tuple(names), companions, frozenset(given), branches, alternatives, lanes, extrema
     return _plans(catalogue, catalogue.version, *known)
 
 
@@ -186,6 +191,7 @@ def _plans(
     catalogue: Catalogue,
     version: int,
     names: tuple[str, ...],
+    companions: bool,
     given: frozenset[str],
     branches: tuple[int, ...],
     alternatives: tuple[str, ...],
@@ -194,7 +200,7 @@ def _plans(
 ) -> PlanSet:
     return make_plans(
         catalogue,
-        with_lists(catalogue, names),
+        with_lists(catalogue, names) if companions else names,
         given=sorted(given),
         branches=branches,
         alternatives=alternatives,
@@ -203,10 +209,10 @@ def _plans(
     )
 
 
-def _names(quantities: Sequence[str]) -> list[str]:
+def _names(quantities: Sequence[str], companions: bool) -> list[str]:
     if isinstance(quantities, str):
         raise InputError(f"quantities: {quantities!r} is one text; write a list: [{quantities!r}]")
     names = list(quantities)
     if not names:
         raise InputError("quantities: none is asked for; write at least one name, such as 'omega4_max'")
-    return names if "status" in names else [*names, "status"]
+    return names if "status" in names or not companions else [*names, "status"]

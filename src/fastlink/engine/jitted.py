@@ -1,0 +1,206 @@
+"""Kernels as a function that numba's compiled code calls: by their address, compiled once and not again."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
+
+import numba
+import numpy as np
+from llvmlite import ir
+from numba.extending import intrinsic
+
+from fastlink.codegen.kernel import Kernel
+from fastlink.codegen.numba_backend import OPTIONS
+from fastlink.engine.binding import COUNT, Bound
+from fastlink.errors import InputError
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from fastlink.fact import Input
+
+__all__ = ["JITTED_BLOCK", "jitted_of"]
+
+#: Designs in one call of a kernel, and doubles of a cache line.
+JITTED_BLOCK, LINE = 64, 8
+ANY, POSITIVE, NON_NEGATIVE, CHOICE = range(4)
+RULES = {"any": ANY, "positive": POSITIVE, "non-negative": NON_NEGATIVE}
+
+
+def _call_kernel(typing: Any, address: Any, table: Any) -> Any:
+    """Call the machine code at an address with the address of its table."""
+
+    def generate(context: Any, builder: Any, signature: Any, values: Any) -> Any:
+        pointer = ir.IntType(8).as_pointer()
+        kernel = ir.FunctionType(ir.VoidType(), [pointer]).as_pointer()
+        builder.call(builder.inttoptr(values[0], kernel), [builder.inttoptr(values[1], pointer)])
+        return context.get_dummy_value()
+
+    return numba.types.void(numba.types.int64, numba.types.int64), generate
+
+
+call_kernel = intrinsic(_call_kernel)
+
+
+def _is_valid(value: float, rule: int, codes: NDArray[Any]) -> bool:
+    if not abs(value) < np.inf:
+        return False
+    if rule == CHOICE:
+        return bool(np.any(codes == value))
+    return rule == ANY or value > 0.0 or (rule == NON_NEGATIVE and value == 0.0)
+
+
+def _evaluate(x: Any, y: Any, layout: Any, rules: Any, codes: Any) -> None:
+    """Evaluate designs x (inputs, n) into y (outputs, n, values of each).
+
+    Each call has a room of its own for all arrays of the kernels, so that threads share nothing.
+    """
+    size, addresses, tables, starts, moving, varying, fixed, numbers, results, picked = layout
+    raw = np.empty(size + LINE)
+    room = raw[(-raw.ctypes.data % 64) // 8 :]
+    words, octets, base = room.view(np.int64), room.view(np.int8), room.ctypes.data
+    words[: tables.size] = tables
+    for k in range(moving.shape[0]):
+        words[moving[k, 0]] = base + 8 * moving[k, 1]
+    for k in range(fixed.size):
+        room[fixed[k] : fixed[k] + JITTED_BLOCK] = numbers[k]
+    for start in range(0, x.shape[1], JITTED_BLOCK):
+        count = min(JITTED_BLOCK, x.shape[1] - start)
+        for k in range(varying.shape[0]):
+            place, row = varying[k]
+            # lanes beyond the last design repeat it
+            for i in range((count + 7) // 8 * 8):
+                room[place + i] = x[row, start + min(i, count - 1)]
+        for k in range(addresses.size):
+            words[starts[k] + COUNT] = count
+            call_kernel(addresses[k], base + 8 * starts[k])
+        for k in range(y.shape[0]):
+            place, each, is_code = results[k]
+            for i in range(count):
+                for j in range(y.shape[2]):
+                    at = i * each + picked[k, j]
+                    y[k, start + i, j] = octets[8 * place + at] if is_code else room[place + at]
+    for i in range(x.shape[1]):
+        for row in range(x.shape[0]):
+            if not is_valid(x[row, i], rules[row], codes[row]):
+                for k in range(y.shape[0]):
+                    if not results[k, 2]:
+                        y[k, i] = np.nan
+
+
+is_valid = numba.njit(**OPTIONS)(_is_valid)
+evaluate = numba.njit(**OPTIONS)(_evaluate)
+
+
+class _Layout:
+    """Where the tables and arrays of all kernels stand in one room, counted in doubles."""
+
+    def __init__(self, parts: Sequence[Bound]) -> None:
+        self.size = -(-sum(part.table.size for part in parts if part.table is not None) // LINE) * LINE
+        self.starts: list[int] = []
+        self.moving: list[tuple[int, int]] = []
+        self.varying: list[tuple[int, int]] = []
+        self.fixed: list[tuple[int, float]] = []
+        self.places: dict[int, int] = {}
+        entry = 0
+        for part in parts:
+            assert isinstance(part.kernel, Kernel)
+            self.starts.append(entry)
+            arrays = [*part.arguments, *(result for _, result in part.results)]
+            for k, ((_, lengths), array) in enumerate(zip(part.kernel.source.arguments, arrays, strict=True)):
+                if lengths and k != 1:  # the angles stay where they are
+                    self.moving.append((entry, self._place(array)))
+                entry += 1 + lengths.count(None)
+            self._rows(part)
+            self.places |= {k: self.places[id(result)] for k, result in part.results}
+
+    def _place(self, array: NDArray[Any]) -> int:
+        self.places[id(array)] = place = self.size
+        self.size += -(-array.nbytes // (8 * LINE)) * LINE
+        return place
+
+    def _rows(self, part: Bound) -> None:
+        """Note which rows of a kernel's designs are inputs, and what the others hold."""
+        designs = part.arguments[0]
+        inputs = {row.ctypes.data: place for row, place in part.rows}
+        for k, row in enumerate(designs):
+            place = self.places[id(designs)] + k * designs.shape[1]
+            if row.ctypes.data in inputs:
+                self.varying.append((place, inputs[row.ctypes.data]))
+            else:
+                self.fixed.append((place, float(row[0])))
+
+
+def jitted_of(
+    parts: Sequence[Bound],
+    declared: Sequence[Input],
+    shapes: Sequence[tuple[int, ...]],
+    trailing: tuple[int, ...],
+) -> Any:
+    """Return a function of an array (inputs,) or (inputs, n) that compiled code may call.
+
+    Parameters
+    ----------
+    parts : sequence of Bound
+        The kernels, bound for `JITTED_BLOCK` designs.
+    declared : sequence of Input
+        The inputs.
+    shapes : sequence of tuple of int
+        What each design has of each output, with 1 along the axes that it lacks.
+    trailing : tuple of int
+        The last axes of the result.
+
+    Raises
+    ------
+    InputError
+        A kernel has no address: numba compiled it, or a function of NumPy takes whole curves.
+    """
+    if not all(isinstance(part.kernel, Kernel) for part in parts):
+        raise InputError(
+            "function: jitted calls kernels by address, which those of backend 'numba' and what is made of whole "
+            "curves have not; write backend='llvm', or leave such outputs out"
+        )
+    layout, values = _Layout(parts), math.prod(trailing)
+    codes = {k: result.dtype == np.int8 for part in parts for k, result in part.results}
+    picked = [np.broadcast_to(np.arange(math.prod(s)).reshape(s), trailing).ravel() for s in shapes]
+    results = [(layout.places[k], math.prod(shape), codes[k]) for k, shape in enumerate(shapes)]
+    data = (
+        layout.size,
+        np.array([part.kernel.address for part in parts if isinstance(part.kernel, Kernel)]),
+        np.concatenate([part.table for part in parts if part.table is not None]),
+        np.array(layout.starts),
+        np.array(layout.moving).reshape(-1, 2),
+        np.array(layout.varying).reshape(-1, 2),
+        np.array([place for place, _ in layout.fixed], dtype=np.int64),
+        np.array([number for _, number in layout.fixed], dtype=np.float64),
+        np.array(results, dtype=np.int64),
+        np.array(picked),
+    )
+    rules = np.array([CHOICE if known.choices else RULES[known.rule] for known in declared])
+    longest = max((len(known.choices) for known in declared), default=0)
+    allowed = np.full((len(declared), max(longest, 1)), np.nan)
+    for row, known in zip(allowed, declared, strict=True):
+        row[: len(known.choices)] = list(known.choices)
+    return _entry(data, rules, allowed, len(shapes), values, trailing, parts)
+
+
+def _entry(
+    data: Any, rules: Any, codes: Any, outputs: int, values: int, trailing: tuple[int, ...], kept: Any
+) -> Any:
+    inputs, one = len(rules), (outputs, *trailing)
+
+    def call(x: Any) -> Any:
+        count = 1 if x.ndim == 1 else x.shape[1]
+        if x.shape[0] != inputs:
+            raise ValueError("x has not as many rows as the function has inputs")
+        y = np.empty((outputs, count, values))
+        evaluate(np.ascontiguousarray(x).reshape((inputs, count)), y, data, rules, codes)
+        if x.ndim == 1:
+            return y.reshape(one)
+        return y.reshape((outputs, count, *trailing))
+
+    jitted = numba.njit(**OPTIONS)(call)
+    jitted.kept = kept  # the arrays of angles, whose addresses stand in the tables
+    return jitted

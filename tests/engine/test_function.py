@@ -1,0 +1,184 @@
+"""`fastlink.function`: the bits of a sweep, as a function of arrays that threads, pickles and optimisers use."""
+
+from __future__ import annotations
+
+import pickle
+from concurrent.futures import ThreadPoolExecutor
+
+import numpy as np
+import pytest
+from scipy.optimize import NonlinearConstraint, differential_evolution
+
+import fastlink as fl
+
+BAR = fl.round_bar(density=7750.0, radius=0.01)
+FIXED = {"a1": 0.4, "a4": 1.0, "omega1": 25.0}
+#: Crank-rockers, open chains and change points.
+LENGTHS = np.random.default_rng(3).uniform(0.5, 1.5, (2, 150))
+LENGTHS[:, :3] = [[1.0, 0.6, 1.6], [0.4, 1.0, 1.0]]
+REQUESTS = {
+    "refined": (["omega4_max", "theta1_at_omega4_max", "shaking_force_max"], {"links": BAR}),
+    "sampled": (["omega4_max", "T41_rms", "status"], {"links": BAR, "extrema": "sampled", "theta1": 90}),
+    "both": (["omega4_mean", "transmission_angle_min", "status"], {"theta1": [0.1, 0.2, 0.7]}),
+    "curve": (["omega4", "status"], {"theta1": 40}),
+    "list": (["omega4_extrema", "omega4_extrema_count"], {}),
+    "dense": (["T41_max"], {"links": BAR, "solver": "dense", "extrema": "sampled", "theta1": 12}),
+    "load": (["T41_max"], {"links": BAR, "gravity_y": -9.81}),
+}
+
+
+def swept(names, lengths=LENGTHS, branch=(1, 2), **options):
+    fixed = FIXED | {name: options.pop(name) for name in ("gravity_y",) if name in options}
+    space = fl.table({"a2": lengths[0], "a3": lengths[1]}).with_constants(fixed)
+    return fl.sweep("planar_4r", space, names, branch=branch, allow_invalid=True, **options)
+
+
+@pytest.mark.parametrize("request_name", REQUESTS)
+@pytest.mark.parametrize("branch", [1, (2,), (2, 1)])
+def test_a_function_has_the_bits_of_a_sweep(request_name, branch):
+    names, options = REQUESTS[request_name]
+    made = fl.function("planar_4r", ["a2", "a3"], names, branch=branch, **FIXED, **options)
+    maps = swept(names, branch=branch, **options)
+    found = made(LENGTHS.reshape(2, 5, 30))
+    assert found.shape == (len(names), 5, 30, *made.shape)
+    for row, name in zip(found.reshape(len(names), 150, *made.shape), names, strict=True):
+        expected = maps[name]
+        if "branch" in expected.dims and branch == 1:
+            expected = expected.isel(branch=0)
+        elif "branch" not in expected.dims and branch != 1:
+            expected = expected.expand_dims(branch=len(branch), axis=1)
+        values = expected.values
+        values = values.reshape(*values.shape, *[1] * (row.ndim - values.ndim))
+        np.testing.assert_array_equal(row, np.broadcast_to(values, row.shape))
+
+
+@pytest.mark.parametrize("request_name", REQUESTS)
+def test_one_design_has_the_bits_of_many(request_name):
+    names, options = REQUESTS[request_name]
+    made = fl.function("planar_4r", ["a2", "a3"], names, **FIXED, **options)
+    whole = made(LENGTHS)
+    for k in (0, 1, 2, 149):
+        np.testing.assert_array_equal(made(LENGTHS[:, k]), whole[:, k])
+
+
+def test_more_designs_than_a_block_are_computed():
+    made = fl.function("planar_4r", ["a2", "a3"], ["omega4_max"], **FIXED)
+    many = np.tile(LENGTHS, 17)
+    np.testing.assert_array_equal(made(many), np.tile(made(LENGTHS), 17))
+    assert made(np.empty((2, 0))).shape == (1, 0)
+
+
+def test_impossible_values_give_nan_and_change_nothing_else():
+    names = ["shaking_force_max", "status"]
+    made = fl.function("planar_4r", ["a2", "a3", "density"], names, links=fl.round_bar(radius=0.01), **FIXED)
+    good = np.array([1.2, 0.8, 7750.0])
+    bad = np.tile(good[:, None], 7)
+    for k, (row, value) in enumerate([(0, np.nan), (0, -1.0), (1, 0.0), (2, -1.0), (2, np.inf)]):
+        bad[row, k] = value
+    found = made(bad)
+    np.testing.assert_array_equal(np.isnan(found[0]), [True] * 5 + [False] * 2)
+    np.testing.assert_array_equal(found[1], [4, 4, 4, 0, 0, 0, 0])
+    assert all(np.isnan(made(bad[:, k])[0]) for k in range(5))
+    np.testing.assert_array_equal(found[:, 5], made(good))
+
+
+@pytest.mark.parametrize("backend", ["llvm", "numba"])
+def test_backends_have_the_same_bits(backend):
+    made = fl.function("planar_4r", ["a2", "a3"], ["omega4"], theta1=40, backend=backend, **FIXED)
+    np.testing.assert_array_equal(made(LENGTHS)[0], swept(["omega4"], branch=1, theta1=40).omega4[:, 0])
+
+
+def test_what_is_made_of_whole_curves_has_a_function():
+    design = {"a": 1.0, "b": 1.3, "c": 1.1, "d": 1.4, "rho": 0.5, "completion": 1}
+    made = fl.function(
+        "focal",
+        ["b", "c"],
+        ["T_deviation"],
+        phi=30,
+        **{k: design[k] for k in ("a", "d", "rho", "completion")},
+    )
+    maps = fl.sweep("focal", fl.grid(**design), ["T_deviation"], phi=30, branch=1)
+    np.testing.assert_array_equal(made([1.3, 1.1])[0], maps.T_deviation.isel(branch=0))
+    with pytest.raises(fl.InputError, match="jitted calls kernels by address"):
+        _ = made.jitted
+
+
+def test_threads_share_nothing():
+    made = fl.function("planar_4r", ["a2", "a3"], ["omega4_max", "transmission_angle_min"], **FIXED)
+    expected = made(LENGTHS)
+    with ThreadPoolExecutor(8) as pool:
+        for k, found in enumerate(pool.map(lambda k: made(LENGTHS[:, k % 150]), range(1200))):
+            np.testing.assert_array_equal(found, expected[:, k % 150])
+
+
+def test_a_pickled_function_is_the_same():
+    made = fl.function("planar_4r", ["a2", "a3"], ["shaking_force_max"], links=BAR, branch=(1, 2), **FIXED)
+    again = pickle.loads(pickle.dumps(made))
+    assert (again.inputs, again.outputs, again.shape) == (("a2", "a3"), ("shaking_force_max",), (2,))
+    np.testing.assert_array_equal(again(LENGTHS), made(LENGTHS))
+
+
+@pytest.mark.parametrize(
+    ("inputs", "outputs", "options", "message"),
+    [
+        (["a2", "a7"], ["omega4_max"], FIXED, "input 'a7' is unknown to planar_4r"),
+        (["a2", "a3"], ["omega5_max"], FIXED, "did you mean 'omega4_max'"),
+        (["a2"], ["omega4_max"], FIXED, "input 'a3' is missing"),
+        (["a2", "a3"], ["omega4_max"], FIXED | {"a2": 1.0}, "a2 is among the inputs and given as 1.0"),
+        (
+            ["a2", "a3"],
+            ["omega4_max"],
+            FIXED | {"a1": -1.0},
+            "a1 is -1.0; .*write a finite number greater than 0",
+        ),
+        (["a2", "a3"], ["omega4_max"], FIXED | {"a1": [1.0, 2.0]}, "a1 is given 2 values; write one number"),
+        ("a2", ["omega4_max"], FIXED, r"inputs: 'a2' is one text; write a list: \['a2'\]"),
+        (["a2", "a3"], [], FIXED, "outputs: none is named"),
+        (["a2", "a2"], ["omega4_max"], FIXED, "'a2' is named twice"),
+        (["a2", "a3"], ["omega4", "omega4_extrema"], FIXED, "make a function of each"),
+        (["a2", "a3"], ["omega4_max"], FIXED | {"backend": "gcc"}, "'gcc' is unknown"),
+    ],
+)
+def test_wrong_requests_are_refused(inputs, outputs, options, message):
+    with pytest.raises(fl.InputError, match=message):
+        fl.function("planar_4r", inputs, outputs, **options)
+
+
+def test_a_choice_is_to_be_made():
+    with pytest.raises(fl.InputError, match="completion is missing; give it, one of 1"):
+        fl.function("focal", ["b"], ["T_deviation"], a=1.0, c=1.1, d=1.4, rho=0.5)
+
+
+def test_an_argument_of_another_shape_is_refused():
+    made = fl.function("planar_4r", ["a2", "a3"], ["omega4_max"], **FIXED)
+    for wrong in (1.0, [1.0], np.ones((3, 2))):
+        with pytest.raises(fl.InputError, match="its first axis has 2 rows: a2, a3"):
+            made(wrong)
+
+
+@pytest.mark.parametrize("vectorized", [False, True])
+def test_differential_evolution_finds_the_best_of_a_grid(vectorized):
+    made = fl.function(
+        "planar_4r", ["a2", "a3"], ["shaking_force_max", "transmission_angle_min"], links=BAR, **FIXED
+    )
+
+    def force(x):
+        return np.nan_to_num(made(x)[0], nan=np.inf)
+
+    steep = NonlinearConstraint(lambda x: np.nan_to_num(made(x)[1:]), np.radians(30.0), np.inf)
+    best = differential_evolution(
+        force,
+        [(1.0, 1.4), (0.6, 1.0)],
+        constraints=steep,
+        seed=1,
+        tol=1e-8,
+        polish=False,
+        vectorized=vectorized,
+        updating="deferred",
+    )
+    a2, a3 = np.meshgrid(np.linspace(1.0, 1.4, 60), np.linspace(0.6, 1.0, 60))
+    forces, angles = made(np.array([a2, a3]))
+    on_grid = forces[angles > np.radians(30.0)].min()
+    assert made(best.x)[1] >= np.radians(30.0)
+    # it stops when the population of 30 agrees to eight digits, the steps of the grid are a hundredth
+    assert best.fun <= on_grid

@@ -1,0 +1,85 @@
+"""Functions that numba's compiled code calls: the same bits, nothing compiled twice, nothing shared."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from concurrent.futures import ThreadPoolExecutor
+
+import numba
+import numpy as np
+import pytest
+
+import fastlink as fl
+
+BAR = fl.round_bar(density=7750.0, radius=0.01)
+FIXED = {"a1": 0.4, "a4": 1.0, "omega1": 25.0}
+LENGTHS = np.random.default_rng(3).uniform(0.5, 1.5, (2, 150))
+LENGTHS[:, :4] = [[1.0, np.nan, -1.0, 0.0], [0.4, 1.0, 1.0, 1.0]]
+
+
+@pytest.mark.parametrize(
+    ("names", "options"),
+    [
+        (["omega4_max", "shaking_force_max", "status"], {"links": BAR, "branch": (2, 1)}),
+        (["omega4", "status"], {"theta1": 40}),
+    ],
+)
+def test_a_jitted_function_has_the_bits_of_the_function(names, options):
+    made = fl.function("planar_4r", ["a2", "a3"], names, **FIXED, **options)
+    jitted = made.jitted
+    whole = made(LENGTHS)
+    np.testing.assert_array_equal(jitted(LENGTHS), whole)
+    np.testing.assert_array_equal(jitted(LENGTHS[:, 7]), whole[:, 7])
+    with ThreadPoolExecutor(4) as pool:
+        for found in pool.map(lambda _: jitted(LENGTHS), range(40)):
+            np.testing.assert_array_equal(found, whole)
+
+
+def test_choices_are_checked():
+    made = fl.function("focal", ["completion", "b"], ["status"], a=1.0, c=1.1, d=1.4, rho=0.5)
+    speed = fl.function("focal", ["completion", "b"], ["m"], a=1.0, c=1.1, d=1.4, rho=0.5)
+    x = np.array([[1.0, 2.0, 9.0, 1.5], [1.3] * 4])
+    for each in (made, speed):
+        np.testing.assert_array_equal(each.jitted(x), each(x))
+    assert np.isnan(speed(x)[0, 2:]).all()
+
+
+def test_a_design_loop_in_numba():
+    made = fl.function("planar_4r", ["a2", "a3"], ["omega4_max", "transmission_angle_min"], **FIXED)
+    evaluate = made.jitted
+
+    @numba.njit
+    def slowest(low, high, steps):
+        best = np.array([np.inf, np.nan, np.nan])
+        for i in range(steps):
+            for j in range(steps):
+                x = low + (high - low) * np.array([i, j]) / (steps - 1)
+                omega, angle = evaluate(x)
+                if angle > np.radians(30.0) and omega < best[0]:
+                    best[:] = omega, x[0], x[1]
+        return best
+
+    low, high = np.array([1.0, 0.6]), np.array([1.4, 1.0])
+    found = slowest(low, high, 30)
+    axes = [low[k] + (high[k] - low[k]) * np.arange(30) / 29 for k in (0, 1)]
+    omega, angle = made(np.array(np.meshgrid(*axes, indexing="ij")))
+    assert found[0] == omega[angle > np.radians(30.0)].min()
+
+
+def test_another_number_of_rows_is_refused():
+    made = fl.function("planar_4r", ["a2", "a3"], ["omega4_max"], **FIXED)
+    with pytest.raises(ValueError, match="as many rows"):
+        made.jitted(np.ones(3))
+
+
+def test_numba_is_imported_where_it_is_used_only():
+    script = (
+        "import sys, fastlink as fl\n"
+        "fixed = dict(a1=0.4, a3=0.8, a4=1.0, omega1=25.0)\n"
+        "fl.sweep('planar_4r', fl.grid(a2=[1.1, 1.2], **fixed), ['omega4_max'])\n"
+        "made = fl.function('planar_4r', ['a2'], ['omega4_max'], **fixed)\n"
+        "made([1.2]); assert 'numba' not in sys.modules\n"
+        "made.jitted; assert 'numba' in sys.modules\n"
+    )
+    subprocess.run([sys.executable, "-c", script], check=True)
