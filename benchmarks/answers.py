@@ -85,12 +85,12 @@ def requested(label):
     return "planar_4r", fl.grid(**values), names, options
 
 
-def set_up(label):
-    """Resolve a request and get its kernels."""
+def resolved(label):
+    """Return a request, resolved."""
     from fastlink.asked import resolve
 
     mechanism, space, names, options = requested(label)
-    return resolve(mechanism, space, names, **options).parts()
+    return resolve(mechanism, space, names, **options)
 
 
 def sweep(label, to=None):
@@ -121,7 +121,7 @@ def first(label, is_known):
     before = peak()
     parts, whole = [], label == COMMAND or not is_known
     found["cpu"], found["wall"] = shortest(
-        lambda: parts.extend(set_up(label) if whole else [sweep(label)]), 1
+        lambda: parts.extend(resolved(label).parts() if whole else [sweep(label)]), 1
     )
     found["kernels"] = len(parts)
     after = peak()

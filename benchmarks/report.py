@@ -38,11 +38,11 @@ FORMATS = {
 }
 LEGEND = (
     "One thread, 360 input angles, two assembly modes; times are shortest of many, taken in turns in one "
-    "process (JAX: fresh ones), without compilation. C: `benchmarks/kernels.c`, gcc -O3, the same arithmetic. numba by "
-    "hand: textbook formulas in loops. "
+    "process (JAX: fresh ones), without compilation. C: `benchmarks/kernels.c`, gcc -O3, the same arithmetic. "
     "np.linalg.solve: the stacked 9x9 systems, ready assembled. Errors against 50 digits, in roundings: "
     "2^-53 (|f| + sum of |x df/dx| over the inputs x)."
 )
+BY_HAND = "numba by hand: textbook formulas in plain loops. heyoka.py: both modes by one function, widest vectors."
 #: Of the table of times to an answer, in the order of `answers.COLUMNS`.
 ANSWER_HEADS = {
     "request": "time to a first answer",
@@ -113,6 +113,9 @@ def _markdown(heads, rows):
 
 
 def _table(rows, heads, formats):
+    """Return a table without the columns that no row has, as of peers that are not installed."""
+    heads = {name: head for name, head in heads.items() if any(row.get(name) is not None for row in rows)}
+
     def cell(row, name):
         value = row.get(name)
         return "-" if value is None else format(value, formats[name]) if name in formats else value
@@ -133,17 +136,18 @@ def fact_table(facts):
     return _markdown(["fact", "measured", "aim"], rows)
 
 
-def caption(about):
+def caption(rows, about):
     versions = about["versions"]
     used = ", ".join(f"{name} {versions[name]}" for name in USED if versions.get(name))
+    peers = "" if all(row.get("numba") is None for row in rows) else f" {BY_HAND}"
     absent = "" if versions["gcc"] else " No gcc: C is not measured."
     place = f"{about['processor']}, {about['cores']} cores, {about['system']}"
-    return f"{LEGEND}{absent} {place}; {used}; {about['date']}."
+    return f"{LEGEND}{peers}{absent} {place}; {used}; {about['date']}."
 
 
 def text_of(rows, answers, about):
     """Return the tables with their captions: what the README shows."""
-    shown = f"{speed_table(rows)}\n\n{caption(about)}"
+    shown = f"{speed_table(rows)}\n\n{caption(rows, about)}"
     return f"{answer_table(answers)}\n\n{shown}" if answers else shown
 
 

@@ -91,6 +91,8 @@ def dense_rows(n, K, rounds, count):
 
 def add_jax(rows, n, K, turns=2):
     """Put in how many times as long JAX takes: a fresh process each time, in turns with ours."""
+    if not jax_baseline.available():
+        return
     kernels = {row["case"]: engine.bind(row["case"], designs(n), K) for row in rows if row["case"] in CASES}
     ours, theirs = dict.fromkeys(kernels, np.inf), dict.fromkeys(kernels, np.inf)
     for _ in range(turns):
