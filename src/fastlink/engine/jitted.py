@@ -23,8 +23,11 @@ if TYPE_CHECKING:
 
 __all__ = ["JITTED_BLOCK", "jitted_of"]
 
-#: Designs in one call of a kernel, and doubles of a cache line.
-JITTED_BLOCK, LINE = 64, 8
+#: Designs in one call of a kernel.
+JITTED_BLOCK = 64
+#: Doubles and bytes of a cache line.
+LINE, LINE_BYTES = 8, 64
+ROOMS = ["float64", "int64", "int8"]
 ANY, POSITIVE, NON_NEGATIVE, CHOICE = range(4)
 RULES = {"any": ANY, "positive": POSITIVE, "non-negative": NON_NEGATIVE}
 
@@ -41,53 +44,69 @@ def _call_kernel(typing: Any, address: Any, table: Any) -> Any:
     return numba.types.void(numba.types.int64, numba.types.int64), generate
 
 
-call_kernel = intrinsic(_call_kernel)
+def _put(typing: Any, address: Any, value: Any) -> Any:
+    """Write a double to an address: half a second less to compile than a view of an array."""
+
+    def generate(context: Any, builder: Any, signature: Any, values: Any) -> Any:
+        builder.store(values[1], builder.inttoptr(values[0], ir.DoubleType().as_pointer()))
+        return context.get_dummy_value()
+
+    return numba.types.void(numba.types.int64, numba.types.float64), generate
+
+
+call_kernel, put = intrinsic(_call_kernel), intrinsic(_put)
 
 
 def _is_valid(value: float, rule: int, codes: NDArray[Any]) -> bool:
-    if not abs(value) < np.inf:
-        return False
     if rule == CHOICE:
-        return bool(np.any(codes == value))
-    return rule == ANY or value > 0.0 or (rule == NON_NEGATIVE and value == 0.0)
+        known = False
+        for k in range(codes.size):
+            known |= value == codes[k]
+        return known
+    finite = -np.inf < value < np.inf
+    return finite and (rule == ANY or value > 0.0 or (rule == NON_NEGATIVE and value == 0.0))
 
 
-def _evaluate(x: Any, y: Any, layout: Any, rules: Any, codes: Any) -> None:
-    """Evaluate designs x (inputs, n) into y (outputs, n, values of each).
+def _evaluate(x: Any, y: int, values: int, layout: Any, rules: Any, codes: Any) -> None:
+    """Evaluate designs x (inputs, n) into an array (outputs, n, values) at the address y.
 
-    Each call has a room of its own for all arrays of the kernels, so that threads share nothing.
+    Each call has rooms of its own for all arrays of the kernels, so that threads share nothing. Entries are set one by
+    one: numba takes a second more to compile an assignment to a slice, and half a second for each view of an array.
     """
-    size, addresses, tables, starts, moving, varying, fixed, numbers, results, picked = layout
-    raw = np.empty(size + LINE)
-    room = raw[(-raw.ctypes.data % 64) // 8 :]
-    words, octets, base = room.view(np.int64), room.view(np.int8), room.ctypes.data
-    words[: tables.size] = tables
+    sizes, addresses, tables, starts, moving, varying, fixed, numbers, results, picked = layout
+    room, words, octets = np.empty(sizes[0] + LINE), np.empty(sizes[1], np.int64), np.empty(sizes[2], np.int8)
+    at_words = np.int64(words.ctypes.data)
+    first = (-np.int64(room.ctypes.data) % LINE_BYTES) // 8
+    bases = np.int64(room.ctypes.data) + 8 * first, at_words, np.int64(octets.ctypes.data)
+    for k in range(tables.size):
+        words[k] = tables[k]
     for k in range(moving.shape[0]):
-        words[moving[k, 0]] = base + 8 * moving[k, 1]
+        words[moving[k, 0]] = bases[moving[k, 1]] + moving[k, 2]
     for k in range(fixed.size):
-        room[fixed[k] : fixed[k] + JITTED_BLOCK] = numbers[k]
+        for i in range(JITTED_BLOCK):
+            room[first + fixed[k] + i] = numbers[k]
     for start in range(0, x.shape[1], JITTED_BLOCK):
         count = min(JITTED_BLOCK, x.shape[1] - start)
         for k in range(varying.shape[0]):
-            place, row = varying[k]
             # lanes beyond the last design repeat it
             for i in range((count + 7) // 8 * 8):
-                room[place + i] = x[row, start + min(i, count - 1)]
+                room[first + varying[k, 0] + i] = x[varying[k, 1], start + min(i, count - 1)]
         for k in range(addresses.size):
             words[starts[k] + COUNT] = count
-            call_kernel(addresses[k], base + 8 * starts[k])
-        for k in range(y.shape[0]):
-            place, each, is_code = results[k]
+            call_kernel(addresses[k], at_words + 8 * starts[k])
+        for k in range(results.shape[0]):
+            place, each, is_code = results[k, 0], results[k, 1], results[k, 2]
             for i in range(count):
-                for j in range(y.shape[2]):
-                    at = i * each + picked[k, j]
-                    y[k, start + i, j] = octets[8 * place + at] if is_code else room[place + at]
+                row = y + 8 * values * (k * x.shape[1] + start + i)
+                for j in range(values):
+                    at = place + i * each + picked[k, j]
+                    put(row + 8 * j, octets[at] if is_code else room[first + at])
     for i in range(x.shape[1]):
         for row in range(x.shape[0]):
             if not is_valid(x[row, i], rules[row], codes[row]):
-                for k in range(y.shape[0]):
-                    if not results[k, 2]:
-                        y[k, i] = np.nan
+                for k in range(results.shape[0]):
+                    for j in range(0 if results[k, 2] else values):
+                        put(y + 8 * (values * (k * x.shape[1] + i) + j), np.nan)
 
 
 is_valid = numba.njit(**OPTIONS)(_is_valid)
@@ -95,12 +114,12 @@ evaluate = numba.njit(**OPTIONS)(_evaluate)
 
 
 class _Layout:
-    """Where the tables and arrays of all kernels stand in one room, counted in doubles."""
+    """Where the arrays of all kernels stand: in rooms of doubles, of words behind the tables, and of octets."""
 
     def __init__(self, parts: Sequence[Bound]) -> None:
-        self.size = -(-sum(part.table.size for part in parts if part.table is not None) // LINE) * LINE
+        self.sizes = [0, sum(part.table.size for part in parts if part.table is not None), 0]
         self.starts: list[int] = []
-        self.moving: list[tuple[int, int]] = []
+        self.moving: list[tuple[int, int, int]] = []
         self.varying: list[tuple[int, int]] = []
         self.fixed: list[tuple[int, float]] = []
         self.places: dict[int, int] = {}
@@ -109,17 +128,20 @@ class _Layout:
             assert isinstance(part.kernel, Kernel)
             self.starts.append(entry)
             arrays = [*part.arguments, *(result for _, result in part.results)]
-            for k, ((_, lengths), array) in enumerate(zip(part.kernel.source.arguments, arrays, strict=True)):
+            for k, (argument, array) in enumerate(zip(part.kernel.source.arguments, arrays, strict=True)):
+                lengths = argument[1]
                 if lengths and k != 1:  # the angles stay where they are
-                    self.moving.append((entry, self._place(array)))
+                    self._place(entry, array)
                 entry += 1 + lengths.count(None)
             self._rows(part)
             self.places |= {k: self.places[id(result)] for k, result in part.results}
 
-    def _place(self, array: NDArray[Any]) -> int:
-        self.places[id(array)] = place = self.size
-        self.size += -(-array.nbytes // (8 * LINE)) * LINE
-        return place
+    def _place(self, entry: int, array: NDArray[Any]) -> None:
+        """Note where an array stands, and which entry of the tables tells."""
+        room, size = ROOMS.index(array.dtype.name), array.itemsize
+        place = self.places[id(array)] = self.sizes[room]
+        self.moving.append((entry, room, place * size))
+        self.sizes[room] += -(-array.nbytes // LINE_BYTES) * LINE_BYTES // size
 
     def _rows(self, part: Bound) -> None:
         """Note which rows of a kernel's designs are inputs, and what the others hold."""
@@ -167,11 +189,11 @@ def jitted_of(
     picked = [np.broadcast_to(np.arange(math.prod(s)).reshape(s), trailing).ravel() for s in shapes]
     results = [(layout.places[k], math.prod(shape), codes[k]) for k, shape in enumerate(shapes)]
     data = (
-        layout.size,
+        tuple(layout.sizes),
         np.array([part.kernel.address for part in parts if isinstance(part.kernel, Kernel)]),
         np.concatenate([part.table for part in parts if part.table is not None]),
         np.array(layout.starts),
-        np.array(layout.moving).reshape(-1, 2),
+        np.array(layout.moving).reshape(-1, 3),
         np.array(layout.varying).reshape(-1, 2),
         np.array([place for place, _ in layout.fixed], dtype=np.int64),
         np.array([number for _, number in layout.fixed], dtype=np.float64),
@@ -195,11 +217,13 @@ def _entry(
         count = 1 if x.ndim == 1 else x.shape[1]
         if x.shape[0] != inputs:
             raise ValueError("x has not as many rows as the function has inputs")
-        y = np.empty((outputs, count, values))
-        evaluate(np.ascontiguousarray(x).reshape((inputs, count)), y, data, rules, codes)
-        if x.ndim == 1:
-            return y.reshape(one)
-        return y.reshape((outputs, count, *trailing))
+        given = np.empty((inputs, count))
+        for row in range(inputs):
+            for i in range(count):
+                given[row, i] = x[row] if x.ndim == 1 else x[row, i]
+        y = np.empty(one if x.ndim == 1 else (outputs, count, *trailing))
+        evaluate(given, np.int64(y.ctypes.data), values, data, rules, codes)
+        return y
 
     jitted = numba.njit(**OPTIONS)(call)
     jitted.kept = kept  # the arrays of angles, whose addresses stand in the tables
