@@ -67,11 +67,12 @@ class _Refined(RefinedLayout):
             Array("w", "float64", (self.used(), LANES)),
             Array("samples", "float64", (len(searches) * self.halves * self.samples, LANES)),
             Array("state", "float64", (self.value_row + 2, LANES)),
-            Array("valleys", "float64", (room * self.samples, ITEM_ROWS)),
-            Array("roots", "float64", (3 * room * self.samples, ITEM_ROWS)),
-            Array("ends", "float64", (2 * room, ITEM_ROWS)),
+            Array("marks", "int8", (len(searches) * self.halves * self.samples, LANES)),
+            Array("valleys", "float64", (ITEM_ROWS, room * self.samples + MOST_LANES)),
+            Array("roots", "float64", (ITEM_ROWS, 3 * room * self.samples + MOST_LANES)),
+            Array("ends", "float64", (ITEM_ROWS, 2 * room + MOST_LANES)),
             Array("flags", "int8", (LANES,)),
-            Array("lane", "int64", (LANES,)),
+            Array("vectors", "int64", (LANES // MOST_LANES,)),
             Array("counts", "int64", (2,)),
             Array("found", "int64", (columns,)),
             Array("best", "float64", (4, columns)),
@@ -128,6 +129,8 @@ class _Refined(RefinedLayout):
         text.open(f"for j in range({self.samples}):")
         text.add(f"from_upper = j > {cells}")
         text.add(f"place = {rows + 3 * cells + 1} - j if from_upper else {rows} + j")
+        text.add("j1 = max(j - 1, 0)")
+        text.add("j2 = max(j - 2, 0)")
         text.open(f"for turn in range({plan.sides}):")
         text.open("for i in lanes(width):")
         self.write_place("w[place, i]", "from_upper")
@@ -135,15 +138,37 @@ class _Refined(RefinedLayout):
         self.load_designs(steps, lambda name: self.row(name), "w")
         for step in (s for s in steps if "branch" not in plan.axes[s.name]):
             self.paste(step)
-        for k, branch in enumerate(plan.computed):
+        for branch in plan.computed:
             text.add(f"branch__{branch} = {branch}.0")
             for step in (s for s in steps if "branch" in plan.axes[s.name]):
                 self.paste(step, f"__{branch}")
-            for number, search in enumerate(plan.searches):
-                row = f"{self.sample_row(number, k * plan.sides)} + turn * {self.samples} + j"
-                text.add(f"samples[{row}, i] = {self.scaled(search, f'__{branch}')}")
+        for number, search in enumerate(plan.searches):
+            self.write_marks(number, search)
         for _ in range(3):
             text.close()
+
+    def write_marks(self, number: int, search: Search) -> None:
+        """Store the samples of a function in all branches, and mark those before.
+
+        Here the marks cost little: the loop waits for divisions.
+        """
+        text, plan = self.text, self.plan
+        values = [f"f_{number}__{branch}" for branch in plan.computed]
+        for value, branch in zip(values, plan.computed, strict=True):
+            text.add(f"{value} = {self.scaled(search, f'__{branch}')}")
+        text.use("codegen.runtime.sampling", "mark")
+        if plan.mirrored:
+            text.use("codegen.runtime.sampling", "silenced")
+            text.add(f"{', '.join(values)} = silenced({', '.join(values)})")
+        for k, value in enumerate(values):
+            row = f"{self.sample_row(number, k * plan.sides)} + turn * {self.samples}"
+            now, here, before = (f"samples[{row} + {j}, i]" for j in ("j", "j1", "j2"))
+            text.add(f"{now} = {value}")
+            text.add(f"marks[{row} + j1, i] = mark({before}, {here}, {value}, {self.sign_of(search, k)})")
+
+    def sign_of(self, search: Search, half: int) -> float:
+        """Return the sign with which a function is searched in a half: the mirror continues the first one."""
+        return float(search.slope_parity) if self.plan.mirrored and half == 0 else 1.0
 
     def write_place(self, place: str, upper: str) -> None:
         """The distances of a place from the near and the far end, over the width."""
@@ -154,10 +179,12 @@ class _Refined(RefinedLayout):
         text.add(f"{near} = rest if {upper} else square * rest")
         text.add(f"{far} = square * rest if {upper} else rest")
 
-    def load_designs(self, steps: Sequence[Fact], row: Callable[[str], int], array: str) -> None:
+    def load_designs(
+        self, steps: Sequence[Fact], row: Callable[[str], int], array: str, lane: str = "i"
+    ) -> None:
         """What facts need of the design."""
         for name in self.design_needs(steps):
-            self.text.add(f"{name} = {array}[{row(name)}, i]")
+            self.text.add(f"{name} = {array}[{row(name)}, {lane}]")
 
     def named(self, name: str, copy: str = "") -> str:
         """Return the name of a value, of one branch's copy where there are copies."""
@@ -192,14 +219,14 @@ class _Refined(RefinedLayout):
         text.add("counts[1] = 0")
         self.write_collect(number, search)
         text.open(f"for start in range(0, counts[0], {LANES}):")
-        text.add(f"filled = gather(valleys, start, counts[0], w, rows_{number}, state, lane)")
-        text.add("is_open = begin_valleys(state, filled)")
+        text.add(f"filled = gather(valleys, start, counts[0], w, rows_{number}, state)")
+        text.add("n_open = begin_valleys(state, filled, vectors)")
         self.write_steps(number, "advance_valleys")
         text.add("split(state, filled, counts, roots)")
         text.close()
         text.open(f"for start in range(0, counts[1], {LANES}):")
-        text.add(f"filled = gather(roots, start, counts[1], w, rows_{number}, state, lane)")
-        text.add("is_open = begin_roots(state, filled, flags)")
+        text.add(f"filled = gather(roots, start, counts[1], w, rows_{number}, state)")
+        text.add("n_open = begin_roots(state, filled, vectors, flags)")
         self.write_steps(number, "advance_roots")
         self.write_take(number, ends=False)
         text.close()
@@ -208,17 +235,19 @@ class _Refined(RefinedLayout):
         """The steps of a refinement."""
         text = self.text
         text.open(f"for step in range({MOST_STEPS}):")
-        text.open("if not is_open:")
+        text.open("if n_open == 0:")
         text.add("break")
         text.close()
-        text.add(f"slope_{number}(state, filled)")
-        text.add(f"is_open = {advance}(state, filled, flags)")
+        text.add(f"slope_{number}(state, vectors, n_open)")
+        text.add(f"n_open = {advance}(state, vectors, n_open, flags)")
         text.close()
 
     def write_take(self, number: int, *, ends: bool) -> None:
         """Values at the places of items, and to which design they belong."""
         self.text.use("codegen.runtime.results", "take")
-        self.text.add(f"value_{number}(state, filled)")
+        self.text.use("codegen.runtime.roots", "every_vector")
+        self.text.add("n_open = every_vector(vectors, filled)")
+        self.text.add(f"value_{number}(state, vectors, n_open)")
         tables = "about, own, other, onto, order, parity, lists, best, found"
         self.text.add(f"take(state, filled, {number}, {ends}, w, {tables})")
 
@@ -231,26 +260,20 @@ class _Refined(RefinedLayout):
         where = f"w, {start}, n_here, {self.halves}, {number}, {search.at_limit}"
         text.add(f"n_ends = collect_ends({where}, best, {len(self.plan.branches)}, ends)")
         text.open(f"for start in range(0, n_ends, {LANES}):")
-        text.add(f"filled = gather(ends, start, n_ends, w, rows_{number}, state, lane)")
+        text.add(f"filled = gather(ends, start, n_ends, w, rows_{number}, state)")
         text.add("place_ends(state, filled)")
         self.write_take(number, ends=True)
         text.close()
 
     def write_collect(self, number: int, search: Search) -> None:
         """Make items of all halves of one function."""
-        self.text.use("codegen.runtime.sampling", "collect")
-        if self.plan.mirrored:
-            self.text.use("codegen.runtime.sampling", "silence")
-            rows = f"{self.sample_row(number, 0)}, {self.sample_row(number, 1)}"
-            self.text.add(f"silence(samples, {rows}, {self.samples}, width)")
+        self.text.use("codegen.runtime.sampling", "collect", "mark_ends")
         for half in range(self.halves):
-            first = self.plan.mirrored and half == 0
-            rows = f"{self.sample_row(number, half)}, {self.sample_row(number, self.beyond(half))}"
-            what = f"{half}, {float(search.slope_parity) if first else 1.0}"
-            self.text.add(
-                f"collect(w, samples, {rows}, {self.places}, {self.cells}, n_here, {what}, "
-                "flags, counts, roots, valleys)"
-            )
+            row, beyond = self.sample_row(number, half), self.sample_row(number, self.beyond(half))
+            sign = self.sign_of(search, half)
+            self.text.add(f"mark_ends(samples, marks, {row}, {beyond}, {self.samples - 1}, {sign}, width)")
+            where = f"{row}, {self.places}, {self.cells}, n_here, {half}"
+            self.text.add(f"collect(w, samples, marks, {where}, counts, roots, valleys)")
 
     def write_evaluations(self, number: int, search: Search) -> None:
         """Functions of their own: the sampled function at the places of items, and the quantity there."""
@@ -267,19 +290,21 @@ class _Refined(RefinedLayout):
         text = self.text
         text.use("numerics.compiler", "outlined")
         text.add("@outlined")
-        text.open(f"def {name}(state, width):")
-        text.open("for i in lanes(width):")
-        text.add(f"upper = state[{UPPER}, i] > 0.0")
-        self.write_place(f"state[{X}, i]", "upper")
-        self.write_half(f"state[{HALF}, i]")
+        text.open(f"def {name}(state, vectors, n):")
+        text.open("for v in range(n):")
+        text.add("at = vectors[v]")
+        text.open(f"for i in lanes({MOST_LANES}):")
+        text.add(f"upper = state[{UPPER}, at + i] > 0.0")
+        self.write_place(f"state[{X}, at + i]", "upper")
+        self.write_half(f"state[{HALF}, at + i]")
         steps, needs = self.needed_for(names), self.item_needs(search)
-        self.load_designs(steps, lambda need: STATE_ROWS + needs.index(need), "state")
+        self.load_designs(steps, lambda need: STATE_ROWS + needs.index(need), "state", "at + i")
         for step in steps:
             self.paste(step)
         for row, value in stores.items():
-            text.add(f"state[{row}, i] = {value}")
-        text.close()
-        text.close()
+            text.add(f"state[{row}, at + i] = {value}")
+        for _ in range(3):
+            text.close()
         text.functions += [*text.lines, "", ""]
         text.lines = outer
 

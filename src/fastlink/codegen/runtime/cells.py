@@ -15,8 +15,8 @@ MOST_LANES = 8
 LANE, HALF, UPPER, XA, FA, XB, FB, XC, FC = range(9)
 ITEM_ROWS = 9
 # Rows of the state of `LANES` items under way: the item, then what the iteration keeps.
-X, F, X1, F1, X2, F2, TOLERANCE, STEPS, OPEN, REAL = range(ITEM_ROWS, ITEM_ROWS + 10)
-STATE_ROWS = ITEM_ROWS + 10
+X, F, X1, F1, X2, F2, TOLERANCE, STEPS, OPEN = range(ITEM_ROWS, ITEM_ROWS + 9)
+STATE_ROWS = ITEM_ROWS + 9
 
 
 @outlined
@@ -32,34 +32,35 @@ def append_item(
     fb: float,
 ) -> int:
     """Append an item and return how many there are; there is room for all that smooth functions can ask for."""
-    if count < items.shape[0]:
-        items[count, LANE] = lane
-        items[count, HALF] = half
-        items[count, UPPER] = 1.0 if upper else 0.0
-        items[count, XA] = a
-        items[count, FA] = fa
-        items[count, XB] = b
-        items[count, FB] = fb
+    if count + MOST_LANES <= items.shape[1]:
+        items[LANE, count] = lane
+        items[HALF, count] = half
+        items[UPPER, count] = 1.0 if upper else 0.0
+        items[XA, count] = a
+        items[FA, count] = fa
+        items[XB, count] = b
+        items[FB, count] = fb
         return count + 1
     return count
 
 
 @outlined
-def gather(items: Any, start: int, stop: int, w: Any, rows: Any, s: Any, lane: Any) -> int:
-    """Copy up to `LANES` items and the design values they need into the state; return the width in use.
+def gather(items: Any, start: int, stop: int, w: Any, rows: Any, s: Any) -> int:
+    """Copy up to `LANES` items and the design values they need into the state; return how many they are.
 
     Lanes beyond the last item, up to a whole number of vectors, repeat it.
     """
-    real = min(LANES, stop - start)
-    width = (real + (MOST_LANES - 1)) & -MOST_LANES
-    for i in range(width):
-        item = start + min(i, real - 1)
-        for r in range(ITEM_ROWS):
-            s[r, i] = items[item, r]
-        s[REAL, i] = 1.0 if i < real else 0.0
-        lane[i] = int(items[item, LANE])
+    count = min(LANES, stop - start)
+    width = (count + (MOST_LANES - 1)) & -MOST_LANES
+    if start + count == stop:
+        for k in range(stop, start + width):
+            for r in range(ITEM_ROWS):
+                items[r, k] = items[r, stop - 1]
+    for r in range(ITEM_ROWS):
+        for i in lanes(width):
+            s[r, i] = items[r, start + i]
     for r in range(rows.size):
         row = rows[r]
         for i in lanes(width):
-            s[STATE_ROWS + r, i] = w[row, lane[i]]
-    return width
+            s[STATE_ROWS + r, i] = w[row, int(s[LANE, i])]
+    return count

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from fastlink.codegen.runtime.cells import FA, FB, HALF, LANE, LANES, REAL, UPPER, append_item
+from fastlink.codegen.runtime.cells import FA, FB, HALF, LANE, LANES, UPPER, append_item
 from fastlink.numerics.compiler import lanes, outlined
 from fastlink.numerics.elementary import INFINITY, NOT_A_NUMBER, PI, TWO_PI
 
@@ -54,7 +54,7 @@ def _insert(lists: Any, column: int, count: int, theta: float, value: float, kin
 @outlined
 def take(
     s: Any,
-    width: int,
+    count: int,
     which: int,
     ends: bool,
     w: Any,
@@ -72,8 +72,8 @@ def take(
 
     Parameters
     ----------
-    s, width : array, int
-        State of the items.
+    s, count : array, int
+        State of the items, and how many they are.
     which : int
         Number of the search.
     ends : bool
@@ -91,9 +91,7 @@ def take(
         For each quantity the power of 1/sigma by which it grows at a toggle, and what the mirror does to it.
     """
     row, toggles, sides, branches = about[0], about[1], about[2], about[3]
-    for i in range(width):
-        if s[REAL, i] == 0.0:
-            continue
+    for i in range(count):
         lane, half = int(s[LANE, i]), int(s[HALF, i])
         value, theta = s[row, i], s[row + 1, i]
         branch = half >> (sides - 1)

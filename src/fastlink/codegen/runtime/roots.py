@@ -14,8 +14,8 @@ from fastlink.codegen.runtime.cells import (
     FC,
     HALF,
     LANE,
+    MOST_LANES,
     OPEN,
-    REAL,
     STEPS,
     TOLERANCE,
     UPPER,
@@ -30,7 +30,10 @@ from fastlink.codegen.runtime.cells import (
 )
 from fastlink.numerics.compiler import inlined, lanes, outlined
 
-__all__ = ["advance_roots", "advance_valleys", "begin_roots", "begin_valleys", "place_ends", "split"]
+__all__ = [
+    *("advance_roots", "advance_valleys", "begin_roots", "begin_valleys"),
+    *("every_vector", "place_ends", "split"),
+]
 
 # 2 units in the last place of a place, and 2^-56 of the cell where the zero is at 0.
 RELATIVE = 2.0**-51
@@ -43,8 +46,9 @@ GOLDEN = 0.3819660112501051
 
 
 @outlined
-def begin_valleys(s: Any, width: int) -> bool:
-    """Choose the first place of each valley; return whether any is open."""
+def begin_valleys(s: Any, count: int, vectors: Any) -> int:
+    """Choose the first place of each valley; return how many vectors are open."""
+    width = (count + (MOST_LANES - 1)) & -MOST_LANES
     for i in lanes(width):
         low, high, c = s[XA, i], s[XB, i], s[XC, i]
         turned = high < low
@@ -59,12 +63,13 @@ def begin_valleys(s: Any, width: int) -> bool:
         s[F2, i] = fb
         s[STEPS, i] = 0.0
         s[OPEN, i] = 1.0
-    return width > 0
+    return every_vector(vectors, count)
 
 
 @outlined
-def begin_roots(s: Any, width: int, flags: Any) -> bool:
-    """Choose the first place of each root, which may be an end of its bracket; return whether any is open."""
+def begin_roots(s: Any, count: int, vectors: Any, flags: Any) -> int:
+    """Choose the first place of each root, which may be an end of its bracket; return how many vectors are open."""
+    width = (count + (MOST_LANES - 1)) & -MOST_LANES
     for i in lanes(width):
         a, fa, b, fb = s[XA, i], s[FA, i], s[XB, i], s[FB, i]
         s[TOLERANCE, i] = ABSOLUTE * (b if b > a else a)
@@ -79,69 +84,84 @@ def begin_roots(s: Any, width: int, flags: Any) -> bool:
         s[X2, i] = b
         s[F2, i] = fb
         s[OPEN, i] = 0.0 if found else 1.0
-    return _any_open(s, width, flags)
+    return _still_open(s, vectors, every_vector(vectors, count), flags)
 
 
 @outlined
-def place_ends(s: Any, width: int) -> None:
+def every_vector(vectors: Any, count: int) -> int:
+    """List the vectors of so many items; return how many."""
+    n = (count + (MOST_LANES - 1)) >> 3
+    for k in range(n):
+        vectors[k] = k << 3
+    return n
+
+
+@outlined
+def place_ends(s: Any, count: int) -> None:
     """Place items at the ends of the range, where they are."""
-    for i in lanes(width):
+    for i in lanes((count + (MOST_LANES - 1)) & -MOST_LANES):
         s[X, i] = s[XA, i]
 
 
 @outlined
-def _any_open(s: Any, width: int, flags: Any) -> bool:
-    """Tell whether any item is open; eight flags are read at once, a sum of the lanes waits for each addition."""
-    for i in lanes(width):
-        flags[i] = 1 if s[OPEN, i] > 0.0 else 0
+def _still_open(s: Any, vectors: Any, n: int, flags: Any) -> int:
+    """Keep the vectors of items of which any is open; return how many."""
     words = flags.view(np.int64)
-    found = 0
-    for k in range(width >> 3):
-        found = found | words[k]
-    return found != 0
+    kept = 0
+    for v in range(n):
+        at = vectors[v]
+        for i in lanes(MOST_LANES):
+            flags[at + i] = 1 if s[OPEN, at + i] > 0.0 else 0
+        if words[at >> 3] != 0:
+            vectors[kept] = at
+            kept += 1
+    return kept
 
 
 @outlined
-def advance_roots(s: Any, width: int, flags: Any) -> bool:
-    """Take the function's value at each place, choose the next; return whether any item is open.
+def advance_roots(s: Any, vectors: Any, n: int, flags: Any) -> int:
+    """Take the function's value at each place, choose the next; return how many vectors are open.
 
     One step of Chandrupatla's method: inverse quadratic interpolation where it is safe, else bisection.
     """
-    for i in lanes(width):
-        x, f, x1, f1, x2, f2 = s[X, i], s[F, i], s[X1, i], s[F1, i], s[X2, i], s[F2, i]
-        same = (f > 0.0) == (f1 > 0.0)
-        x3 = x1 if same else x2
-        f3 = f1 if same else f2
-        x2 = x2 if same else x1
-        f2 = f2 if same else f1
-        nearer = abs(f2) < abs(f)
-        best = x2 if nearer else x
-        best_f = f2 if nearer else f
-        gap = x2 - x
-        per_gap = 1.0 / gap
-        limit = (RELATIVE * abs(best) + s[TOLERANCE, i]) * abs(per_gap)
-        # Values over f2, so that nothing overflows.
-        per_f2 = 1.0 / f2
-        a, b = f * per_f2, f3 * per_f2
-        per_b = 1.0 / (1.0 - b)
-        xi = gap / (x2 - x3)
-        phi = (1.0 - a) * per_b
-        smooth = (phi * phi < xi) & ((1.0 - phi) * (1.0 - phi) < 1.0 - xi)
-        skew = (x3 - x) * per_gap
-        step = a * per_b * ((b * (b - a) - skew * (1.0 - a)) / ((1.0 - a) * (b - a)))
-        t = step if smooth else 0.5
-        t = t if t > limit else limit
-        t = t if t < 1.0 - limit else 1.0 - limit
-        done = (limit > 0.5) | (best_f == 0.0)
-        place = best if done else x + t * gap
-        is_open = s[OPEN, i]
-        s[X, i] = place if is_open > 0.0 else x
-        s[X1, i] = x
-        s[F1, i] = f
-        s[X2, i] = x2
-        s[F2, i] = f2
-        s[OPEN, i] = 0.0 if done else is_open
-    return _any_open(s, width, flags)
+    for v in range(n):
+        at = vectors[v]
+        for i in lanes(MOST_LANES):
+            x, f, x1, f1 = s[X, at + i], s[F, at + i], s[X1, at + i], s[F1, at + i]
+            x2, f2 = s[X2, at + i], s[F2, at + i]
+            same = (f > 0.0) == (f1 > 0.0)
+            x3 = x1 if same else x2
+            f3 = f1 if same else f2
+            x2 = x2 if same else x1
+            f2 = f2 if same else f1
+            nearer = abs(f2) < abs(f)
+            best = x2 if nearer else x
+            best_f = f2 if nearer else f
+            gap = x2 - x
+            per_gap = 1.0 / gap
+            limit = (RELATIVE * abs(best) + s[TOLERANCE, at + i]) * abs(per_gap)
+            # Values over f2, so that nothing overflows.
+            per_f2 = 1.0 / f2
+            a, b = f * per_f2, f3 * per_f2
+            per_b = 1.0 / (1.0 - b)
+            xi = gap / (x2 - x3)
+            phi = (1.0 - a) * per_b
+            smooth = (phi * phi < xi) & ((1.0 - phi) * (1.0 - phi) < 1.0 - xi)
+            skew = (x3 - x) * per_gap
+            step = a * per_b * ((b * (b - a) - skew * (1.0 - a)) / ((1.0 - a) * (b - a)))
+            t = step if smooth else 0.5
+            t = t if t > limit else limit
+            t = t if t < 1.0 - limit else 1.0 - limit
+            done = (limit > 0.5) | (best_f == 0.0)
+            place = best if done else x + t * gap
+            is_open = s[OPEN, at + i]
+            s[X, at + i] = place if is_open > 0.0 else x
+            s[X1, at + i] = x
+            s[F1, at + i] = f
+            s[X2, at + i] = x2
+            s[F2, at + i] = f2
+            s[OPEN, at + i] = 0.0 if done else is_open
+    return _still_open(s, vectors, n, flags)
 
 
 @inlined
@@ -154,12 +174,13 @@ def _vertex(a: float, fa: float, c: float, fc: float, b: float, fb: float) -> fl
 
 
 @outlined
-def advance_valleys(s: Any, width: int, flags: Any) -> bool:
-    """Take a golden-section step towards the least magnitude; return whether any item is open.
+def advance_valleys(s: Any, vectors: Any, n: int, flags: Any) -> int:
+    """Take a golden-section step towards the least magnitude; return how many vectors are open.
 
     An item is done where the sign changes.
     """
-    for i in range(width):
+    for k in range(n * MOST_LANES):
+        i = vectors[k >> 3] + (k & 7)
         if s[OPEN, i] == 0.0:
             continue
         a, b, c, fc, x, f = s[X1, i], s[X2, i], s[XC, i], s[FC, i], s[X, i], s[F, i]
@@ -186,14 +207,14 @@ def advance_valleys(s: Any, width: int, flags: Any) -> bool:
             s[OPEN, i] = 0.0
             continue
         s[X, i] = inner + GOLDEN * (b - inner) if b - inner > inner - a else inner + GOLDEN * (a - inner)
-    return _any_open(s, width, flags)
+    return _still_open(s, vectors, n, flags)
 
 
 @outlined
-def split(s: Any, width: int, counts: Any, roots: Any) -> None:
+def split(s: Any, count: int, counts: Any, roots: Any) -> None:
     """Make two roots of each valley in which a place of the other sign was found."""
-    for i in range(width):
-        if s[REAL, i] > 0.0 and (s[F, i] > 0.0) != (s[FC, i] > 0.0):
+    for i in range(count):
+        if (s[F, i] > 0.0) != (s[FC, i] > 0.0):
             lane, half = int(s[LANE, i]), int(s[HALF, i])
             upper = s[UPPER, i] > 0.0
             x, f = s[X, i], s[F, i]

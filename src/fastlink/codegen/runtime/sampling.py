@@ -10,10 +10,10 @@ from typing import Any
 import numpy as np
 
 from fastlink.codegen.runtime.cells import FC, MOST_LANES, XC, append_item
-from fastlink.numerics.compiler import lanes, outlined
+from fastlink.numerics.compiler import inlined, lanes, outlined
 from fastlink.numerics.elementary import sqrt
 
-__all__ = ["collect", "place_samples", "silence"]
+__all__ = ["collect", "mark", "mark_ends", "place_samples", "silenced"]
 
 ROOT, VALLEY = 1, 2
 # At 0.85 one pair of extremes of a rate in 10^6 was lost, at 1 a search takes a third longer.
@@ -65,19 +65,55 @@ def place_samples(w: Any, scale: int, start: int, rows: int, spare: int, cells: 
         w[rows + cells + 1, i] = abs(w[start + 1, i])
 
 
-@outlined
-def silence(values: Any, one: int, other: int, samples: int, width: int) -> None:
-    """Make rounding errors zero, given the first rows of a function's samples in both branches.
+@inlined
+def silenced(x: Any, y: Any) -> Any:
+    """Return the values of a function in both branches, rounding errors made zero.
 
     The function is a mean and a part that changes sign with the branch; where one of them cancels the other, as in
     all of a parallelogram's motion, errors would look like zeros.
     """
-    for j in range(samples):
-        for i in lanes(width):
-            x, y = values[one + j, i], values[other + j, i]
-            noise = NOISE * (abs(x) + abs(y))
-            values[one + j, i] = 0.0 if abs(x) <= noise else x
-            values[other + j, i] = 0.0 if abs(y) <= noise else y
+    noise = NOISE * (abs(x) + abs(y))
+    return 0.0 if abs(x) <= noise else x, 0.0 if abs(y) <= noise else y
+
+
+@inlined
+def mark(a: Any, b: Any, c: Any, sign: Any) -> Any:
+    """Return `ROOT` for a zero between the second of three samples and the third, `VALLEY` where two may hide about it.
+
+    A valley: a parabola through the three values comes low, or the least of them lies well below both others; the dip
+    may be narrower than a cell.
+    """
+    differ = ((sign * b > 0.0) != (sign * c > 0.0)) & (b == b) & (c == c)
+    before, here, after = abs(a), abs(b), abs(c)
+    least = (here <= before) & (here <= after) & (here > 0.0)
+    bend = before - 2.0 * here + after
+    low = (before - after) * (before - after) > here * bend
+    deep = (here < SHALLOW * before) & (here < SHALLOW * after)
+    return (ROOT if differ else 0) + (VALLEY if least & (low | deep) else 0)
+
+
+@outlined
+def mark_ends(values: Any, flags: Any, f: int, beyond: int, last: int, sign: float, width: int) -> None:
+    """Mark the first and the last sample of one half of the range, which other halves continue.
+
+    Parameters
+    ----------
+    values, flags : array (rows, lanes)
+        The function's values, and their marks.
+    f, beyond : int
+        First row of the function's samples in this half, and in the half that continues it beyond both ends.
+    last : int
+        Number of the last sample.
+    sign : float
+        1, or -1 where a zero at a sample counts for the cell on its other side.
+    width : int
+        Number of lanes.
+    """
+    for i in lanes(width):
+        flags[f, i] = mark(values[beyond + 1, i], values[f, i], values[f + 1, i], sign)
+    end = f + last
+    for i in lanes(width):
+        flags[end, i] = mark(values[end - 1, i], values[end, i], values[beyond + last - 1, i], sign)
 
 
 @outlined
@@ -94,14 +130,12 @@ def _place(w: Any, rows: int, cells: int, j: int, upper: bool, lane: int) -> flo
 def collect(
     w: Any,
     values: Any,
+    flags: Any,
     f: int,
-    beyond: int,
     rows: int,
     cells: int,
     count: int,
     half: int,
-    sign: float,
-    flags: Any,
     counts: Any,
     roots: Any,
     valleys: Any,
@@ -110,57 +144,38 @@ def collect(
 
     Parameters
     ----------
-    w, values : array (rows, lanes)
-        Lane values with the places of samples, and the function's values there.
-    f, beyond : int
-        First row of the function's samples in this half, and in the half that continues it beyond both ends.
+    w, values, flags : array (rows, lanes)
+        Lane values with the places of samples, the function's values there, and their marks.
+    f : int
+        First row of the function's samples in this half.
     rows, cells : int
         As in `place_samples`.
     count : int
         How many lanes are designs.
     half : int
         Number of this half.
-    sign : float
-        1, or -1 where a zero at a sample counts for the cell on its other side.
-    flags : array (lanes,) of int8
-        Scratch.
     counts, roots, valleys : array
         How many items there are of each kind, and the items.
     """
     last = 2 * cells
-    words = flags.view(np.int64)
-    width = (count + (MOST_LANES - 1)) & -MOST_LANES
     for j in range(last + 1):
-        before = f + j - 1 if j > 0 else beyond + 1
-        here = f + j
-        after = f + j + 1 if j < last else beyond + last - 1
-        # A zero between this sample and the next, and where two may hide about this one.
-        for i in lanes(width):
-            a, b, c = values[before, i], values[here, i], values[after, i]
-            differ = ((sign * b > 0.0) != (sign * c > 0.0)) & (b == b) & (c == c)
-            a, b, c = abs(a), abs(b), abs(c)
-            # A valley: a parabola through the three values comes low, or the least of them lies well below both
-            # others; the dip may be narrower than a cell.
-            low = (b <= a) & (b <= c) & (b > 0.0)
-            bend = a - 2.0 * b + c
-            low = low & (((a - c) * (a - c) > b * bend) | ((b < SHALLOW * a) & (b < SHALLOW * c)))
-            flags[i] = (1 if differ else 0) + (2 if low else 0)
-        for k in range(width >> 3):
+        # Eight marks at once: most are none.
+        words = flags[f + j].view(np.int64)
+        for k in range((count + (MOST_LANES - 1)) >> 3):
             if words[k] == 0:
                 continue
             for i in range(8 * k, min(8 * k + 8, count)):
-                flag = flags[i]
+                flag = flags[f + j, i]
                 if flag & ROOT and j < last:
                     upper = j >= cells
                     counts[1] = append_item(
                         roots, counts[1], i, half, upper,
-                        _place(w, rows, cells, j, upper, i), values[here, i],
-                        _place(w, rows, cells, j + 1, upper, i), values[after, i],
+                        _place(w, rows, cells, j, upper, i), values[f + j, i],
+                        _place(w, rows, cells, j + 1, upper, i), values[f + j + 1, i],
                     )  # fmt: skip
                 if flag & VALLEY:
                     left, right = max(j - 1, 0), min(j + 1, last)
-                    fa, fb = values[f + left, i], values[f + right, i]
-                    middle = values[here, i]
+                    fa, fb, middle = values[f + left, i], values[f + right, i], values[f + j, i]
                     if (fa > 0.0) == (middle > 0.0) and (fb > 0.0) == (middle > 0.0):
                         upper = left >= cells
                         n = counts[0]
@@ -170,5 +185,5 @@ def collect(
                             _place(w, rows, cells, right, upper, i), fb,
                         )  # fmt: skip
                         if counts[0] > n:
-                            valleys[n, XC] = _place(w, rows, cells, j, upper, i)
-                            valleys[n, FC] = middle
+                            valleys[XC, n] = _place(w, rows, cells, j, upper, i)
+                            valleys[FC, n] = middle
