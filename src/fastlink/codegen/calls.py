@@ -169,6 +169,11 @@ def _bits(f: Calls, value: Value, before: str, after: str) -> Value:
     return f.let(text + type_of(after, value.lanes), after, value.lanes)
 
 
+def _trailing_zeros(f: Calls, x: Value) -> Value:
+    f.module.declare("declare i64 @llvm.cttz.i64(i64, i1)")
+    return f.let(f"call i64 @llvm.cttz.i64(i64 {f.to_kind(x, 'i').at}, i1 true)", "i")
+
+
 #: Operations that are instructions.
 BUILT_IN: dict[Any, Callable[..., Value]] = {
     elementary.sqrt: lambda f, x: f.intrinsic("sqrt", x),
@@ -178,6 +183,7 @@ BUILT_IN: dict[Any, Callable[..., Value]] = {
     elementary.select: lambda f, condition, a, b: f.select(condition, a, b),
     elementary.bits_of: lambda f, x: _bits(f, x, "f", "i"),
     elementary.double_of: lambda f, x: _bits(f, x, "i", "f"),
+    elementary.trailing_zeros: lambda f, x: _trailing_zeros(f, x),
     min: lambda f, a, b: f.select(f.compare("lt", b, a), b, a),
     max: lambda f, a, b: f.select(f.compare("gt", b, a), b, a),
     int: lambda f, x: f.to_kind(x, "i"),

@@ -32,12 +32,22 @@ OPTIONS: dict[str, Any] = {"error_model": "numpy", "nogil": True}
 INLINE_OPTIONS: dict[str, Any] = {"error_model": "numpy", "forceinline": True}
 #: Freedoms that are never taken but to show what they would cost and gain: see docs/accuracy.md.
 RELAXED = {"reassoc", "contract", "arcp", "nsz"}
+
+def _trailing_zeros(bits: Any) -> Any:
+    count = 0
+    while bits & 1 == 0:
+        bits = bits >> 1
+        count += 1
+    return count
+
+
 #: What numba reads instead of functions that are operations; np.where on scalars would stop vectorisation.
 OPERATIONS: dict[Callable[..., Any], Callable[..., Any]] = {
     elementary.sqrt: lambda x: np.sqrt(x),
     elementary.select: lambda condition, if_true, if_false: if_true if condition else if_false,
     elementary.bits_of: lambda x: np.float64(x).view(np.int64),
     elementary.double_of: lambda bits: np.int64(bits).view(np.float64),
+    elementary.trailing_zeros: _trailing_zeros,
 }
 
 

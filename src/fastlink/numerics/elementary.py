@@ -13,7 +13,7 @@ import numpy as np
 from fastlink.numerics.compiler import compiled_as, inlined
 
 __all__ = [
-    *("select", "sqrt", "atan2", "cosine", "sine", "bits_of", "double_of"),
+    *("select", "sqrt", "atan2", "cosine", "sine", "bits_of", "double_of", "trailing_zeros"),
     *("sin", "cos", "exp", "doublings", "context_of"),
 ]
 
@@ -56,6 +56,11 @@ def bits_of(x: Any) -> Any:
 def double_of(bits: Any) -> Any:
     """Return the doubles that have these bits."""
     return np.asarray(bits, dtype=np.int64).view(np.float64)[()]
+
+
+def trailing_zeros(bits: Any) -> Any:
+    """Return how many bits below the lowest one that is set are zero, of an integer that is not zero."""
+    return (int(bits) & -int(bits)).bit_length() - 1
 
 
 def _tabled(name: str, x: Any) -> Any:

@@ -11,7 +11,7 @@ import numpy as np
 
 from fastlink.codegen.runtime.cells import FC, MOST_LANES, XC, append_item
 from fastlink.numerics.compiler import inlined, lanes, outlined
-from fastlink.numerics.elementary import sqrt
+from fastlink.numerics.elementary import sqrt, trailing_zeros
 
 __all__ = ["collect", "mark", "mark_ends", "place_samples", "silenced"]
 
@@ -162,10 +162,14 @@ def collect(
         # Eight marks at once: most are none.
         words = flags[f + j].view(np.int64)
         for k in range((count + (MOST_LANES - 1)) >> 3):
-            if words[k] == 0:
-                continue
-            for i in range(8 * k, min(8 * k + 8, count)):
-                flag = flags[f + j, i]
+            word = words[k]
+            while word != 0:
+                shift = trailing_zeros(word) & 56
+                flag = (word >> shift) & (ROOT | VALLEY)
+                word = word ^ (flag << shift)
+                i = 8 * k + (shift >> 3)
+                if i >= count:
+                    break
                 if flag & ROOT and j < last:
                     upper = j >= cells
                     counts[1] = append_item(
