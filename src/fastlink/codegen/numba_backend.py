@@ -33,6 +33,7 @@ INLINE_OPTIONS: dict[str, Any] = {"error_model": "numpy", "forceinline": True}
 #: Freedoms that are never taken but to show what they would cost and gain: see docs/accuracy.md.
 RELAXED = {"reassoc", "contract", "arcp", "nsz"}
 
+
 def _trailing_zeros(bits: Any) -> Any:
     count = 0
     while bits & 1 == 0:

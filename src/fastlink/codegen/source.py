@@ -8,7 +8,6 @@ from __future__ import annotations
 import ast
 import math
 from collections.abc import Callable, Mapping, Sequence
-from copy import deepcopy
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -131,8 +130,8 @@ class Text:
         return header + "\n".join([*self.functions, *body]) + "\n"
 
 
-class _Rename(ast.NodeTransformer):
-    """Make parameters, locals and globals of a fact into names of the kernel."""
+class _Rename:
+    """The parameters, locals and globals of a fact as names of the kernel."""
 
     def __init__(
         self, function: Callable[..., Any], values: Mapping[str, str], local: Callable[[str], str], text: Text
@@ -140,13 +139,27 @@ class _Rename(ast.NodeTransformer):
         self.function, self.values, self.local, self.text = function, values, local, text
         self.locals: set[str] = set()
 
-    def visit_Name(self, node: ast.Name) -> ast.AST:
+    def __call__(self, node: ast.AST) -> Any:
+        """Return an expression or a target with the kernel's names; what needs none is shared, not copied."""
+        if isinstance(node, ast.Name):
+            return self.name(node)
+        fields = {}
+        for key, value in ast.iter_fields(node):
+            if isinstance(value, list):
+                fields[key] = [self(part) for part in value]
+            else:
+                fields[key] = self(value) if isinstance(value, ast.expr) else value
+        return type(node)(**fields)
+
+    def name(self, node: ast.Name) -> ast.AST:
+        """Return what stands for a name."""
         if isinstance(node.ctx, ast.Store):
             self.locals.add(node.id)
         if node.id in self.locals:
             return ast.Name(self.local(node.id), node.ctx)
         if node.id in self.values:
-            return ast.parse(self.values[node.id], mode="eval").body
+            value = self.values[node.id]
+            return ast.Name(value, node.ctx) if value.isidentifier() else ast.parse(value, mode="eval").body
         found = getattr(self.function, "__globals__", {}).get(node.id)
         if isinstance(found, float):
             if math.isfinite(found):
@@ -165,14 +178,13 @@ def _paste(
     rename = _Rename(function, values, lambda local: f"{label}__{local}{suffix}", text)
     for statement in body[:-1]:
         assert isinstance(statement, ast.Assign)
-        value = rename.visit(deepcopy(statement.value))
-        targets = [rename.visit(deepcopy(target)) for target in statement.targets]
-        assign = ast.Assign(targets, value)
-        text.add(ast.unparse(ast.fix_missing_locations(assign)))
+        value = rename(statement.value)  # before the targets, which may have a parameter's name
+        targets = [rename(target) for target in statement.targets]
+        text.add(ast.unparse(ast.Assign(targets, value, lineno=0)))
     last = body[-1]
     assert isinstance(last, ast.Return)
     assert last.value is not None
-    result = rename.visit(deepcopy(last.value))
+    result = rename(last.value)
     assert isinstance(result, ast.expr)
     return result
 
