@@ -12,16 +12,10 @@ import pytest
 
 import fastlink.codegen.runtime
 from fastlink.codegen.kernel import BACKENDS, Kernel, llvm_text
-from fastlink.codegen.machine import compile_object, lanes_of_host
+from fastlink.codegen.machine import compile_object, host, lanes_of_host
 from fastlink.numerics.compiler import OUTLINED
 from support.compiled import assert_same_bits
-from support.plan_families import FAMILIES, kernels, run_as_python, run_compiled
-
-
-def few(*names):
-    """Parameters of a test: these families, all others in the long tests."""
-    assert set(names) <= set(FAMILIES)
-    return [name if name in names else pytest.param(name, marks=pytest.mark.stress) for name in FAMILIES]
+from support.plan_families import FAMILIES, few, kernels, run_as_python, run_compiled
 
 
 @pytest.mark.parametrize("name", FAMILIES)
@@ -41,13 +35,28 @@ def test_both_compilers_give_the_same_bits(name):
             assert_same_bits(first, other)
 
 
-@pytest.mark.parametrize("name", few("curves in pieces", "reductions", "systems", "extremes of forces"))
-def test_any_width_gives_the_same_bits(name):
-    """Wider vectors than the processor has are two registers each."""
+LEVELS = {
+    "x86-64-v2": {"sse4.2"},
+    "x86-64-v3": {"avx2", "bmi2", "fma"},
+    "x86-64-v4": {"avx512f", "avx512bw", "avx512cd", "avx512dq", "avx512vl"},
+}
+
+
+def levels():
+    """Return the instruction sets that this processor has, from the first on."""
+    has = {feature[1:] for feature in host()[1].split(",") if feature.startswith("+")}
+    return [level for level, needed in LEVELS.items() if needed <= has]
+
+
+@pytest.mark.parametrize("name", few("curves of rapidity", "reductions", "systems", "extremes of one branch"))
+def test_any_width_and_instruction_set_gives_the_same_bits(name):
+    """Wider vectors than a register holds are several registers."""
     for plan, arguments in kernels(FAMILIES[name].request()):
         expected = run_compiled(plan, arguments)
-        for lanes in {2, 4, 8} - {lanes_of_host()}:
-            code = compile_object(llvm_text(plan.written, lanes=lanes), check=True)
+        # Other widths by the processor's own instructions, and each by those that have registers of it.
+        others = [(None, lanes) for lanes in (2, 4, 8) if lanes != lanes_of_host()]
+        for cpu, lanes in [*others, *zip(levels(), (2, 4, 8), strict=False)]:
+            code = compile_object(llvm_text(plan.written, lanes=lanes), cpu=cpu, check=True)
             found = [a.copy() if isinstance(a, np.ndarray) else a for a in arguments]
             Kernel(plan.written, code)(*found)
             assert_same_bits(found[-len(expected) :], expected)
@@ -70,5 +79,5 @@ def test_the_families_call_every_function_that_kernels_call():
     imports = [line for text in texts for line in re.findall(r"^from fastlink.codegen.runtime.*", text, re.M)]
     called = {name for line in imports for name in re.findall(r"\w+", line.partition(" import ")[2])}
     assert written - called <= {"append_item"}  # other helpers call it
-    for word in ("entries(min(", "w2[", "turn in range(2)", "silence(", "store_list(", "for step in range("):
+    for word in ("entries(min(", "w2[", "turn in range(2)", "silenced(", "store_list(", "for step in range("):
         assert any(word in text for text in texts), word
