@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
+import pytest
 
 import fastlink as fl
 from configurations import draw
@@ -89,6 +90,12 @@ FAMILIES: dict[str, Family] = {
     "extremes by another joint": Family("planar_4r", ["joint_omega_4_max"], 9, {"input": "joint_angle_2"}),
     "extremes of the focal mechanism": Family("focal", ["psi_rate_max"], 9, {"input": "sigma"}),
 }
+
+
+def few(*names):
+    """Parameters of a test: these families, all others in the long tests."""
+    assert set(names) <= set(FAMILIES)
+    return [name if name in names else pytest.param(name, marks=pytest.mark.stress) for name in FAMILIES]
 
 
 def kernels(request: Any) -> list[tuple[Any, list[Any]]]:

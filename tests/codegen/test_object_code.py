@@ -1,0 +1,79 @@
+"""Machine code of every target: whole vectors in the loops over lanes, no call of a library, nothing fused."""
+
+from __future__ import annotations
+
+import ast
+
+import llvmlite.binding as llvm
+import pytest
+
+from fastlink.codegen.kernel import llvm_text
+from fastlink.codegen.machine import assembly
+from support.assembly import called, fused, inner_loops
+from support.plan_families import FAMILIES, few, kernels
+
+#: Processor, platform, and how many doubles a register holds.
+TARGETS = {
+    "v2": ("x86-64-v2", "x86_64-unknown-linux-gnu", 2),
+    "v3": ("x86-64-v3", "x86_64-unknown-linux-gnu", 4),
+    "v4": ("x86-64-v4", "x86_64-unknown-linux-gnu", 8),
+    "aarch64": ("generic", "aarch64-unknown-linux-gnu", 2),
+}
+#: What LLVM makes of loops that copy; libc has them, and they know no arithmetic.
+COPIES = {"memset", "memcpy", "memmove"}
+
+
+@pytest.fixture(scope="module", autouse=True)
+def all_targets():
+    llvm.initialize_all_targets()
+    llvm.initialize_all_asmprinters()
+
+
+def assembly_for(plan, target, **options):
+    cpu, triple, lanes = TARGETS[target]
+    text = llvm_text(plan.written, **{"lanes": lanes} | options)
+    return assembly(text, cpu=cpu, triple=triple)
+
+
+def loops_over_lanes(plan):
+    """Return how many loops of the text over lanes have products in them."""
+    loops = [node for node in ast.walk(ast.parse(plan.source)) if isinstance(node, ast.For)]
+    abreast = [loop for loop in loops if ast.unparse(loop.iter).startswith(("lanes(", "entries("))]
+    return sum(any(isinstance(node, ast.Mult) for node in ast.walk(loop)) for loop in abreast)
+
+
+@pytest.mark.parametrize("target", TARGETS)
+@pytest.mark.parametrize("name", few("curves of rapidity", "reductions", "systems", "extremes of forces"))
+def test_lanes_are_whole_vectors_and_nothing_is_called_or_fused(name, target):
+    for plan, _ in kernels(FAMILIES[name].request()):
+        text = assembly_for(plan, target)
+        vector = [loop for loop in inner_loops(text) if loop.packed]
+        assert len(vector) >= loops_over_lanes(plan) > 0
+        assert max(loop.packed for loop in vector) > 40
+        assert [loop for loop in vector if loop.single] == []
+        assert called(text) <= COPIES
+        assert fused(text) == []
+
+
+@pytest.mark.parametrize("target", TARGETS)
+def test_single_lanes_and_fused_products_would_be_noticed(target):
+    plan, _ = kernels(FAMILIES["curves of forces"].request())[0]
+    loops = inner_loops(assembly_for(plan, target, lanes=1))
+    assert sum(loop.packed for loop in loops) == 0
+    assert max(loop.single for loop in loops) > 40
+    # The second level has no instructions that fuse.
+    assert bool(fused(assembly_for(plan, target, relaxed=True))) == (target != "v2")
+
+
+@pytest.mark.parametrize("target", TARGETS)
+def test_a_call_would_be_noticed(target):
+    text = """
+    declare double @llvm.sin.f64(double)
+    define void @kernel(ptr %x) {
+      %v = load double, ptr %x
+      %y = call double @llvm.sin.f64(double %v)
+      store double %y, ptr %x
+      ret void
+    }"""
+    cpu, triple, _ = TARGETS[target]
+    assert called(assembly(text, cpu=cpu, triple=triple)) == {"sin"}
