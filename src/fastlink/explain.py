@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import ast
-import inspect
 import re
 import textwrap
 from collections import Counter
@@ -19,7 +18,7 @@ from fastlink.codegen.machine import assembly
 from fastlink.codegen.translate import Refused
 from fastlink.fact import System
 from fastlink.numerics import compensated, vectors
-from fastlink.numerics.compiler import COMPILED_AS
+from fastlink.numerics.compiler import COMPILED_AS, syntax
 from fastlink.plans import CurvePlan, RefinedPlan
 from fastlink.study import read_study
 
@@ -302,7 +301,7 @@ def _helper(name: str) -> Counter[str]:
     """Return what a function of `fastlink.numerics.compensated` does."""
     work: Counter[str] = Counter()
     function = HELPERS[name]
-    tree = ast.parse(textwrap.dedent(inspect.getsource(COMPILED_AS.get(function, function))))
+    tree = syntax(COMPILED_AS.get(function, function))
     for node in ast.walk(tree):
         if isinstance(node, (ast.Assign, ast.Return)) and node.value is not None:
             _count(ast.Assign([], node.value), work)

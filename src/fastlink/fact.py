@@ -9,11 +9,12 @@ from __future__ import annotations
 
 import ast
 import inspect
-import textwrap
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from functools import cache
 from typing import Any, Literal
+
+from fastlink.numerics.compiler import syntax
 
 __all__ = ["CatalogueError", "Fact", "GradedRange", "Input", "Rule", "System", "parameters", "statements"]
 
@@ -128,8 +129,7 @@ def statements(function: Callable[..., Any]) -> tuple[ast.stmt, ...]:
     CatalogueError
         It is not straight-line code: assignments and one return at the end.
     """
-    tree = ast.parse(textwrap.dedent(inspect.getsource(function))).body[0]
-    assert isinstance(tree, ast.FunctionDef)
+    tree = syntax(function)
     body = tree.body[1:] if ast.get_docstring(tree) is not None else tree.body
     name = function.__name__
     if not body or not isinstance(body[-1], ast.Return):

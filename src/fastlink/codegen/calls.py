@@ -9,10 +9,10 @@ from typing import Any
 
 import numpy as np
 
-from fastlink.codegen.expressions import Expressions, Unknown, syntax
+from fastlink.codegen.expressions import Expressions, Unknown
 from fastlink.codegen.ir import LLVM, Array, Lane, Value, constant, type_of
 from fastlink.numerics import elementary
-from fastlink.numerics.compiler import COMPILED_AS, INLINED, OUTLINED
+from fastlink.numerics.compiler import COMPILED_AS, INLINED, OUTLINED, syntax
 
 __all__ = ["Calls"]
 

@@ -3,11 +3,7 @@
 from __future__ import annotations
 
 import ast
-import inspect
-import textwrap
 from abc import ABC, abstractmethod
-from collections.abc import Callable
-from functools import cache
 from types import ModuleType
 from typing import TYPE_CHECKING, Any, NoReturn
 
@@ -18,7 +14,7 @@ from fastlink.codegen.ir import Array, Builder, Lane, Slot, Value, constant, typ
 if TYPE_CHECKING:
     from fastlink.codegen.module import Module
 
-__all__ = ["Expressions", "Name", "Refused", "Unknown", "syntax"]
+__all__ = ["Expressions", "Name", "Refused", "Unknown"]
 
 FLOATING = {ast.Add: "add", ast.Sub: "sub", ast.Mult: "mul", ast.Div: "div"}
 INTEGER = {
@@ -44,14 +40,6 @@ class Refused(Exception):
 
 class Unknown(Exception):
     """A name that nothing binds."""
-
-
-@cache
-def syntax(function: Callable[..., Any]) -> ast.FunctionDef:
-    """Return the syntax tree of a function."""
-    node = ast.parse(textwrap.dedent(inspect.getsource(function))).body[0]
-    assert isinstance(node, ast.FunctionDef)
-    return node
 
 
 class Expressions(Builder, ABC):

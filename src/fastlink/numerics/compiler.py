@@ -1,14 +1,23 @@
 """Marks for functions that kernels call: how their text is compiled.
 
-The functions stay plain Python. The two compilers of `fastlink.codegen` read the marks; nothing here imports one.
+The functions stay plain Python, and their text can be read. The two compilers of `fastlink.codegen` read the marks;
+nothing here imports one.
 """
 
 from __future__ import annotations
 
+import ast
+import inspect
+import linecache
+import textwrap
 from collections.abc import Callable
+from functools import cache
 from typing import Any, TypeVar
 
-__all__ = ["COMPILED_AS", "INLINED", "OUTLINED", "compiled_as", "entries", "inlined", "lanes", "outlined"]
+__all__ = [
+    *("COMPILED_AS", "INLINED", "OUTLINED"),
+    *("compiled_as", "entries", "inlined", "lanes", "outlined", "syntax"),
+]
 
 F = TypeVar("F", bound=Callable[..., Any])
 
@@ -23,6 +32,31 @@ COMPILED_AS: dict[Callable[..., Any], Callable[..., Any]] = {}
 lanes = range
 #: Loop over entries side by side, at least as many as a vector has lanes; the last vector may overlap the one before.
 entries = range
+
+
+@cache
+def syntax(function: Callable[..., Any]) -> ast.FunctionDef:
+    """Return the syntax tree of a function."""
+    code = function.__code__
+    if found := _functions_of(code.co_filename).get((function.__name__, code.co_firstlineno)):
+        return found
+    node = ast.parse(textwrap.dedent(inspect.getsource(function))).body[0]
+    assert isinstance(node, ast.FunctionDef)
+    return node
+
+
+@cache
+def _functions_of(file: str) -> dict[tuple[str, int], ast.FunctionDef]:
+    """Return the functions of a file by name and first line: read at once, as one by one takes 1 ms each."""
+    try:
+        tree = ast.parse("".join(linecache.getlines(file)))
+    except SyntaxError:
+        return {}
+    return {
+        (node.name, min([node.lineno, *(part.lineno for part in node.decorator_list)])): node
+        for node in tree.body
+        if isinstance(node, ast.FunctionDef)
+    }
 
 
 def inlined(function: F) -> F:
