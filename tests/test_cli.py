@@ -259,7 +259,8 @@ def test_the_version():
 
 
 @pytest.mark.parametrize(
-    "arguments", [["--help"], *([name, "--help"] for name in ("run", "quantities", "info", "new", "plot"))]
+    "arguments",
+    [["--help"], *([name, "--help"] for name in ("run", "quantities", "info", "new", "cache", "plot"))],
 )
 def test_help_imports_nothing_heavy(arguments):
     # typer itself takes pydantic for the arguments of a command

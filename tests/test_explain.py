@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from collections import Counter
 from typing import ClassVar
 
@@ -12,10 +13,13 @@ from typer.testing import CliRunner
 import fastlink as fl
 from fastlink.asked import resolve
 from fastlink.cli import app
+from fastlink.codegen.translate import Refused
 from fastlink.explain import explain_request
 from fastlink.mechanisms import catalogue
 from fastlink.reading import read_facts
 
+explain_module = sys.modules["fastlink.explain"]
+ROUND_BAR = fl.round_bar(density=7750.0, radius=0.01)
 LENGTHS = {"a1": 0.4, "a2": 1.1, "a3": 0.8, "a4": 1.0}
 
 
@@ -110,13 +114,76 @@ def test_refined_extremes_tell_samples_and_places():
     assert {"design", "design and sample", "place", "extreme"} <= set(pers)
 
 
-def test_the_command(tmp_path):
-    study = tmp_path / "study.toml"
-    study.write_text(
+def test_a_search_is_told_by_what_is_searched():
+    """Steps and extremes of each quantity, samples of all, with what is told by both sides of the range."""
+    names = ["omega4_max", "T41_extrema"]
+    space = fl.grid(**LENGTHS, omega1=9.0, gravity_y=-9.81)  # gravity makes the sides unlike
+    found = explain_request(resolve("planar_4r", space, names, links=ROUND_BAR))
+    loops = {(loop.per, loop.times): loop.work for _, _, loops, _ in found.kernels for loop in loops}
+    for quantity in ("omega4", "T41"):
+        step = loops["place", f"each step of the search of {quantity}"]
+        # the derivative is stored; of the extreme, value and place
+        assert step["stores"] == 1
+        assert loops["extreme", f"once, of {quantity}"]["stores"] == 2
+        assert step["*"] > 0
+    often = [times for per, times in loops if per == "design and sample"]
+    assert often == ["33 samples of the graded range", "65 samples of the graded range, on 2 sides"]
+    # What has loops of its own is named, not counted.
+    assert "not counted: gather" in str(found)
+    assert "not counted" not in str(asked(["omega4_max"]))
+
+
+@pytest.mark.parametrize("angles", [5, 36])
+def test_lanes_make_no_difference_to_what_a_loop_is_run_for(angles):
+    found = asked(["omega4"], angles=angles, omega1=2.0)
+    pers = {loop.per for _, _, loops, _ in found.kernels for loop in loops}
+    assert "design and theta1" in pers
+    assert pers <= {"design", "theta1", "design and theta1"}
+
+
+def test_curves_in_pieces_are_of_designs_and_positions():
+    space = fl.grid(a=1.0, b=1.1, g=0.9, h=0.8)
+    found = explain_request(resolve("minkowski_4r", space, ["psi"], angles=np.linspace(-1.0, 1.0, 600)))
+    assert "for piece in" in found.kernels[-1][3]
+    assert [loop.per for loop in found.kernels[-1][2]] == ["design", "design and theta"]
+
+
+@pytest.fixture
+def study(tmp_path):
+    path = tmp_path / "study.toml"
+    path.write_text(
         'mechanism = "planar_4r"\nquantities = ["omega4"]\n'
         "[design]\na1 = 0.4\na2 = 1.1\na3 = 0.8\na4 = 1.0\nomega1 = 2.0\n",
         encoding="utf-8",
     )
+    return path
+
+
+def test_llvm_and_assembly_language_are_printed_where_wanted(study):
+    """One kernel of the rates, and one of what each design has."""
+    plain, ir, asm, both = (
+        CliRunner().invoke(app, ["explain", str(study), *options]).output
+        for options in ((), ("--ir",), ("--asm",), ("--ir", "--asm"))
+    )
+    kernels = plain.count("\nkernel ")
+    assert kernels > 0
+    for text, is_ir, is_asm in ((plain, 0, 0), (ir, 1, 0), (asm, 0, 1), (both, 1, 1)):
+        assert text.count("define void @kernel(ptr %table)") == is_ir * kernels
+        assert text.count("\t.globl\tkernel") + text.count("\t.globl\t_kernel") == is_asm * kernels
+        assert "def kernel(" not in text
+    assert "fmul <" in ir
+
+
+def test_a_kernel_that_numba_compiles_has_no_llvm_of_ours(study, monkeypatch):
+    def refuse(source):
+        raise Refused("kernel, line 3: x: no such expression here")
+
+    monkeypatch.setattr(explain_module, "llvm_text", refuse)
+    found = fl.explain(study).text(ir=True)
+    assert "compiled by numba, for the translator refuses it: kernel, line 3" in found
+
+
+def test_the_command(study):
     brief = CliRunner().invoke(app, ["explain", str(study)])
     assert brief.exit_code == 0
     assert "asked for: omega4, status" in brief.output
