@@ -126,8 +126,8 @@ def test_a_search_is_told_by_what_is_searched():
         assert step["stores"] == 1
         assert loops["extreme", f"once, of {quantity}"]["stores"] == 2
         assert step["*"] > 0
-    often = [times for per, times in loops if per == "design and sample"]
-    assert often == ["33 samples of the graded range", "65 samples of the graded range, on 2 sides"]
+    often = {times for per, times in loops if per == "design and sample"}
+    assert {"33 samples of the graded range", "65 samples of the graded range, on 2 sides"} <= often
     # What has loops of its own is named, not counted.
     assert "not counted: gather" in str(found)
     assert "not counted" not in str(asked(["omega4_max"]))
