@@ -42,7 +42,9 @@ LEGEND = (
     "np.linalg.solve: the stacked 9x9 systems, ready assembled. Errors against 50 digits, in roundings: "
     "2^-53 (|f| + sum of |x df/dx| over the inputs x)."
 )
-BY_HAND = "numba by hand: textbook formulas in plain loops. heyoka.py: both modes by one function, widest vectors."
+BY_HAND = (
+    "numba by hand: textbook formulas in plain loops. heyoka.py: both modes by one function, widest vectors."
+)
 #: Of the table of times to an answer, in the order of `answers.COLUMNS`.
 ANSWER_HEADS = {
     "request": "time to a first answer",
