@@ -202,7 +202,10 @@ def accuracy(
 def cache(
     clear: Annotated[bool, typer.Option("--clear", help="Remove all compiled kernels.")] = False,
 ) -> None:
-    """Tell where compiled kernels are kept and how many bytes they take; clear them if wanted."""
+    """Tell where compiled kernels are kept and how many bytes they take; clear them if wanted.
+
+    The environment variable FASTLINK_CACHE_DIR is another folder, FASTLINK_CACHE_BYTES another limit.
+    """
     from fastlink.codegen import cache as kept
 
     found = kept.clear() if clear else kept.contents()
