@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from importlib import import_module
+
 import numpy as np
 import pytest
 
@@ -9,6 +11,8 @@ from configurations import PLANAR
 from fastlink.catalogue import Catalogue, CatalogueError, Fact, Input, System
 from fastlink.errors import InputError
 from fastlink.fact import statements
+from fastlink.mechanisms import NAMES
+from fastlink.mechanisms import catalogue as find_catalogue
 from fastlink.reading import read_facts
 
 LABELS = {"units": "m", "symbol": "x", "source": "here"}
@@ -122,6 +126,14 @@ def test_inputs_that_determine_each_other(catalogue):
     assert catalogue.instead_of("s") == ("rho", "lambda_")
     with pytest.raises(InputError, match=r"'rho' is missing .*add it, or 's' instead, or 'lambda_' instead"):
         list(catalogue.closure(["r"], []))
+
+
+@pytest.mark.parametrize("mechanism", NAMES)
+def test_every_mechanism_is_declared_in_full(mechanism):
+    """What it takes 10 ms a catalogue to find out is found out here, not at each start of a program."""
+    driven = import_module(f"fastlink.mechanisms.{mechanism}").DRIVEN
+    for position in (None, *driven):
+        find_catalogue(mechanism, position).check()
 
 
 def every_fact():

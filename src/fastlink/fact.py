@@ -8,10 +8,10 @@ quantity, the first line of its docstring is its meaning.
 from __future__ import annotations
 
 import ast
-import inspect
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from functools import cache
+from types import CodeType
 from typing import Any, Literal
 
 from fastlink.numerics.compiler import syntax
@@ -117,7 +117,9 @@ class GradedRange:
 
 def parameters(function: Callable[..., Any]) -> tuple[str, ...]:
     """Return the names of a function's parameters."""
-    return tuple(inspect.signature(function).parameters)
+    # inspect.signature takes 30 us, and there are five hundred facts
+    code: CodeType = function.__code__
+    return code.co_varnames[: code.co_argcount]
 
 
 @cache

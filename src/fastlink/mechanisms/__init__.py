@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
+import threading
 from typing import TYPE_CHECKING
 
 from fastlink.errors import InputError, suggest
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from fastlink.catalogue import Catalogue
 
+_lock = threading.Lock()
 NAMES = ("planar_4r", "minkowski_4r", "focal", "hart")
 
 
@@ -26,7 +30,11 @@ def catalogue(mechanism: str, input: str | None = None) -> Catalogue:
 
     package = import_module(f"fastlink.mechanisms.{mechanism}")
     found: Catalogue = getattr(package, mechanism)
-    inputs: dict[str, Catalogue] = {found.position.name: found} | package.DRIVEN
-    if input is not None and input not in inputs:
+    if input in (None, found.position.name):
+        return found
+    driven: dict[str, Callable[[], Catalogue]] = package.DRIVEN
+    if input not in driven:
+        inputs = (found.position.name, *driven)
         raise InputError(f"input {input!r} is unknown to {mechanism}; {suggest(str(input), inputs)}")
-    return inputs[input or found.position.name]
+    with _lock:
+        return driven[input]()

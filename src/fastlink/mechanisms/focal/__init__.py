@@ -39,6 +39,5 @@ __all__ = [
     "straightness",
 ]
 
-focal.check()
 #: The same mechanism by its other inputs.
-DRIVEN = {"sigma": drives.with_design_facts()}
+DRIVEN = {"sigma": drives.with_design_facts}

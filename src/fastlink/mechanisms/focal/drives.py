@@ -6,6 +6,7 @@ What holds of both is declared in both by `either`.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable
+from functools import cache
 from typing import Any, TypeVar
 
 from fastlink.catalogue import Catalogue, Input
@@ -51,6 +52,7 @@ def either(**labels: Any) -> Callable[[F], F]:
     return declare
 
 
+@cache
 def with_design_facts() -> Catalogue:
     """Return the catalogue of the crank with what belongs to the design as a whole; after all declarations."""
     for name, fact in focal.facts.items():
@@ -58,5 +60,4 @@ def with_design_facts() -> Catalogue:
             by_crank.facts.setdefault(name, fact)
     for chosen in focal.alternative_inputs:
         by_crank.alternatives[chosen] = focal.alternatives[chosen]
-    by_crank.check()
     return by_crank

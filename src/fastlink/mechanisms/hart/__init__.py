@@ -7,6 +7,5 @@ from fastlink.mechanisms.hart.declare import hart
 
 __all__ = ["DRIVEN", "by_line", "design_facts", "four_bar", "hart", "line", "motion"]
 
-hart.check()
 #: The same linkage driven by F along its line.
-DRIVEN = {by_line.by_line.position.name: by_line.with_facts_of_hart()}
+DRIVEN = {by_line.by_line.position.name: by_line.with_facts_of_hart}

@@ -11,6 +11,7 @@ and (1.4).
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import cache
 from typing import Any, TypeVar
 
 from fastlink.catalogue import Catalogue, Input
@@ -215,10 +216,10 @@ def F_deviation(P_x: Any, u_x: Any, u_y: Any, w_x: Any, w_y: Any, line_x: Any, m
     return abs(reached - line_x) / (UNIT_ROUNDING * (m + K * n))
 
 
+@cache
 def with_facts_of_hart() -> Catalogue:
     """Return the catalogue with what belongs to the design as a whole, and what measures the bars."""
     for name, fact in hart.facts.items():
         if not (name.startswith("d_") or hart.varies(name)) or name.endswith(("_error", "_residual")):
             by_line.facts.setdefault(name, fact)
-    by_line.check()
     return by_line

@@ -17,6 +17,8 @@ from fastlink.mechanisms.minkowski_4r import (
 from fastlink.mechanisms.minkowski_4r.declare import minkowski_4r
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from fastlink.catalogue import Catalogue
 
 __all__ = [
@@ -32,6 +34,5 @@ __all__ = [
     "types",
 ]
 
-minkowski_4r.check()
 #: No other input drives it.
-DRIVEN: dict[str, Catalogue] = {}
+DRIVEN: dict[str, Callable[[], Catalogue]] = {}

@@ -45,6 +45,5 @@ __all__ = [
     "slopes",
 ]
 
-planar_4r.check()
 #: The same linkage by its other inputs.
 DRIVEN = driven.driven_catalogues()
