@@ -197,7 +197,7 @@ def row_of(label, repeats):
     }
 
 
-def rows(labels=LABELS, repeats=4, log=lambda text: None):
+def rows(labels=LABELS, repeats=3, log=lambda text: None):
     """Return the row of each request."""
     found = []
     for label in labels:

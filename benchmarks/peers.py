@@ -43,7 +43,7 @@ def against_pylinkage(n=10, K=360, rounds=3):
     ]
 
 
-def largest_errors(count=100, K=360):
+def largest_errors(count=40, K=360):
     """Errors of the peers' results against 50 digits."""
     peers = {"numba by hand": (numba_baseline.evaluate, CASES)}
     if heyoka_baseline.available():
