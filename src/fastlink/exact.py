@@ -13,7 +13,7 @@ import numpy as np
 from mpmath import MPContext
 
 from fastlink.catalogue import Catalogue, Fact, System
-from fastlink.reading import tables_at, take_step
+from fastlink.reading import steps_of, tables_at, take_step
 
 __all__ = ["CONTEXT", "DIGITS", "STEP", "UNIT", "Exact", "in_roundings"]
 
@@ -64,7 +64,7 @@ class Exact:
         given = tuple(given)
         self.position = catalogue.position.name
         tables = (*catalogue.tables, *catalogue.table_low_parts) if self.position in given else ()
-        self.steps = tuple(catalogue.closure(self.names, (*given, *tables), alternatives))
+        self.steps = steps_of(catalogue, self.names, (*given, *tables), alternatives)
         needed = {need for step in self.steps for need in step.needs}
         self.tables = tuple(name for name in tables if name in needed)
         self._after: dict[tuple[str, ...], tuple[Fact | System, ...]] = {}

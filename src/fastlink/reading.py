@@ -20,7 +20,7 @@ from fastlink.mechanisms import catalogue as find_catalogue
 from fastlink.request import all_choices, alternatives_of, constants_of
 from fastlink.tables import angle_tables
 
-__all__ = ["evaluate", "read_facts", "tables_at", "take_step"]
+__all__ = ["evaluate", "read_facts", "steps_of", "tables_at", "take_step"]
 
 
 def read_facts(
@@ -49,9 +49,27 @@ def read_facts(
     if position in known:
         tables = (*catalogue.tables, *catalogue.table_low_parts)
         known |= tables_at(catalogue, known[position], [name for name in tables if name not in known])
-    for step in catalogue.closure(names, tuple(known), alternatives):
+    for step in steps_of(catalogue, names, known, alternatives):
         take_step(step, known)
     return known
+
+
+def steps_of(
+    catalogue: Catalogue, names: Iterable[str], given: Iterable[str], alternatives: Iterable[str] = ()
+) -> tuple[Fact | System, ...]:
+    """Return what `Catalogue.closure` yields, found once."""
+    return _steps(catalogue, catalogue.version, tuple(names), frozenset(given), tuple(alternatives))
+
+
+@lru_cache(maxsize=256)
+def _steps(
+    catalogue: Catalogue,
+    version: int,
+    names: tuple[str, ...],
+    given: frozenset[str],
+    alternatives: tuple[str, ...],
+) -> tuple[Fact | System, ...]:
+    return tuple(catalogue.closure(names, given, alternatives))
 
 
 def tables_at(catalogue: Catalogue, theta: Any, names: Iterable[str]) -> dict[str, Any]:
