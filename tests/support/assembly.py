@@ -11,6 +11,9 @@ CALL = re.compile(r"^\s+(?:callq?|bl|jmpq?|b)\s+(?!\.?L)(\*?[A-Za-z_][\w.$]*)")
 #: Arithmetic of doubles; on x86 a plain .2d is an xmm register.
 PACKED = re.compile(r"^\s+(?:v?(?:add|sub|mul|div|sqrt)pd\b|f(?:add|sub|mul|div|sqrt)\s+v\d+\.2d)")
 SINGLE = re.compile(r"^\s+(?:v?(?:add|sub|mul|div|sqrt)sd\b|f(?:add|sub|mul|div|sqrt)\s+d\d+)")
+#: A number is copied to all lanes.
+SPREAD = re.compile(r"^\s+(?:v?(?:broadcastsd|movddup|unpcklpd|movlhps)\b|dup\s|.*\.d\[0\])")
+REGISTER = re.compile(r"%[xyz]mm(\d+)|\b[dvq](\d+)\b")
 #: Products fused with sums, which round once.
 FUSED = re.compile(r"^\s+(?:vfn?m(?:add|sub)\w*|fn?m(?:add|sub|la|ls))\b")
 
@@ -27,7 +30,28 @@ class Loop:
 
     @property
     def single(self) -> int:
-        return sum(bool(SINGLE.match(line)) for line in self.lines)
+        """Operations of one lane, but for those of numbers from outside, whose result goes to all lanes at once.
+
+        LLVM makes one such operation of a packed one between numbers that stand in all lanes.
+        """
+        spread: dict[int, bool] = {}
+        for k in reversed(range(len(self.lines))):
+            if SINGLE.match(self.lines[k]):
+                spread[k] = self._is_spread(k, spread)
+        return sum(not done for done in spread.values())
+
+    def _is_spread(self, k: int, spread: dict[int, bool]) -> bool:
+        """Tell whether the next line that reads what line k makes copies it to all lanes, or is of that kind itself."""
+        made = _registers(self.lines[k])
+        made = made[0] if re.match(r"\s+f", self.lines[k]) else made[-1]
+        for later in range(k + 1, len(self.lines)):
+            if made in _registers(self.lines[later]):
+                return spread.get(later, bool(SPREAD.match(self.lines[later])))
+        return False
+
+
+def _registers(line: str) -> list[str]:
+    return [x86 or arm for x86, arm in REGISTER.findall(line)]
 
 
 def inner_loops(text: str) -> list[Loop]:
