@@ -196,16 +196,14 @@ def test_a_file_of_text_is_written_again_where_it_is_damaged(place):
     assert cache.written_file("name.py", "text").read_text() == "text"
 
 
-@pytest.mark.parametrize("ending", ["nbi", "nbc"])
-@pytest.mark.parametrize("keep", [0, 40])
-def test_a_damaged_file_of_numba_is_made_again(place, ending, keep):
-    number = 2 * keep + (ending == "nbi")
-    run(place, number, "numba")
-    (file,) = place.rglob(f"*.{ending}")
-    whole = file.read_bytes()
-    file.write_bytes(whole[:keep])
-    assert run(place, number, "numba") == f"{number}.0"
-    assert next(place.rglob(f"*.{ending}")).stat().st_size >= len(whole) - 64  # paths and times differ
+def test_damaged_files_of_numba_are_made_again(place):
+    run(place, 7, "numba")
+    for ending, keep in (("nbi", 0), ("nbc", 40)):
+        (file,) = place.rglob(f"*.{ending}")
+        whole = file.read_bytes()
+        file.write_bytes(whole[:keep])
+        assert run(place, 7, "numba") == "7.0"
+        assert len(next(place.rglob(f"*.{ending}")).read_bytes()) > len(whole) / 2
 
 
 # -- processes -------------------------------------------------------------------------------------
