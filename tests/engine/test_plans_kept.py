@@ -1,0 +1,214 @@
+"""Plans are found once, whatever the values are, and anew when what is declared is another thing."""
+
+from __future__ import annotations
+
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import fastlink as fl
+from configurations import PLANAR
+from fastlink.asked import plans_of, resolve
+from fastlink.catalogue import Catalogue, Input
+from fastlink.plans import make_plans
+from fastlink.reading import evaluate
+from fastlink.study import read_study
+
+BAR = fl.round_bar(density=7750.0, radius=0.01)
+LENGTHS = {"a1": 0.4, "a2": 1.2, "a3": 0.8, "a4": 1.0}
+NAMES = ["omega4_max", "theta2"]
+
+
+def plan_of(names=NAMES, lengths=LENGTHS, **options):
+    return resolve("planar_4r", fl.grid(**lengths, omega1=25.0), names, **options).plan
+
+
+@pytest.mark.parametrize(
+    "other",
+    [
+        {"lengths": LENGTHS | {"a2": 1.3}},
+        {"lengths": LENGTHS | {"a2": [1.1, 1.3]}},
+        {"lengths": dict(reversed(LENGTHS.items()))},
+        {"theta1": 90},
+        {"theta1": 361},
+        {"names": tuple(NAMES)},
+        {"branch": [1, 2]},
+        {"backend": "numba"},
+    ],
+    ids=str,
+)
+def test_values_have_no_part_in_a_plan(other):
+    angles = other.pop("theta1", 360)
+    assert plan_of(angles=angles, **other) is plan_of()
+
+
+@pytest.mark.parametrize(
+    "other",
+    [
+        {"names": NAMES[::-1]},
+        {"names": ["omega4_max"]},
+        {"angles": 8},
+        {"angles": np.linspace(0.0, 1.0, 360)},
+        {"extrema": "sampled"},
+        {"branch": (2, 1)},
+        {"branch": 1},
+        {"links": BAR},
+        {"solver": "dense"},
+        {"lengths": LENGTHS | {"gravity_y": -9.81}},
+        {"input": "joint_angle_1", "lengths": LENGTHS, "names": ["status"]},
+    ],
+    ids=str,
+)
+def test_whatever_else_is_asked_has_a_part(other):
+    try:
+        found = plan_of(**other)
+    except fl.InputError:  # omega1 is no input of a joint
+        found = None
+    assert found is not plan_of()
+
+
+def test_a_kept_plan_is_the_plan():
+    options = {"given": [*LENGTHS, "omega1"], "branches": (1, 2), "alternatives": (), "extrema": "refined"}
+    kept = plans_of(PLANAR, ["omega4_max", "status"], True, angles=360, **options)
+    made = make_plans(PLANAR, ["omega4_max", "status"], angles=360, **options)
+    assert [part.source for part in kept.parts] == [part.source for part in made.parts]
+    assert [part.key for part in kept.parts] == [part.key for part in made.parts]
+
+
+def toy():
+    made = Catalogue("toy", "a toy", {1: "one"}, Input("theta", "rad", "theta", "input"))
+    made.input("a", units="m", symbol="a", meaning="a length")
+
+    def x(a, theta):
+        """A fact."""
+        return a * theta
+
+    made.quantity(units="m", symbol="x", source="here")(x)
+    return made
+
+
+def text_of(catalogue):
+    options = {"given": ["a"], "branches": (1,), "alternatives": (), "angles": 40, "extrema": "sampled"}
+    return plans_of(catalogue, ["x"], False, **options).parts[0].source
+
+
+def doubled(a, theta):
+    """Another fact."""
+    return 2.0 * a * theta
+
+
+def test_what_is_declared_anew_is_planned_anew():
+    first, second = toy(), toy()
+    assert text_of(first) == text_of(second)
+    fact = first.facts["x"]
+    first.facts["x"] = replace(fact, function=doubled)
+    assert "2.0 * " in text_of(first)
+    assert "2.0 * " not in text_of(second)
+    first.facts["x"] = fact
+    assert text_of(first) == text_of(second)
+    before = second.version
+    second.input("b", units="m", symbol="b", meaning="a length", alternative="more", default=1.0)
+    assert second.version != before
+    assert second.version == second.version
+
+
+def test_a_changed_plan_has_a_text_of_its_own():
+    (part, *_) = plan_of(["omega4_mean"]).parts
+    assert part.source
+    other = replace(part, branches=(1,))
+    assert other.source != part.source
+    assert other.key != part.key
+
+
+def test_threads_may_ask_at_once():
+    def ask(k):
+        lengths = LENGTHS | {"a2": 1.2 + 0.001 * (k % 7)}
+        maps = fl.sweep("planar_4r", fl.grid(**lengths, omega1=25.0), ["omega4_max"], threads=1)
+        return k % 7, maps.omega4_max.values.tolist()
+
+    with ThreadPoolExecutor(8) as pool:
+        found = list(pool.map(ask, range(56)))
+    for k, values in found:
+        assert values == dict(found[:7])[k]
+
+
+def test_one_design_is_labelled_like_one_of_many():
+    names = ["omega4_max", "omega4", "omega4_extrema", "status"]
+    given = {"a1": 0.4, "a3": 0.8, "a4": 1.0, "omega1": 25.0}
+    for k, a2 in enumerate((1.2, 1.25)):
+        one = fl.sweep("planar_4r", fl.grid(a2=a2, **given), names, theta1=40, attrs={"run": k})
+        many = fl.sweep("planar_4r", fl.grid(a2=[a2, 1.3], **given), names, theta1=40, attrs={"run": k})
+        expected = many.isel(a2=0)
+        assert one.identical(expected.assign_attrs(one.attrs))
+        assert set(one.attrs) == set(many.attrs)
+        assert one.run == k
+        assert {name: v.dtype for name, v in one.variables.items()} == {
+            name: v.dtype for name, v in expected.variables.items()
+        }
+
+
+def test_what_users_do_to_a_result_stays_there():
+    space = fl.grid(**LENGTHS, omega1=25.0)
+    first = fl.sweep("planar_4r", space, ["omega4_max"])
+    expected = fl.sweep("planar_4r", space, ["omega4_max"])
+    first.omega4_max.values[:] = 0.0
+    first.omega4_max.attrs["units"] = "none"
+    first.a2.attrs["units"] = "none"
+    first.a2.values[...] = 9.0
+    first.attrs["title"] = "mine"
+    for array in (first.status.attrs["flag_values"], first.branch.values):
+        with pytest.raises(ValueError, match="read-only"):
+            array[:] = 7
+    again = fl.sweep("planar_4r", space, ["omega4_max"])
+    assert again.identical(expected.assign_attrs(again.attrs))
+    assert again.title == expected.title
+
+
+@pytest.mark.parametrize("backend", ["llvm", "numba"])
+def test_a_map_says_what_compiled_it(backend, monkeypatch):
+    space = fl.grid(**LENGTHS, omega1=25.0)
+    maps = fl.sweep("planar_4r", space, ["status"], backend=backend)
+    assert maps.backend == backend
+    assert ("numba " in maps.source) == (backend == "numba")
+    assert "llvmlite " in maps.source
+    monkeypatch.setenv("FASTLINK_BACKEND", backend)
+    assert fl.sweep("planar_4r", space, ["status"]).backend == backend
+
+
+def test_an_unknown_backend_is_refused(monkeypatch):
+    with pytest.raises(fl.InputError, match="backend: 'gcc' is unknown"):
+        plan_of(backend="gcc")
+    monkeypatch.setenv("FASTLINK_BACKEND", "gcc")
+    with pytest.raises(fl.InputError, match="FASTLINK_BACKEND: 'gcc' is unknown"):
+        plan_of()
+
+
+def test_a_closure_is_found_anew_when_facts_change():
+    planar = PLANAR
+    given = LENGTHS | {"theta1": 0.3, "omega1": 25.0}
+    before = evaluate("planar_4r", ["omega4"], **given)
+    fact = planar.facts["omega4"]
+    planar.facts["omega4"] = replace(planar.facts["omega2"], name="omega4")
+    try:
+        assert evaluate("planar_4r", ["omega4"], **given) == {
+            "omega4": evaluate("planar_4r", ["omega2"], **given)["omega2"]
+        }
+    finally:
+        planar.facts["omega4"] = fact
+    assert evaluate("planar_4r", ["omega4"], **given) == before
+
+
+def test_a_study_names_the_backend(tmp_path):
+    study = tmp_path / "study.toml"
+    text = (
+        'mechanism = "planar_4r"\nquantities = ["status"]\n[design]\na1 = 0.4\na2 = 1.2\na3 = 0.8\na4 = 1.0\n'
+    )
+    study.write_text(text + '[run]\nbackend = "numba"\n')
+    assert read_study(study).options["backend"] == "numba"
+    study.write_text(text + '[run]\nbackend = "gcc"\n')
+    with pytest.raises(fl.InputError, match="run.backend: 'gcc' is unknown"):
+        read_study(study)
+    study.write_text(text)
+    assert read_study(study).options["backend"] is None
