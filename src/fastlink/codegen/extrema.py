@@ -290,8 +290,8 @@ class _Refined(RefinedLayout):
         text = self.text
         text.use("numerics.compiler", "outlined")
         text.add("@outlined")
-        text.open(f"def {name}(state, vectors, n):")
-        text.open("for v in range(n):")
+        text.open(f"def {name}(state, vectors, n_vectors):")
+        text.open("for v in range(n_vectors):")
         text.add("at = vectors[v]")
         text.open(f"for i in lanes({MOST_LANES}):")
         text.add(f"upper = state[{UPPER}, at + i] > 0.0")
