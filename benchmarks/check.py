@@ -1,7 +1,7 @@
 """``python -m benchmarks --check``: ratios of times that got worse than the committed record has them.
 
 A ratio is of two things that were timed in turns in one run: ours to C, to a peer, or to a fixed piece of Python. What
-looks worse is measured again, in further rounds of which the least counts: other load only ever makes it greater.
+looks worse is measured again, in further rounds of which the least counts: other load seldom slows one side alone.
 """
 
 from collections.abc import Callable
