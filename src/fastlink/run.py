@@ -30,6 +30,8 @@ __all__ = ["Deliver", "Job", "Part", "aligned", "block_length", "default_threads
 BLOCK_BYTES = 4 << 20
 BLOCK_DESIGNS = 4096
 CACHE_LINE = 64
+#: How many kernels' scratch a thread keeps, and of how many bytes at most: those of refined extremes have 1 to 3 MB.
+KEPT, KEPT_BYTES = 8, 4 << 20
 
 Fill = Callable[[int, int, "NDArray[Any]"], None]
 Deliver = Callable[[int, int, "list[NDArray[Any]]"], None]
@@ -82,6 +84,16 @@ class Job:
     size: int
 
 
+class _Kept(threading.local):
+    """Scratch of this thread's last kernels: its pages take as long to come as one design to be evaluated."""
+
+    def __init__(self) -> None:
+        self.arrays: dict[tuple[tuple[tuple[int, ...], str], ...], list[NDArray[Any]]] = {}
+
+
+_kept = _Kept()
+
+
 class _Bound:
     """A part with one thread's buffers."""
 
@@ -91,7 +103,8 @@ class _Bound:
         self.angles = aligned(part.angles.shape)
         self.angles[...] = part.angles
         n_angles = part.angles.shape[1]
-        self.scratch = [aligned(array.lengths(n_angles), array.dtype) for array in part.scratch]
+        self.needed = tuple((array.lengths(n_angles), array.dtype) for array in part.scratch)
+        self.scratch = _kept.arrays.pop(self.needed, []) or [aligned(*array) for array in self.needed]
 
     def __call__(self, start: int, end: int, arrays: Sequence[NDArray[Any]]) -> None:
         """Evaluate designs start to end into the arrays of the job."""
@@ -101,6 +114,13 @@ class _Bound:
         self.x[:, count:] = self.x[:, count - 1 : count]
         results = [arrays[k] for k in self.part.results]
         self.part.kernel(self.x, self.angles, count, self.angles.shape[1], *self.scratch, *results)
+
+    def release(self) -> None:
+        """Keep the scratch for this thread's next sweep."""
+        if sum(array.nbytes for array in self.scratch) <= KEPT_BYTES:
+            _kept.arrays[self.needed] = self.scratch
+            while len(_kept.arrays) > KEPT:
+                del _kept.arrays[next(iter(_kept.arrays))]
 
 
 def default_threads() -> int:
@@ -168,13 +188,15 @@ def run(
             with lock:
                 found = next(blocks, None)
             if found is None:
-                return
+                break
             start, end = found
             arrays = [a[: end - start] for a in own] if targets is None else [a[start:end] for a in targets]
             for part in parts:
                 part(start, end, arrays)
             if deliver is not None:
                 deliver(start, end, arrays)
+        for part in parts:
+            part.release()
 
     if threads == 1:
         work()

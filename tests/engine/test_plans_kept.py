@@ -208,7 +208,7 @@ def test_a_study_names_the_backend(tmp_path):
     study.write_text(text + '[run]\nbackend = "numba"\n')
     assert read_study(study).options["backend"] == "numba"
     study.write_text(text + '[run]\nbackend = "gcc"\n')
-    with pytest.raises(fl.InputError, match="run.backend: 'gcc' is unknown"):
+    with pytest.raises(fl.InputError, match=r"run\.backend: 'gcc' is unknown"):
         read_study(study)
     study.write_text(text)
     assert read_study(study).options["backend"] is None

@@ -86,7 +86,7 @@ def function(
     >>> speed([1.2, 0.8]).round(6)
     array([13.513437])
     >>> speed([[1.2, 1.3, 9.0], [0.8, 0.8, 0.8]]).round(6)
-    array([[13.513437, 13.2566, nan]])
+    array([[13.513437, 14.583591,       nan]])
     """
     by_name = dict(zip(POSITIONS, (theta1, theta, phi, sigma), strict=True))
     options: dict[str, Any] = {
