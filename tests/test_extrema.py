@@ -49,10 +49,6 @@ CLOSE_PAIRS = (
 )
 
 
-#: Rates of the coupler have the laws of the output link's: each kernel of theirs takes 7 s to compile.
-OF_EACH = [pytest.param(rate, marks=[pytest.mark.stress] if rate.endswith("2") else []) for rate in RATES]
-
-
 def hexadecimal(lengths: np.ndarray) -> str:
     return ", ".join(float(length).hex() for length in lengths)
 
@@ -126,7 +122,7 @@ def taken(lengths: np.ndarray, quantity: str, **options):
 
 
 @pytest.mark.parametrize("family", FAMILIES)
-@pytest.mark.parametrize("quantity", OF_EACH)
+@pytest.mark.parametrize("quantity", RATES)
 def test_max_and_min_are_the_outermost_extrema_or_infinite_at_a_toggle(family, quantity):
     lengths = FAMILIES[family](np.random.default_rng(90), 200)
     *taken_over, extremum, place = taken(lengths, quantity)
@@ -181,7 +177,7 @@ def test_the_swing_of_a_crank_rocker_lies_between_extrema_of_theta4():
     np.testing.assert_array_equal(least[:, 0], -greatest[:, 1])
 
 
-@pytest.mark.parametrize("quantity", [*OF_EACH, "transmission_angle", "B_x"])
+@pytest.mark.parametrize("quantity", [*RATES, "transmission_angle", "B_x"])
 def test_samples_never_exceed_the_refined_extremes_and_come_close(quantity):
     rng = np.random.default_rng(93)
     # Cranks far from a change point: what happens between two of 3600 samples is a parabola.

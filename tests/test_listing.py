@@ -114,8 +114,7 @@ def test_how_names_are_formed_is_said_once_and_is_true():
             assert text.count(f"NAME_{suffix}") == (2 if REDUCTIONS[suffix].has_place else 1)
         assert text.count("theta1_at_NAME_max") == 1
     space = fl.grid(a1=[0.3, 0.4], a2=1.2, a3=0.8, a4=1.0, omega1=25.0)
-    asked = ["omega4_rms", "theta1_at_omega4_max"]
-    maps = fl.sweep("planar_4r", space, asked, theta1=4, extrema="sampled")
+    maps = fl.sweep("planar_4r", space, ["omega4_rms", "theta1_at_omega4_max"], theta1=4)
     assert maps["omega4_rms"].dims == maps["theta1_at_omega4_max"].dims == ("a1", "branch")
     assert maps["theta1_at_omega4_max"].attrs["units"] == "rad"
 
