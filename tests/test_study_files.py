@@ -58,7 +58,6 @@ def test_the_example_of_the_paper(folder):
     assert {"omega4", "alpha4", "T41", "shaking_force", "shaking_moment"} <= set(maps)
 
 
-@pytest.mark.stress
 def test_the_example_of_the_paper_to_every_digit(folder):
     with run_study(STUDIES / "hayes_table1.toml") as maps:
         # Half a unit of the last of ten digits printed; of the places the errata give eleven decimals.
