@@ -12,7 +12,7 @@ import numpy as np
 from fastlink.codegen.expressions import Expressions, Unknown
 from fastlink.codegen.ir import LLVM, Array, Lane, Value, constant, type_of
 from fastlink.numerics import elementary
-from fastlink.numerics.compiler import COMPILED_AS, INLINED, OUTLINED, syntax
+from fastlink.numerics.compiler import COMPILED_AS, INLINED, MERGED, OUTLINED, syntax
 
 __all__ = ["Calls"]
 
@@ -26,7 +26,7 @@ class Calls(Expressions):
 
     @abstractmethod
     def translated(
-        self, node: ast.FunctionDef, scope: dict[str, Any], args: Sequence[Any]
+        self, node: ast.FunctionDef, scope: dict[str, Any], args: Sequence[Any], *, merged: bool
     ) -> tuple[str, str | None]:
         """Return the name of a function for arguments of these kinds, and the kind of its result."""
 
@@ -107,7 +107,7 @@ class Calls(Expressions):
         if function in OUTLINED | INLINED and len(args) != function.__code__.co_argcount:
             self.refuse(node, "it takes other arguments")
         if function in OUTLINED:
-            return self.call_function(syntax(function), function.__globals__, args)
+            return self.call_function(syntax(function), function.__globals__, args, merged=function in MERGED)
         if function in INLINED:
             return self.paste(function, args)
         self.refuse(node, "it is none of the functions that kernels call")
@@ -122,10 +122,10 @@ class Calls(Expressions):
         return Array(of.at, "i", (constant(known // 8),))
 
     def call_function(
-        self, node: ast.FunctionDef, scope: dict[str, Any], args: Sequence[Any]
+        self, node: ast.FunctionDef, scope: dict[str, Any], args: Sequence[Any], *, merged: bool = False
     ) -> Value | None:
         """Call a function, which is translated if it is not yet."""
-        name, kind = self.translated(node, scope, args)
+        name, kind = self.translated(node, scope, args, merged=merged)
         given = []
         for arg in args:
             if isinstance(arg, Array):

@@ -16,9 +16,10 @@ import llvmlite.binding as llvm
 
 __all__ = ["assembly", "compile_object", "host", "lanes_of_host", "load_object", "optimised", "version"]
 
-#: What the text leaves to do: registers for what stands in memory, and what is computed twice. LLVM's whole O2 takes
-#: five times as long, and its code runs as fast (within 3 % over nine kernels).
-PASSES = ("sroa", "instruction_combine", "simplify_cfg", "new_gvn", "aggressive_dce")
+#: What the text leaves to do: short functions are merged into their callers, what stands in memory goes to registers,
+#: what is computed twice is computed once. LLVM's O2 takes five times as long and its code as much time to run (within
+#: 3 % over nine kernels).
+PASSES = ("always_inliner", "sroa", "instruction_combine", "simplify_cfg", "new_gvn", "aggressive_dce")
 #: Of the calls into LLVM: llvmlite has one lock for all of them anyway.
 _lock = threading.RLock()
 

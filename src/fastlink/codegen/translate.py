@@ -70,7 +70,7 @@ class _Function(Calls):
         assert isinstance(arg, Value)
         return self.slot(Value(next_one(LLVM[arg.kind]), arg.kind))
 
-    def finish(self) -> tuple[str, str | None]:
+    def finish(self, *, merged: bool) -> tuple[str, str | None]:
         """Translate the body, add the function to the module, return its name and the kind of its result."""
         self.block(self.node.body)
         if self.result is None:
@@ -78,15 +78,18 @@ class _Function(Calls):
         else:
             self.put("unreachable")
         result = LLVM[self.result] if self.result else "void"
-        head = f"define internal {result} @{self.symbol}({', '.join(self.parameters)}) #0 {{\nentry:"
+        attributes = "#1" if merged else "#0"
+        head = (
+            f"define internal {result} @{self.symbol}({', '.join(self.parameters)}) {attributes} {{\nentry:"
+        )
         self.module.text += [head, *self.allocas, *self.lines, "}"]
         return self.symbol, self.result
 
     def translated(
-        self, node: ast.FunctionDef, scope: dict[str, Any], args: Sequence[Any]
+        self, node: ast.FunctionDef, scope: dict[str, Any], args: Sequence[Any], *, merged: bool
     ) -> tuple[str, str | None]:
         """Return the name of a function for arguments of these kinds, and the kind of its result."""
-        return translate_function(self.module, node, scope, args)
+        return translate_function(self.module, node, scope, args, merged=merged)
 
     # -- statements --------------------------------------------------------------------------------
 
@@ -260,13 +263,14 @@ def translate_function(
     args: Sequence[Name],
     *,
     noalias: bool = False,
+    merged: bool = False,
 ) -> tuple[str, str | None]:
     """Translate a function for arguments of these kinds, once; return its name and the kind of its result."""
     key = (node, tuple(_signature(arg) for arg in args))
     if key not in module.functions:
         symbol = f"{node.name}.{len(module.functions)}"
         module.functions[key] = symbol, None
-        module.functions[key] = _Function(module, node, scope, args, symbol, noalias).finish()
+        module.functions[key] = _Function(module, node, scope, args, symbol, noalias).finish(merged=merged)
     return module.functions[key]
 
 

@@ -15,8 +15,8 @@ from functools import cache
 from typing import Any, TypeVar
 
 __all__ = [
-    *("COMPILED_AS", "INLINED", "OUTLINED"),
-    *("compiled_as", "entries", "inlined", "lanes", "outlined", "syntax"),
+    *("COMPILED_AS", "INLINED", "MERGED", "OUTLINED"),
+    *("compiled_as", "entries", "inlined", "lanes", "merged", "outlined", "syntax"),
 ]
 
 F = TypeVar("F", bound=Callable[..., Any])
@@ -25,6 +25,8 @@ F = TypeVar("F", bound=Callable[..., Any])
 INLINED: set[Callable[..., Any]] = set()
 #: Functions that kernels call: a text with loops of its own, compiled once for each kernel.
 OUTLINED: set[Callable[..., Any]] = set()
+#: Of these, the short ones that are called often: LLVM merges them into their callers.
+MERGED: set[Callable[..., Any]] = set()
 #: The straight-line text of a function whose other readings are more than that text.
 COMPILED_AS: dict[Callable[..., Any], Callable[..., Any]] = {}
 
@@ -69,6 +71,12 @@ def outlined(function: F) -> F:
     """Mark a function with loops of its own."""
     OUTLINED.add(function)
     return function
+
+
+def merged(function: F) -> F:
+    """Mark a short function with branches; a call of it costs more than what it does."""
+    MERGED.add(function)
+    return outlined(function)
 
 
 def compiled_as(text: Callable[..., Any]) -> Callable[[F], F]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from fastlink.numerics.compiler import lanes, outlined
+from fastlink.numerics.compiler import lanes, merged, outlined
 
 __all__ = ["ITEM_ROWS", "LANES", "MOST_LANES", "STATE_ROWS", "append_item", "gather"]
 
@@ -19,7 +19,7 @@ X, F, X1, F1, X2, F2, TOLERANCE, STEPS, OPEN = range(ITEM_ROWS, ITEM_ROWS + 9)
 STATE_ROWS = ITEM_ROWS + 9
 
 
-@outlined
+@merged
 def append_item(
     items: Any,
     count: int,

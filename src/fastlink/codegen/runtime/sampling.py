@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from fastlink.codegen.runtime.cells import FC, MOST_LANES, XC, append_item
-from fastlink.numerics.compiler import inlined, lanes, outlined
+from fastlink.numerics.compiler import inlined, lanes, merged, outlined
 from fastlink.numerics.elementary import sqrt, trailing_zeros
 
 __all__ = ["collect", "mark", "mark_ends", "place_samples", "silenced"]
@@ -116,7 +116,7 @@ def mark_ends(values: Any, flags: Any, f: int, beyond: int, last: int, sign: flo
         flags[end, i] = mark(values[end - 1, i], values[end, i], values[beyond + last - 1, i], sign)
 
 
-@outlined
+@merged
 def _place(w: Any, rows: int, cells: int, j: int, upper: bool, lane: int) -> float:
     """Return the place of a sample from the lower end, or from the upper one."""
     if upper:
