@@ -14,7 +14,7 @@ from fastlink.codegen.ir import Array, Builder, Lane, Slot, Value, constant, typ
 if TYPE_CHECKING:
     from fastlink.codegen.module import Module
 
-__all__ = ["Expressions", "Name", "Refused", "Unknown"]
+__all__ = ["Expressions", "Name", "Refused", "Unknown", "as_load"]
 
 FLOATING = {ast.Add: "add", ast.Sub: "sub", ast.Mult: "mul", ast.Div: "div"}
 INTEGER = {
@@ -40,6 +40,14 @@ class Refused(Exception):
 
 class Unknown(Exception):
     """A name that nothing binds."""
+
+
+def as_load(target: ast.expr) -> ast.expr:
+    """Return the expression that reads what an assignment writes."""
+    if isinstance(target, ast.Name):
+        return ast.Name(target.id, ast.Load())
+    assert isinstance(target, ast.Subscript)
+    return ast.Subscript(target.value, target.slice, ast.Load())
 
 
 class Expressions(Builder, ABC):

@@ -17,7 +17,7 @@ from collections.abc import Sequence
 from typing import Any
 
 from fastlink.codegen.calls import Calls
-from fastlink.codegen.expressions import Name, Refused
+from fastlink.codegen.expressions import Name, Refused, as_load
 from fastlink.codegen.ir import LLVM, Array, Lane, Slot, Value, constant
 from fastlink.codegen.module import Module
 
@@ -113,7 +113,7 @@ class _Function(Calls):
             case ast.Assign(targets=[target]):
                 self.assign(target, self.value(node.value))
             case ast.AugAssign():
-                now = self.number(_as_load(node.target))
+                now = self.number(as_load(node.target))
                 self.assign(node.target, self.binary(node, node.op, now, self.number(node.value)))
             case ast.If():
                 self.do_if(node)
@@ -272,14 +272,6 @@ def translate_function(
         module.functions[key] = symbol, None
         module.functions[key] = _Function(module, node, scope, args, symbol, noalias).finish(merged=merged)
     return module.functions[key]
-
-
-def _as_load(target: ast.expr) -> ast.expr:
-    """Return the expression that reads what an assignment writes."""
-    if isinstance(target, ast.Name):
-        return ast.Name(target.id, ast.Load())
-    assert isinstance(target, ast.Subscript)
-    return ast.Subscript(target.value, target.slice, ast.Load())
 
 
 def scope_of(tree: ast.Module) -> dict[str, Any]:
