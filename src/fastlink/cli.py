@@ -194,7 +194,9 @@ def accuracy(
     from fastlink.accuracy import accuracy as measure
     from fastlink.accuracy import accuracy_table
 
-    found = measure(study, designs=designs, outside=outside, to=to, picture=picture, overwrite=overwrite)
+    options: dict[str, Any] = {"to": to, "picture": picture, "overwrite": overwrite}
+    announce = functools.partial(typer.echo, err=True)
+    found = measure(study, designs=designs, outside=outside, announce=announce, **options)
     typer.echo(accuracy_table(found))
 
 

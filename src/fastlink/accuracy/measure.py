@@ -10,7 +10,7 @@ import xarray as xr
 
 from fastlink.accuracy.report import draw, front
 from fastlink.accuracy.truth import truth_of
-from fastlink.accuracy.ways import Subject, race, ways_for
+from fastlink.accuracy.ways import SECONDS_OF_DESIGN, SECONDS_OF_WAY, Subject, race, ways_for
 from fastlink.asked import resolve
 from fastlink.errors import InputError
 from fastlink.label import plain_attrs
@@ -19,6 +19,8 @@ from fastlink.store import check_target
 from fastlink.study import read_study
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from numpy.typing import NDArray
 
     from fastlink.plans import PlanSet
@@ -46,6 +48,7 @@ def accuracy(
     to: str | Path | None = None,
     picture: str | Path | None = None,
     overwrite: bool = False,
+    announce: Callable[[str], None] | None = None,
 ) -> xr.Dataset:
     """Measure error and run time of a study's quantities by every way that the engine offers.
 
@@ -69,6 +72,8 @@ def accuracy(
         A work-precision diagram to write, png, svg or pdf by its ending.
     overwrite : bool
         Replace an existing file.
+    announce : callable, optional
+        Called with a line that says how much is measured and about how long it takes, before it starts.
 
     Returns
     -------
@@ -110,11 +115,14 @@ def accuracy(
         raise InputError(
             f"{study}: quantities: none is told of single positions or of the design, or is NAME_max or NAME_min"
         )
+    subjects = [Subject(read.shape.mechanism, space, quantity, read.options) for quantity in measured]
+    ways = [ways_for(subject, outside) for subject in subjects]
+    if announce is not None:
+        announce(_expected(sum(map(len, ways)), len(measured), space.size))
     rows: dict[tuple[str, str], dict[str, float]] = {}
-    for quantity in measured:
-        subject = Subject(read.shape.mechanism, space, quantity, read.options)
-        truth = truth_of(subject, rng)
-        for way, bound in race(subject, ways_for(subject, outside)).items():
+    for subject, of_subject in zip(subjects, ways, strict=True):
+        truth, quantity = truth_of(subject, rng), subject.quantity
+        for way, bound in race(subject, of_subject).items():
             time = 1e9 * bound.seconds / bound.designs
             rows[way, quantity] = _statistics(*truth.errors(bound.values)) | {"ns_per_design": time}
     attrs = {
@@ -133,6 +141,13 @@ def accuracy(
     if picture is not None:
         draw(result, picture)
     return result
+
+
+def _expected(ways: int, quantities: int, designs: int) -> str:
+    """Return what is said before measuring."""
+    seconds = ways * SECONDS_OF_WAY + quantities * designs * SECONDS_OF_DESIGN
+    of = "quantity" if quantities == 1 else "quantities"
+    return f"{ways} ways to {quantities} {of} of {designs} designs: about {max(1, round(seconds))} s"
 
 
 def _measurable(plan: PlanSet) -> tuple[list[str], list[str]]:

@@ -20,16 +20,19 @@ if TYPE_CHECKING:
 
     from fastlink.space import DesignSpace
 
-__all__ = ["Bound", "Subject", "Way", "race", "ways_for"]
+__all__ = ["SECONDS_OF_DESIGN", "SECONDS_OF_WAY", "Bound", "Subject", "Way", "race", "ways_for"]
 
 #: Numbers of input angles that extremes are taken over, and the one for everything else.
 ANGLES = tuple(2**k for k in range(5, 13))
 USUAL = 360
 #: Ways outside the kernels take so long for each design that few must do.
 OUTSIDE_DESIGNS = 8
-#: A way is timed for so long at least (other processes leave some runs of that length whole), so often, and with no
-#: more designs.
-SECONDS, REPEATS, MOST_DESIGNS = 0.003, 40, 2**16
+#: A way is timed for so long at least (other processes leave some runs of that length whole), and with no more designs.
+SECONDS, MOST_DESIGNS = 0.002, 2**16
+#: Rounds end when none of the ways got faster by this part in so many of them, and after the last.
+GAIN, IDLE, MOST_ROUNDS = 0.01, 6, 40
+#: What a way and a design of the reference take about, to tell beforehand: compiling, a dozen rounds; 50 digits.
+SECONDS_OF_WAY, SECONDS_OF_DESIGN = 0.2, 0.04
 
 
 @dataclass(frozen=True)
@@ -112,9 +115,14 @@ class Bound:
 def race(subject: Subject, ways: Iterable[Way]) -> dict[str, Bound]:
     """Return every way by name, timed in turns: what else the machine does then meets all alike."""
     bound = {way.name: way.bind(subject) for way in ways}
-    for _ in range(REPEATS):
-        for one in bound.values():
-            one.time()
+    idle = 0
+    for _ in range(MOST_ROUNDS):
+        before = [one.seconds for one in bound.values()]
+        after = [one.time() for one in bound.values()]
+        gained = any(now < (1.0 - GAIN) * then for then, now in zip(before, after, strict=True))
+        idle = 0 if gained else idle + 1
+        if idle == IDLE:
+            break
     return bound
 
 
