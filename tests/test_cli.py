@@ -129,13 +129,10 @@ def test_an_interrupted_run_is_kept_to_go_on(folder):
         .replace("1.0, 4]", "1.0, 10000]")
         .replace("theta1 = 36", "theta1 = 1000")
     )
-    process = subprocess.Popen(
-        [*MAIN, "run", "study.toml"],
-        stderr=subprocess.PIPE,
-        text=True,
-        # A shell's background job ignores the signal, and so would the child.
-        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL),
-    )
+    # A shell's background job ignores the signal, and so would the child.
+    heed = "import os, signal, sys; signal.signal(signal.SIGINT, signal.SIG_DFL); os.execv(sys.argv[1], sys.argv[1:])"
+    command = [sys.executable, "-c", heed, *MAIN, "run", "study.toml"]
+    process = subprocess.Popen(command, stderr=subprocess.PIPE, text=True)
     try:
         limit = time.monotonic() + 60
         while not Path("study.h5.part").exists() and process.poll() is None and time.monotonic() < limit:
