@@ -142,7 +142,7 @@ def test_times_to_an_answer_are_measured(results):
     if not heyoka_baseline.available():
         assert row.pop("to_heyoka") is row.pop("compile_heyoka") is None
     numbers = [value for name, value in row.items() if name != "request" and value is not None]
-    assert len(numbers) >= 8
+    assert len(numbers) >= len(row) - 2  # but the request, and the peak of memory where no system tells it
     assert all(math.isfinite(value) and value > 0 for value in numbers)
     assert all(math.isfinite(value) and value > 0 for _, value, _, _ in answers.small_calls())
 
