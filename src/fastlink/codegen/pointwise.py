@@ -248,14 +248,27 @@ class _Writer(KernelLayout):
                 text.add(f"tile[{row}, j] = {name}")
         text.close()
 
+    def write_per_design(self, counters: str) -> None:
+        """Store what each design has one of."""
+        self.text.open(f"for i in {counters}:")
+        for output in self.per_design:
+            self.text.add(f"out_{output.name}[i0 + i] = {self.row(output.request.quantity)}")
+        self.text.close()
+
     def write_results(self) -> None:
         """Copy what each design has one of, and finish the reductions."""
         text = self.text
-        if not (self.per_design or self.cycles):
+        if self.per_design:
+            # Whole blocks are stored by vectors: one by one, types of linkages take a third longer.
+            text.open(f"if n_here == {LANES}:")
+            self.write_per_design(f"lanes({LANES})")
+            text.close()
+            text.open("else:")
+            self.write_per_design("range(n_here)")
+            text.close()
+        if not self.cycles:
             return
         text.open("for i in range(n_here):")
-        for output in self.per_design:
-            text.add(f"out_{output.name}[i0 + i] = {self.row(output.request.quantity)}")
         for output in self.cycles:
             reduction = output.request.reduction
             assert reduction is not None
