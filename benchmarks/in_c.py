@@ -151,6 +151,16 @@ class _Function:
                     f"if (width % {MOST_LANES}) __builtin_unreachable();"
                 )  # gcc writes no rest of a loop
 
+    def branches(self, statement):
+        self.add(f"if ({self.text(statement.test)}) {{")
+        for body in (statement.body, statement.orelse):
+            self.scopes.append(set())
+            self.walk(body)
+            self.scopes.pop()
+            if body is statement.body:
+                self.add("} else {")
+        self.add("}")
+
     def walk(self, body):
         for statement in body:
             if isinstance(statement, ast.Assign):
@@ -171,6 +181,8 @@ class _Function:
                 self.walk(statement.body)
                 self.scopes.pop()
                 self.add("}")
+            elif isinstance(statement, ast.If):
+                self.branches(statement)
             elif not isinstance(statement, ast.Expr):
                 raise NotImplementedError(f"in C: {ast.unparse(statement)}")
 
