@@ -22,7 +22,7 @@ ASKED = ["omega4_max", "theta4", "grashof_class"]
 
 
 def sweep(to, **given):
-    options = {"theta1": 8, "block": 64, "threads": 1, "to": to} | given.pop("options", {})
+    options = {"theta1": 8, "block": 64, "threads": 1, "to": to, "verify": 2} | given.pop("options", {})
     return fl.sweep("planar_4r", fl.grid(**(DESIGNS | {"omega1": 2.0} | given)), ASKED, **options)
 
 
@@ -108,7 +108,7 @@ journal.Journal._commit = counted
 fl.sweep(
     "planar_4r",
     fl.grid(a1=0.4, a2=np.linspace(1.0, 1.4, 41), a3=np.linspace(0.6, 1.0, 31), a4=1.0, omega1=2.0),
-    ["omega4_max", "theta4", "grashof_class"], theta1=8, block=8, threads=2, to=place,
+    ["omega4_max", "theta4", "grashof_class"], theta1=8, block=8, threads=2, to=place, verify=2,
 )
 """
 

@@ -341,12 +341,12 @@ def test_a_map_that_does_not_fit_the_disk_is_refused_before_anything_is_computed
 
 def test_an_existing_file_is_kept_unless_overwrite(tmp_path):
     path = tmp_path / "maps.h5"
-    small_map(to=path).close()
+    small_map(to=path, verify=0).close()
     before = path.read_bytes()
     with pytest.raises(fl.InputError, match="the file exists; choose another name or set overwrite"):
-        small_map(to=path)
+        small_map(to=path, verify=0)
     assert path.read_bytes() == before
-    small_map(to=path, overwrite=True).close()
+    small_map(to=path, overwrite=True, verify=0).close()
 
 
 def test_an_output_folder_that_does_not_exist(tmp_path):
