@@ -29,7 +29,9 @@ SPEEDS = np.array([0.5, 1.0, 8.0])
 
 def sweep(quantities=ASKED, mechanism="planar_4r", links=BAR, **given):
     options = {
-        key: given.pop(key) for key in ("to", "block", "threads", "overwrite", "solver", "verify") if key in given
+        key: given.pop(key)
+        for key in ("to", "block", "threads", "overwrite", "solver", "verify")
+        if key in given
     }
     return fl.sweep(mechanism, fl.grid(**given), quantities, links=links, theta1=12, **options)
 
