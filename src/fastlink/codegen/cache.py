@@ -185,7 +185,7 @@ def _write(path: Path, data: bytes) -> None:
 
 @dataclass(frozen=True)
 class Contents:
-    """What the cache holds.
+    """The contents of the cache.
 
     Attributes
     ----------

@@ -87,7 +87,7 @@ class _Refined(RefinedLayout):
     # -- the loops ---------------------------------------------------------------------------------
 
     def write_tables(self) -> None:
-        """What tells the searches and branches apart."""
+        """Write the tables that tell the searches and branches apart."""
         plan, searches = self.plan, self.plan.searches
         toggle = self.row(self.graded.ends[0][2])
         for name, numbers in (
@@ -105,7 +105,7 @@ class _Refined(RefinedLayout):
             self.text.add(f"{name} = array({numbers})")
 
     def write_designs(self) -> None:
-        """What depends on the design alone."""
+        """Write the values that depend on the design alone."""
         text, plan = self.text, self.plan
         text.open("for i in lanes(width):")
         for k, name in enumerate(plan.inputs):
@@ -182,7 +182,7 @@ class _Refined(RefinedLayout):
     def load_designs(
         self, steps: Sequence[Fact], row: Callable[[str], int], array: str, lane: str = "i"
     ) -> None:
-        """What facts need of the design."""
+        """Write the loads of the design values that facts need."""
         for name in self.design_needs(steps):
             self.text.add(f"{name} = {array}[{row(name)}, {lane}]")
 

@@ -1,4 +1,4 @@
-"""What kernels call: functions with loops of their own, in the grammar of `fastlink.codegen.translate`.
+"""Functions that kernels call, with loops of their own, in the grammar of `fastlink.codegen.translate`.
 
 Every array is given by the caller; nothing is allocated here.
 """

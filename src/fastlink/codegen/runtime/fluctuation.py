@@ -1,4 +1,4 @@
-"""What needs a whole cycle at once, not one input position after the other; lanes are designs."""
+"""Reductions of a whole cycle at once, not of one input position after the other; lanes are designs."""
 
 from __future__ import annotations
 
