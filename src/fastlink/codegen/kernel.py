@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from fastlink.codegen.cache import alone, environment, forget, kept
-from fastlink.codegen.machine import compile_object, host, lanes_of_host, load_object, version
+from fastlink.codegen.machine import Loaded, compile_object, host, lanes_of_host, version
 from fastlink.codegen.notice import notice
 from fastlink.codegen.source import Source
 from fastlink.codegen.translate import Refused, translate
@@ -77,7 +77,7 @@ class Kernel:
 
     def __init__(self, source: Source, code: bytes) -> None:
         self.source = source
-        self._code = load_object(code)
+        self._code = Loaded(code)
         self.address, self.call = self._code.address, self._code.call
         self._arguments = source.arguments
 

@@ -14,7 +14,7 @@ from typing import Any
 import llvmlite
 import llvmlite.binding as llvm
 
-__all__ = ["assembly", "compile_object", "host", "lanes_of_host", "load_object", "optimised", "version"]
+__all__ = ["Loaded", "assembly", "compile_object", "host", "lanes_of_host", "optimised", "version"]
 
 #: What the text leaves to do: short functions are merged into their callers, what stands in memory goes to registers,
 #: what is computed twice is computed once. LLVM's O2 takes five times as long and its code as much time to run (within
@@ -120,8 +120,3 @@ class Loaded:
         if not self.address:
             raise ValueError("object code without a kernel")
         self.call = ctypes.CFUNCTYPE(None, ctypes.c_void_p)(self.address)
-
-
-def load_object(code: bytes) -> Loaded:
-    """Return object code, loaded."""
-    return Loaded(code)

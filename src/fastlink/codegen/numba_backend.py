@@ -8,7 +8,6 @@ from __future__ import annotations
 import importlib.util
 import sys
 from collections.abc import Callable, Sequence
-from functools import cache
 from typing import TYPE_CHECKING, Any
 
 import numba
@@ -18,7 +17,7 @@ from numba.extending import overload, register_jitable
 
 from fastlink.codegen.cache import written_file
 from fastlink.numerics import elementary
-from fastlink.numerics.compiler import COMPILED_AS, INLINED, OUTLINED
+from fastlink.numerics.compiler import COMPILED_AS, INLINED, OUTLINED, RELAXED
 
 if TYPE_CHECKING:
     from types import ModuleType
@@ -30,8 +29,6 @@ __all__ = ["compile_by_numba"]
 #: Keeps divisions free of branches; with numba's default nothing vectorises.
 OPTIONS: dict[str, Any] = {"error_model": "numpy", "nogil": True}
 INLINE_OPTIONS: dict[str, Any] = {"error_model": "numpy", "forceinline": True}
-#: Freedoms that are never taken but to show what they would cost and gain: see docs/accuracy.md.
-RELAXED = {"reassoc", "contract", "arcp", "nsz"}
 
 
 def _trailing_zeros(bits: Any) -> Any:
@@ -52,9 +49,8 @@ OPERATIONS: dict[Callable[..., Any], Callable[..., Any]] = {
 }
 
 
-@cache
-def _declared() -> set[Callable[..., Any]]:
-    return set()
+#: The functions that numba was told of.
+_declared: set[Callable[..., Any]] = set()
 
 
 def declare() -> None:
@@ -65,9 +61,9 @@ def declare() -> None:
 
     texts = OPERATIONS | COMPILED_AS
     for function in [*texts, *INLINED, *OUTLINED]:
-        if function in _declared():
+        if function in _declared:
             continue
-        _declared().add(function)
+        _declared.add(function)
         if function in texts:
             overload(function, jit_options=INLINE_OPTIONS, strict=False)(reading(texts[function]))
         else:
@@ -113,7 +109,7 @@ def compile_by_numba(source: Source, key: str, *, relaxed: bool = False) -> Call
     for function in vars(module).values():
         if callable(function) and function in OUTLINED:
             register_jitable(**OPTIONS)(function)
-    options = OPTIONS | ({"fastmath": RELAXED} if relaxed else {})
+    options = OPTIONS | ({"fastmath": set(RELAXED)} if relaxed else {})
     kernel = numba.njit(**options, cache=True, pipeline_class=_Restrict)(module.kernel)
     kernel.compile(_signature(source.arguments))
     return kernel  # type: ignore[no-any-return]

@@ -20,11 +20,10 @@ from fastlink.codegen.calls import Calls
 from fastlink.codegen.expressions import Name, Refused, as_load
 from fastlink.codegen.ir import LLVM, Array, Lane, Slot, Value, constant
 from fastlink.codegen.module import Module
+from fastlink.numerics.compiler import RELAXED
 
 __all__ = ["Refused", "translate"]
 
-#: Freedoms that are never taken but to show what they would cost and gain: see docs/accuracy.md.
-RELAXED = " reassoc contract arcp nsz"
 #: Loops whose counter is many at once.
 ABREAST = ("lanes", "entries")
 
@@ -308,7 +307,8 @@ def translate(
         The text is not of the grammar.
     """
     tree = ast.parse(text)
-    module, args, places = Module(lanes, RELAXED if relaxed else ""), [], []
+    flags = "".join(f" {freedom}" for freedom in RELAXED) if relaxed else ""
+    module, args, places = Module(lanes, flags), [], []
     for kind, lengths in arguments:
         places += [*(["ptr"] if lengths else ["i64"]), *("i64" for length in lengths if length is None)]
         shape = (Value("", "i") if length is None else constant(length) for length in lengths)

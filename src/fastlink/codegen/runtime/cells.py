@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from typing import Any
 
-from fastlink.numerics.compiler import lanes, merged, outlined
+from fastlink.numerics.compiler import inlined, lanes, merged, outlined
 
-__all__ = ["ITEM_ROWS", "LANES", "MOST_LANES", "STATE_ROWS", "append_item", "gather"]
+__all__ = ["ITEM_ROWS", "LANES", "MOST_LANES", "STATE_ROWS", "append_item", "gather", "padded"]
 
 LANES = 64
 #: Doubles in the widest vectors: loops over lanes run over whole numbers of these.
@@ -17,6 +17,12 @@ ITEM_ROWS = 9
 # Rows of the state of `LANES` items under way: the item, then what the iteration keeps.
 X, F, X1, F1, X2, F2, TOLERANCE, STEPS, OPEN = range(ITEM_ROWS, ITEM_ROWS + 9)
 STATE_ROWS = ITEM_ROWS + 9
+
+
+@inlined
+def padded(count: int) -> int:
+    """Return the number of lanes of the whole vectors that hold so many."""
+    return (count + (MOST_LANES - 1)) & -MOST_LANES
 
 
 @merged
@@ -51,7 +57,7 @@ def gather(items: Any, start: int, stop: int, w: Any, rows: Any, s: Any) -> int:
     Lanes beyond the last item, up to a whole number of vectors, repeat it.
     """
     count = min(LANES, stop - start)
-    width = (count + (MOST_LANES - 1)) & -MOST_LANES
+    width = padded(count)
     if start + count == stop:
         for k in range(stop, start + width):
             for r in range(ITEM_ROWS):

@@ -27,6 +27,7 @@ from fastlink.codegen.runtime.cells import (
     F,
     X,
     append_item,
+    padded,
 )
 from fastlink.numerics.compiler import inlined, lanes, outlined
 
@@ -48,7 +49,7 @@ GOLDEN = 0.3819660112501051
 @outlined
 def begin_valleys(s: Any, count: int, vectors: Any) -> int:
     """Choose the first place of each valley; return how many vectors are open."""
-    width = (count + (MOST_LANES - 1)) & -MOST_LANES
+    width = padded(count)
     for i in lanes(width):
         low, high, c = s[XA, i], s[XB, i], s[XC, i]
         turned = high < low
@@ -69,7 +70,7 @@ def begin_valleys(s: Any, count: int, vectors: Any) -> int:
 @outlined
 def begin_roots(s: Any, count: int, vectors: Any, flags: Any) -> int:
     """Choose the first place of each root, which may be an end of its bracket; return how many vectors are open."""
-    width = (count + (MOST_LANES - 1)) & -MOST_LANES
+    width = padded(count)
     for i in lanes(width):
         a, fa, b, fb = s[XA, i], s[FA, i], s[XB, i], s[FB, i]
         s[TOLERANCE, i] = ABSOLUTE * (b if b > a else a)
@@ -90,7 +91,7 @@ def begin_roots(s: Any, count: int, vectors: Any, flags: Any) -> int:
 @outlined
 def every_vector(vectors: Any, count: int) -> int:
     """List the vectors of so many items; return how many."""
-    n = (count + (MOST_LANES - 1)) >> 3
+    n = padded(count) >> 3
     for k in range(n):
         vectors[k] = k << 3
     return n
@@ -99,7 +100,7 @@ def every_vector(vectors: Any, count: int) -> int:
 @outlined
 def place_ends(s: Any, count: int) -> None:
     """Place items at the ends of the range, where they are."""
-    for i in lanes((count + (MOST_LANES - 1)) & -MOST_LANES):
+    for i in lanes(padded(count)):
         s[X, i] = s[XA, i]
 
 

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from fastlink.codegen.runtime.cells import FC, MOST_LANES, XC, append_item
+from fastlink.codegen.runtime.cells import FC, XC, append_item, padded
 from fastlink.numerics.compiler import inlined, lanes, merged, outlined
 from fastlink.numerics.elementary import sqrt, trailing_zeros
 
@@ -161,7 +161,7 @@ def collect(
     for j in range(last + 1):
         # Eight marks at once: most are none.
         words = flags[f + j].view(np.int64)
-        for k in range((count + (MOST_LANES - 1)) >> 3):
+        for k in range(padded(count) >> 3):
             word = words[k]
             while word != 0:
                 shift = trailing_zeros(word) & 56
