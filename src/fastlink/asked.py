@@ -59,7 +59,7 @@ class Asked:
     positions : array
         Input positions.
     solver : str
-        How reactions are found.
+        How reactions are found; empty where nothing that is computed depends on it.
     spread : Spread or None
         The axis that only scales the results, if there is one.
     backend : str
@@ -165,7 +165,8 @@ def resolve(
         extrema=check_extrema(extrema, catalogue, given),
     )
     spread = find_spread(plan, space)
-    return Asked(mechanism, catalogue, space, plan, branches, positions, solver, spread, backend_of(backend))
+    used = solver if plan.depends_on_solver else ""
+    return Asked(mechanism, catalogue, space, plan, branches, positions, used, spread, backend_of(backend))
 
 
 def plans_of(

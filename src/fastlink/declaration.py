@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import replace
 from itertools import count
 from typing import Any, TypeVar
@@ -10,7 +10,10 @@ from typing import Any, TypeVar
 from fastlink.derivative import labelled
 from fastlink.fact import CatalogueError, Fact, GradedRange, Input, Rule, System, parameters
 
-__all__ = ["Declarations"]
+__all__ = ["ELIMINATED", "Declarations"]
+
+#: The solver that solves no linear system: closed forms.
+ELIMINATED = "eliminated"
 
 F = TypeVar("F", bound=Callable[..., Any])
 _versions = count()
@@ -40,6 +43,8 @@ class Declarations:
         self.alternatives: dict[str, dict[str, Fact | System]] = {}
         self.alternative_inputs: dict[str, dict[str, Input]] = {}
         self.graded: GradedRange | None = None
+        #: Closed forms, and each set of facts that has a linear system.
+        self.solvers: tuple[str, ...] = (ELIMINATED,)
         self._seen: tuple[list[Any], int] = [], next(_versions)
 
     @property
@@ -168,6 +173,7 @@ class Declarations:
 
         def declare(function: F) -> F:
             declared = System(name, tuple(unknowns), function, parameters(function))
+            self.solvers = tuple(dict.fromkeys((*self.solvers, alternative)))
             for unknown in unknowns:
                 self._check_new(unknown, alternative)
                 self.alternatives.setdefault(alternative, {})[unknown] = declared
@@ -194,6 +200,15 @@ class Declarations:
             return function
 
         return declare
+
+    def depends_on_solver(self, steps: Iterable[Fact | System]) -> bool:
+        """Tell whether a solver determines any of the values of a closure, or has no derivative of one."""
+        solved = {name for key in self.solvers if key != ELIMINATED for name in self.alternatives[key]}
+        slopes = {f"d_{name}_d_{by}" for name in solved for by in self.variables}
+        names = {
+            name for step in steps for name in (step.unknowns if isinstance(step, System) else (step.name,))
+        }
+        return not names.isdisjoint(solved | slopes)
 
     @property
     def variables(self) -> dict[str, Input]:

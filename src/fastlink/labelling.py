@@ -163,7 +163,7 @@ def about(
         "input": catalogue.position.name,
         "source": ", ".join(versions),
         "backend": backend,
-        "solver": solver,
+        **({"solver": solver} if solver else {}),
         "threads": threads,
     }
     if plan.uses_position:

@@ -110,6 +110,11 @@ class PlanSet:
         """Whether anything is computed at the given input positions."""
         return any(isinstance(part, Plan) and part.uses_position for part in self.parts)
 
+    @cached_property
+    def depends_on_solver(self) -> bool:
+        """Whether anything that is computed depends on the solver."""
+        return any(self.catalogue.depends_on_solver(part.steps) for part in self.parts)
+
     @property
     def extrema(self) -> str:
         """How extremes are found: refined, sampled, both, or nothing where there are none."""

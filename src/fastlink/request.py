@@ -12,6 +12,7 @@ import numpy as np
 
 from fastlink.catalogue import Catalogue, Input
 from fastlink.cycle import Extrema, parse_request
+from fastlink.declaration import ELIMINATED
 from fastlink.errors import InputError, suggest
 from fastlink.links import Links
 
@@ -22,7 +23,6 @@ if TYPE_CHECKING:
 
 __all__ = [
     "POSITIONS",
-    "SOLVERS",
     "all_choices",
     "allowed",
     "alternatives_of",
@@ -35,8 +35,6 @@ __all__ = [
     "given_angles",
 ]
 
-# "eliminated" is the closed form; it is what the facts say unless "dense" is chosen.
-SOLVERS = ("eliminated", "dense")
 EXTREMA: tuple[Extrema, ...] = ("refined", "sampled")
 ANGLES = 360
 #: By these names input positions may be given, where that is the input.
@@ -54,14 +52,20 @@ def alternatives_of(
     Raises
     ------
     InputError
-        The solver is unknown, or nothing depends on links.
+        The mechanism has no such solver, or nothing depends on links.
     """
-    if solver not in SOLVERS:
-        raise InputError(f"solver {solver!r} is unknown; {suggest(str(solver), SOLVERS)}")
+    if solver not in catalogue.solvers:
+        raise InputError(_unknown_solver(catalogue, solver))
     if links is not None and links.model not in catalogue.alternative_inputs:
         raise InputError(f"links: nothing of {catalogue.name} depends on mass; leave them out")
-    solved = ("dense",) if solver == "dense" else ()
+    solved = () if solver == ELIMINATED else (solver,)
     return (*solved, *catalogue.chosen_by(given), *(() if links is None else (links.model,)))
+
+
+def _unknown_solver(catalogue: Catalogue, solver: str) -> str:
+    if catalogue.solvers == (ELIMINATED,):
+        return f"solver {solver!r}: {catalogue.name} has no linear system to solve; leave solver out"
+    return f"solver {solver!r} is unknown; {suggest(str(solver), catalogue.solvers)}"
 
 
 def constants_of(catalogue: Catalogue, links: Links | None, alternatives: Iterable[str]) -> dict[str, float]:

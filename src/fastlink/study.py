@@ -18,7 +18,6 @@ from fastlink.links import Links, links_from
 from fastlink.mechanisms import catalogue as find_catalogue
 from fastlink.request import (
     POSITIONS,
-    SOLVERS,
     all_choices,
     alternatives_of,
     check_branches,
@@ -208,7 +207,7 @@ def read_study(path: str | Path) -> Study:
         check_extrema(shape.cycle.extrema, catalogue, angles)
     space = space_of(found, path, shape.design)
     alternatives: tuple[str, ...] = ()
-    with found.at("links" if shape.cycle.solver in SOLVERS else "cycle.solver"):
+    with found.at("links" if shape.cycle.solver in catalogue.solvers else "cycle.solver"):
         names = () if space is None else space.names
         alternatives = alternatives_of(catalogue, links, shape.cycle.solver, names)
     if space is not None:

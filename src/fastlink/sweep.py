@@ -86,7 +86,8 @@ def sweep(
     branch : int or sequence of int, default (1, 2)
         Assembly modes.
     solver : {"eliminated", "dense"}
-        Joint reactions by elimination, or by LU of the 9x9 system of Hayes et al., eq. (9).
+        Joint reactions by elimination, or by LU of the 9x9 system of Hayes et al., eq. (9), which only the planar 4R
+        driven by theta1 has.
     extrema : {"refined", "sampled"}, optional
         Whether ``NAME_max``, ``NAME_min`` and their places are exact over the whole turn of the input (the default), or
         taken over the given angles (the default where these are an array).
@@ -153,7 +154,7 @@ def sweep(
     )
     space, count = asked.space, _check_threads(threads)
     sweeping = _Sweep(asked, count, block, verify=check_verify(verify, to is not None))
-    about = labelling.about(mechanism, asked.plan, solver, asked.positions.size, count, asked.backend)
+    about = labelling.about(mechanism, asked.plan, asked.solver, asked.positions.size, count, asked.backend)
     about |= attrs or {}
     if asked.spread is not None:
         about["scaling_axis"] = asked.spread.name

@@ -12,6 +12,7 @@ from fastlink.accuracy.report import draw, front
 from fastlink.accuracy.truth import truth_of
 from fastlink.accuracy.ways import SECONDS_OF_DESIGN, SECONDS_OF_WAY, Subject, race, ways_for
 from fastlink.asked import resolve
+from fastlink.declaration import ELIMINATED
 from fastlink.errors import InputError
 from fastlink.label import plain_attrs
 from fastlink.space import sampled
@@ -115,7 +116,9 @@ def accuracy(
         raise InputError(
             f"{study}: quantities: none is told of single positions or of the design, or is NAME_max or NAME_min"
         )
-    subjects = [Subject(read.shape.mechanism, space, quantity, read.options) for quantity in measured]
+    # each way has a solver of its own, the closed form unless it is named after another
+    options = {**read.options, "solver": ELIMINATED}
+    subjects = [Subject(read.shape.mechanism, space, quantity, options) for quantity in measured]
     ways = [ways_for(subject, outside) for subject in subjects]
     if announce is not None:
         announce(_expected(sum(map(len, ways)), len(measured), space.size))

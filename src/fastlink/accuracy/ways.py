@@ -13,6 +13,7 @@ import numpy as np
 
 from fastlink.accuracy import outside
 from fastlink.asked import Asked, resolve
+from fastlink.declaration import ELIMINATED
 from fastlink.run import Job, run
 
 if TYPE_CHECKING:
@@ -136,10 +137,10 @@ def ways_for(subject: Subject, with_outside: bool) -> list[Way]:
     """Return every way to a quantity that its mechanism offers."""
     asked = subject.asked()
     output = asked.plan.outputs[0]
-    solvers = ["eliminated", *(["dense"] if _is_solved(asked) else [])]
+    others = [name for name in asked.catalogue.solvers if name != ELIMINATED and asked.solver]
     if output.request.reduction is None:
-        ways = [Way(solver, {"solver": solver}) for solver in solvers]
-        ways.append(Way("eliminated, relaxed", relaxed=True))
+        ways = [Way(solver, {"solver": solver}) for solver in (ELIMINATED, *others)]
+        ways.append(Way(f"{ELIMINATED}, relaxed", relaxed=True))
         if with_outside:
             ways.append(Way("NumPy", outside=outside.by_numpy))
             ways.append(Way("NumPy, single precision", outside=outside.by_numpy_single))
@@ -151,8 +152,7 @@ def ways_for(subject: Subject, with_outside: bool) -> list[Way]:
         return ways
     sampled = {"extrema": "sampled", "angles": USUAL}
     ways += [Way(f"{count} angles", {**sampled, "angles": count}) for count in ANGLES]
-    if "dense" in solvers:
-        ways.append(Way(f"{USUAL} angles, dense", {**sampled, "solver": "dense"}))
+    ways += [Way(f"{USUAL} angles, {solver}", {**sampled, "solver": solver}) for solver in others]
     ways.append(Way(f"{USUAL} angles", sampled))
     ways.append(Way(f"{USUAL} angles, relaxed", sampled, relaxed=True))
     if with_outside:
@@ -161,10 +161,3 @@ def ways_for(subject: Subject, with_outside: bool) -> list[Way]:
         if output.refined:
             ways.append(Way("scipy, brentq", sampled, outside=outside.by_brentq))
     return ways
-
-
-def _is_solved(asked: Asked) -> bool:
-    """Tell whether a quantity is made of what a linear system may give."""
-    unknowns = set(asked.catalogue.alternatives.get("dense", {}))
-    names = {step.name for part in asked.plan.parts for step in part.steps}
-    return bool(unknowns & names)
