@@ -12,6 +12,8 @@ from fastlink.mechanisms import catalogue as find_catalogue
 from fastlink.study import run_study
 from study_files import written
 
+pytestmark = pytest.mark.usefixtures("folder")
+
 BAR = fl.round_bar(density=7750.0, radius=0.01)
 LENGTHS = {"a1": 0.4, "a2": 1.1, "a3": 0.8, "a4": 1.0, "omega1": 25.0}
 DRIVEN = [
