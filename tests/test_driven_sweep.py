@@ -74,7 +74,7 @@ def test_refined_extremes_are_those_of_a_dense_curve(k):
         ("joint_angle_2", {}, "'joint_angle_2' is given, and a coordinate of the result: leave it out"),
         ("joint_omega_2", {}, "'joint_omega_2' is given, and a coordinate of the result: leave it out"),
         ("joint_omga_3", {}, "unknown to planar_4r driven by joint_angle_2; did you mean 'joint_omega_3'?"),
-        ("v1", {"theta1": 8}, "theta1: the input is joint_angle_2; write its angles as angles"),
+        ("v1", {"theta1": 8}, "theta1: the input is joint_angle_2; write its positions as joint_angle_2"),
         ("v1", {"angles": 0}, "joint_angle_2: 0 input angles"),
         (
             "v1",
@@ -135,7 +135,11 @@ def test_a_study_names_its_input(folder):
     ("old", "new", "message"),
     [
         ("joint_angle_2", "joint_angle_9", "cycle.input: input 'joint_angle_9' is unknown to planar_4r"),
-        ("angles", "theta1", "cycle.theta1: the input is joint_angle_2; write its angles as angles"),
+        (
+            "angles",
+            "theta1",
+            "cycle.theta1: the input is joint_angle_2; write its positions as joint_angle_2",
+        ),
         ("12", "{values = [1.0, 1.0]}", "cycle.angles: 1.0 stands twice (at 0 and 1)"),
         ("12", "0", "cycle.angles is 0; write a number of angles from 1"),
         ("joint_omega_2", "omega1", "design.omega1: input 'omega1' is unknown to planar_4r driven by"),

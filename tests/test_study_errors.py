@@ -32,7 +32,7 @@ SIGNED = THREE.replace("hi and", "hi of one sign, neither 0, and")
         ("mechanism", "mechanim", "mechanim is no key here; did you mean 'mechanism'?"),
         ("[design]", "[desing]", "desing is no key here; did you mean 'design'?"),
         ("linspace", "linspce", "design.a2.linspce is no key here; did you mean 'linspace'?"),
-        ("theta1", "teta1", "cycle.teta1 is no key here; did you mean 'theta1'?"),
+        ("theta1", "teta1", "cycle.teta1 is no option, and the input is theta1; did you mean 'theta1'?"),
         ("[cycle]", "[output]\nfiel = 'x'\n[cycle]", "output.fiel is no key here; did you mean 'file'?"),
         (
             "a4 = 1",

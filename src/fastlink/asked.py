@@ -20,6 +20,7 @@ from fastlink.request import (
     check_branches,
     check_extrema,
     check_inputs,
+    check_keywords,
     check_positions,
     check_turn,
     constants_of,
@@ -119,7 +120,8 @@ def resolve(
     links: Links | None = None,
     input: str | None = None,
     angles: Any = None,
-    by_name: Mapping[str, Any] | None = None,
+    positions: Mapping[str, Any] | None = None,
+    options: Iterable[str] = (),
     branch: int | Sequence[int] = (1, 2),
     solver: str = "eliminated",
     extrema: str | None = None,
@@ -131,8 +133,10 @@ def resolve(
 
     Parameters
     ----------
-    by_name : mapping of str to angles, optional
+    positions : mapping of str to angles, optional
         Input positions that were given by the name of the input.
+    options : iterable of str
+        What else may be given by name, for a hint where a name is unknown.
     companions : bool
         Whether the status of each design comes along, and what belongs to a list of extremes.
     mechanism, space, quantities, links, input, angles, branch, solver, extrema, allow_invalid, backend
@@ -151,8 +155,9 @@ def resolve(
     for name, codes in all_choices(catalogue, space.names, alternatives).items():
         space = space.with_axis(name, codes)
     branches = check_branches(catalogue, branch)
-    given = given_angles(catalogue, angles, by_name or {})
-    positions = check_positions(catalogue, given)
+    check_keywords(mechanism, catalogue, positions or (), options)
+    given = given_angles(catalogue, angles, positions or {})
+    values = check_positions(catalogue, given)
     check_turn(catalogue, names, given)
     plan = plans_of(
         catalogue,
@@ -161,12 +166,12 @@ def resolve(
         given=space.names,
         branches=branches,
         alternatives=alternatives,
-        angles=positions.size,
+        angles=values.size,
         extrema=check_extrema(extrema, catalogue, given),
     )
     spread = find_spread(plan, space)
     used = solver if plan.depends_on_solver else ""
-    return Asked(mechanism, catalogue, space, plan, branches, positions, used, spread, backend_of(backend))
+    return Asked(mechanism, catalogue, space, plan, branches, values, used, spread, backend_of(backend))
 
 
 def plans_of(

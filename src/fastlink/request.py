@@ -15,6 +15,7 @@ from fastlink.cycle import Extrema, parse_request
 from fastlink.declaration import ELIMINATED
 from fastlink.errors import InputError, suggest
 from fastlink.links import Links
+from fastlink.mechanisms import NAMES, inputs_of
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
@@ -22,13 +23,13 @@ if TYPE_CHECKING:
     from fastlink.space import DesignSpace
 
 __all__ = [
-    "POSITIONS",
     "all_choices",
     "allowed",
     "alternatives_of",
     "check_apart",
     "check_branches",
     "check_inputs",
+    "check_keywords",
     "check_positions",
     "check_turn",
     "constants_of",
@@ -37,8 +38,6 @@ __all__ = [
 
 EXTREMA: tuple[Extrema, ...] = ("refined", "sampled")
 ANGLES = 360
-#: By these names input positions may be given, where that is the input.
-POSITIONS = ("theta1", "theta", "phi", "sigma")
 RULES = {"positive": "greater than 0", "non-negative": "at least 0"}
 
 
@@ -177,21 +176,54 @@ def check_branches(catalogue: Catalogue, branch: Any) -> tuple[int, ...]:
     return tuple(int(value) for value in given)
 
 
-def given_angles(catalogue: Catalogue, angles: Any, by_name: Mapping[str, Any]) -> Any:
+def check_keywords(
+    mechanism: str, catalogue: Catalogue, names: Iterable[str], options: Iterable[str]
+) -> None:
+    """Refuse a keyword that is neither an option nor the name of the input.
+
+    Parameters
+    ----------
+    mechanism : str
+        Its name.
+    catalogue : Catalogue
+        The mechanism by the input that drives it.
+    names : iterable of str
+        The keywords that are no options.
+    options : iterable of str
+        The options there are, for a hint.
+
+    Raises
+    ------
+    InputError
+        With the name of the input, or the nearest option.
+    """
+    position = catalogue.position.name
+    for name in names:
+        if name == position:
+            continue
+        if name in inputs_of(mechanism):
+            raise InputError(
+                f"{name}: the input is {position}; write its positions as {position}, or input={name!r} too"
+            )
+        if any(name in inputs_of(other) for other in NAMES):
+            raise InputError(f"{name}: the input is {position}; write its positions as {position}")
+        raise InputError(
+            f"{name} is no option, and the input is {position}; {suggest(name, {*options, position})}"
+        )
+
+
+def given_angles(catalogue: Catalogue, angles: Any, positions: Mapping[str, Any]) -> Any:
     """Return the input positions that were given, as `angles` or by the name of the input, else the usual ones.
 
     Raises
     ------
     InputError
-        They are given twice, or by the name of another input.
+        They are given twice.
     """
-    for name, values in by_name.items():
-        if values is None:
-            continue
-        if catalogue.position.name != name:
-            raise InputError(f"{name}: the input is {catalogue.position.name}; write its angles as angles")
+    values = positions.get(catalogue.position.name)
+    if values is not None:
         if angles is not None:
-            raise InputError(f"{name}: angles are given too; write one of them")
+            raise InputError(f"{catalogue.position.name}: angles are given too; write one of them")
         return values
     if angles is not None:
         return angles

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import contextlib
 import tomllib
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -17,11 +18,11 @@ from fastlink.errors import InputError
 from fastlink.links import Links, links_from
 from fastlink.mechanisms import catalogue as find_catalogue
 from fastlink.request import (
-    POSITIONS,
     all_choices,
     alternatives_of,
     check_branches,
     check_extrema,
+    check_keywords,
     check_positions,
     constants_of,
     given_angles,
@@ -29,7 +30,7 @@ from fastlink.request import (
 from fastlink.space import DesignSpace
 from fastlink.store import check_target
 from fastlink.study_design import angles_of, check_values, missing_inputs, space_of
-from fastlink.study_schema import LinkModel, Problems, StudyFile, problems
+from fastlink.study_schema import Cycle, LinkModel, Problems, StudyFile, problems
 from fastlink.sweep import sweep
 
 if TYPE_CHECKING:
@@ -186,19 +187,24 @@ def read_study(path: str | Path) -> Study:
     try:
         shape = StudyFile.model_validate(raw)
     except ValidationError as error:
-        for key, fault in problems(error):
-            found.add(key, fault)
+        driven = None
         if isinstance(raw.get("mechanism"), str):
-            _catalogue(found, raw["mechanism"])
+            with contextlib.suppress(InputError):
+                driven = _catalogue(found, raw["mechanism"], _input_in(raw))
+        for key, fault in problems(error, () if driven is None else (driven.position.name,)):
+            found.add(key, fault)
+        if driven is not None and isinstance(raw.get("cycle"), dict):
+            _check_keys(found, raw["mechanism"], driven, raw["cycle"])
         raise found.error() from None
     catalogue = _catalogue(found, shape.mechanism, shape.cycle.input)
+    by_name = shape.cycle.model_extra or {}
+    _check_keys(found, shape.mechanism, catalogue, by_name)
     links = _links(found, shape.links)
     requests = _requests(found, catalogue, shape.quantities)
     with found.at("cycle.branch"):
         check_branches(catalogue, shape.cycle.branch)
     angles: int | NDArray[Any] = 0
-    by_name = {name: values for name in POSITIONS if (values := getattr(shape.cycle, name)) is not None}
-    with found.at(f"cycle.{next(iter(by_name), 'angles')}"):
+    with found.at(f"cycle.{catalogue.position.name if catalogue.position.name in by_name else 'angles'}"):
         angles = angles_of(given_angles(catalogue, shape.cycle.angles, by_name))
         check_positions(catalogue, angles)
     with found.at("run.backend"):
@@ -242,6 +248,21 @@ def _catalogue(found: Problems, mechanism: str, input: str | None = None) -> Cat
     with found.at("cycle.input"):
         return find_catalogue(mechanism, input)
     raise found.error()
+
+
+def _input_in(raw: Mapping[str, Any]) -> str | None:
+    """Return the input that a study names, if it is a text."""
+    cycle = raw.get("cycle")
+    named = cycle.get("input") if isinstance(cycle, dict) else None
+    return named if isinstance(named, str) else None
+
+
+def _check_keys(found: Problems, mechanism: str, catalogue: Catalogue, cycle: Iterable[str]) -> None:
+    """Note the keys of [cycle] that are neither options nor the name of the input."""
+    for name in cycle:
+        if name not in Cycle.model_fields:
+            with found.at(f"cycle.{name}"):
+                check_keywords(mechanism, catalogue, [name], Cycle.model_fields)
 
 
 def _links(found: Problems, given: LinkModel | None) -> Links | None:

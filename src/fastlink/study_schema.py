@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import re
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Collection, Iterator
 from pathlib import Path
 from typing import Annotated, Any, TypeVar
 
@@ -154,15 +154,14 @@ InputAngles = Annotated[
 ]
 
 
-class Cycle(_Table):
-    """What drives, its angles, assembly modes and solver."""
+class Cycle(BaseModel):
+    """The input, its positions (as ``angles`` or by its own name), the assembly modes and the solver."""
+
+    model_config = ConfigDict(extra="allow", frozen=True)
+    __pydantic_extra__: dict[str, InputAngles]
 
     input: Text | None = None
     angles: InputAngles | None = None
-    theta1: InputAngles | None = None
-    theta: InputAngles | None = None
-    phi: InputAngles | None = None
-    sigma: InputAngles | None = None
     branch: Annotated[Whole | list[Whole], _or_say("assembly modes, such as [1, 2]")] = [1, 2]
     solver: Annotated[str, Field(strict=True), _or_say('"eliminated" or "dense"')] = "eliminated"
     extrema: Annotated[str | None, Field(strict=True), _or_say('"refined" or "sampled"')] = None
@@ -194,7 +193,7 @@ class StudyFile(_Table):
     quantities: Names
     design: Design
     links: LinkModel | None = None
-    cycle: Cycle = Cycle()
+    cycle: Cycle = Cycle.model_validate({})
     run: Run = Run()
     output: OutputFile = OutputFile()
 
@@ -209,12 +208,17 @@ _EXAMPLES = {
 }
 
 
-def problems(error: ValidationError) -> list[tuple[str, str]]:
+def problems(error: ValidationError, positions: Collection[str]) -> list[tuple[str, str]]:
     """Return the dotted key and the fault of everything that pydantic refused.
 
-    A missing key is left out where a misspelt one stands for it.
+    A missing key is left out where a misspelt one stands for it; what stands under a key that is neither an option of
+    [cycle] nor one of the input `positions` is left to the check of that key.
     """
-    entries = error.errors(include_url=False)
+    entries = [
+        entry
+        for entry in error.errors(include_url=False)
+        if entry["loc"][:1] != ("cycle",) or {*entry["loc"][1:2]} <= {*Cycle.model_fields, *positions}
+    ]
     # a sample's keys under a name that is no kind of sample: that name is what is wrong
     samples = {entry["loc"][:3] for entry in entries if entry["loc"][2:] == ("<axis>", "n")}
     found = [

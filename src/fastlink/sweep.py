@@ -6,6 +6,7 @@ import hashlib
 import time
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
+from inspect import signature
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -14,7 +15,6 @@ import numpy as np
 from fastlink import label, labelling, store
 from fastlink.asked import Asked, resolve
 from fastlink.errors import InputError
-from fastlink.request import POSITIONS
 from fastlink.run import Deliver, Job, block_length, default_threads, run
 from fastlink.takers import StatusCounts, all_of, progress_bar
 from fastlink.verify import Verification, check_verify
@@ -41,10 +41,6 @@ def sweep(
     links: Links | None = None,
     input: str | None = None,
     angles: int | ArrayLike | None = None,
-    theta1: int | ArrayLike | None = None,
-    theta: ArrayLike | None = None,
-    phi: int | ArrayLike | None = None,
-    sigma: int | ArrayLike | None = None,
     branch: int | Sequence[int] = (1, 2),
     solver: str = "eliminated",
     extrema: str | None = None,
@@ -57,6 +53,7 @@ def sweep(
     attrs: Mapping[str, Any] | None = None,
     block: int | None = None,
     backend: str | None = None,
+    **positions: int | ArrayLike | None,
 ) -> xr.Dataset:
     """Evaluate quantities of a mechanism over a design space.
 
@@ -81,8 +78,6 @@ def sweep(
     angles : int or array_like, default 360
         Number of equally spaced input angles over one turn, or the angles themselves in rad. An input without bounds
         takes an array; unless given, theta of ``"minkowski_4r"`` is ``numpy.linspace(-4, 4, 401)``.
-    theta1, theta, phi, sigma : int or array_like, optional
-        The same as `angles`, where that is the name of the input.
     branch : int or sequence of int, default (1, 2)
         Assembly modes.
     solver : {"eliminated", "dense"}
@@ -113,6 +108,9 @@ def sweep(
         What compiles the kernels: fastlink's own translation to LLVM, or numba, which takes seconds where that takes
         tenths of one, to the same bits. By default what the environment variable ``FASTLINK_BACKEND`` says, else
         ``"llvm"``.
+    **positions : int or array_like, optional
+        The same as `angles`, by the name of the input: ``theta1=72``, or ``F_y=[-0.1, 0.0, 0.1]`` where the input is
+        ``"F_y"``.
 
     Returns
     -------
@@ -145,7 +143,8 @@ def sweep(
         links=links,
         input=input,
         angles=angles,
-        by_name=dict(zip(POSITIONS, (theta1, theta, phi, sigma), strict=True)),
+        positions=positions,
+        options=_OPTIONS,
         branch=branch,
         solver=solver,
         extrema=extrema,
@@ -175,6 +174,10 @@ def sweep(
             return sweeping.in_memory(bar.take, about, report)
         sweeping.to_file(target, overwrite, bar.take, about, report)
     return store.open_map(target)
+
+
+#: The keywords of a sweep besides the name of the input.
+_OPTIONS = tuple(name for name in signature(sweep).parameters if name != "positions")
 
 
 class _Sweep:

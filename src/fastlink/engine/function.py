@@ -6,6 +6,7 @@ import math
 import threading
 from collections.abc import Callable, Mapping, Sequence
 from functools import cached_property, partial
+from inspect import signature
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -14,7 +15,8 @@ from fastlink.asked import Asked, resolve
 from fastlink.design import grid
 from fastlink.engine.binding import BLOCK, Bound, bind
 from fastlink.errors import InputError
-from fastlink.request import POSITIONS, allowed, alternatives_of, check_inputs
+from fastlink.mechanisms import catalogue as find_catalogue
+from fastlink.request import allowed, alternatives_of, check_inputs, check_keywords
 from fastlink.space import DESIGN, DesignSpace
 
 if TYPE_CHECKING:
@@ -37,15 +39,11 @@ def function(
     links: Links | None = None,
     input: str | None = None,
     angles: int | ArrayLike | None = None,
-    theta1: int | ArrayLike | None = None,
-    theta: ArrayLike | None = None,
-    phi: int | ArrayLike | None = None,
-    sigma: int | ArrayLike | None = None,
     branch: int | Sequence[int] = 1,
     solver: str = "eliminated",
     extrema: str | None = None,
     backend: str | None = None,
-    **fixed: float,
+    **fixed: Any,
 ) -> Function:
     """Return compiled quantities as a function of arrays, for optimisers and other libraries.
 
@@ -60,10 +58,10 @@ def function(
         ``"status"`` to have it.
     branch : int or sequence of int, default 1
         An assembly mode; or several, which are a further axis of the result.
-    links, input, angles, theta1, theta, phi, sigma, solver, extrema, backend
+    links, input, angles, solver, extrema, backend
         As in `fastlink.sweep`.
     **fixed : float
-        The inputs that stay.
+        The inputs that stay; and, as in `fastlink.sweep`, the input positions by the name of the input.
 
     Returns
     -------
@@ -88,7 +86,6 @@ def function(
     >>> speed([[1.2, 1.3, 9.0], [0.8, 0.8, 0.8]]).round(6)
     array([[13.513437, 14.583591,       nan]])
     """
-    by_name = dict(zip(POSITIONS, (theta1, theta, phi, sigma), strict=True))
     options: dict[str, Any] = {
         "links": links,
         "input": input,
@@ -104,7 +101,7 @@ def function(
             raise InputError(
                 f"function: {name} is among the inputs and given as {fixed[name]!r}; leave one out"
             )
-    constants = _constants(fixed)
+    positions, constants = _fixed(mechanism, input, fixed)
     varying = DesignSpace(
         "table", (DESIGN,), (1,), constants, columns={name: np.full(1, np.nan) for name in names}
     )
@@ -112,7 +109,7 @@ def function(
         mechanism,
         varying,
         _names("outputs", outputs),
-        by_name=by_name,
+        positions=positions,
         allow_invalid=True,  # the fixed values are checked below, the others at each call
         companions=False,
         **options,
@@ -121,7 +118,7 @@ def function(
     check_inputs(asked.catalogue, DesignSpace("grid", (), (), constants), alternatives, False)
     _refuse_choices(asked, varying)
     again: Any = function
-    recipe = partial(again, mechanism, names, list(outputs), **by_name, **options, **fixed)
+    recipe = partial(again, mechanism, names, list(outputs), **options, **fixed)
     return Function(asked, names, isinstance(branch, (int, np.integer)), recipe)
 
 
@@ -255,6 +252,18 @@ def _names(what: str, given: Sequence[str]) -> list[str]:
     if twice:
         raise InputError(f"{what}: {twice[0]!r} is named twice; name it once")
     return names
+
+
+def _fixed(
+    mechanism: str, input: str | None, fixed: Mapping[str, Any]
+) -> tuple[dict[str, Any], dict[str, float]]:
+    """Return the input positions by the name of the input, and the inputs that stay."""
+    catalogue = find_catalogue(mechanism, input)
+    known = {catalogue.position.name, *catalogue.known_inputs(catalogue.alternative_inputs)}
+    options = [name for name in signature(function).parameters if name != "fixed"]
+    check_keywords(mechanism, catalogue, [name for name in fixed if name not in known], [*options, *known])
+    positions = {name: values for name, values in fixed.items() if name == catalogue.position.name}
+    return positions, _constants({name: value for name, value in fixed.items() if name not in positions})
 
 
 def _constants(fixed: Mapping[str, Any]) -> dict[str, float]:

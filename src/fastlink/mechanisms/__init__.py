@@ -16,6 +16,12 @@ _lock = threading.Lock()
 NAMES = ("planar_4r", "minkowski_4r", "focal", "hart")
 
 
+def inputs_of(mechanism: str) -> tuple[str, ...]:
+    """Return the names of the inputs that may drive a mechanism; the first does unless another is named."""
+    first, driven = _package(mechanism)
+    return (first.position.name, *driven)
+
+
 def catalogue(mechanism: str, input: str | None = None) -> Catalogue:
     """Return the catalogue of a mechanism by its name, driven by the named input or else by its first.
 
@@ -24,17 +30,22 @@ def catalogue(mechanism: str, input: str | None = None) -> Catalogue:
     InputError
         The mechanism or the input is unknown.
     """
+    first, driven = _package(mechanism)
+    if input in (None, first.position.name):
+        return first
+    if input not in driven:
+        raise InputError(
+            f"input {input!r} is unknown to {mechanism}; {suggest(str(input), inputs_of(mechanism))}"
+        )
+    with _lock:
+        return driven[input]()
+
+
+def _package(mechanism: str) -> tuple[Catalogue, dict[str, Callable[[], Catalogue]]]:
+    """Return the catalogue of a mechanism, and by the names of its other inputs what makes theirs."""
     if mechanism not in NAMES:
         raise InputError(f"mechanism {mechanism!r} is unknown; {suggest(str(mechanism), NAMES)}")
     from importlib import import_module
 
     package = import_module(f"fastlink.mechanisms.{mechanism}")
-    found: Catalogue = getattr(package, mechanism)
-    if input in (None, found.position.name):
-        return found
-    driven: dict[str, Callable[[], Catalogue]] = package.DRIVEN
-    if input not in driven:
-        inputs = (found.position.name, *driven)
-        raise InputError(f"input {input!r} is unknown to {mechanism}; {suggest(str(input), inputs)}")
-    with _lock:
-        return driven[input]()
+    return getattr(package, mechanism), package.DRIVEN
