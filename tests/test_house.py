@@ -18,6 +18,7 @@ LAYERS = [
         "errors",
         "numerics",
         "fact",
+        "names",
         "graph",
         "derivative",
         "error_laws",
@@ -102,7 +103,7 @@ def test_a_file_imports_only_from_above(path):
             other = module.split(".")[1]
             assert LAYERS.index(other) <= LAYERS.index(layer), f"{layer} imports {module}"
             if layer == "mechanisms":
-                assert other in ("errors", "numerics", "catalogue", "mechanisms")
+                assert other in ("errors", "numerics", "names", "catalogue", "mechanisms")
 
 
 @pytest.mark.parametrize("path", FILES, ids=lambda path: str(path.relative_to(SOURCE)))

@@ -12,14 +12,25 @@ from functools import cached_property
 
 from fastlink.declaration import Declarations
 from fastlink.derivative import Derivation, NoDerivative, derivative_name, labelled
-from fastlink.error_bound import ERROR, TRUST, ErrorBounds, labelled_error, trust_of
+from fastlink.error_bound import ErrorBounds, labelled_error, trust_of
 from fastlink.errors import InputError, suggest
 from fastlink.fact import CatalogueError, Fact, GradedRange, Input, System, parameters
+from fastlink.names import (
+    Below,
+    Derivative,
+    ErrorBound,
+    LowPart,
+    Made,
+    Name,
+    Quantity,
+    Trust,
+    as_derivative,
+    plain_part,
+    reading_of,
+    root_of,
+)
 
 __all__ = ["Catalogue", "CatalogueError", "Fact", "GradedRange", "Input", "System", "parameters"]
-
-# NAME__below_SET: what the fact NAME of that set replaces.
-BELOW = "__below_"
 
 
 class Catalogue(Declarations):
@@ -83,26 +94,27 @@ class Catalogue(Declarations):
         """Return what determines `name`, or None for an input, a table or an unknown name.
 
         The first of the chosen sets that has it, else the mechanism itself. A fact of a set that needs its own
-        name builds on what it replaces (in a later set, or the mechanism), there called NAME__below_SET: loads
+        name builds on what it replaces (in a later set, or the mechanism), see `fastlink.names.Below`: loads
         add themselves so, in any combination. A derivative is by what is given: facts among `given` count as inputs.
         """
         chosen = tuple(alternatives)
-        if derivative := self._derivative_in(name):
-            of, by = derivative
-            if self.judged_in(of):
-                raise NoDerivative(f"quantity {name!r}: {of} has no derivative; leave it out")
-            return self._derivation(by, chosen, given).fact(of)
-        if judged := self.judged_in(name):
-            bounds = self._error_bounds(chosen, given)
-            return bounds.fact(judged[0]) if judged[1] == ERROR else trust_of(bounds.found(judged[0]))
-        plain, _, above = name.partition(BELOW)
+        tree = self.parse(name)
+        if isinstance(tree, Derivative):
+            if isinstance(tree.of, (ErrorBound, Trust)):
+                raise NoDerivative(f"quantity {name!r}: {tree.of} has no derivative; leave it out")
+            return self._derivation(tree.by, chosen, given).fact(str(tree.of))
+        if isinstance(tree, ErrorBound):
+            return self._error_bounds(chosen, given).fact(str(tree.of))
+        if isinstance(tree, Trust):
+            return trust_of(self._error_bounds(chosen, given).found(str(tree.of)))
+        plain, above = _plain(tree)
         if above and above not in chosen:
             return None
         start = chosen.index(above) + 1 if above else 0
         for alternative in chosen[start:]:
             found = self.alternatives.get(alternative, {}).get(plain)
             if isinstance(found, Fact):
-                below = f"{plain}{BELOW}{alternative}"
+                below = str(Below(Quantity(plain), alternative))
                 needs = tuple(below if need == plain else need for need in found.needs)
                 return found if needs == found.needs and not above else replace(found, name=name, needs=needs)
             if found is not None:
@@ -110,17 +122,9 @@ class Catalogue(Declarations):
         fact = self.facts.get(plain) or self.curves.get(plain)
         return replace(fact, name=name) if fact is not None and above else fact
 
-    def _derivative_in(self, name: str) -> tuple[str, str] | None:
-        """Return NAME and PARAM of a name such as d_NAME_d_PARAM."""
-        of, sign, by = name.removeprefix("d_").rpartition("_d_")
-        return (of, by) if name.startswith("d_") and sign and by in self.variables else None
-
-    def judged_in(self, name: str) -> tuple[str, str] | None:
-        """Return NAME and the ending of NAME_error or NAME_trust."""
-        for ending in (ERROR, TRUST):
-            if name.endswith(ending) and name not in self.facts:
-                return name.removesuffix(ending), ending
-        return None
+    def _high_part(self, name: str) -> str:
+        tree = self.parse(name)
+        return str(tree.of) if isinstance(tree, LowPart) else ""
 
     def _replaced(self, chosen: tuple[str, ...]) -> set[str]:
         """Return the names of all facts, those of the chosen sets too."""
@@ -136,6 +140,7 @@ class Catalogue(Declarations):
                 self.branches,
                 self.tables,
                 self.table_low_parts,
+                self._high_part,
             )
         return self._bounds[key]
 
@@ -153,7 +158,7 @@ class Catalogue(Declarations):
         def declared(name: str) -> Fact | None:
             if name in fixed:
                 return None
-            plain, _, above = name.partition(BELOW)
+            plain, above = _plain(self.parse(name))
             sets = [
                 self.alternatives.get(key, {}) for key in chosen[chosen.index(above) + 1 if above else 0 :]
             ]
@@ -179,7 +184,7 @@ class Catalogue(Declarations):
         for name in (self.position.name, *self.tables, *self.table_low_parts):
             axes[name] = frozenset({self.position.name})
         # a derivative varies with what it is of, see `varies`; that of a constant table is none
-        names = [name for name in self.facts if not self._derivative_in(name)]
+        names = [name for name in self.facts if not self.is_derivative(name)]
         for found in self.closure(names, tuple(axes)):
             if isinstance(found, Fact):
                 axes[found.name] = frozenset().union(*(axes[need] for need in found.needs))
@@ -187,9 +192,8 @@ class Catalogue(Declarations):
 
     def varies(self, name: str) -> bool:
         """Tell whether a fact changes over the input cycle."""
-        if made := self._derivative_in(name) or self.judged_in(name):
-            return self.varies(made[0])
-        return name in self.curves or self.position.name in self._axes[name]
+        of = plain_part(self.parse(name))
+        return of in self.curves or self.position.name in self._axes[of]
 
     def check(self) -> None:
         """Raise CatalogueError unless every name is declared and no fact depends on itself."""
@@ -198,7 +202,10 @@ class Catalogue(Declarations):
                 fact = found[name]
                 if isinstance(fact, System) or not fact.internal:
                     raise CatalogueError(f"{self.name}: {chosen} gives {name}, which is no quantity or input")
-        derivatives = {name for name in self.facts if self._derivative_in(name)}
+        derivatives = {name for name in self.facts if self.is_derivative(name)}
+        for name in set(self.facts) - derivatives - self.hiding:
+            if tree := reading_of(name, self):
+                raise CatalogueError(f"{self.name}: {name} reads as {tree!r}; call it otherwise")
         names = {
             *self.facts,
             *(need for name in derivatives for need in self.facts[name].needs),
@@ -221,8 +228,7 @@ class Catalogue(Declarations):
 
     def is_quantity(self, name: str) -> bool:
         """Tell whether users may ask for a name: a public fact, the derivative of one, the error bound of these."""
-        made = self._derivative_in(name) or self.judged_in(name)
-        return name in self.public if made is None else self.is_quantity(made[0])
+        return plain_part(self.parse(name)) in self.public
 
     def is_cyclic(self, name: str) -> bool:
         """Tell whether users may ask for what is taken of a name over the cycle."""
@@ -240,35 +246,34 @@ class Catalogue(Declarations):
             return self.curves[name]
         if not self.is_quantity(name):
             raise InputError(self.unknown(name, self.offered))
-        derivative, judged = self._derivative_in(name), self.judged_in(name)
-        made = derivative or judged
-        if made is None:
+        tree = self.parse(name)
+        if not isinstance(tree, Made):
             return self.facts[name]
-        of = self.require(made[0])
-        lacks = "derivative" if derivative else "error"
+        of = self.require(str(tree.of))
+        lacks = "derivative" if isinstance(tree, Derivative) else "error"
         if of.flags:
             raise InputError(f"quantity {name!r}: {of.name} is a code, which has no {lacks}; leave it out")
-        if self.judged_in(of.name):
+        if isinstance(tree.of, (ErrorBound, Trust)):
             raise InputError(
                 f"quantity {name!r}: {of.name} is an error bound, which has no {lacks}; leave it out"
             )
-        if derivative:
-            return labelled(of, self.variables[derivative[1]])
-        return labelled_error(of) if made[1] == ERROR else trust_of(of)
+        if isinstance(tree, Derivative):
+            return labelled(of, self.variables[tree.by])
+        return labelled_error(of) if isinstance(tree, ErrorBound) else trust_of(of)
 
     def unknown(self, name: str, known: Iterable[str]) -> str:
         """Return what to say of a name that is none of the known ones."""
-        for curve in self.curves:
-            if f"_{curve}_" in f"_{name}_":
-                return (
-                    f"quantity {name!r}: {curve} is made of whole curves, and has no extremes, means, derivatives or "
-                    f"error bounds here; ask for {curve}, and take extremes and means of the map"
-                )
-        if judged := self.judged_in(name):
-            wrong = judged[0]
+        tree = self.parse(name)
+        if (curve := root_of(tree)) in self.curves:
+            return (
+                f"quantity {name!r}: {curve} is made of whole curves, and has no extremes, means, derivatives or "
+                f"error bounds here; ask for {curve}, and take extremes and means of the map"
+            )
+        if isinstance(tree, (ErrorBound, Trust)):
+            wrong = str(tree.of)
             return f"quantity {name!r}: {wrong!r} is unknown to {self.name}; {suggest(wrong, self.public)}"
-        of, sign, by = name.removeprefix("d_").rpartition("_d_")
-        if name.startswith("d_") and sign:
+        if made := as_derivative(name):
+            of, by = made
             wrong, options = (by, self.variables) if self.is_quantity(of) else (of, self.public)
             return f"quantity {name!r}: {wrong!r} is unknown to {self.name}; {suggest(wrong, options)}"
         return f"quantity {name!r} is unknown to {self.name}; {suggest(name, known)}"
@@ -315,3 +320,8 @@ class Catalogue(Declarations):
         if asked_by is not None:
             raise CatalogueError(f"{self.name}: {asked_by} depends on {name}, which is not declared")
         raise CatalogueError(f"{self.name}: {name} is not declared")
+
+
+def _plain(tree: Name) -> tuple[str, str]:
+    """Return the name of a fact, and the set whose own fact of that name builds on it, if it is one below."""
+    return (str(tree.of), tree.variant) if isinstance(tree, Below) else (str(tree), "")

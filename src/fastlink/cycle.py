@@ -11,13 +11,14 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Literal
 
 from fastlink.errors import InputError
+from fastlink.names import ListOfExtrema, Quantity, Reduced, register_reduction
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
     from fastlink.catalogue import Catalogue, Fact
 
-__all__ = ["LISTS", "REDUCTIONS", "Reduction", "Request", "parse_request"]
+__all__ = ["REDUCTIONS", "Reduction", "Request", "parse_request"]
 
 
 @dataclass(frozen=True)
@@ -82,12 +83,11 @@ REDUCTIONS: dict[str, Reduction] = {
         whole="fluctuation_lanes",
     ),
 }
-
+for _reduction in REDUCTIONS.values():
+    register_reduction(_reduction.suffix, _reduction.has_place)
 
 #: Whether extremes are exact over the cycle, or taken over the given positions.
 Extrema = Literal["refined", "sampled"]
-#: What a list of all extremes of a quantity consists of, by the ending of its name; the places have a prefix.
-LISTS = {"extrema": "value", "extrema_count": "count", "extrema_kind": "kind"}
 
 
 @dataclass(frozen=True)
@@ -127,19 +127,11 @@ def parse_request(name: str, catalogue: Catalogue) -> Request:
         return Request(name, name)
     if name in catalogue.curves:
         return Request(name, name, of_curves=True)
-    prefix = f"{catalogue.position.name}_at_"
-    place = name.startswith(prefix)
-    quantity, _, suffix = name.removeprefix(prefix).rpartition("_")
-    reduction = REDUCTIONS.get(suffix)
-    if reduction is not None and catalogue.is_cyclic(quantity) and (reduction.has_place or not place):
-        return Request(name, quantity, reduction, place)
-    for ending, part in LISTS.items():
-        quantity = name.removeprefix(prefix).removesuffix(f"_{ending}")
-        if f"{quantity}_{ending}" == name.removeprefix(prefix) and catalogue.is_cyclic(quantity):
-            if not place:
-                return Request(name, quantity, listed=part)
-            if part == "value":
-                return Request(name, quantity, listed="place")
+    tree = catalogue.parse(name)
+    if isinstance(tree, (Reduced, ListOfExtrema)) and catalogue.is_cyclic(quantity := str(tree.of)):
+        if isinstance(tree, Reduced):
+            return Request(name, quantity, REDUCTIONS[tree.how], bool(tree.place))
+        return Request(name, quantity, listed="place" if tree.place else tree.part)
     known = [*catalogue.offered, *reduced_names(catalogue)]
     raise InputError(catalogue.unknown(name, known))
 
@@ -153,15 +145,20 @@ def reduced_names(catalogue: Catalogue) -> Iterable[str]:
     """Yield every name that can be asked of a mechanism's cycle."""
     for quantity in _cyclic(catalogue):
         for reduction in REDUCTIONS.values():
-            yield f"{quantity}_{reduction.suffix}"
+            yield str(Reduced(Quantity(quantity), reduction.suffix))
             if reduction.has_place:
-                yield f"{catalogue.position.name}_at_{quantity}_{reduction.suffix}"
-        yield from list_names(catalogue, f"{quantity}_extrema")
+                yield str(Reduced(Quantity(quantity), reduction.suffix, catalogue.position.name))
+        yield from list_names(catalogue, quantity)
 
 
-def list_names(catalogue: Catalogue, name: str) -> tuple[str, ...]:
+def list_names(catalogue: Catalogue, quantity: str) -> tuple[str, ...]:
     """Return the names that belong together: a list of extremes, their places, their number, their kinds."""
-    return name, f"{catalogue.position.name}_at_{name}", f"{name}_count", f"{name}_kind"
+    of = Quantity(quantity)
+    lists = (
+        ListOfExtrema(of, place=catalogue.position.name),
+        *(ListOfExtrema(of, part) for part in ("count", "kind")),
+    )
+    return tuple(map(str, (ListOfExtrema(of), *lists)))
 
 
 def with_lists(catalogue: Catalogue, names: Iterable[str]) -> list[str]:
@@ -169,7 +166,7 @@ def with_lists(catalogue: Catalogue, names: Iterable[str]) -> list[str]:
     asked = list(names)
     result: list[str] = []
     for name in asked:
-        is_list = parse_request(name, catalogue).listed == "value"
-        belong = list_names(catalogue, name) if is_list else (name,)
+        request = parse_request(name, catalogue)
+        belong = list_names(catalogue, request.quantity) if request.listed == "value" else (name,)
         result += [other for other in belong if other == name or other not in (*asked, *result)]
     return result

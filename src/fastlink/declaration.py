@@ -7,8 +7,9 @@ from dataclasses import replace
 from itertools import count
 from typing import Any, TypeVar
 
-from fastlink.derivative import labelled
+from fastlink.derivative import derivative_name, labelled
 from fastlink.fact import CatalogueError, Fact, GradedRange, Input, Rule, System, parameters
+from fastlink.names import Derivative, ListOfExtrema, Name, Reduced, form_of, parse, reading_of, root_of
 
 __all__ = ["ELIMINATED", "Declarations"]
 
@@ -45,6 +46,8 @@ class Declarations:
         self.graded: GradedRange | None = None
         #: Closed forms, and each set of facts that has a linear system.
         self.solvers: tuple[str, ...] = (ELIMINATED,)
+        self.hiding: set[str] = set()
+        self._formed: dict[str, list[tuple[str, bool]]] = {}
         self._seen: tuple[list[Any], int] = [], next(_versions)
 
     @property
@@ -82,6 +85,7 @@ class Declarations:
         `chosen_by`. The codes of `choices` become a dimension of the result unless the design names one.
         """
         self._check_new(name, alternative)
+        self._check_reading(name, public=False)
         declared = Input(name, units, symbol, meaning, rule, default, dict(choices or {}))
         if alternative is None:
             self.inputs[name] = declared
@@ -100,6 +104,7 @@ class Declarations:
         name: str | None = None,
         meaning: str | None = None,
         given: Mapping[str, str] | None = None,
+        hides_reduction: bool = False,
     ) -> Callable[[F], F]:
         """Declare a fact.
 
@@ -118,12 +123,17 @@ class Declarations:
             several links, it is written once and declared for each.
         given : mapping of str to str, optional
             With them: what stands for the law's parameters.
+        hides_reduction : bool
+            Its name may read as what is taken of another quantity over the cycle, which then has no name.
         """
 
         def declare(function: F) -> F:
             labels = (units, symbol, source, internal, flags)
             fact = self._fact(function, *labels, name, meaning, given or {})
+            if hides_reduction:
+                self.hiding.add(fact.name)
             self._check_new(fact.name, alternative)
+            self._check_reading(fact.name, public=not fact.internal)
             if alternative is None:
                 self.facts[fact.name] = fact
             else:
@@ -142,6 +152,7 @@ class Declarations:
         def declare(function: F) -> F:
             fact = self._fact(function, units, symbol, source, False, None)
             self._check_new(fact.name, None)
+            self._check_reading(fact.name, public=True)
             self.curves[fact.name] = fact
             return function
 
@@ -156,6 +167,7 @@ class Declarations:
         def declare(function: F) -> F:
             fact = self._fact(function, "1", symbol, source, True, None)
             self._check_new(fact.name, None)
+            self._check_reading(fact.name, public=False)
             if fact.needs != (self.position.name,):
                 raise CatalogueError(
                     f"{self.name}: table {fact.name} must depend on {self.position.name} alone"
@@ -163,6 +175,7 @@ class Declarations:
             self.tables[fact.name] = fact
             if low is not None:
                 self._check_new(low, None)
+                self._check_reading(low, public=False)
                 self.table_low_parts[low] = fact.name
             return function
 
@@ -176,6 +189,7 @@ class Declarations:
             self.solvers = tuple(dict.fromkeys((*self.solvers, alternative)))
             for unknown in unknowns:
                 self._check_new(unknown, alternative)
+                self._check_reading(unknown, public=False)
                 self.alternatives.setdefault(alternative, {})[unknown] = declared
             return function
 
@@ -204,7 +218,7 @@ class Declarations:
     def depends_on_solver(self, steps: Iterable[Fact | System]) -> bool:
         """Tell whether a solver determines any of the values of a closure, or has no derivative of one."""
         solved = {name for key in self.solvers if key != ELIMINATED for name in self.alternatives[key]}
-        slopes = {f"d_{name}_d_{by}" for name in solved for by in self.variables}
+        slopes = {derivative_name(name, by) for name in solved for by in self.variables}
         names = {
             name for step in steps for name in (step.unknowns if isinstance(step, System) else (step.name,))
         }
@@ -237,18 +251,63 @@ class Declarations:
         needs = tuple((given or {}).get(parameter, parameter) for parameter in parameters(function))
         return Fact(name, function, needs, units, symbol, meaning, source, internal, dict(flags or {}))
 
+    def parse(self, name: str) -> Name:
+        """Return what a name is made of, see `fastlink.names`."""
+        return parse(name, self)
+
+    def is_derivative(self, name: str) -> bool:
+        """Tell whether a name is that of a derivative."""
+        return isinstance(self.parse(name), Derivative)
+
+    def declares(self, name: str) -> bool:
+        """Tell whether a name is declared: that of a fact, an input, a table, the position."""
+        sets: tuple[Mapping[str, Any], ...] = (*self.alternatives.values(), *self.alternative_inputs.values())
+        return self._is_own(name) or any(name in names for names in sets)
+
+    def _is_own(self, name: str) -> bool:
+        """Tell whether a name is declared of the mechanism itself, not of a set of facts."""
+        return (
+            name in self.facts
+            or name in self.inputs
+            or name in self.curves
+            or name in self.tables
+            or name in self.table_low_parts
+            or name in (self.position.name, "branch")
+        )
+
+    def is_step(self, name: str) -> bool:
+        """Tell whether a declared name is that of a table or of a fact that users cannot ask for."""
+        if name in self.facts:
+            return self.facts[name].internal
+        if name in self.inputs or name in self.curves:
+            return False
+        tables = name in self.tables or name in self.table_low_parts
+        return tables or any(name in facts for facts in self.alternatives.values())
+
+    def is_public(self, name: str) -> bool:
+        """Tell whether a declared name is that of a quantity that users ask for."""
+        return name in self.curves or (name in self.facts and not self.facts[name].internal)
+
     def _check_new(self, name: str, alternative: str | None) -> None:
         if alternative is None:
-            taken = (
-                name in self.inputs
-                or name in self.facts
-                or name in self.curves
-                or name in self.tables
-                or name in self.table_low_parts
-            )
-            taken = taken or name in (self.position.name, "branch")
+            taken = self._is_own(name)
         else:
             taken = name in self.alternatives.get(alternative, {})
             taken = taken or name in self.alternative_inputs.get(alternative, {})
         if taken:
             raise CatalogueError(f"{self.name}: {name} is declared twice")
+
+    def _check_reading(self, name: str, public: bool) -> None:
+        """Refuse a name that says something else by its form, or lets another one do so; see `fastlink.names`."""
+        tree = None if name in self.hiding else reading_of(name, self)
+        if tree is not None:
+            raise CatalogueError(f"{self.name}: {name} reads as {tree!r}; call it otherwise")
+        for other, of_cycle in self._formed.get(name, ()):
+            if other not in self.hiding and (public or not of_cycle):
+                raise CatalogueError(
+                    f"{self.name}: with {name}, {other} reads as made of it; call one otherwise"
+                )
+        form = form_of(name, self)
+        if form is not None:
+            of_cycle = isinstance(form, (Reduced, ListOfExtrema))
+            self._formed.setdefault(root_of(form), []).append((name, of_cycle))

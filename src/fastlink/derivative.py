@@ -17,6 +17,7 @@ from typing import Any
 from fastlink.errors import InputError
 from fastlink.fact import Fact, Input, System
 from fastlink.graph import Graph, Node, is_power_of_two
+from fastlink.names import Derivative, Quantity
 from fastlink.numerics import compensated, vectors
 from fastlink.numerics.elementary import INFINITY, NOT_A_NUMBER, atan2, cosine, select, sine, sqrt
 from fastlink.numerics.logarithm import log, log1p, log_quotient
@@ -38,7 +39,7 @@ def derivative_name(name: str, by: str) -> str:
     >>> derivative_name("omega4", "a1")
     'd_omega4_d_a1'
     """
-    return f"d_{name}_d_{by}"
+    return str(Derivative(Quantity(name), by))
 
 
 def labelled(fact: Fact, by: Input) -> Fact:

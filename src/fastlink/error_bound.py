@@ -17,25 +17,33 @@ from fastlink.error_rules import Bound, Lost, Rules, U
 from fastlink.errors import InputError
 from fastlink.fact import Fact, Input, System
 from fastlink.graph import Node, is_power_of_two
+from fastlink.names import ErrorBound, LowPart, Quantity, Trust
 from fastlink.numerics.compensated import two_sum
 from fastlink.numerics.elementary import INFINITY, select
 
-__all__ = ["ERROR", "TRUST", "ErrorBounds", "labelled_error", "trust_of"]
+__all__ = ["ErrorBounds", "error_name", "labelled_error", "trust_of"]
 
-ERROR, TRUST = "_error", "_trust"
-#: NAME and NAME_low are the two words of one value where their texts say so.
-LOW = "_low"
 #: Relative error bounds up to this one are trusted.
 TRUSTED = 1e-6
 TRUST_FLAGS = {0: "trusted", 1: "ill_conditioned", 2: "not_finite"}
 NUMERICS = "docs/numerics.md#error-bounds"
 
 
+def error_name(name: str) -> str:
+    """Return what the error bound of a quantity is called."""
+    return str(ErrorBound(Quantity(name)))
+
+
+def low_name(name: str) -> str:
+    """Return what the low part of a step is called."""
+    return str(LowPart(Quantity(name)))
+
+
 def labelled_error(fact: Fact) -> Fact:
     """Return a fact with the labels of its error bound; function and needs are still its own."""
     return replace(
         fact,
-        name=f"{fact.name}{ERROR}",
+        name=error_name(fact.name),
         symbol=f"err {fact.symbol}",
         meaning=f"Error bound of {in_a_sentence(fact.meaning)}",
         source=f"{fact.source}; {NUMERICS}",
@@ -47,9 +55,9 @@ def trust_of(fact: Fact) -> Fact:
     """Return what tells whether the error bound of a fact is small against its value."""
     return replace(
         fact,
-        name=f"{fact.name}{TRUST}",
+        name=str(Trust(Quantity(fact.name))),
         function=trust,
-        needs=(fact.name, f"{fact.name}{ERROR}"),
+        needs=(fact.name, error_name(fact.name)),
         units="1",
         symbol=f"trust {fact.symbol}",
         meaning=f"Whether digits of {in_a_sentence(fact.meaning)} are known",
@@ -77,6 +85,8 @@ class ErrorBounds:
         The assembly modes.
     tables, low_parts : mapping
         The tables of the input position, and of which of them a table is the low word.
+    high_part : callable
+        Returns the name of the fact whose low part a name is, or nothing.
     """
 
     def __init__(
@@ -86,9 +96,10 @@ class ErrorBounds:
         branches: Mapping[int, str],
         tables: Mapping[str, Fact],
         low_parts: Mapping[str, str],
+        high_part: Callable[[str], str],
     ) -> None:
         self.find, self.inputs, self.branches = find, inputs, branches
-        self.tables, self.low_parts = tables, low_parts
+        self.tables, self.low_parts, self.high_part = tables, low_parts, high_part
         self.rules = Rules(self.named)
         self.graph, self.exact = self.rules.graph, self.rules.exact
         self._named: dict[str, Bound] = {}
@@ -108,7 +119,7 @@ class ErrorBounds:
             found = self.found(name)
             along = self._passes(name) and not is_size(self.rules, self._value(found))
             root, own = self._along_paths(name) if along else self._running(found)
-            function, needs = made_function(f"{name}{ERROR}", self.graph, root, own)
+            function, needs = made_function(error_name(name), self.graph, root, own)
             self._facts[name] = replace(labelled_error(found), function=function, needs=needs)
         return self._facts[name]
 
@@ -117,10 +128,12 @@ class ErrorBounds:
         found = self.find(name)
         if isinstance(found, System):
             raise InputError(
-                f"quantity '{name}{ERROR}': a linear system determines {name}; choose the solver that eliminates"
+                f"quantity {error_name(name)!r}: a linear system determines {name}; choose the solver that eliminates"
             )
         if found is None:
-            raise InputError(f"quantity '{name}{ERROR}': {name} is given, which has no error; leave it out")
+            raise InputError(
+                f"quantity {error_name(name)!r}: {name} is given, which has no error; leave it out"
+            )
         return found
 
     def _value(self, found: Fact) -> Node:
@@ -133,7 +146,7 @@ class ErrorBounds:
         """Return a fact's value and its bound; of a sum without further errors, what `two_sum` says is lost."""
         value = self._value(found)
         bound = self.rules.bound(value)
-        low = self.find(f"{found.name}{LOW}") if found.internal and value.kind == "+" else None
+        low = self.find(low_name(found.name)) if found.internal and value.kind == "+" else None
         if isinstance(low, Fact) and bound == replace(self.exact, relative=1.0, positive=bound.positive):
             word = self.graph.node("item", self.graph.call(two_sum, *value.args), value=1)
             if self._value(low) is word:
@@ -218,7 +231,7 @@ class ErrorBounds:
         bound = replace(bound if lost else self.rules.settled(value, bound), lost=lost)
         if bound.rest is graph.zero:
             return bound
-        return replace(bound, relative=0.0, rest=graph.name(f"{name}{ERROR}"))
+        return replace(bound, relative=0.0, rest=graph.name(error_name(name)))
 
     def _of_table(self, name: str) -> Bound:
         """Return the bound of a table: exact steps, or rounded once, with what that lost in a table of its own."""
@@ -233,16 +246,16 @@ class ErrorBounds:
         return replace(self.exact, relative=U, lost=lost, positive=bound.positive)
 
     def _pair(self, found: Fact, value: Node, bound: Bound) -> Lost:
-        """Return what is lost by names, where facts NAME and NAME_low are the two words of one value."""
+        """Return what is lost by names, where a fact and its low part are the two words of one value."""
         if not found.internal or len(bound.lost) != 1:
             return {}
         name, graph = found.name, self.graph
         if value in bound.lost:
-            high = name.removesuffix(LOW)
-            other = self.find(high) if high != name else None
+            high = self.high_part(name)
+            other = self.find(high) if high else None
             if isinstance(other, Fact) and other.internal and value in self._read(other)[1].lost:
                 return {graph.name(name): (1.0, graph.name(high))}
-        other = self.find(f"{name}{LOW}")
+        other = self.find(low_name(name))
         if isinstance(other, Fact) and self._value(other) in bound.lost:
             return {graph.name(other.name): (-1.0, graph.name(name))}
         return {}

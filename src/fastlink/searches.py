@@ -7,7 +7,7 @@ from dataclasses import replace
 
 from fastlink.catalogue import Catalogue, CatalogueError, Fact, System
 from fastlink.closure import Output, RefinedClosure, Search
-from fastlink.derivative import NoDerivative
+from fastlink.derivative import NoDerivative, derivative_name
 from fastlink.grade import grades
 
 __all__ = ["find_jumps", "find_search", "refined_closures"]
@@ -26,7 +26,7 @@ def find_search(
     graded = catalogue.graded
     if graded is None or quantity in graded.rough:
         return None
-    slope = f"d_{quantity}_d_{catalogue.position.name}"
+    slope = derivative_name(quantity, catalogue.position.name)
     try:
         steps = _closure(catalogue, (quantity, slope), given, alternatives)
     except (CatalogueError, NoDerivative):

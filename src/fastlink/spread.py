@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from fastlink.degree import degrees
+from fastlink.names import ErrorBound, Trust
 from fastlink.run import Deliver
 
 if TYPE_CHECKING:
@@ -135,7 +136,7 @@ def _powers(plan: PlanSet, given: tuple[str, ...], name: str) -> list[float] | N
         return None
     tables = (catalogue.position.name, *catalogue.tables, *catalogue.table_low_parts)
     asked = [output.request.quantity for output in plan.outputs]
-    if any(catalogue.judged_in(quantity) for quantity in asked):
+    if any(isinstance(catalogue.parse(quantity), (ErrorBound, Trust)) for quantity in asked):
         return None  # an error bound knows nothing of the rounding of one more product
     found = degrees(catalogue.closure(asked, (*given, *tables, "branch"), plan.alternatives), name)
     powers = [_power(output, found) for output in plan.outputs]

@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from fastlink.catalogue import Catalogue
+from fastlink.derivative import derivative_name
 from fastlink.exact import CONTEXT, STEP, Exact
 from fastlink.reading import read_facts
 
@@ -93,7 +94,7 @@ class Stationary:
         assert graded is not None
         self.catalogue, self.quantity, self.graded = catalogue, quantity, graded
         self.position = catalogue.position.name
-        self.slope = f"d_{quantity}_d_{self.position}"
+        self.slope = derivative_name(quantity, self.position)
         self.inputs = {**inputs, "branch": branches}
         self.alternatives = (graded.name, *alternatives)
         self.facts = Exact(

@@ -56,7 +56,7 @@ def either(**labels: Any) -> Callable[[F], F]:
 def with_design_facts() -> Catalogue:
     """Return the catalogue of the crank with what belongs to the design as a whole; after all declarations."""
     for name, fact in focal.facts.items():
-        if not (name.startswith("d_") or focal.varies(name)):
+        if not (focal.is_derivative(name) or focal.varies(name)):
             by_crank.facts.setdefault(name, fact)
     for chosen in focal.alternative_inputs:
         by_crank.alternatives[chosen] = focal.alternatives[chosen]

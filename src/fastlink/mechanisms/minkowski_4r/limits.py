@@ -253,6 +253,7 @@ for _name, _theorem, _cosh, _angle, _first, _second, _x, _y, _meaning in (
         name=_name,
         meaning=f"{_meaning} range; NaN where there is no such limit",
         given=_given,
+        hides_reduction=True,  # psi_max is the limit, not the greatest psi of a cycle
     )(_angle)
 
 

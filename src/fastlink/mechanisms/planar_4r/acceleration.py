@@ -8,9 +8,9 @@ from __future__ import annotations
 
 from typing import Any
 
-from fastlink.catalogue import BELOW
 from fastlink.mechanisms.planar_4r import coupler, joints, loads, slopes  # noqa: F401 (declare what is replaced)
 from fastlink.mechanisms.planar_4r.declare import build_on, planar_4r
+from fastlink.names import Below, Quantity
 
 ACCELERATED = "acceleration"
 
@@ -56,7 +56,7 @@ for _name, _law, _further in (
     build_on(ACCELERATED, _name, _law, further=_further)
 
 # theta2 - theta1 gains a difference of its own, which does not cancel.
-steady = f"alpha2{BELOW}{ACCELERATED}"
+steady = str(Below(Quantity("alpha2"), ACCELERATED))
 build_on(ACCELERATED, "joint_alpha_2", plus_product, replaced=steady, further="joint_ratio_2")
 
 for _name, _slope in (("jerk2", "coupler_slope"), ("jerk4", "output_slope")):
