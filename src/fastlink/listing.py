@@ -14,12 +14,15 @@ from fastlink.catalogue import Catalogue, Fact, Input
 from fastlink.cycle import REDUCTIONS
 from fastlink.mechanisms import NAMES
 from fastlink.mechanisms import catalogue as find_catalogue
+from fastlink.names import Derivative, ErrorBound, ListOfExtrema, Reduced, Trust
+from fastlink.names import Quantity as Plain
 from fastlink.plan import make_plan
 from fastlink.request import RULES
 
 __all__ = ["GivenInput", "Quantity", "QuantityList", "quantities"]
 
 DESIGN, BRANCH = "design", "branch"
+NAME = Plain("NAME")
 COMPONENT = re.compile("_[xy]$")
 MEANING_WIDTH, SOURCE_WIDTH = 46, 34
 
@@ -118,27 +121,29 @@ class QuantityList(list[Quantity]):
         position = self._position.name
         unit = "" if self._position.units == "1" else f" in {self._position.units}"
         ways = [
-            f"{quote}NAME_{reduction.suffix}{quote} ({reduction.phrase})" for reduction in REDUCTIONS.values()
+            f"{quote}{Reduced(NAME, reduction.suffix)}{quote} ({reduction.phrase})"
+            for reduction in REDUCTIONS.values()
         ]
         places = [
-            f"{quote}{position}_at_NAME_{reduction.suffix}{quote}"
+            f"{quote}{Reduced(NAME, reduction.suffix, position)}{quote}"
             for reduction in REDUCTIONS.values()
             if reduction.has_place
         ]
         lists = (
-            f"{quote}NAME_extrema{quote} lists all extremes over the reachable range by growing {position}, along "
-            f"the dimension {quote}extremum{quote}, and brings {quote}{position}_at_NAME_extrema{quote}, "
-            f"{quote}NAME_extrema_count{quote} and {quote}NAME_extrema_kind{quote}. "
+            f"{quote}{ListOfExtrema(NAME)}{quote} lists all extremes over the reachable range by growing {position}, "
+            f"along the dimension {quote}extremum{quote}, and brings "
+            f"{quote}{ListOfExtrema(NAME, place=position)}{quote}, "
+            f"{quote}{ListOfExtrema(NAME, 'count')}{quote} and {quote}{ListOfExtrema(NAME, 'kind')}{quote}. "
         )
         return (
             f"For any NAME with the dimension {quote}{position}{quote} there are {_and(ways)}, and "
             f"{_and(places)} (the {position}{unit} where that is), with the dimensions "
             f"({DESIGN}, {BRANCH}). {lists if self._graded else ''}"
             "Configurations that do not assemble are NaN and never enter. "
-            f"{quote}d_NAME_d_PARAM{quote} is the derivative of NAME by an input or by {quote}{position}{quote}, and "
-            "itself such a NAME. "
-            f"{quote}NAME_error{quote} bounds the error that rounding makes in NAME, and {quote}NAME_trust{quote} "
-            "tells where that exceeds a millionth of NAME. "
+            f"{quote}{Derivative(NAME, 'PARAM')}{quote} is the derivative of NAME by an input or by "
+            f"{quote}{position}{quote}, and itself such a NAME. "
+            f"{quote}{ErrorBound(NAME)}{quote} bounds the error that rounding makes in NAME, and "
+            f"{quote}{Trust(NAME)}{quote} tells where that exceeds a millionth of NAME. "
             f"{quote}{DESIGN}{quote} stands for the swept dimensions."
         )
 

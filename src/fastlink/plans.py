@@ -15,6 +15,7 @@ from fastlink.closure import Output, RefinedClosure, Search
 from fastlink.codegen.extrema import write_refined
 from fastlink.cycle import Extrema, Request
 from fastlink.errors import InputError
+from fastlink.names import Quantity, Reduced
 from fastlink.plan import ANGLES_FOR_LANES, Kernel, Plan, make_plan, output_of, parse_requests
 from fastlink.searches import find_jumps, find_search, refined_closures
 
@@ -201,9 +202,12 @@ def make_plans(
 
 
 def _not_refined(request: Request, catalogue: Catalogue) -> str:
+    ends = [str(Reduced(Quantity(request.quantity), how)) for how in ("max", "min")]
+    offered = " and ".join(name for name in ends if name not in catalogue.hiding)
+    remedy = f"ask for {offered}" if offered else f"ask for {request.quantity}, and take extremes of the map"
     return (
         f"quantity {request.name!r}: {request.quantity} of {catalogue.name} has no derivative by "
-        f"{catalogue.position.name} here, so its extremes cannot be listed; ask for {request.quantity}_max and _min"
+        f"{catalogue.position.name} here, so its extremes cannot be listed; {remedy}"
     )
 
 

@@ -14,6 +14,7 @@ from fastlink.catalogue import Fact, System, parameters
 from fastlink.codegen.runtime.cells import LANES, MOST_LANES
 from fastlink.codegen.schedule import KernelLayout, Step, names_of
 from fastlink.codegen.source import N_ANGLES, Array, Source, Text, paste_fact, paste_system
+from fastlink.names import Quantity, Reduced
 
 if TYPE_CHECKING:
     from fastlink.closure import Closure, Output, RefinedClosure
@@ -287,8 +288,9 @@ def _slot_names(output: Output, suffix: str, position: str) -> tuple[str, str, s
     """Return the names of the value, accumulator, place and count of one reduction and branch."""
     request = output.request
     assert request.reduction is not None
-    acc = f"{request.quantity}_{request.reduction.suffix}{suffix}"
-    return f"{request.quantity}{suffix}", acc, f"{position}_at_{acc}", f"count_{request.quantity}{suffix}"
+    of, how = Quantity(request.quantity), request.reduction.suffix
+    acc, place = f"{Reduced(of, how)}{suffix}", f"{Reduced(of, how, position)}{suffix}"
+    return f"{of}{suffix}", acc, place, f"count_{of}{suffix}"
 
 
 def _slots(output: Output, suffix: str, position: str, initial: str) -> list[tuple[str, str]]:

@@ -7,6 +7,7 @@ from dataclasses import replace
 from typing import Any
 
 from fastlink.catalogue import Catalogue, Fact
+from fastlink.names import Derivative, Quantity
 
 __all__ = ["borrow", "borrow_range", "facts_of", "moved", "renaming", "with_derivatives"]
 
@@ -26,7 +27,11 @@ def with_derivatives(lender: Catalogue, names: Iterable[str], known: Iterable[st
     while new:
         found = {fact.name: fact for fact in facts_of(lender, new, (*known, *facts))}
         tables = {need for fact in found.values() for need in fact.needs}.intersection(lender.tables)
-        slopes = [f"d_{name}_d_{by}" for name in (*found, *sorted(tables)) for by in lender.variables]
+        slopes = [
+            str(Derivative(Quantity(name), by))
+            for name in (*found, *sorted(tables))
+            for by in lender.variables
+        ]
         declared = {name: lender.facts[name] for name in slopes if name in lender.facts}
         facts |= found | declared
         needs = {need for fact in declared.values() for need in fact.needs}
@@ -51,11 +56,11 @@ def renaming(lender: Catalogue, names: Mapping[str, str], prefix: str) -> Renami
     """
 
     def rename(name: str) -> str:
-        of, sign, by = name.removeprefix("d_").rpartition("_d_")
         if name in names or name == "branch":
             return names.get(name, name)
-        if name.startswith("d_") and sign and by in lender.variables:
-            return f"d_{rename(of)}_d_{rename(by)}"
+        tree = lender.parse(name)
+        if isinstance(tree, Derivative):
+            return str(Derivative(Quantity(rename(str(tree.of))), rename(tree.by)))
         return prefix + name
 
     return rename

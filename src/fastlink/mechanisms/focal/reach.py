@@ -74,19 +74,19 @@ def least_acute_angle(
 
 
 #: Of the triangle with the sides a, b and d -+ c: squared half-angle sine and cosine between a and b, times 4 a b.
-for _name, _law, _x, _y in (
-    ("sine_parallel", opposite_product, "B1", "C1"),
-    ("cosine_parallel", product, "A2", "D2"),
-    ("sine_antiparallel", opposite_product, "B2", "C2"),
-    ("cosine_antiparallel", product, "A1", "D1"),
+for _function, _how, _law, _x, _y in (
+    ("sine", "parallel", opposite_product, "B1", "C1"),
+    ("cosine", "parallel", product, "A2", "D2"),
+    ("sine", "antiparallel", opposite_product, "B2", "C2"),
+    ("cosine", "antiparallel", product, "A1", "D1"),
 ):
     focal.quantity(
         units="1",
         symbol=f"{_x} {_y}",
         source=CRANK,
         internal=True,
-        name=_name,
-        meaning=f"squared half-angle of MA and NB where AB is {_name.rpartition('_')[2]} to MN, over a common factor",
+        name=f"{_function}_{_how}",
+        meaning=f"squared half-angle of MA and NB where AB is {_how} to MN, over a common factor",
         given={"x": f"{PREFIX}factor_{_x}", "y": f"{PREFIX}factor_{_y}"},
     )(_law)
 

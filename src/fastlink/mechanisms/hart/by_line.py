@@ -17,7 +17,7 @@ from typing import Any, TypeVar
 from fastlink.catalogue import Catalogue, Input
 from fastlink.mechanisms import lengths
 from fastlink.mechanisms.hart.declare import PAGE, WUNDERLICH, hart
-from fastlink.mechanisms.hart.motion import omega_angle, quotient
+from fastlink.mechanisms.hart.motion import BAR_ERRORS, omega_angle, quotient
 from fastlink.mechanisms.planar_4r.rates import product
 from fastlink.numerics.compensated import UNIT_ROUNDING
 from fastlink.numerics.elementary import NOT_A_NUMBER, atan2, select, sqrt
@@ -220,6 +220,6 @@ def F_deviation(P_x: Any, u_x: Any, u_y: Any, w_x: Any, w_y: Any, line_x: Any, m
 def with_facts_of_hart() -> Catalogue:
     """Return the catalogue with what belongs to the design as a whole, and what measures the bars."""
     for name, fact in hart.facts.items():
-        if not (name.startswith("d_") or hart.varies(name)) or name.endswith(("_error", "_residual")):
+        if not (hart.is_derivative(name) or hart.varies(name)) or name in (*BAR_ERRORS, "closure_residual"):
             by_line.facts.setdefault(name, fact)
     return by_line

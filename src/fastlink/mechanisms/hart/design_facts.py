@@ -14,6 +14,7 @@ from fastlink.mechanisms import lengths
 from fastlink.mechanisms.hart.declare import PAGE, hart
 from fastlink.mechanisms.planar_4r.rates import product
 from fastlink.mechanisms.planar_4r.slopes import opposite
+from fastlink.names import LowPart, Quantity
 from fastlink.numerics.compensated import UNIT_ROUNDING, gap, gap_product_quotient, pair_product, two_sum
 from fastlink.numerics.elementary import NOT_A_NUMBER, select
 from fastlink.numerics.vectors import zero_where
@@ -128,14 +129,15 @@ for _name, _text, _K, _n in (
     ("near_sum", "(1 - K)(m + n)", "minus_K", "s_n"),
     ("near_difference", "(1 - K)(m - n)", "minus_K", "minus_s_n"),
 ):
-    _pair = {"reach": _name, "reach_low": f"{_name}_low"}
-    for _suffix, _meaning, _law, _given in (
-        ("", _text, reach, {"K": _K, "s_n": _n}),
-        ("_low", f"what {_name} lost in rounding to double", reach_low, {"K": _K, "s_n": _n}),
-        ("_less", f"{_text} - e", unless_rounding, _pair | {"other": "minus_e"}),
-        ("_plus", f"{_text} + e", unless_rounding, _pair | {"other": "e"}),
+    _low_name = str(LowPart(Quantity(_name)))
+    _pair = {"reach": _name, "reach_low": _low_name}
+    for _step, _meaning, _law, _given in (
+        (_name, _text, reach, {"K": _K, "s_n": _n}),
+        (_low_name, f"what {_name} lost in rounding to double", reach_low, {"K": _K, "s_n": _n}),
+        (f"{_name}_less", f"{_text} - e", unless_rounding, _pair | {"other": "minus_e"}),
+        (f"{_name}_plus", f"{_text} + e", unless_rounding, _pair | {"other": "e"}),
         (
-            "_excess",
+            f"{_name}_excess",
             f"square of {_text} less that of d",
             product,
             {"x": f"{_name}_less", "y": f"{_name}_plus"},
@@ -146,7 +148,7 @@ for _name, _text, _K, _n in (
             symbol=_text,
             source=NUMERICS,
             internal=True,
-            name=f"{_name}{_suffix}",
+            name=_step,
             meaning=_meaning,
             given=_given,
         )(_law)
@@ -213,16 +215,16 @@ for _name, _meaning, _other in (
     ("Z0", "squared sine of half of phi at the inner toggle, negative if none", "minus_e"),
     ("C0", "squared cosine of half of phi at the outer toggle, negative if none", "e"),
 ):
-    for _suffix, _law, _told in (
-        ("", toggle, _meaning),
-        ("_low", toggle_low, f"what {_name} lost in rounding to double"),
+    for _step, _law, _told in (
+        (_name, toggle, _meaning),
+        (str(LowPart(Quantity(_name))), toggle_low, f"what {_name} lost in rounding to double"),
     ):
         hart.quantity(
             units="1",
             symbol=f"{_name[0]}_0",
             source=NUMERICS,
             internal=True,
-            name=_name + _suffix,
+            name=_step,
             meaning=_told,
             given={"other": _other, "divisor": _other},
         )(_law)

@@ -173,13 +173,15 @@ def size_q(K: Any, m: Any) -> Any:
     return K * m
 
 
-for _from, _to, _length in (
-    ("A", "B", "size_c"),
-    ("P", "F", "size_p"),
-    ("Q", "F", "size_q"),
-    ("N", "B", "size_b"),
-    ("N", "Q", "n"),
-):
+#: By how much the distance of two joints misses the length of their bar: names, ends and lengths.
+BAR_ERRORS = {
+    "AB_error": ("A", "B", "size_c"),
+    "PF_error": ("P", "F", "size_p"),
+    "QF_error": ("Q", "F", "size_q"),
+    "NB_error": ("N", "B", "size_b"),
+    "NQ_error": ("N", "Q", "n"),
+}
+for _name, (_from, _to, _length) in BAR_ERRORS.items():
     _ends = {"x": f"{_to}_x", "y": f"{_to}_y", "length": _length}
     _start = {"x0": "d"} if _from == "N" else {"x0": f"{_from}_x", "y0": f"{_from}_y"}
     hart.quantity(
@@ -187,7 +189,7 @@ for _from, _to, _length in (
         symbol=f"{_from}{_to}",
         source=NUMERICS,
         internal=True,
-        name=f"{_from}{_to}_error",
+        name=_name,
         meaning=f"by how much the distance {_from}{_to} misses the length of its bar, over the longest bar",
         given=_ends | _start,
     )(fixed_bar_error if _from == "N" else bar_error)

@@ -22,13 +22,13 @@ from typing import Any
 from fastlink.catalogue import Catalogue, Fact, Input
 from fastlink.mechanisms.borrow import facts_of, moved, with_derivatives
 from fastlink.mechanisms.planar_4r.declare import planar_4r
+from fastlink.names import Derivative, Quantity, root_of
 from fastlink.numerics.elementary import TWO_PI, atan2, cos, select, sin, sqrt
 
 __all__ = ["driven_by", "driven_catalogues"]
 
 #: Names that carry the number of a joint or a length.
 NUMBERED = re.compile(r"(a|s|v|joint_angle_|joint_omega_|joint_alpha_|joint_[SCY])([1-4])")
-DERIVATIVE = re.compile(f"d_(.+)_d_{planar_4r.position.name}")
 ORDINALS = ("first", "second", "third", "fourth")
 RATES = {
     "joint_omega_": ("Rate", "d theta_{}/dt (eqs. 1-6)"),
@@ -63,8 +63,7 @@ class _Driven(Catalogue):
         first = planar_4r.position.name
         if name in (self.position.name, *self.inputs):
             return f"quantity {name!r} is given, and a coordinate of the result: leave it out"
-        known_there = (name == other or name.startswith(f"{other}_") for other in planar_4r.public)
-        if name.startswith(f"{first}_at_") or any(known_there):
+        if root_of(planar_4r.parse(name)) in planar_4r.public:
             other = f"joint_angle_{moved_number(2, int(self.position.name[-1]))}"
             rates = ", ".join(repr(other.replace("angle", rate)) for rate in ("omega", "alpha"))
             return (
@@ -112,8 +111,9 @@ def moved_name(name: str, joint: int) -> str:
     """
     if name == planar_4r.position.name:
         return f"joint_angle_{joint}"
-    if derivative := DERIVATIVE.fullmatch(name):
-        return f"d_{moved_name(derivative[1], joint)}_d_joint_angle_{joint}"
+    tree = planar_4r.parse(name)
+    if isinstance(tree, Derivative) and tree.by == planar_4r.position.name:
+        return str(Derivative(Quantity(moved_name(str(tree.of), joint)), moved_name(tree.by, joint)))
     if numbered := NUMBERED.fullmatch("joint_omega_1" if name == "omega1" else name):
         return f"{numbered[1]}{moved_number(int(numbered[2]), joint)}"
     # the factors of the equations are kept; those of the cyclic order, which tell the status, stand beside them
