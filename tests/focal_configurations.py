@@ -13,6 +13,23 @@ DRIVES = {"phi": BY_ROCKER, "sigma": BY_CRANK}
 LENGTHS = "abcd"
 
 
+#: rho near -1 has S and T far away, lambda near 0 (rho is then near -(a/b)^2, or -1) P and Q; near kites P and Q almost
+#: meet.
+FAMILIES = (
+    *(
+        "random",
+        "toggle 1e-3",
+        "toggle 1e-8",
+        "line 1e-3",
+        "line 1e-8",
+        "line 1e-12",
+        "kite 1e-3",
+        "kite 1e-8",
+    ),
+    *("scale 1e-150", "scale 1e150"),
+)
+
+
 def random_designs(rng, n, low=0.3, high=2.0):
     """Lengths of all classes, rho of either sign, both completions and branches."""
     return {

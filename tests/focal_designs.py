@@ -104,6 +104,12 @@ def given_by(name, designs):
     return {key: values[kept] for key, values in (designs | {"lambda_": found}).items()}
 
 
+def drawn(given, kind, rng, n):
+    """Return designs of one kind as inputs, given by rho, s or lambda_."""
+    designs = given_by(given, family(kind, rng, n))
+    return {name: designs[name] for name in GIVEN[given][0]}
+
+
 def facts(designs, completion, names=FACTS, given="rho"):
     """Return facts of many designs as arrays."""
     inputs, alternatives = GIVEN[given]

@@ -2,9 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from typing import Any
+
 import numpy as np
 
 import fastlink as fl
+from fastlink.exact import CONTEXT, Exact
 from fastlink.mechanisms import catalogue
 
 HART = catalogue("hart")
@@ -54,6 +58,28 @@ def family(kind: str, rng: np.random.Generator, n: int) -> dict[str, np.ndarray]
         phi = float(size) * rng.uniform(0.5, 2.0, n)
     scale = float(size) if name == "scale" else 1.0
     return {"m": m * scale, "n": n_ * scale, "d": d * scale, "kappa": kappa, "phi": phi * sign}
+
+
+def folded(facts: Mapping[str, Any]) -> bool:
+    """Tell whether the mechanism is a kite folded up: B stays at M, and F with it, so that phi is undetermined."""
+    return abs(facts["F_y"]) <= 1e-10 * facts["stroke"]
+
+
+def along_line(kind: str, rng: np.random.Generator, n: int) -> dict[str, np.ndarray]:
+    """Return the configurations of a family, of both branches, as driven by F: F_y is rounded."""
+    inputs = family(kind, rng, n)
+    facts = Exact(HART, ["sigma", "sine_part", "F_y", "stroke"], [*INPUTS, "branch"])
+    rows = []
+    for i in range(n):
+        one = {name: float(values[i]) for name, values in inputs.items()}
+        for branch in (1, 2):
+            found = facts.at(one | {"branch": branch})
+            if not (CONTEXT.isnan(found["sigma"]) or folded(found)):
+                rows.append(
+                    {name: one[name] for name in INPUTS[:-1]}
+                    | {"F_y": float(found["F_y"]), "branch": 1.0 if found["sine_part"] > 0 else 2.0}
+                )
+    return {name: np.array([row[name] for row in rows]) for name in (*INPUTS[:-1], "F_y", "branch")}
 
 
 def some_kappa(rng: np.random.Generator, n: int) -> np.ndarray:

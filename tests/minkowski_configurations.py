@@ -22,8 +22,8 @@ FAMILIES = [
 ]
 
 
-def family(kind: str, rng: np.random.Generator, n: int) -> tuple[dict[str, np.ndarray], np.ndarray]:
-    """Return designs and input rapidities: anywhere, or as near as the number says to where digits may get lost."""
+def family(kind: str, rng: np.random.Generator, n: int) -> dict[str, np.ndarray]:
+    """Return configurations: anywhere, or as near as the number says to where digits may get lost."""
     name, _, size = kind.partition(" ")
     lengths, theta = rng.uniform(0.3, 2.0, (4, n)), rng.uniform(-4.0, 4.0, n)
     sides = rng.choice([-1.0, 1.0], n)
@@ -53,7 +53,7 @@ def family(kind: str, rng: np.random.Generator, n: int) -> tuple[dict[str, np.nd
         for i in range(n):
             lengths[:, i], theta[i] = near_limit(rng, float(size))
     inputs = dict(zip("abgh", lengths, strict=True))
-    return inputs | {name: rng.uniform(-2.0, 2.0, n) for name in "xy"}, theta
+    return inputs | {name: rng.uniform(-2.0, 2.0, n) for name in "xy"} | {"theta": theta}
 
 
 def near_limit(rng: np.random.Generator, offset: float) -> tuple[np.ndarray, float]:

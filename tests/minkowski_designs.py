@@ -103,3 +103,31 @@ def all_kinds(rng, n):
     h = np.where(rng.random(n) < 0.2, a, h)
     g = np.where(rng.random(n) < 0.1, a, g)
     return np.array([a, b, g, np.where(rng.random(n) < 0.2, b, h)])
+
+
+def near_zero(rng, n):
+    """Lengths with some T_i that is 0 but for the last bits, of exponents that differ."""
+    bits = np.where(rng.random(n) < 0.5, 20, 52)
+    mantissas = np.ldexp(np.rint(np.ldexp(rng.uniform(1.0, 2.0, (4, n)), bits)), -bits)
+    lengths = np.ldexp(mantissas, rng.integers(-bits - 8, 3, (4, n)))
+    signs = np.array(list(SUMS.values()))[rng.choice([0, 1, 2, 3, 4, 5, 7], n)].T
+    # the longest link is what makes the sum vanish, as rounding allows, or a little more
+    rest = np.where(np.arange(4)[:, None] == 2, 0.0, signs * lengths)
+    last = abs(np.sum(rest, axis=0)) + rng.integers(-2, 3, n) * np.spacing(lengths[2])
+    lengths[2] = np.where(last > 0.0, last, lengths[2])
+    return lengths
+
+
+def across(rng, n):
+    """Lengths of 1e-150 to 1e150 in one design."""
+    return 10.0 ** rng.uniform(-150, 150, (4, n))
+
+
+#: Where signs and digits may get lost.
+FAMILIES = {
+    "random": lambda rng, n: np.exp(rng.uniform(-0.9, 0.9, (4, n))),
+    "near 0": near_zero,
+    "across": across,
+    "small": lambda rng, n: 1e-150 * rng.uniform(0.5, 2.0, (4, n)),
+    "large": lambda rng, n: 1e150 * rng.uniform(0.5, 2.0, (4, n)),
+}

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 import fastlink as fl
-from configurations import DIGITS, LENGTHS, PLANAR, UNIT, condition_sums, reference
+from configurations import DIGITS, LENGTHS, PLANAR, UNIT, condition_sums, designs, reference
 from fastlink.mechanisms.planar_4r.classes import CLASS_FLAGS
 
 CODES = {meaning: code for code, meaning in CLASS_FLAGS.items()}
@@ -40,22 +40,8 @@ def facts(lengths):
     return {name: found[name].values for name in FACTS}
 
 
-def designs(kind, n, seed=41):
-    """Lengths of all classes: plain, of ratios up to 1e3, and near change points of every type."""
-    rng = np.random.default_rng(seed)
-    if kind == "random":
-        return rng.uniform(0.3, 2.0, (4, n))
-    if kind == "wide":
-        return np.exp(rng.uniform(-3.5, 3.5, (4, n)))
-    lengths = rng.uniform(0.3, 2.0, (4, n))
-    # One of A1, B1, C1 is a gap of 1e-2 to 1e-13, of either sign.
-    gap = np.exp(rng.uniform(np.log(1e-13), np.log(1e-2), n)) * rng.choice([-1.0, 1.0], n)
-    signs = np.array([(1, -1, 1), (1, 1, -1), (-1, 1, 1)]).T[:, rng.integers(0, 3, n)]
-    s = np.array([signs[0], signs[1], signs[2]])
-    # Ordered so that the last link is positive: a4 = the sum of two minus the third, plus the gap.
-    last = np.sum(s * lengths[:3], axis=0) + gap
-    lengths[3] = np.where(last > 0.1, last, lengths[3])
-    return lengths
+def drawn(kind, n, seed=41):
+    return designs(kind, np.random.default_rng(seed), n)
 
 
 def closes(lengths, t):
@@ -80,7 +66,7 @@ def classical(lengths):
 
 @pytest.mark.parametrize("kind", ["random", "wide", "gap"])
 def test_class_and_excess_are_the_classical_ones_in_rational_numbers(kind):
-    lengths = designs(kind, 2000)
+    lengths = drawn(kind, 2000)
     got = facts(lengths)
     seen = set()
     for i, one in enumerate(lengths.T):
@@ -136,7 +122,7 @@ def test_change_points(lengths, expected):
 
 
 def test_the_class_agrees_with_status():
-    lengths = designs("gap", 500)
+    lengths = drawn("gap", 500)
     space = fl.table(dict(zip(LENGTHS, lengths, strict=True)))
     found = fl.sweep("planar_4r", space, ["status", "grashof_class"], theta1=[0.0])
     turning = {CODES["crank_rocker"], CODES["double_crank"]}
@@ -154,7 +140,7 @@ def test_the_class_agrees_with_status():
 @pytest.mark.parametrize("kind", ["random", "wide"])
 def test_ranges_are_those_of_a_scan(kind):
     """Input range by asking at 4001 angles; output range by driving the linkage from the other side."""
-    lengths = designs(kind, 400 if kind == "random" else 2000)
+    lengths = drawn(kind, 400 if kind == "random" else 2000)
     got = facts(lengths)
     t = np.linspace(0.0, np.pi, 4001)
     step = t[1]
@@ -189,7 +175,7 @@ def follow(lengths, n=4000):
 
 def test_swing_and_transmission_angle_are_those_of_a_scan():
     """The swing is the travel of the output along one circuit, followed configuration by configuration."""
-    lengths = designs("random", 300)
+    lengths = drawn("random", 300)
     got = facts(lengths)
     seen = set()
     for i, one in enumerate(lengths.T):
@@ -224,7 +210,7 @@ def test_swing_and_transmission_angle_are_those_of_a_scan():
 
 def test_time_ratio_is_that_of_a_scan():
     """Turn of the crank between the two extremes of the output, found by sampling and a parabola."""
-    lengths = designs("random", 1500)
+    lengths = drawn("random", 1500)
     got = facts(lengths)
     cranks = np.flatnonzero((got["grashof_class"] == CODES["crank_rocker"]) & (got["grashof_excess"] < -0.05))
     assert cranks.size > 40
@@ -274,7 +260,7 @@ def by_cosines(a, b, c, d):
 @pytest.mark.parametrize("kind", ["random", "wide", "gap"])
 def test_limits_are_a_few_roundings_off(kind):
     """Against the law of cosines in 50 digits: error below 4 roundings of the value and of each input."""
-    lengths = designs(kind, 60 if kind != "wide" else 250, seed=43)
+    lengths = drawn(kind, 60 if kind != "wide" else 250, seed=43)
     got = facts(lengths)
     names = FACTS[1:]
     tested = 0
@@ -334,7 +320,7 @@ def test_textbook_linkages():
 
 def test_scale_and_mirror():
     """A power of two changes no bit; exchanging crank and output link exchanges their ranges."""
-    lengths = designs("wide", 300)
+    lengths = drawn("wide", 300)
     one, scaled = facts(lengths), facts(lengths * 2.0**300)
     for name in FACTS:
         factor = 2.0**300 if name == "grashof_excess" else 1.0
@@ -350,7 +336,7 @@ def test_facts_of_the_design_have_no_angle():
 
 
 def test_compiled_and_plain_facts_have_the_same_bits():
-    lengths = designs("gap", 300)
+    lengths = drawn("gap", 300)
     compiled = facts(lengths)
     given = dict(zip(LENGTHS, lengths, strict=True))
     plain = fl.evaluate("planar_4r", FACTS, theta1=0.0, **given)
@@ -360,7 +346,7 @@ def test_compiled_and_plain_facts_have_the_same_bits():
 
 def test_the_output_range_is_that_of_theta4_itself():
     """Angles theta4 at which an assembly exists, asked of the linkage itself: no role exchanged."""
-    lengths = designs("random", 40, seed=44)
+    lengths = drawn("random", 40, seed=44)
     got = facts(lengths)
     t = np.linspace(-np.pi, np.pi, 20001)
     for i, one in enumerate(lengths.T):

@@ -12,11 +12,7 @@ from configurations import (
     LENGTHS,
     PLANAR,
     UNIT,
-    condition_sums,
-    near_change_point,
-    near_toggle,
     random_lengths,
-    reference,
 )
 from fastlink.mechanisms import catalogue
 from fastlink.reading import read_facts
@@ -173,55 +169,6 @@ def test_derivatives_by_the_driven_joint_are_its_rates(k):
         moved = solve(k, given | {"a1": given["a1"] + step}, found[by], rate, 2, angles)
         # A difference of first order: off by the step times a second derivative below 1e6.
         assert abs((moved[angles[0]] - at[angles[0]]) / step - at[f"d_{angles[0]}_d_a1"]) < 1e-13
-
-
-def rotated(values, k):
-    """Return the lengths a1 ... a4 of which `values` are a_k, a_(k+1), ..."""
-    return {f"a{(i + k - 1) % 4 + 1}": x for i, x in enumerate(values)}
-
-
-def family(kind, k, n):
-    """Lengths and angles of joint k: anywhere, at its change point, inside a dead point of it."""
-    rng = np.random.default_rng(40 + k)
-    if kind == "random":
-        lengths, theta = random_lengths(rng, n), rng.uniform(-np.pi, np.pi, n)
-    elif kind == "gap":
-        lengths, theta = near_change_point(rng, n, 1e-8)
-    else:
-        lengths, theta = near_toggle(rng, n, 1e-6)
-    return rotated(lengths, k) | {
-        f"joint_angle_{k}": theta - np.pi,
-        f"joint_omega_{k}": rng.uniform(-2.0, 2.0, n),
-    }
-
-
-@pytest.mark.parametrize("kind", ["random", "gap", "toggle"])
-@pytest.mark.parametrize("k", JOINTS)
-def test_every_quantity_is_a_few_roundings_off(k, kind):
-    """As in test_precision.py: at most 4 times the condition number times the rounding."""
-    n = 8
-    inputs = family(kind, k, n)
-    varying = [name for name in DRIVEN[k].public if DRIVEN[k].varies(name)]
-    names = [name for name in varying if "residual" not in name]
-    tested = 0
-    for branch in (1, 2):
-        got = fl.evaluate("planar_4r", varying, input=f"joint_angle_{k}", branch=branch, **inputs)
-        for i in range(n):
-            one = {name: values[i] for name, values in inputs.items()} | {"branch": branch}
-            exact = reference(["sigma", *names], one, catalogue=DRIVEN[k])
-            if mp.isnan(exact["sigma"]):
-                assert all(np.isnan(got[name][i]) for name in varying if name != f"v{k}")
-                continue
-            sums = condition_sums(names, one, catalogue=DRIVEN[k])
-            for name in names:
-                error = abs(mp.mpf(float(got[name][i])) - exact[name])
-                assert error <= 4 * UNIT * (sums[name] + abs(exact[name])), (name, i, branch)
-            # As in test_joints.py: terms of at most 1, each right to some ten roundings times amplification.
-            for pair in PAIRS:
-                assert abs(got[f"io_residual_{pair}"][i]) <= 64 * UNIT
-            assert got["loop_residual"][i] <= 64 * UNIT
-            tested += 1
-    assert tested >= n // 2
 
 
 @pytest.mark.parametrize("k", JOINTS)

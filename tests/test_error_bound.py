@@ -14,7 +14,17 @@ import focal_configurations
 import hard_points
 import hart_configurations
 import minkowski_configurations
-from configurations import DIGITS, LENGTHS, LOADS, PLANAR, all_loads, masses_and_points, reference
+from configurations import (
+    DIGITS,
+    FAMILIES,
+    LENGTHS,
+    LOADS,
+    PLANAR,
+    all_loads,
+    lengths_and_angles,
+    masses_and_points,
+    reference,
+)
 from fastlink import error_laws
 from fastlink.catalogue import Catalogue
 from fastlink.error_rules import UNIT, WORDS, U
@@ -24,7 +34,6 @@ from fastlink.mechanisms import NAMES, catalogue
 from fastlink.numerics.compensated import gap, pair_product
 from fastlink.reading import read_facts
 from fastlink.tables import _tabled, angle_tables
-from test_precision import FAMILIES, family
 from twofold import Twofold, twofold
 
 MINKOWSKI = catalogue("minkowski_4r")
@@ -159,7 +168,7 @@ def test_the_words_of_sums_of_two_meet():
     # what tables and branches choose between is exact, and products with it too
     assert all(MINKOWSKI._error_bounds((), ()).named(name).scale for name in ("side", "r", "branch_sign"))
     assert MINKOWSKI._error_bounds((), ()).named("twos").relative == 0.0
-    lengths, theta = family("toggle 1e-9", np.random.default_rng(5), 40)
+    lengths, theta = lengths_and_angles("toggle 1e-9", np.random.default_rng(5), 40)
     tables = ("theta1", *PLANAR.tables, *PLANAR.table_low_parts)
     values = dict(zip(LENGTHS, lengths, strict=True)) | dict(
         zip(tables, angle_tables(PLANAR, tables, theta), strict=True)
@@ -210,7 +219,7 @@ def test_every_bound_of_planar_4r_holds():
     ratios = []
     for k, kind in enumerate(FAMILIES):
         rng = np.random.default_rng(10 + k)
-        lengths, theta = family(kind, rng, 10)
+        lengths, theta = lengths_and_angles(kind, rng, 10)
         inputs = dict(zip(LENGTHS, lengths, strict=True)) | masses_and_points(rng, 10)
         inputs |= {"theta1": theta, "branch": rng.integers(1, 3, 10).astype(float)}
         ratios += assert_bounded(PLANAR, quantities(PLANAR), inputs)
@@ -222,8 +231,8 @@ def test_every_bound_of_minkowski_4r_holds():
     ratios = []
     for k, kind in enumerate(minkowski_configurations.FAMILIES):
         rng = np.random.default_rng(10 + k)
-        inputs, theta = minkowski_configurations.family(kind, rng, 8)
-        inputs |= {"theta": theta, "branch": rng.integers(1, 3, 8).astype(float)}
+        inputs = minkowski_configurations.family(kind, rng, 8)
+        inputs |= {"branch": rng.integers(1, 3, 8).astype(float)}
         ratios += assert_bounded(MINKOWSKI, quantities(MINKOWSKI), inputs)
     assert np.mean(np.array(ratios) <= 100.0) > 0.95
     assert np.median(ratios) < 10.0

@@ -11,7 +11,7 @@ from configurations import LENGTHS, PLANAR, UNIT, condition_sums, masses_and_poi
 from fastlink.reading import read_facts
 from fastlink.request import alternatives_of
 from newton import newton_euler
-from test_precision import MULTIPLE
+from support.registry import MULTIPLE
 
 HAYES = {"a1": 0.4, "a2": 1.2, "a3": 0.8, "a4": 1.0, "omega1": 25.0}
 BARS = fl.round_bar(7750.0, 0.01)

@@ -13,7 +13,7 @@ from configurations import DIGITS, UNIT, condition_sums, reference
 from fastlink.errors import InputError
 from fastlink.mechanisms.minkowski_4r import minkowski_4r
 from fastlink.reading import read_facts
-from minkowski_designs import FACTS, LENGTHS, MANY, SUMS, all_kinds, decoded, facts
+from minkowski_designs import FACTS, FAMILIES, LENGTHS, MANY, SUMS, all_kinds, decoded, facts
 from minkowski_scan import quadratic_of_output
 
 # -- branching, escape, Grashof, status -----------------------------------------------------------------------
@@ -107,33 +107,6 @@ ANGLES = ["theta_min", "theta_max", "psi_min", "psi_max", "theta_escape", "theta
 COSINES = ["cosh_theta_min", "cosh_theta_max", "cosh_psi_min", "cosh_psi_max", "cosh_theta_branching"]
 
 
-def near_zero(rng, n):
-    """Lengths with some T_i that is 0 but for the last bits, of exponents that differ."""
-    bits = np.where(rng.random(n) < 0.5, 20, 52)
-    mantissas = np.ldexp(np.rint(np.ldexp(rng.uniform(1.0, 2.0, (4, n)), bits)), -bits)
-    lengths = np.ldexp(mantissas, rng.integers(-bits - 8, 3, (4, n)))
-    signs = np.array(list(SUMS.values()))[rng.choice([0, 1, 2, 3, 4, 5, 7], n)].T
-    # the longest link is what makes the sum vanish, as rounding allows, or a little more
-    rest = np.where(np.arange(4)[:, None] == 2, 0.0, signs * lengths)
-    last = abs(np.sum(rest, axis=0)) + rng.integers(-2, 3, n) * np.spacing(lengths[2])
-    lengths[2] = np.where(last > 0.0, last, lengths[2])
-    return lengths
-
-
-def across(rng, n):
-    """Lengths of 1e-150 to 1e150 in one design."""
-    return 10.0 ** rng.uniform(-150, 150, (4, n))
-
-
-FAMILIES = {
-    "random": lambda rng, n: np.exp(rng.uniform(-0.9, 0.9, (4, n))),
-    "near 0": near_zero,
-    "across": across,
-    "small": lambda rng, n: 1e-150 * rng.uniform(0.5, 2.0, (4, n)),
-    "large": lambda rng, n: 1e150 * rng.uniform(0.5, 2.0, (4, n)),
-}
-
-
 @pytest.mark.parametrize("family", FAMILIES)
 def test_sums_are_right_to_a_rounding_and_their_signs_exact(family):
     lengths = FAMILIES[family](np.random.default_rng(12), 4000)
@@ -201,15 +174,6 @@ def test_the_escape_is_the_logarithm():
     found = facts(lengths, ["theta_escape"])["theta_escape"]
     # As the angles above; mp.log has 53 bits itself.
     assert all(abs(x - y) <= 16 * UNIT * y for x, y in zip(found, expected, strict=True))
-
-
-@pytest.mark.parametrize("power", [-500, -3, 400])
-def test_a_power_of_two_changes_no_bit(power):
-    lengths = np.exp(np.random.default_rng(16).uniform(-2.0, 2.0, (4, 2000)))
-    plain, scaled = facts(lengths), facts(np.ldexp(lengths, power))
-    for name in FACTS:
-        expected = np.ldexp(plain[name], power) if name in SUMS else plain[name]
-        np.testing.assert_array_equal(scaled[name], expected, err_msg=name)
 
 
 def test_input_and_output_exchange():

@@ -1,0 +1,174 @@
+"""Computed quantities of an entry of the registry against the same facts with 50 digits."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+import fastlink as fl
+from fastlink.exact import CONTEXT as MP
+from fastlink.exact import UNIT, Exact
+from fastlink.request import alternatives_of
+from support.registry import Entry
+
+#: So many configurations are compiled at once: every design is swept over the positions of all.
+BLOCK = 30
+LARGEST = np.finfo(float).max
+
+
+def choices(entry: Entry, inputs: dict[str, Any]) -> dict[str, list[float]]:
+    """Return the modes that configurations leave open, with their codes."""
+    known = entry.catalogue.known_inputs(entry.catalogue.chosen_by(inputs))
+    modes = {"branch": entry.catalogue.branches} if entry.moves else {}
+    modes |= {name: one.choices for name, one in known.items() if one.choices}
+    return {name: [float(code) for code in codes] for name, codes in modes.items() if name not in inputs}
+
+
+def in_every_mode(entry: Entry, inputs: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
+    """Return the same configurations, in all modes that are left open."""
+    for mode, codes in choices(entry, inputs).items():
+        n = len(next(iter(inputs.values())))
+        inputs = {name: np.tile(values, len(codes)) for name, values in inputs.items()}
+        inputs[mode] = np.repeat(codes, n)
+    return inputs
+
+
+def plain(entry: Entry, names: tuple[str, ...], inputs: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
+    """Return quantities of configurations in every mode as plain arrays, from facts that are not compiled."""
+    if not entry.moves:
+        inputs = {entry.input: np.float64(1.0)} | inputs
+    return fl.evaluate(entry.mechanism, names, input=entry.input, solver=entry.solver, **inputs)
+
+
+def compiled(entry: Entry, names: tuple[str, ...], inputs: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
+    """Return the same from the kernels of sweeps."""
+    n = len(next(iter(inputs.values())))
+    parts = []
+    for start in range(0, n, BLOCK):
+        block = {name: values[start : start + BLOCK] for name, values in inputs.items()}
+        parts.append(_swept(entry, names, block))
+    return {name: np.concatenate([part[name] for part in parts]) for name in names}
+
+
+def _swept(entry: Entry, names: tuple[str, ...], inputs: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
+    columns = {name: values for name, values in inputs.items() if name not in ("branch", entry.input)}
+    found = fl.sweep(
+        entry.mechanism,
+        fl.table(columns),
+        list(names),
+        input=entry.input,
+        solver=entry.solver,
+        angles=np.unique(inputs.get(entry.input, 1.0)),
+        threads=1,
+        extrema="sampled",
+    )
+    rows = np.arange(len(next(iter(inputs.values()))))
+    each = {"design": xr.DataArray(rows, dims="row")}
+    each |= {
+        name: xr.DataArray(inputs[name], dims="row") for name in ("branch", entry.input) if name in inputs
+    }
+    results = {}
+    for name in names:
+        values = found[name]
+        values = values.isel(design=each["design"]) if "design" in values.dims else values
+        values = values.sel({dim: each[dim] for dim in values.dims if dim in each and dim != "design"})
+        results[name] = np.broadcast_to(values.values, rows.shape)
+    return results
+
+
+class Truth:
+    """The facts of an entry's configurations with 50 digits.
+
+    Parameters
+    ----------
+    entry : Entry
+        The mechanism.
+    names : tuple of str
+        Quantities.
+    inputs : dict
+        Configurations in every mode.
+    """
+
+    def __init__(self, entry: Entry, names: tuple[str, ...], inputs: dict[str, np.ndarray]) -> None:
+        self.entry, self.names, self.inputs = entry, names, inputs
+        catalogue = entry.catalogue
+        self.alternatives = alternatives_of(catalogue, None, entry.solver, inputs)
+        codes = {name for name, one in catalogue.known_inputs(self.alternatives).items() if one.choices}
+        numbers = [name for name in inputs if name != "branch" and name not in codes]
+        # Most is due to the position.
+        self.numbers = sorted(numbers, key=lambda name: name != entry.input)
+        self.facts = Exact(catalogue, names, inputs, self.alternatives)
+
+    def rows(self) -> Iterator[tuple[int, dict[str, float], dict[str, Any]]]:
+        """Yield each configuration with its number and its facts."""
+        for i in range(len(next(iter(self.inputs.values())))):
+            one = {name: float(values[i]) for name, values in self.inputs.items()}
+            yield i, one, self.facts.at(one)
+
+    def beyond(self, true: dict[str, Any], values: dict[str, float]) -> dict[str, float]:
+        """Return the quantities of one configuration whose errors are too great, with these in their units.
+
+        What one rounding of an input does is added for one input after another, until every error is accounted for.
+        """
+        units = {name: abs(true[name]) for name in values}
+        errors = {name: abs(MP.mpf(value) - true[name]) for name, value in values.items()}
+        left = self._left(errors, units)
+        for name in self.numbers:
+            if not left:
+                break
+            for quantity, change in self.facts.condition(true, (name,)).items():
+                units[quantity] = units.get(quantity, 0) + change
+            left = self._left(left, units)
+        return {
+            name: float(error / (UNIT * units[name])) if units[name] else np.inf
+            for name, error in left.items()
+        }
+
+    def _left(self, errors: dict[str, Any], units: dict[str, Any]) -> dict[str, Any]:
+        allowed = self.entry.long_chains
+        return {
+            name: error
+            for name, error in errors.items()
+            if not error <= allowed.get(name, self.entry.multiple) * UNIT * units[name]
+        }
+
+
+def wrong(
+    entry: Entry,
+    names: tuple[str, ...],
+    inputs: dict[str, np.ndarray],
+    computed: dict[str, np.ndarray],
+    kind: str = "random",
+) -> tuple[list[tuple[str, float, dict[str, float]]], int]:
+    """Return what breaks the rule of precision, its error and its configuration; and how many numbers were tested.
+
+    Where the family says that nothing is determined, nothing is tested. A code that is another one, and a number where
+    there is none (or none where there is one), is infinitely wrong.
+    """
+    catalogue, truth, tested = entry.catalogue, Truth(entry, names, inputs), 0
+    codes = {name for name in names if catalogue.require(name).flags}
+    found = []
+    undetermined = entry.undetermined.get(kind, lambda facts: False)
+    for i, one, true in truth.rows():
+        if undetermined(true):
+            continue
+        numbers = {}
+        for name in names:
+            value, exact = float(computed[name][i]), true[name]
+            if bool(MP.isnan(exact)) != np.isnan(value):
+                found.append((name, np.inf, one))
+            elif np.isnan(value) or value == exact or (np.isinf(value) and value * exact > LARGEST):
+                tested += not np.isnan(value)
+            elif name in codes:
+                found.append((name, np.inf, one))
+            elif name in entry.errors:
+                if abs(value) > entry.errors[name]:
+                    found.append((name, value, one))
+            else:
+                numbers[name] = value
+        tested += len(numbers)
+        found += [(name, error, one) for name, error in truth.beyond(true, numbers).items()]
+    return found, tested

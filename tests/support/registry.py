@@ -1,0 +1,274 @@
+"""Where every mechanism is tested: its inputs, its families of configurations, and how exact it must be there.
+
+What holds for every quantity of every mechanism (tests/test_precision.py) is tested for the `ENTRIES` here. A new
+mechanism needs one entry for each of its inputs; without them a test fails.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass, field
+from functools import cached_property, partial
+from importlib import import_module
+from typing import Any
+
+import numpy as np
+
+import configurations
+import focal_configurations
+import focal_designs
+import hart_configurations
+import minkowski_configurations
+import minkowski_designs
+from configurations import UNIT
+from fastlink.catalogue import Catalogue
+from fastlink.mechanisms import catalogue
+
+#: Draw some configurations, or fewer: the inputs, the input position and the modes (``branch`` and inputs with choices)
+#: by name. Of modes that are left out all are tested, without a position what belongs to a design alone.
+Family = Callable[[np.random.Generator, int], dict[str, np.ndarray]]
+
+#: The multiple of entries that do not say another one.
+MULTIPLE = 4.0
+
+
+@dataclass(frozen=True, eq=False)
+class Entry:
+    """One mechanism driven by one input.
+
+    Attributes
+    ----------
+    mechanism, input : str
+        Their names.
+    families : mapping of str to callable
+        Configurations, easy and hard.
+    few, many : int
+        Configurations of a family in each run, and in a long one.
+    about : str
+        What tells it from other entries of the same input.
+    solver : str
+        As in `fastlink.evaluate`.
+    quantities : tuple of str
+        What is tested; all that is public (and belongs to a design, if there is no position) unless it is given.
+    elsewhere : mapping of str to str
+        What is not tested, and why.
+    multiple : float
+        The greatest error in roundings of the result and of each input, see `fastlink.exact.in_roundings`. The facts
+        are chains of up to forty operations that do not cancel, and their errors mostly average out.
+    long_chains : mapping of str to float
+        The same of single quantities.
+    errors : mapping of str to float
+        What is nothing but an error, and has no condition: the greatest value.
+    undetermined : mapping of str to callable
+        Of a family, what tells by the facts of a configuration whether nothing is determined there.
+    """
+
+    mechanism: str
+    input: str
+    families: Mapping[str, Family]
+    few: int
+    many: int
+    about: str = ""
+    solver: str = "eliminated"
+    quantities: tuple[str, ...] = ()
+    elsewhere: Mapping[str, str] = field(default_factory=dict)
+    multiple: float = MULTIPLE
+    long_chains: Mapping[str, float] = field(default_factory=dict)
+    errors: Mapping[str, float] = field(default_factory=dict)
+    undetermined: Mapping[str, Callable[[Mapping[str, Any]], bool]] = field(default_factory=dict)
+
+    def __str__(self) -> str:
+        return " ".join(filter(None, (self.mechanism, self.about, self.input)))
+
+    @cached_property
+    def catalogue(self) -> Catalogue:
+        return catalogue(self.mechanism, self.input)
+
+    @cached_property
+    def moves(self) -> bool:
+        """Whether the families have an input position."""
+        return self.input in next(iter(self.families.values()))(np.random.default_rng(1), 4)
+
+    @cached_property
+    def names(self) -> tuple[str, ...]:
+        """The quantities that are tested."""
+        names = self.quantities or tuple(
+            name for name in self.catalogue.public if self.moves or not self.catalogue.varies(name)
+        )
+        return tuple(name for name in names if name not in self.elsewhere)
+
+    def drawn(self, kind: str, seed: int, n: int) -> dict[str, np.ndarray]:
+        """Return configurations of a family."""
+        return self.families[kind](np.random.default_rng(seed), n)
+
+
+def drives(mechanism: str) -> tuple[str, ...]:
+    """Return the inputs that may drive a mechanism."""
+    driven = import_module(f"fastlink.mechanisms.{mechanism}").DRIVEN
+    return catalogue(mechanism).position.name, *driven
+
+
+def families(draw: Callable[..., Any], kinds: Iterable[str], *first: Any) -> dict[str, Family]:
+    """Return families by their names."""
+    return {kind: partial(draw, *first, kind) for kind in kinds}
+
+
+def by_name(
+    names: Iterable[str], draw: Callable[..., Any], kind: str, rng: np.random.Generator, n: int
+) -> Any:
+    """Return what is drawn as an array by the names of its rows."""
+    return dict(zip(names, draw(kind, rng, n), strict=True))
+
+
+# -- planar 4R --------------------------------------------------------------------------------------------------
+
+#: Terms of at most 1, each right to some ten roundings times the amplification of the lengths and the angle.
+CLOSURE = {
+    name: 64 * UNIT
+    for name in ("loop_residual", *(f"io_residual_{pair}" for pair in ("12", "13", "14", "23", "24", "34")))
+}
+REACTIONS = (
+    *("F41_x", "F41_y", "F21_x", "F21_y", "F32_x", "F32_y", "F43_x", "F43_y"),
+    *("T41", "shaking_moment"),
+)
+
+PLANAR_4R = (
+    # The longest chain (T41) has about 40 operations: 1.9 is the worst seen.
+    Entry(
+        *("planar_4r", "theta1"),
+        families=families(configurations.family, configurations.FAMILIES),
+        few=30,
+        many=600,
+        errors=CLOSURE,
+    ),
+    Entry(
+        *("planar_4r", "theta1"),
+        about="under all loads",
+        families=families(configurations.loaded, ("random", "gap 1e-8", "toggle 1e-6")),
+        few=4,
+        many=300,
+        errors=CLOSURE,
+    ),
+    Entry(
+        *("planar_4r", "theta1"),
+        about="by the dense solver",
+        solver="dense",
+        quantities=REACTIONS,
+        families=families(configurations.family, ("random", "toggle 1e-6")),
+        few=25,
+        many=25,
+        # LU of the 9x9 is backward stable, with a growth factor below 4: the worst seen is 4.6.
+        multiple=16.0,
+    ),
+    Entry(
+        *("planar_4r", "theta1"),
+        about="designs of",
+        families=families(by_name, configurations.CLASSES, configurations.LENGTHS, configurations.designs),
+        few=12,
+        many=600,
+    ),
+    *(
+        Entry(
+            *("planar_4r", f"joint_angle_{joint}"),
+            families=families(configurations.driven, configurations.FAMILIES, joint),
+            few=8,
+            many=300,
+            errors=CLOSURE,
+        )
+        for joint in (1, 2, 3, 4)
+    ),
+)
+
+
+# -- Minkowskian 4R ---------------------------------------------------------------------------------------------
+
+
+def minkowskian_designs(kind: str, rng: np.random.Generator, n: int) -> dict[str, np.ndarray]:
+    """Return designs of the families where signs and digits may get lost."""
+    lengths = minkowski_designs.FAMILIES[kind](rng, n)
+    return dict(zip(minkowski_designs.LENGTHS, lengths, strict=True))
+
+
+MINKOWSKI_4R = (
+    Entry(
+        *("minkowski_4r", "theta"),
+        families=families(minkowski_configurations.family, minkowski_configurations.FAMILIES),
+        few=12,
+        many=300,
+        # Two sums of four terms, each right to 2 roundings; a product of two sums of 10 terms of 8 roundings at most.
+        errors={"loop_residual": 8 * UNIT, "sextic_residual": 16 * UNIT},
+    ),
+    Entry(
+        *("minkowski_4r", "theta"),
+        about="designs of",
+        families=families(minkowskian_designs, minkowski_designs.FAMILIES),
+        few=12,
+        many=600,
+    ),
+)
+
+
+# -- focal mechanism --------------------------------------------------------------------------------------------
+
+FOCAL = (
+    *(
+        Entry(
+            *("focal", drive),
+            families=families(focal_configurations.family, focal_configurations.FAMILIES, drive),
+            few=10,
+            many=600,
+            # What is taken from S: s takes 3 roundings and r about 10, each of its own, while F, whose condition
+            # counts, depends on rho through both at once: where S is far away their changes cancel in F, their
+            # roundings do not. Of 1218 of these configurations one is beyond 4 (F_x, 4.3); the worst ever met is 6.2
+            # (chi, where S is far away).
+            long_chains=dict.fromkeys(("sigma", "alpha", "chi", "F_x", "F_y", "T_x", "T_y"), 8.0),
+            # Of the longest bar: two ends of two coordinates, each right to 8 roundings, and the length itself.
+            errors={"closure_residual": 40 * UNIT},
+            elsewhere={"F_path_residual": "is measured by the reach of the dyads: test_focal_motion.py"},
+        )
+        for drive in focal_configurations.DRIVES
+    ),
+    *(
+        Entry(
+            *("focal", "phi"),
+            about=f"designs by {given} of",
+            # An s of some 1e16 is rounded to where rho is farther from -1 than one double.
+            families=families(
+                focal_designs.drawn,
+                [kind for kind in focal_designs.FAMILIES if (kind, given) != ("rho next to -1", "s")],
+                given,
+            ),
+            few=8,
+            many=300,
+            elsewhere={given: "is an input"},
+        )
+        for given in focal_designs.GIVEN
+    ),
+)
+
+
+# -- Hart's linkage ---------------------------------------------------------------------------------------------
+
+HART = (
+    # 3.7 is the worst seen in 10^4 configurations.
+    Entry(
+        *("hart", "phi"),
+        families=families(hart_configurations.family, hart_configurations.FAMILIES),
+        few=4,
+        many=300,
+        # Three roundings of MP and PF, which sum to MP + PF; of each bar eight in its joints.
+        errors={"F_deviation": 6.0, "closure_residual": 32 * UNIT},
+        undetermined=dict.fromkeys(("kite 0", "kite 1e-9", "kite 1e-13"), hart_configurations.folded),
+    ),
+    # 2.2 is the worst seen in 2000 configurations.
+    Entry(
+        *("hart", "F_y"),
+        families=families(hart_configurations.along_line, hart_configurations.FAMILIES),
+        few=3,
+        many=200,
+        # Some ten roundings from F_y to P, those of PF, and of five bars each eight.
+        errors={"F_deviation": 16.0, "closure_residual": 32 * UNIT},
+    ),
+)
+
+ENTRIES = (*PLANAR_4R, *MINKOWSKI_4R, *FOCAL, *HART)
