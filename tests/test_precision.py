@@ -12,9 +12,9 @@ import re
 import numpy as np
 import pytest
 
-from fastlink.mechanisms import NAMES
+from fastlink.mechanisms import NAMES, inputs_of
 from support.precision import compiled, in_every_mode, plain, wrong
-from support.registry import ENTRIES, drives
+from support.registry import ENTRIES
 
 FAMILIES = [(entry, kind) for entry in ENTRIES for kind in entry.families]
 
@@ -24,7 +24,9 @@ def of(pairs):
     return [pytest.param(*pair, id="-".join(map(str, pair))) for pair in pairs]
 
 
-@pytest.mark.parametrize(("mechanism", "drive"), [(name, drive) for name in NAMES for drive in drives(name)])
+@pytest.mark.parametrize(
+    ("mechanism", "drive"), [(name, drive) for name in NAMES for drive in inputs_of(name)]
+)
 def test_every_mechanism_and_input_is_tested_and_every_quantity(mechanism, drive):
     entries = [entry for entry in ENTRIES if (entry.mechanism, entry.input) == (mechanism, drive)]
     assert entries, f"no entry of {mechanism} driven by {drive} in tests/support/registry.py"

@@ -9,7 +9,6 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property, partial
-from importlib import import_module
 from typing import Any
 
 import numpy as np
@@ -100,12 +99,6 @@ class Entry:
     def drawn(self, kind: str, seed: int, n: int) -> dict[str, np.ndarray]:
         """Return configurations of a family."""
         return self.families[kind](np.random.default_rng(seed), n)
-
-
-def drives(mechanism: str) -> tuple[str, ...]:
-    """Return the inputs that may drive a mechanism."""
-    driven = import_module(f"fastlink.mechanisms.{mechanism}").DRIVEN
-    return catalogue(mechanism).position.name, *driven
 
 
 def families(draw: Callable[..., Any], kinds: Iterable[str], *first: Any) -> dict[str, Family]:
