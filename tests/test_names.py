@@ -26,6 +26,7 @@ from fastlink.names import (
     Quantity,
     Reduced,
     Trust,
+    deepest,
     parse,
     plain_part,
     register_reduction,
@@ -137,6 +138,18 @@ def test_what_varies_is_told_by_the_plain_part():
     catalogue = find_catalogue("planar_4r")
     assert plain_part(parse("d_omega4_d_a1_error", catalogue)) == "omega4"
     assert plain_part(parse("omega4_max", catalogue)) == "omega4_max"
+
+
+def test_what_a_name_is_made_of_in_the_end():
+    catalogue = find_catalogue("planar_4r")
+    for name in (
+        "omega4_max_error",
+        "d_omega4_max_d_a1",
+        "theta1_at_omega4_min",
+        "omega4_error_extrema",
+        "omega4",
+    ):
+        assert deepest(name, catalogue) == "omega4"
 
 
 def test_a_declared_limit_hides_the_extreme_of_the_same_name():

@@ -25,9 +25,9 @@ from fastlink.names import (
     Quantity,
     Trust,
     as_derivative,
+    deepest,
     plain_part,
     reading_of,
-    root_of,
 )
 
 __all__ = ["Catalogue", "CatalogueError", "Fact", "GradedRange", "Input", "System", "parameters"]
@@ -264,7 +264,7 @@ class Catalogue(Declarations):
     def unknown(self, name: str, known: Iterable[str]) -> str:
         """Return what to say of a name that is none of the known ones."""
         tree = self.parse(name)
-        if (curve := root_of(tree)) in self.curves:
+        if (curve := deepest(name, self)) in self.curves:
             return (
                 f"quantity {name!r}: {curve} is made of whole curves, and has no extremes, means, derivatives or "
                 f"error bounds here; ask for {curve}, and take extremes and means of the map"

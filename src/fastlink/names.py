@@ -35,7 +35,7 @@ from fastlink.fact import CatalogueError
 
 __all__ = [
     "Below", "Derivative", "ErrorBound", "Known", "ListOfExtrema", "LowPart", "Made", "Name", "Quantity", "Reduced",
-    "Trust", "as_derivative", "form_of", "parse", "plain_part",
+    "Trust", "as_derivative", "deepest", "form_of", "parse", "plain_part",
     "reading_of", "register_reduction", "root_of",
 ]  # fmt: skip
 
@@ -193,6 +193,12 @@ def root_of(tree: Name) -> str:
     while isinstance(tree, Made):
         tree = tree.of
     return str(tree)
+
+
+def deepest(name: str, known: Known) -> str:
+    """Return what a name is made of in the end, also where its parts cannot stand in each other: x of x_max_error."""
+    root = root_of(parse(name, known))
+    return root if root == name else deepest(root, known)
 
 
 def register_reduction(how: str, has_place: bool) -> None:

@@ -22,7 +22,7 @@ from typing import Any
 from fastlink.catalogue import Catalogue, Fact, Input
 from fastlink.mechanisms.borrow import facts_of, moved, with_derivatives
 from fastlink.mechanisms.planar_4r.declare import planar_4r
-from fastlink.names import Derivative, Quantity, root_of
+from fastlink.names import Derivative, Quantity, deepest
 from fastlink.numerics.elementary import TWO_PI, atan2, cos, select, sin, sqrt
 
 __all__ = ["driven_by", "driven_catalogues"]
@@ -63,7 +63,7 @@ class _Driven(Catalogue):
         first = planar_4r.position.name
         if name in (self.position.name, *self.inputs):
             return f"quantity {name!r} is given, and a coordinate of the result: leave it out"
-        if root_of(planar_4r.parse(name)) in planar_4r.public:
+        if deepest(name, planar_4r) in planar_4r.public:
             other = f"joint_angle_{moved_number(2, int(self.position.name[-1]))}"
             rates = ", ".join(repr(other.replace("angle", rate)) for rate in ("omega", "alpha"))
             return (
