@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from fractions import Fraction
 from importlib import import_module
 
 import numpy as np
@@ -10,9 +11,11 @@ import pytest
 from configurations import PLANAR
 from fastlink.catalogue import Catalogue, CatalogueError, Fact, Input, System
 from fastlink.errors import InputError
+from fastlink.exact import CONTEXT
 from fastlink.fact import statements
 from fastlink.mechanisms import NAMES
 from fastlink.mechanisms import catalogue as find_catalogue
+from fastlink.numerics.compensated import two_product
 from fastlink.reading import read_facts
 
 LABELS = {"units": "m", "symbol": "x", "source": "here"}
@@ -65,6 +68,47 @@ def test_one_law_serves_several_quantities(catalogue):
         catalogue.quantity(**LABELS, name=name, meaning=f"twice {of}", given={"x": of})(double)
     assert catalogue.facts["c"].needs == ("b",)
     assert read_facts(catalogue, ["c"], {"a": 3.0})["c"] == 12.0
+
+
+def declare_square(catalogue, **labels):
+    @catalogue.quantity(**LABELS | {"internal": True} | labels, low="b_low")
+    def b(a: float) -> tuple[float, float]:
+        """Square of a, without loss."""
+        return two_product(a, a)
+
+
+def test_a_fact_with_a_low_part_determines_two_values(catalogue):
+    declare_square(catalogue)
+
+    @catalogue.quantity(**LABELS)
+    def c(b, b_low):
+        """Square of a, rounded twice."""
+        return (b - 1.0) + b_low
+
+    catalogue.check()
+    a = 1.0 + 2.0**-40
+    found = read_facts(catalogue, ["c"], {"a": a})
+    assert Fraction(found["b"]) + Fraction(found["b_low"]) == Fraction(a) ** 2
+    assert found["b_low"] != 0.0
+    assert [step.names for step in catalogue.closure(["b_low", "b", "c"], ["a"])] == [("b", "b_low"), ("c",)]
+    # the derivative is that of the high part, and the low part carries none
+    assert read_facts(catalogue, ["d_c_d_a"], {"a": a})["d_c_d_a"] == 2.0 * a
+    with pytest.raises(InputError, match="b_low does not depend on a"):
+        catalogue.lookup("d_b_low_d_a")
+    # to error bounds the low part is what the high one lost: their sum has no error
+    ((low, (times, high)),) = catalogue._error_bounds((), ()).named("b").lost.items()
+    assert (low.value, times, high.value) == ("b_low", -1.0, "b")
+    # 50 digits hold the square, so that nothing is lost
+    exact = read_facts(catalogue, ["b"], {"a": CONTEXT.mpf(a)})
+    assert (exact["b"], exact["b_low"]) == (CONTEXT.mpf(a) ** 2, 0)
+
+
+def test_low_parts_are_steps_on_the_way_and_have_names_of_their_own(catalogue):
+    with pytest.raises(CatalogueError, match="fact b has a low part, and is not internal"):
+        declare_square(catalogue, internal=False)
+    declare_square(catalogue)
+    with pytest.raises(CatalogueError, match="b_low is declared twice"):
+        declare(catalogue, "b_low", ["a"])
 
 
 def test_an_undeclared_need_is_rejected(catalogue):

@@ -19,7 +19,6 @@ from fastlink.names import (
     Below,
     Derivative,
     ErrorBound,
-    LowPart,
     Made,
     Name,
     Quantity,
@@ -110,21 +109,16 @@ class Catalogue(Declarations):
         plain, above = _plain(tree)
         if above and above not in chosen:
             return None
-        start = chosen.index(above) + 1 if above else 0
-        for alternative in chosen[start:]:
+        for alternative in chosen[chosen.index(above) + 1 if above else 0 :]:
             found = self.alternatives.get(alternative, {}).get(plain)
             if isinstance(found, Fact):
-                below = str(Below(Quantity(plain), alternative))
-                needs = tuple(below if need == plain else need for need in found.needs)
-                return found if needs == found.needs and not above else replace(found, name=name, needs=needs)
+                needs = tuple(_below(n, alternative) if n in found.names else n for n in found.needs)
+                found = found if needs == found.needs else replace(found, needs=needs)
+                return _replaced_by(above, found) if above else found
             if found is not None:
                 return found
         fact = self.facts.get(plain) or self.curves.get(plain)
-        return replace(fact, name=name) if fact is not None and above else fact
-
-    def _high_part(self, name: str) -> str:
-        tree = self.parse(name)
-        return str(tree.of) if isinstance(tree, LowPart) else ""
+        return _replaced_by(above, fact) if fact is not None and above else fact
 
     def _replaced(self, chosen: tuple[str, ...]) -> set[str]:
         """Return the names of all facts, those of the chosen sets too."""
@@ -140,7 +134,6 @@ class Catalogue(Declarations):
                 self.branches,
                 self.tables,
                 self.table_low_parts,
-                self._high_part,
             )
         return self._bounds[key]
 
@@ -187,7 +180,7 @@ class Catalogue(Declarations):
         names = [name for name in self.facts if not self.is_derivative(name)]
         for found in self.closure(names, tuple(axes)):
             if isinstance(found, Fact):
-                axes[found.name] = frozenset().union(*(axes[need] for need in found.needs))
+                axes |= dict.fromkeys(found.names, frozenset().union(*(axes[need] for need in found.needs)))
         return axes
 
     def varies(self, name: str) -> bool:
@@ -301,7 +294,7 @@ class Catalogue(Declarations):
             for need in found.needs:
                 yield from visit(need, name)
             pending.pop()
-            done.update(found.unknowns if isinstance(found, System) else (name,))
+            done.update(found.names)
             yield found
 
         for name in names:
@@ -325,3 +318,13 @@ class Catalogue(Declarations):
 def _plain(tree: Name) -> tuple[str, str]:
     """Return the name of a fact, and the set whose own fact of that name builds on it, if it is one below."""
     return (str(tree.of), tree.variant) if isinstance(tree, Below) else (str(tree), "")
+
+
+def _below(name: str, variant: str) -> str:
+    """Return what the fact of a variant calls what it replaces."""
+    return str(Below(Quantity(name), variant))
+
+
+def _replaced_by(variant: str, fact: Fact) -> Fact:
+    """Return a fact under the names that it has where the fact of a variant replaces it."""
+    return replace(fact, name=_below(fact.name, variant), low=fact.low and _below(fact.low, variant))

@@ -172,6 +172,6 @@ def axes_of(
     axes["branch"] = frozenset({"branch"})
     for step in steps:
         joint = frozenset[str]().union(*(axes[need] for need in step.needs))
-        for name in step.unknowns if isinstance(step, System) else (step.name,):
+        for name in step.names:
             axes[name] = joint
     return axes

@@ -105,6 +105,7 @@ class Declarations:
         meaning: str | None = None,
         given: Mapping[str, str] | None = None,
         hides_reduction: bool = False,
+        low: str | None = None,
     ) -> Callable[[F], F]:
         """Declare a fact.
 
@@ -125,19 +126,24 @@ class Declarations:
             With them: what stands for the law's parameters.
         hides_reduction : bool
             Its name may read as what is taken of another quantity over the cycle, which then has no name.
+        low : str, optional
+            The name of what rounding to double lost, of an internal fact whose function returns ``(high, low)``.
         """
 
         def declare(function: F) -> F:
             labels = (units, symbol, source, internal, flags)
-            fact = self._fact(function, *labels, name, meaning, given or {})
+            fact = self._fact(function, *labels, name, meaning, given or {}, low)
+            if low is not None and not internal:
+                raise CatalogueError(f"{self.name}: fact {fact.name} has a low part, and is not internal")
             if hides_reduction:
                 self.hiding.add(fact.name)
-            self._check_new(fact.name, alternative)
-            self._check_reading(fact.name, public=not fact.internal)
-            if alternative is None:
-                self.facts[fact.name] = fact
-            else:
-                self.alternatives.setdefault(alternative, {})[fact.name] = fact
+            known: dict[str, Any] = (
+                self.facts if alternative is None else self.alternatives.setdefault(alternative, {})
+            )
+            for each in fact.names:
+                self._check_new(each, alternative)
+                self._check_reading(each, public=not fact.internal)
+                known[each] = fact
             return function
 
         return declare
@@ -242,6 +248,7 @@ class Declarations:
         name: str | None = None,
         meaning: str | None = None,
         given: Mapping[str, str] | None = None,
+        low: str | None = None,
     ) -> Fact:
         name = name or function.__name__
         meaning = meaning or (function.__doc__ or "").strip().split("\n", 1)[0].rstrip(".")
@@ -249,7 +256,7 @@ class Declarations:
             if not value:
                 raise CatalogueError(f"{self.name}: fact {name} has no {what}")
         needs = tuple((given or {}).get(parameter, parameter) for parameter in parameters(function))
-        return Fact(name, function, needs, units, symbol, meaning, source, internal, dict(flags or {}))
+        return Fact(name, function, needs, units, symbol, meaning, source, internal, dict(flags or {}), low)
 
     def parse(self, name: str) -> Name:
         """Return what a name is made of, see `fastlink.names`."""
@@ -274,15 +281,6 @@ class Declarations:
             or name in self.table_low_parts
             or name in (self.position.name, "branch")
         )
-
-    def is_step(self, name: str) -> bool:
-        """Tell whether a declared name is that of a table or of a fact that users cannot ask for."""
-        if name in self.facts:
-            return self.facts[name].internal
-        if name in self.inputs or name in self.curves:
-            return False
-        tables = name in self.tables or name in self.table_low_parts
-        return tables or any(name in facts for facts in self.alternatives.values())
 
     def is_public(self, name: str) -> bool:
         """Tell whether a declared name is that of a quantity that users ask for."""

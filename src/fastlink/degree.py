@@ -7,7 +7,7 @@ anything but zero enters, is not homogeneous.
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -136,16 +136,19 @@ def degrees(steps: Iterable[Fact | System], name: str) -> dict[str, float | None
             same = all(isinstance(value, Degree) and value.power == 0.0 for value in known)
             found |= dict.fromkeys(step.unknowns, Degree(0.0) if same else None)
         else:
-            found[step.name] = _degree(step, known)
+            found |= zip(step.names, _degrees(step, known), strict=True)
     return {of: value if value is None else _power(value) for of, value in found.items()}
 
 
-def _degree(fact: Fact, known: list[Any]) -> Any:
+def _degrees(fact: Fact, known: list[Any]) -> Sequence[Any]:
+    """Return the degrees of the values of a fact."""
+    count = len(fact.names)
     if any(value is None for value in known):
-        return None
+        return [None] * count
     if all(_power(value) == 0.0 for value in known):
-        return Degree(0.0)
+        return [Degree(0.0)] * count
     try:
-        return fact.function(*known)
+        value = fact.function(*known)
     except (_NotHomogeneous, TypeError, AttributeError):
-        return None
+        return [None] * count
+    return [value] if fact.low is None else value

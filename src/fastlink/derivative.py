@@ -48,6 +48,7 @@ def labelled(fact: Fact, by: Input) -> Fact:
         fact,
         name=derivative_name(fact.name, by.name),
         units=_per(fact.units, by.units),
+        low=None,
         symbol=f"d {fact.symbol}/d {by.symbol}",
         meaning=f"Derivative of {in_a_sentence(fact.meaning)} by {by.meaning}",
         source=f"{fact.source}; docs/numerics.md#derivatives",
@@ -191,8 +192,10 @@ class Derivation:
             return graph.one
         found, declared = self.find(name), self.declared(name)
         if declared is not None:
-            root = graph.read(declared.function, [graph.name(need) for need in declared.needs])
-        elif found is None or all(self.slope(need) is graph.zero for need in found.needs):
+            root = graph.read_fact(declared, declared.name)
+        elif found is None or (isinstance(found, Fact) and name == found.low):
+            return graph.zero  # of what rounding lost
+        elif all(self.slope(need) is graph.zero for need in found.needs):
             return graph.zero
         elif isinstance(found, System):
             raise NoDerivative(
@@ -200,7 +203,7 @@ class Derivation:
                 "choose the solver that eliminates"
             )
         else:
-            value = graph.read(found.function, [graph.name(need) for need in found.needs])
+            value = graph.read_fact(found, name)
             root = self._differentiate(value, {})
             self._values[name] = root, value
         bare = root.args[0] if root.kind == "neg" else root

@@ -17,8 +17,7 @@ from fastlink.error_rules import Bound, Lost, Rules, U
 from fastlink.errors import InputError
 from fastlink.fact import Fact, Input, System
 from fastlink.graph import Node, is_power_of_two
-from fastlink.names import ErrorBound, LowPart, Quantity, Trust
-from fastlink.numerics.compensated import two_sum
+from fastlink.names import ErrorBound, Quantity, Trust
 from fastlink.numerics.elementary import INFINITY, select
 
 __all__ = ["ErrorBounds", "error_name", "labelled_error", "trust_of"]
@@ -34,16 +33,12 @@ def error_name(name: str) -> str:
     return str(ErrorBound(Quantity(name)))
 
 
-def low_name(name: str) -> str:
-    """Return what the low part of a step is called."""
-    return str(LowPart(Quantity(name)))
-
-
 def labelled_error(fact: Fact) -> Fact:
     """Return a fact with the labels of its error bound; function and needs are still its own."""
     return replace(
         fact,
         name=error_name(fact.name),
+        low=None,
         symbol=f"err {fact.symbol}",
         meaning=f"Error bound of {in_a_sentence(fact.meaning)}",
         source=f"{fact.source}; {NUMERICS}",
@@ -85,8 +80,6 @@ class ErrorBounds:
         The assembly modes.
     tables, low_parts : mapping
         The tables of the input position, and of which of them a table is the low word.
-    high_part : callable
-        Returns the name of the fact whose low part a name is, or nothing.
     """
 
     def __init__(
@@ -96,10 +89,9 @@ class ErrorBounds:
         branches: Mapping[int, str],
         tables: Mapping[str, Fact],
         low_parts: Mapping[str, str],
-        high_part: Callable[[str], str],
     ) -> None:
         self.find, self.inputs, self.branches = find, inputs, branches
-        self.tables, self.low_parts, self.high_part = tables, low_parts, high_part
+        self.tables, self.low_parts = tables, low_parts
         self.rules = Rules(self.named)
         self.graph, self.exact = self.rules.graph, self.rules.exact
         self._named: dict[str, Bound] = {}
@@ -117,10 +109,11 @@ class ErrorBounds:
         """
         if name not in self._facts:
             found = self.found(name)
-            along = self._passes(name) and not is_size(self.rules, self._value(found))
-            root, own = self._along_paths(name) if along else self._running(found)
-            function, needs = made_function(error_name(name), self.graph, root, own)
-            self._facts[name] = replace(labelled_error(found), function=function, needs=needs)
+            along = self._passes(name) and not is_size(self.rules, self._value(name))
+            root, own = self._along_paths(name) if along else self._running(name)
+            made = error_name(name)
+            function, needs = made_function(made, self.graph, root, own)
+            self._facts[name] = replace(labelled_error(found), name=made, function=function, needs=needs)
         return self._facts[name]
 
     def found(self, name: str) -> Fact:
@@ -136,31 +129,20 @@ class ErrorBounds:
             )
         return found
 
-    def _value(self, found: Fact) -> Node:
-        if found.name not in self._values:
-            needs = [self.graph.name(need) for need in found.needs]
-            self._values[found.name] = self.graph.read(found.function, needs)
-        return self._values[found.name]
+    def _value(self, name: str) -> Node:
+        if name not in self._values:
+            self._values[name] = self.graph.read_fact(self.found(name), name)
+        return self._values[name]
 
-    def _read(self, found: Fact) -> tuple[Node, Bound]:
-        """Return a fact's value and its bound; of a sum without further errors, what `two_sum` says is lost."""
-        value = self._value(found)
-        bound = self.rules.bound(value)
-        low = self.find(low_name(found.name)) if found.internal and value.kind == "+" else None
-        if isinstance(low, Fact) and bound == replace(self.exact, relative=1.0, positive=bound.positive):
-            word = self.graph.node("item", self.graph.call(two_sum, *value.args), value=1)
-            if self._value(low) is word:
-                return value, replace(bound, relative=0.0, lost={word: (-1.0, value)})
-        return value, bound
-
-    def _running(self, found: Fact) -> tuple[Node, dict[Node, str]]:
+    def _running(self, name: str) -> tuple[Node, dict[Node, str]]:
         """Return the bound by the bounds of what the fact needs, and the fact's value as a name."""
-        value, bound = self._read(found)
-        if not self._pair(found, value, bound):
+        value = self._value(name)
+        bound = self.rules.bound(value)
+        if not self._pair(name, bound):
             bound = self.rules.settled(value, bound)
         # At least a trace of the value: where it is not finite, so is its error.
         whole = self.rules.error(value, replace(bound, relative=max(bound.relative, U)))
-        return whole, {} if value.kind in ("name", "number", "neg") else {value: found.name}
+        return whole, {} if value.kind in ("name", "number", "neg") else {value: name}
 
     # -- sums of products ----------------------------------------------------------------------------------------
 
@@ -171,11 +153,11 @@ class ErrorBounds:
         """
         if name not in self._passing:
             found = self.find(name) if name not in self.tables else None
-            self._passing[name] = isinstance(found, Fact) and self._is_sum(found)
+            self._passing[name] = isinstance(found, Fact) and self._is_sum(name, found)
         return self._passing[name]
 
-    def _is_sum(self, found: Fact) -> bool:
-        value = self._value(found)
+    def _is_sum(self, name: str, found: Fact) -> bool:
+        value = self._value(name)
         low_words = any(
             times > 0.0 for need in found.needs for times, _high in self.named(need).lost.values()
         )
@@ -188,7 +170,7 @@ class ErrorBounds:
         self._visit(name, order)
         paths, own = Paths(self.rules, self.graph.name(name)), dict[Node, str]()
         for of in reversed(order):
-            value = self._value(self.found(of))
+            value = self._value(of)
             paths.follow(self.graph.name(of), value)
             if value.kind not in ("name", "number", "neg"):
                 own[value] = of
@@ -226,8 +208,9 @@ class ErrorBounds:
                 return replace(
                     self.exact, scale=True, one={*map(abs, values)} == {1.0}, positive=min(values) > 0.0
                 )
-        value, bound = self._read(found)
-        lost = self._pair(found, value, bound)
+        value = self._value(name)
+        bound = self.rules.bound(value)
+        lost = self._pair(name, bound)
         bound = replace(bound if lost else self.rules.settled(value, bound), lost=lost)
         if bound.rest is graph.zero:
             return bound
@@ -236,7 +219,7 @@ class ErrorBounds:
     def _of_table(self, name: str) -> Bound:
         """Return the bound of a table: exact steps, or rounded once, with what that lost in a table of its own."""
         table, graph = self.tables[name], self.graph
-        bound = self.rules.bound(self._value(table))
+        bound = self.rules.bound(graph.read_fact(table, name))
         if bound.relative == 0.0:
             return bound
         low = next((low for low, high in self.low_parts.items() if high == name), None)
@@ -245,17 +228,13 @@ class ErrorBounds:
         lost = {graph.name(low): (-1.0, graph.name(name))}
         return replace(self.exact, relative=U, lost=lost, positive=bound.positive)
 
-    def _pair(self, found: Fact, value: Node, bound: Bound) -> Lost:
-        """Return what is lost by names, where a fact and its low part are the two words of one value."""
-        if not found.internal or len(bound.lost) != 1:
+    def _pair(self, name: str, bound: Bound) -> Lost:
+        """Return what is lost by names, of a fact with a low part: its text must say so of both words."""
+        found, graph = self.found(name), self.graph
+        if found.low is None or len(bound.lost) != 1:
             return {}
-        name, graph = found.name, self.graph
-        if value in bound.lost:
-            high = self.high_part(name)
-            other = self.find(high) if high else None
-            if isinstance(other, Fact) and other.internal and value in self._read(other)[1].lost:
-                return {graph.name(name): (1.0, graph.name(high))}
-        other = self.find(low_name(name))
-        if isinstance(other, Fact) and self._value(other) in bound.lost:
-            return {graph.name(other.name): (-1.0, graph.name(name))}
-        return {}
+        low = self._value(found.low)
+        of_both = [word for word in found.names if low in self.rules.bound(self._value(word)).lost]
+        if name not in of_both or found.name not in of_both:
+            return {}
+        return {graph.name(found.low): (1.0 if name == found.low else -1.0, graph.name(found.name))}

@@ -101,7 +101,7 @@ class Rules:
         bound = bound or self.bound(node)
         relative, rest = bound.relative, bound.rest
         for times, high in bound.lost.values():
-            if high is node:
+            if high in (node, *(node.args if node.kind == "neg" else ())):
                 relative += abs(times)
             else:
                 rest = self.graph.add(rest, self._roundings(abs(times), high))

@@ -104,7 +104,7 @@ class Exact:
             changed, found = {*names, *(self.tables if self.position in names else ())}, []
             for step in self.steps:
                 if changed.intersection(step.needs):
-                    changed.update(step.unknowns if isinstance(step, System) else (step.name,))
+                    changed.update(step.names)
                     found.append(step)
             self._after[names] = tuple(found)
         return self._after[names]
@@ -115,13 +115,12 @@ def _take(step: Fact | System, known: dict[str, Any]) -> None:
         take_step(step, known)
     except (ZeroDivisionError, ValueError, OverflowError):
         doubles = {need: np.float64(known[need]) for need in step.needs}
-        names = step.unknowns if isinstance(step, System) else (step.name,)
         try:
             with np.errstate(all="ignore"):
                 take_step(step, doubles)
         except np.linalg.LinAlgError:
-            doubles = dict.fromkeys(names, np.float64("nan"))
-        known.update((name, CONTEXT.mpf(float(doubles[name]))) for name in names)
+            doubles = dict.fromkeys(step.names, np.float64("nan"))
+        known.update((name, CONTEXT.mpf(float(doubles[name]))) for name in step.names)
 
 
 def in_roundings(value: float, exact: Any, condition: Any) -> float:

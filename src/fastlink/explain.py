@@ -10,13 +10,12 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cache
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from fastlink.asked import Asked, resolve
 from fastlink.codegen.kernel import llvm_text
 from fastlink.codegen.machine import assembly
 from fastlink.codegen.translate import Refused
-from fastlink.fact import System
 from fastlink.numerics import compensated, vectors
 from fastlink.numerics.compiler import COMPILED_AS, syntax
 from fastlink.plans import CurvePlan, RefinedPlan
@@ -170,7 +169,7 @@ def explain(study: str | Path) -> Explanation:
 def explain_request(asked: Asked) -> Explanation:
     """Tell what a request computes and what it leaves out."""
     plan, catalogue = asked.plan, asked.catalogue
-    made = dict.fromkeys(name for part in plan.parts for step in part.steps for name in _names(step))
+    made = dict.fromkeys(name for part in plan.parts for step in part.steps for name in step.names)
     wanted = {output.request.quantity for output in plan.outputs}
     sizes = [f"{asked.space.size:,} designs", f"{len(asked.branches)} assembly modes"]
     if plan.uses_position:
@@ -188,10 +187,6 @@ def explain_request(asked: Asked) -> Explanation:
     )
 
 
-def _names(step: Any) -> tuple[str, ...]:
-    return step.unknowns if isinstance(step, System) else (step.name,)
-
-
 def _tables(part: Plan | RefinedPlan) -> tuple[str, ...]:
     return () if isinstance(part, RefinedPlan) else part.tables
 
@@ -202,7 +197,7 @@ def _kernel(part: Plan | RefinedPlan, asked: Asked) -> tuple[str, tuple[str, ...
         gives += f"; every extreme of {', '.join(search.quantity for search in part.searches)}"
     if isinstance(part, CurvePlan):
         gives += f"; by NumPy, of whole curves of {', '.join(output.name for output in part.curves.outputs)}"
-    facts = tuple(name for step in part.steps for name in _names(step))
+    facts = tuple(name for step in part.steps for name in step.names)
     searched = [search.quantity for search in part.searches] if isinstance(part, RefinedPlan) else []
     loops = _loops(part.source, asked.catalogue.position.name, searched)
     return gives, facts, loops, part.source

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import ast
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cache
 from types import CodeType
 from typing import Any, Literal
@@ -49,7 +49,11 @@ class Input:
 
 @dataclass(frozen=True)
 class Fact:
-    """One physical statement, with what the file and the documentation say of it."""
+    """One physical statement, with what the file and the documentation say of it.
+
+    The function of a fact with a `low` part returns an unevaluated sum of two doubles, which are two values: that of
+    the fact's own name, and what it lost in rounding to double.
+    """
 
     name: str
     function: Callable[..., Any]
@@ -60,6 +64,22 @@ class Fact:
     source: str
     internal: bool = False
     flags: Mapping[int, str] = field(default_factory=dict)
+    low: str | None = None
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """The names of the values that it determines: its own, and that of its low part."""
+        return (self.name,) if self.low is None else (self.name, self.low)
+
+    def values(self, known: Mapping[str, Any]) -> dict[str, Any]:
+        """Evaluate the fact on known values of what it needs."""
+        value = self.function(*(known[need] for need in self.needs))
+        return {self.name: value} if self.low is None else dict(zip(self.names, value, strict=True))
+
+    def renamed(self, rename: Callable[[str], str]) -> Fact:
+        """Return the fact under other names."""
+        low = None if self.low is None else rename(self.low)
+        return replace(self, name=rename(self.name), low=low, needs=tuple(map(rename, self.needs)))
 
 
 @dataclass(frozen=True)
@@ -70,6 +90,11 @@ class System:
     unknowns: tuple[str, ...]
     function: Callable[..., Any]
     needs: tuple[str, ...]
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """The names of the values that it determines."""
+        return self.unknowns
 
 
 @dataclass(frozen=True)

@@ -127,18 +127,18 @@ def grades(catalogue: Catalogue, steps: Iterable[Fact | System], varying: Iterab
         if isinstance(step, System):
             continue
         if moving.intersection(step.needs):
-            moving.add(step.name)
+            moving.update(step.names)
         if step.name == graded.vanishing:
             found[step.name] = Grade(-1.0, 1)
         elif step.name in graded.odd:
             found[step.name] = Grade(0.0, -1)
         else:
             # A mass centre on its link's line is no more than 0.0 across it, whose products are nothing.
-            known = [found.get(need, Grade()) for need in step.needs]
+            known = {need: found.get(need, Grade()) for need in step.needs}
             try:
-                found[step.name] = step.function(*known)
+                found |= step.values(known)
             except (TypeError, AttributeError):
                 # It compares values: of one that moves nothing else is known.
-                order = max((_grade(value).order for value in known), default=0.0)
-                found[step.name] = Grade(order, 0, True) if step.name in moving else Grade()
+                order = max((_grade(value).order for value in known.values()), default=0.0)
+                found |= dict.fromkeys(step.names, Grade(order, 0, True) if step.name in moving else Grade())
     return {name: _grade(value) for name, value in found.items()}

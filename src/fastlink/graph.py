@@ -11,7 +11,7 @@ from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from fastlink.fact import parameters, statements
+from fastlink.fact import Fact, parameters, statements
 from fastlink.numerics.compiler import COMPILED_AS
 from fastlink.numerics.elementary import atan2, cosine, select, sine, sqrt
 from fastlink.numerics.logarithm import log, log1p, log_quotient
@@ -60,6 +60,10 @@ class Graph:
     def number(self, value: float) -> Node:
         """Return a number."""
         return self.node("number", value=value + 0.0)
+
+    def part(self, node: Node, number: int) -> Node:
+        """Return one of the values of a tuple, or of a call that returns several."""
+        return node.args[number] if node.kind == "tuple" else self.node("item", node, value=number)
 
     def call(self, function: Any, *args: Node) -> Node:
         """Return the value of a call."""
@@ -177,7 +181,7 @@ class Graph:
         def bind(target: ast.expr, found: Node) -> None:
             if isinstance(target, ast.Tuple):
                 for k, part in enumerate(target.elts):
-                    bind(part, found.args[k] if found.kind == "tuple" else self.node("item", found, value=k))
+                    bind(part, self.part(found, k))
             else:
                 assert isinstance(target, ast.Name)
                 known[target.id] = found
@@ -204,6 +208,11 @@ class Graph:
         if function in self._kept:
             return self.call(function, *args)
         return self.read(COMPILED_AS.get(function, function), args)
+
+    def read_fact(self, fact: Fact, name: str) -> Node:
+        """Return one of the values of a fact by its name, over the names of what the fact needs."""
+        value = self.read(fact.function, [self.name(need) for need in fact.needs])
+        return value if fact.low is None else self.part(value, fact.names.index(name))
 
     # -- writing ---------------------------------------------------------------------------------
 

@@ -182,9 +182,9 @@ def quantities(mechanism: str, internal: bool = False, input: str | None = None)
     rows = [_quantity(fact, every if catalogue.varies(fact.name) else (DESIGN,)) for fact in public]
     if internal:
         plan = make_plan(catalogue, catalogue.public, given=catalogue.inputs)
-        for fact in (*catalogue.tables.values(), *catalogue.facts.values()):
-            if fact.internal and fact.name in plan.axes:
-                axes = plan.axes[fact.name]
+        for name, fact in (*catalogue.tables.items(), *catalogue.facts.items()):
+            if fact.internal and name in plan.axes and name == fact.name:
+                axes = plan.axes[name]
                 rows.append(_quantity(fact, tuple(axis for axis in every if axis in axes)))
     return QuantityList(rows, catalogue)
 

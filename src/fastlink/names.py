@@ -4,7 +4,6 @@
 ``NAME``                                       `Quantity`: what is declared (facts, inputs, tables, the position)
 ``d_NAME_d_PARAM``                             `Derivative` of NAME with respect to an input or the position
 ``NAME_error``, ``NAME_trust``                 `ErrorBound` of NAME, and `Trust`: whether it is small against NAME
-``NAME_low``                                   `LowPart`: what a step NAME lost in rounding to double
 ``NAME__below_VARIANT``                        `Below`: what the fact NAME of that variant replaces
 ``NAME_max``, ``POSITION_at_NAME_max``, ...    `Reduced` over the cycle, and the position where that is
 ``NAME_extrema``, ``POSITION_at_NAME_extrema``,
@@ -16,8 +15,7 @@ the first of these rules that holds:
 
 1. ``d_NAME_d_PARAM`` is a derivative where PARAM is an input or the position; the last ``_d_`` is the one that counts.
    No declared name but that of a declared derivative contains ``_d_``.
-2. A declared name is what it is declared as: the ``AB_error`` of Hart's mechanism is a quantity. It is the low part of
-   NAME where it ends so and both are steps that users cannot ask for.
+2. A declared name is what it is declared as: the ``AB_error`` of Hart's mechanism is a quantity.
 3. What ends as above is what the ending says, the position told by its prefix first.
 4. Any other name is a quantity, known or not.
 
@@ -34,7 +32,7 @@ from typing import Any, Protocol
 from fastlink.fact import CatalogueError
 
 __all__ = [
-    "Below", "Derivative", "ErrorBound", "Known", "ListOfExtrema", "LowPart", "Made", "Name", "Quantity", "Reduced",
+    "Below", "Derivative", "ErrorBound", "Known", "ListOfExtrema", "Made", "Name", "Quantity", "Reduced",
     "Trust", "as_derivative", "deepest", "form_of", "parse", "plain_part",
     "reading_of", "register_reduction", "root_of",
 ]  # fmt: skip
@@ -44,7 +42,7 @@ _REDUCTIONS: dict[str, bool] = {}
 #: The parts of a list of extremes, by the ending of their names.
 _PARTS = {"_extrema": "value", "_extrema_count": "count", "_extrema_kind": "kind"}
 _ENDINGS = {part: ending for ending, part in _PARTS.items()}
-_ERROR, _TRUST, _LOW = "_error", "_trust", "_low"
+_ERROR, _TRUST = "_error", "_trust"
 _BEFORE, _BY, _AT, _BELOW = "d_", "_d_", "_at_", "__below_"
 _RESERVED = frozenset({"error", "trust", "low", "extrema", "count", "kind"})
 
@@ -98,14 +96,6 @@ class Trust(Made):
 
 
 @dataclass(frozen=True)
-class LowPart(Made):
-    """What a step lost in rounding to double."""
-
-    def __str__(self) -> str:
-        return f"{self.of}{_LOW}"
-
-
-@dataclass(frozen=True)
 class Below(Made):
     """What the fact of a variant replaces and builds on."""
 
@@ -148,9 +138,6 @@ class Known(Protocol):
 
     def declares(self, name: str) -> bool:
         """Tell whether a name is declared: that of a fact, an input, a table, the position."""
-
-    def is_step(self, name: str) -> bool:
-        """Tell whether a declared name is that of a table or of a fact that users cannot ask for."""
 
     def is_public(self, name: str) -> bool:
         """Tell whether a declared name is that of a quantity that users ask for."""
@@ -250,13 +237,7 @@ def _declared(name: str, known: Known) -> Name | None:
     """Return a name that is read whole: a derivative, or what is declared."""
     if derivative := _derivative(name, known):
         return derivative
-    if not known.declares(name):
-        return None
-    if name.endswith(_LOW) and known.is_step(name):
-        high = name.removesuffix(_LOW)
-        if known.is_step(high):
-            return LowPart(Quantity(high))
-    return Quantity(name)
+    return Quantity(name) if known.declares(name) else None
 
 
 def _within(name: str, known: Known) -> Name:

@@ -82,11 +82,11 @@ def tables_at(catalogue: Catalogue, theta: Any, names: Iterable[str]) -> dict[st
 
 def take_step(step: Fact | System, known: dict[str, Any]) -> None:
     """Add to the known values what a step of a closure gives."""
-    result = step.function(*(known[need] for need in step.needs))
     if isinstance(step, System):
-        known.update(zip(step.unknowns, _solve(result), strict=True))
+        rows = step.function(*(known[need] for need in step.needs))
+        known.update(zip(step.unknowns, _solve(rows), strict=True))
     else:
-        known[step.name] = result
+        known.update(step.values(known))
 
 
 def _solve(rows: Any) -> list[Any]:

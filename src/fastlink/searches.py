@@ -34,9 +34,7 @@ def find_search(
     if any(isinstance(step, System) for step in steps):
         return None
     found = grades(catalogue, steps, (*graded.leaves, "branch"))
-    needed = {
-        step.name for step in _closure(catalogue, (quantity,), given, alternatives) if isinstance(step, Fact)
-    }
+    needed = {name for step in _closure(catalogue, (quantity,), given, alternatives) for name in step.names}
     return Search(
         quantity,
         slope,

@@ -51,7 +51,7 @@ class RefinedLayout:
         needed: set[str] = set(names)
         found: list[Fact] = []
         for step in reversed(self.lane_steps):
-            if step.name in needed:
+            if needed.intersection(step.names):
                 needed.update(step.needs)
                 found.insert(0, step)
         return found

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 
 from fastlink.catalogue import Fact, System, parameters
 from fastlink.codegen.runtime.cells import LANES, MOST_LANES
-from fastlink.codegen.schedule import KernelLayout, Step, names_of
+from fastlink.codegen.schedule import KernelLayout, Step
 from fastlink.codegen.source import N_ANGLES, Array, Source, Text, paste_fact, paste_system
 from fastlink.names import Quantity, Reduced
 
@@ -92,7 +92,7 @@ class _Writer(KernelLayout):
                 self.paste_entries(step, values, suffix, k)
             else:
                 paste_fact(step, values, suffix, self.text)
-            for name in names_of(step):
+            for name in step.names:
                 for line in stores.get(name + suffix, ()):
                     self.text.add(line)
 
@@ -130,7 +130,7 @@ class _Writer(KernelLayout):
         for number, stage in enumerate(stages):
             text.open("for i in lanes(width):")
             facts = [s for s in stage if isinstance(s, Fact)]
-            made = {n for s in facts for n in names_of(s)}
+            made = {n for s in facts for n in s.names}
             last = number == len(stages) - 1
             for name in self.loads(stage, made, carried, last):
                 text.add(f"{name} = {self.row(name)}")
@@ -239,7 +239,7 @@ class _Writer(KernelLayout):
         text.open(f"for j in entries({f'min({TILE}, n_angles)' if self.tile else 'n_angles'}):")
         for k, name in enumerate(self.plan.tables):
             text.add(f"{name} = angles[{k}, {self.angle}]")
-        made = {name for step in stage for name in names_of(step)}
+        made = {name for step in stage for name in step.names}
         for row, name in enumerate(self.tile):
             if name not in made:
                 text.add(f"{name} = tile[{row}, j]")

@@ -16,7 +16,7 @@ from fastlink.fact import Fact, System, statements
 if TYPE_CHECKING:
     from fastlink.closure import Closure, Output
 
-__all__ = ["KernelLayout", "Step", "names_of"]
+__all__ = ["KernelLayout", "Step"]
 
 Step = Fact | System
 
@@ -44,8 +44,7 @@ class KernelLayout:
 
     def axes(self, step: Step) -> frozenset[str]:
         """Return what the values of a step depend on."""
-        name = step.unknowns[0] if isinstance(step, System) else step.name
-        return self.plan.axes[name]
+        return self.plan.axes[step.names[0]]
 
     def suffixes(self, name: str) -> list[tuple[str, int]]:
         """Return the copies of a value: one, or one for each branch, with the branch's place."""
@@ -72,7 +71,7 @@ class KernelLayout:
     def _outside_needs(self, steps: Sequence[Step], *kinds: set[str]) -> list[str]:
         needs = [need for step in steps for need in step.needs]
         needs += [o.request.quantity for o in (*self.curves, *self.cycles)]
-        made = {name for step in self.lane_steps for name in names_of(step)}
+        made = {name for step in self.lane_steps for name in step.names}
         wanted = [
             n for n in dict.fromkeys(needs) if n not in made and self.plan.axes[n] in map(frozenset, kinds)
         ]
@@ -125,7 +124,7 @@ class KernelLayout:
         """
         steps = [*self.angle_steps, *self.lane_steps]
         logs = [s for s in self.lane_steps if "branch" not in self.axes(s) and _names(s, ("log_quotient",))]
-        names = {name for step in logs for name in names_of(step)}
+        names = {name for step in logs for name in step.names}
         first = [step for step in self.needed_for(logs) if step not in logs]
         if not first or any(names.intersection(step.needs) for step in first):
             return [steps]
@@ -134,10 +133,10 @@ class KernelLayout:
 
     def needed_for(self, wanted: Sequence[Step]) -> list[Step]:
         """Return the lane steps that `wanted` need, and themselves."""
-        needed = {name for step in wanted for name in names_of(step)}
+        needed = {name for step in wanted for name in step.names}
         found: list[Step] = []
         for step in reversed(self.lane_steps):
-            if needed.intersection(names_of(step)):
+            if needed.intersection(step.names):
                 needed.update(step.needs)
                 found.insert(0, step)
         return found
@@ -146,7 +145,7 @@ class KernelLayout:
         """Return for each stage the values that later ones read."""
         result: list[set[str]] = []
         for number, stage in enumerate(stages):
-            made = {name for step in stage if isinstance(step, Fact) for name in names_of(step)}
+            made = {name for step in stage if isinstance(step, Fact) for name in step.names}
             later = {need for rest in stages[number + 1 :] for step in rest for need in step.needs}
             later |= (
                 {o.request.quantity for o in (*self.curves, *self.cycles)}
@@ -183,8 +182,3 @@ def _names(step: Step, functions: tuple[str, ...]) -> bool:
     return isinstance(step, Fact) and any(
         isinstance(node, ast.Name) and node.id in functions for node in _nodes(step)
     )
-
-
-def names_of(step: Step) -> tuple[str, ...]:
-    """Return the names of the values that a step makes."""
-    return step.unknowns if isinstance(step, System) else (step.name,)

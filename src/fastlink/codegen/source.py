@@ -189,15 +189,19 @@ def _paste(
     return result
 
 
-def paste_fact(fact: Fact, values: Mapping[str, str], suffix: str, text: Text) -> str:
-    """Append a fact's statements to the text and return the name that holds its value.
+def paste_fact(fact: Fact, values: Mapping[str, str], suffix: str, text: Text) -> None:
+    """Append a fact's statements to the text.
 
     `values` gives the kernel's name of each parameter; `suffix` tells branches apart.
     """
     result = _paste(fact.function, values, fact.name, suffix, text)
-    name = f"{fact.name}{suffix}"
-    text.add(f"{name} = {ast.unparse(result)}")
-    return name
+    names = [name + suffix for name in fact.names]
+    parts = result.elts if isinstance(result, ast.Tuple) else [result]
+    if len(parts) == len(names):
+        for name, part in zip(names, parts, strict=True):
+            text.add(f"{name} = {ast.unparse(part)}")
+    else:
+        text.add(f"{', '.join(names)} = {ast.unparse(result)}")
 
 
 def paste_system(

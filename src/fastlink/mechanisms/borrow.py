@@ -9,7 +9,7 @@ from typing import Any
 from fastlink.catalogue import Catalogue, Fact
 from fastlink.names import Derivative, Quantity
 
-__all__ = ["borrow", "borrow_range", "facts_of", "moved", "renaming", "with_derivatives"]
+__all__ = ["borrow", "borrow_range", "facts_of", "renaming", "with_derivatives"]
 
 Renaming = Callable[[str], str]
 
@@ -37,11 +37,6 @@ def with_derivatives(lender: Catalogue, names: Iterable[str], known: Iterable[st
         needs = {need for fact in declared.values() for need in fact.needs}
         new = sorted(needs.intersection(lender.facts).difference(facts, known))
     return facts
-
-
-def moved(fact: Fact, rename: Renaming) -> Fact:
-    """Return a fact under other names."""
-    return replace(fact, name=rename(fact.name), needs=tuple(map(rename, fact.needs)))
 
 
 def renaming(lender: Catalogue, names: Mapping[str, str], prefix: str) -> Renaming:
@@ -92,7 +87,9 @@ def borrow(
     own = [name for name, other in names.items() if other in borrower.facts]
     for name, fact in with_derivatives(lender, labels, own).items():
         said = {"internal": fact.internal, **labels[name]} if name in labels else {"internal": True}
-        borrower.facts.setdefault(rename(name), replace(moved(fact, rename), **said))
+        found = replace(fact.renamed(rename), **said)
+        for each in found.names:
+            borrower.facts.setdefault(each, found)
 
 
 def borrow_range(
@@ -114,7 +111,7 @@ def borrow_range(
     needed = {need for fact in places for need in fact.needs}.intersection(lender.facts)
     needed |= {graded.sine, graded.inverse, *(name for end in graded.ends for name in end)}
     borrow(borrower, lender, names, prefix, {name: {} for name in sorted(needed)})
-    borrower.alternatives[graded.name] = {rename(fact.name): moved(fact, rename) for fact in places}
+    borrower.alternatives[graded.name] = {rename(fact.name): fact.renamed(rename) for fact in places}
     (low, high) = graded.ends
     borrower.graded = replace(
         graded,

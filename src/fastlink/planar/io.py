@@ -2,29 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from typing import Any
 
 import numpy as np
 
 from fastlink.errors import InputError, suggest
+from fastlink.mechanisms.planar_4r import planar_4r
 from fastlink.mechanisms.planar_4r.factors import IO_CROSS, IO_PRODUCTS
-from fastlink.numerics.compensated import gap
 from fastlink.planar.designs import broadcast
 
 __all__ = ["io_coefficients"]
-
-#: a1 ... a4 as the terms of each factor of eq. (1).
-TERMS: dict[str, Callable[[Any, Any, Any, Any], tuple[Any, Any, Any, Any]]] = {
-    "A1": lambda a, b, c, d: (a, -b, c, -d),
-    "A2": lambda a, b, c, d: (a, b, c, -d),
-    "B1": lambda a, b, c, d: (a, b, -c, -d),
-    "B2": lambda a, b, c, d: (a, -b, -c, -d),
-    "C1": lambda a, b, c, d: (a, -b, -c, d),
-    "C2": lambda a, b, c, d: (a, b, -c, d),
-    "D1": lambda a, b, c, d: (a, b, c, d),
-    "D2": lambda a, b, c, d: (a, -b, c, d),
-}
 
 
 def io_coefficients(a1: Any, a2: Any, a3: Any, a4: Any, pair: str = "14") -> Any:
@@ -67,7 +54,7 @@ def io_coefficients(a1: Any, a2: Any, a3: Any, a4: Any, pair: str = "14") -> Any
     lengths = broadcast("io_coefficients", a1=a1, a2=a2, a3=a3, a4=a4)
 
     def factor(name: str) -> Any:
-        return gap(*TERMS[name](*lengths))[0]
+        return planar_4r.facts[f"factor_{name}"].function(*lengths)[0]
 
     _equation, *products = IO_PRODUCTS[pair]
     vivj, vi, vj, one = (factor(x) * factor(y) for x, y in (str(product).split() for product in products))

@@ -25,17 +25,10 @@ COMPLETION = f"{WUNDERLICH}, eq. (2.5); {DESIGN}#completion"
 # -- the ratio that is given ----------------------------------------------------------------------------------
 
 
-@focal.quantity(units="1", symbol="1 + rho", source=COMPLETION, internal=True)
+@focal.quantity(units="1", symbol="1 + rho", source=COMPLETION, internal=True, low="rho_plus_1_low")
 def rho_plus_1(rho: Any) -> Any:
     """1 + rho."""
-    return 1.0 + rho
-
-
-@focal.quantity(units="1", symbol="1 + rho", source=COMPLETION, internal=True)
-def rho_plus_1_low(rho: Any) -> Any:
-    """What 1 + rho lost in rounding to double."""
-    _high, low = two_sum(1.0, rho)
-    return low
+    return two_sum(1.0, rho)
 
 
 @focal.quantity(
@@ -47,8 +40,9 @@ def rho(s: Any, d: Any) -> Any:
 
 
 def one_plus_ratio_of_support(s: Any, d: Any) -> Any:
-    """1 + rho of a given crank support."""
-    return d / (d - s)
+    """1 + rho of a given crank support, and no low part."""
+    ratio = d / (d - s)
+    return ratio, 0.0 * ratio
 
 
 def nothing(exact: Any) -> Any:
@@ -57,26 +51,26 @@ def nothing(exact: Any) -> Any:
 
 
 focal.quantity(
-    units="1", symbol="1 + rho", source=COMPLETION, internal=True, alternative=GIVEN_S, name="rho_plus_1"
+    units="1",
+    symbol="1 + rho",
+    source=COMPLETION,
+    internal=True,
+    alternative=GIVEN_S,
+    name="rho_plus_1",
+    low="rho_plus_1_low",
 )(one_plus_ratio_of_support)
 
 
-@focal.quantity(units="1", symbol="lambda - 1", source=COMPLETION, internal=True, alternative=GIVEN_LAMBDA)
+@focal.quantity(
+    units="1", symbol="lambda - 1", source=COMPLETION, internal=True, alternative=GIVEN_LAMBDA, low="x_low"
+)
 def x(lambda_: Any) -> Any:
     """Ratio pq : mn of a given lambda."""
-    return lambda_ - 1.0
-
-
-@focal.quantity(units="1", symbol="lambda - 1", source=COMPLETION, internal=True, alternative=GIVEN_LAMBDA)
-def x_low(lambda_: Any) -> Any:
-    """What lambda - 1 lost in rounding to double."""
-    _high, low = two_sum(lambda_, -1.0)
-    return low
+    return two_sum(lambda_, -1.0)
 
 
 for _name, _of, _alternative in (
     ("rho_low", "rho", None),
-    ("rho_plus_1_low", "rho", GIVEN_S),
     ("lambda_low", GIVEN_LAMBDA, GIVEN_LAMBDA),
 ):
     focal.quantity(
@@ -95,14 +89,7 @@ for _name, _of, _alternative in (
 
 def mixed(ratio: Any, ratio_low: Any, first: Any, second: Any) -> Any:
     """first^2 + ratio second^2."""
-    high, _low = square_sum(first, ratio, ratio_low, second)
-    return high
-
-
-def mixed_low(ratio: Any, ratio_low: Any, first: Any, second: Any) -> Any:
-    """What first^2 + ratio second^2 lost in rounding to double."""
-    _high, low = square_sum(first, ratio, ratio_low, second)
-    return low
+    return square_sum(first, ratio, ratio_low, second)
 
 
 def common(ratio: Any, plus_1: Any, mixed: Any) -> Any:
@@ -184,7 +171,6 @@ for _alternative, _given, _known, _found, _ratio, _plus_1 in (
     _laws: tuple[tuple[Callable[..., Any], str, str, dict[str, str]], ...] = (
         (sign, "ratio_sign", "sgn rho", {"x": _given["ratio"]}),
         (mixed, "mixed", "a^2 + rho b^2", {}),
-        (mixed_low, "mixed_low", "a^2 + rho b^2", {}),
         (common, "common", "W", {}),
         (excess, "excess", "|W - (c + d)^2|", {}),
         (far_excess, "far_excess", "|W - (c - d)^2|", {}),
@@ -205,4 +191,5 @@ for _alternative, _given, _known, _found, _ratio, _plus_1 in (
             name=_name,
             meaning="Factor a/m = b/n" if _name == GIVEN_LAMBDA else None,
             given={**_given, **_more},
+            low="mixed_low" if _law is mixed else None,
         )(_law)

@@ -124,7 +124,6 @@ for _name, _scaled, _source, _meaning in (
     ("r", "s_r", "eq. (1.8)", "Length SF, radius of the circle of F: the crank"),
     ("FT", "s_FT", "section 3", "Length FT"),
     ("s", "s_s", "eqs. (1.8) corrected, (1.9)", "Crank support S on MN, from M towards N"),
-    ("S_x", "s_s", "eqs. (1.8) corrected, (1.9)", "Crank support S, x"),
 ):
     focal.quantity(
         units="m",
@@ -134,6 +133,25 @@ for _name, _scaled, _source, _meaning in (
         meaning=_meaning,
         given={"scaled": _scaled},
     )(length_of)
+
+
+@focal.quantity(units="m", symbol="S_x", source=f"{WUNDERLICH}, eqs. (1.8) corrected, (1.9)")
+def S_x(s: Any) -> Any:
+    """Crank support S, x."""
+    return s
+
+
+@focal.quantity(
+    units="m",
+    symbol="S_x",
+    source=f"{WUNDERLICH}, eq. (1.9)",
+    alternative=GIVEN_S,
+    name="S_x",
+    meaning="Crank support S, x",
+)
+def place_of_support(s_s: Any, scale: Any) -> Any:
+    """Crank support S of a four-bar that has one, x."""
+    return s_s * scale
 
 
 @focal.quantity(units="1", symbol="AT/AB", source=f"{WUNDERLICH}, eq. (3.2)")

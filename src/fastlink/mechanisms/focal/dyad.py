@@ -24,13 +24,15 @@ from fastlink.mechanisms.focal.design_facts import FOUR_BAR, PREFIX
 from fastlink.mechanisms.planar_4r import planar_4r
 from fastlink.numerics.compensated import two_product
 from fastlink.numerics.elementary import select
-from fastlink.numerics.vectors import zero_where
 
 DYAD = f"{DESIGN}#the-crank"
 
 
-FACTORS = tuple(f"factor_{letter}{number}" for letter in "ABCD" for number in (1, 2))
-borrow(focal, planar_4r, FOUR_BAR, PREFIX, {name: {} for name in (*FACTORS, "gap_rounding")})
+FACTORS = (
+    *(f"factor_{letter}{number}" for letter in "ABCD" for number in (1, 2)),
+    *("sure_A1", "sure_B1", "sure_C1"),
+)
+borrow(focal, planar_4r, FOUR_BAR, PREFIX, {name: {} for name in FACTORS})
 
 
 @focal.quantity(units="1", symbol="K", source=DYAD, internal=True)
@@ -123,20 +125,16 @@ def of_half_angle(
     bars_difference: Any,
     K: Any,
     per_dyad: Any,
-    A1: Any,
+    sure_A1: Any,
+    sure_B1: Any,
+    sure_C1: Any,
     A2: Any,
-    B1: Any,
     B2: Any,
-    C1: Any,
     C2: Any,
     D1: Any,
     D2: Any,
-    rounding: Any,
 ) -> Any:
     """Squared sine or cosine of omega/2 with the crank in the ground line."""
-    sure_A1 = zero_where(abs(A1) <= rounding, A1)
-    sure_B1 = zero_where(abs(B1) <= rounding, B1)
-    sure_C1 = zero_where(abs(C1) <= rounding, C1)
     root = select(side == ratio_sign, lesser_root, -greater_root)
     other_root = select(side == ratio_sign, greater_root, -lesser_root)
     first = side * ((s_a - s_b) * root)
@@ -166,7 +164,7 @@ for _name, _side, _spin, _what in (
         internal=True,
         name=_name,
         meaning=f"Squared {_what}",
-        given={"side": _side, "spin": _spin, "rounding": f"{PREFIX}gap_rounding"}
+        given={"side": _side, "spin": _spin}
         | {factor.removeprefix("factor_"): f"{PREFIX}{factor}" for factor in FACTORS},
     )(of_half_angle)
 

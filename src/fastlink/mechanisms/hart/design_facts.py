@@ -14,7 +14,6 @@ from fastlink.mechanisms import lengths
 from fastlink.mechanisms.hart.declare import PAGE, hart
 from fastlink.mechanisms.planar_4r.rates import product
 from fastlink.mechanisms.planar_4r.slopes import opposite
-from fastlink.names import LowPart, Quantity
 from fastlink.numerics.compensated import UNIT_ROUNDING, gap, gap_product_quotient, pair_product, two_sum
 from fastlink.numerics.elementary import NOT_A_NUMBER, select
 from fastlink.numerics.vectors import zero_where
@@ -74,22 +73,13 @@ for _name, _meaning, _law, _given in (
     )(_law)
 
 
-@hart.quantity(units="1", symbol="|lambda|", source=NUMERICS, internal=True)
+@hart.quantity(units="1", symbol="|lambda|", source=NUMERICS, internal=True, low="size_lambda_low")
 def size_lambda(K: Any, lambda_sign: Any) -> Any:
     """Size of 1 - kappa^2."""
     less, less_low = two_sum(1.0, -K)
     more, more_low = two_sum(1.0, K)
-    high, _low = pair_product(less, less_low, more, more_low)
-    return lambda_sign * high
-
-
-@hart.quantity(units="1", symbol="|lambda|", source=NUMERICS, internal=True)
-def size_lambda_low(K: Any, lambda_sign: Any) -> Any:
-    """What size_lambda lost in rounding to double."""
-    less, less_low = two_sum(1.0, -K)
-    more, more_low = two_sum(1.0, K)
-    _high, low = pair_product(less, less_low, more, more_low)
-    return lambda_sign * low
+    high, low = pair_product(less, less_low, more, more_low)
+    return lambda_sign * high, lambda_sign * low
 
 
 # -- reaches --------------------------------------------------------------------------------------------------
@@ -99,16 +89,7 @@ def reach(K: Any, s_m: Any, s_n: Any) -> Any:
     """Return (1 + K)(m + n)."""
     k, k_low = two_sum(1.0, K)
     sum_, sum_low = two_sum(s_m, s_n)
-    high, _low = pair_product(k, k_low, sum_, sum_low)
-    return high
-
-
-def reach_low(K: Any, s_m: Any, s_n: Any) -> Any:
-    """Return what the reach lost in rounding to double."""
-    k, k_low = two_sum(1.0, K)
-    sum_, sum_low = two_sum(s_m, s_n)
-    _high, low = pair_product(k, k_low, sum_, sum_low)
-    return low
+    return pair_product(k, k_low, sum_, sum_low)
 
 
 @hart.quantity(units="1", symbol="u P", source=NUMERICS, internal=True)
@@ -129,11 +110,9 @@ for _name, _text, _K, _n in (
     ("near_sum", "(1 - K)(m + n)", "minus_K", "s_n"),
     ("near_difference", "(1 - K)(m - n)", "minus_K", "minus_s_n"),
 ):
-    _low_name = str(LowPart(Quantity(_name)))
-    _pair = {"reach": _name, "reach_low": _low_name}
+    _pair = {"reach": _name, "reach_low": f"{_name}_low"}
     for _step, _meaning, _law, _given in (
         (_name, _text, reach, {"K": _K, "s_n": _n}),
-        (_low_name, f"what {_name} lost in rounding to double", reach_low, {"K": _K, "s_n": _n}),
         (f"{_name}_less", f"{_text} - e", unless_rounding, _pair | {"other": "minus_e"}),
         (f"{_name}_plus", f"{_text} + e", unless_rounding, _pair | {"other": "e"}),
         (
@@ -151,6 +130,7 @@ for _name, _text, _K, _n in (
             name=_step,
             meaning=_meaning,
             given=_given,
+            low=f"{_name}_low" if _law is reach else None,
         )(_law)
 
 
@@ -189,42 +169,22 @@ def toggle(
     """Return (near_sum + other)(far_difference + other)/(4 m divisor)."""
     f, f_low = gap(near_sum, near_sum_low, other, 0.0)
     g, g_low = gap(far_difference, far_difference_low, other, 0.0)
-    high, _low = gap_product_quotient(f, f_low, g, g_low, s_m, divisor)
+    high, low = gap_product_quotient(f, f_low, g, g_low, s_m, divisor)
     none = (abs(f) <= gap_rounding) | (abs(g) <= gap_rounding)
-    return select(valid == 1.0, zero_where(none, high), NOT_A_NUMBER)
-
-
-def toggle_low(
-    near_sum: Any,
-    near_sum_low: Any,
-    far_difference: Any,
-    far_difference_low: Any,
-    other: Any,
-    divisor: Any,
-    s_m: Any,
-    gap_rounding: Any,
-) -> Any:
-    """Return what the toggle lost in rounding to double."""
-    f, f_low = gap(near_sum, near_sum_low, other, 0.0)
-    g, g_low = gap(far_difference, far_difference_low, other, 0.0)
-    _high, low = gap_product_quotient(f, f_low, g, g_low, s_m, divisor)
-    return zero_where((abs(f) <= gap_rounding) | (abs(g) <= gap_rounding), low)
+    return select(valid == 1.0, zero_where(none, high), NOT_A_NUMBER), zero_where(none, low)
 
 
 for _name, _meaning, _other in (
     ("Z0", "squared sine of half of phi at the inner toggle, negative if none", "minus_e"),
     ("C0", "squared cosine of half of phi at the outer toggle, negative if none", "e"),
 ):
-    for _step, _law, _told in (
-        (_name, toggle, _meaning),
-        (str(LowPart(Quantity(_name))), toggle_low, f"what {_name} lost in rounding to double"),
-    ):
-        hart.quantity(
-            units="1",
-            symbol=f"{_name[0]}_0",
-            source=NUMERICS,
-            internal=True,
-            name=_step,
-            meaning=_told,
-            given={"other": _other, "divisor": _other},
-        )(_law)
+    hart.quantity(
+        units="1",
+        symbol=f"{_name[0]}_0",
+        source=NUMERICS,
+        internal=True,
+        name=_name,
+        meaning=_meaning,
+        given={"other": _other, "divisor": _other},
+        low=f"{_name}_low",
+    )(toggle)

@@ -81,46 +81,27 @@ def limit(s_a: Any, s_b: Any, s_g: Any, reach: Any, a_one: Any, g_one: Any, vali
     """Return (g - a - b - h) (g - a + b + h) kappa/(4 a g)."""
     f, f_low = gap(s_g, -s_a, -s_b, -reach)
     k, k_low = gap(s_g, -s_a, s_b, reach)
-    high, _low = gap_product_quotient(f, f_low, k, k_low, a_one, g_one)
-    return high * valid
-
-
-def limit_low(s_a: Any, s_b: Any, s_g: Any, reach: Any, a_one: Any, g_one: Any) -> Any:
-    """Return what the limit lost in rounding to double."""
-    f, f_low = gap(s_g, -s_a, -s_b, -reach)
-    k, k_low = gap(s_g, -s_a, s_b, reach)
-    _high, low = gap_product_quotient(f, f_low, k, k_low, a_one, g_one)
-    return low
+    high, low = gap_product_quotient(f, f_low, k, k_low, a_one, g_one)
+    return high * valid, low
 
 
 for _name, _of, _reach in (("inner", "theta_min", "s_h"), ("outer", "theta_max", "minus_s_h")):
-    for _law, _suffix, _meaning in (
-        (limit, "limit", f"kappa sinh^2({_of}/2), negative if there is no such limit"),
-        (limit_low, "limit_low", f"what {_name}_limit lost in rounding to double"),
-    ):
-        minkowski_4r.quantity(
-            units="1",
-            symbol="S_0",
-            source=POSITION,
-            internal=True,
-            name=f"{_name}_{_suffix}",
-            meaning=_meaning,
-            given={"reach": _reach},
-        )(_law)
+    minkowski_4r.quantity(
+        units="1",
+        symbol="S_0",
+        source=POSITION,
+        internal=True,
+        name=f"{_name}_limit",
+        meaning=f"kappa sinh^2({_of}/2), negative if there is no such limit",
+        given={"reach": _reach},
+        low=f"{_name}_limit_low",
+    )(limit)
 
 
-@minkowski_4r.quantity(units="1", symbol="g/a", source=POSITION, internal=True)
+@minkowski_4r.quantity(units="1", symbol="g/a", source=POSITION, internal=True, low="ground_share_low")
 def ground_share(s_g: Any, s_a: Any) -> Any:
     """Ground link over input crank."""
-    high, _low = gap_product_quotient(s_g, 0.0, 4.0, 0.0, s_a, 1.0)
-    return high
-
-
-@minkowski_4r.quantity(units="1", symbol="g/a", source=POSITION, internal=True)
-def ground_share_low(s_g: Any, s_a: Any) -> Any:
-    """What ground_share lost in rounding to double."""
-    _high, low = gap_product_quotient(s_g, 0.0, 4.0, 0.0, s_a, 1.0)
-    return low
+    return gap_product_quotient(s_g, 0.0, 4.0, 0.0, s_a, 1.0)
 
 
 def arm_share(length: Any, g_one: Any) -> Any:

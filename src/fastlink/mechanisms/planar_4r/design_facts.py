@@ -9,7 +9,7 @@ from typing import Any
 
 from fastlink.mechanisms import lengths
 from fastlink.mechanisms.planar_4r.declare import HAYES, LINKS, NUMERICS, planar_4r
-from fastlink.numerics.compensated import UNIT_ROUNDING, gap, gap_product_quotient
+from fastlink.numerics.compensated import UNIT_ROUNDING, gap_product_quotient
 from fastlink.numerics.elementary import select
 from fastlink.numerics.vectors import zero_where
 
@@ -56,40 +56,38 @@ def gap_rounding(s1: Any, s2: Any, s3: Any, s4: Any) -> Any:
     return UNIT_ROUNDING * ((s1 + s2) + (s3 + s4))
 
 
-@planar_4r.quantity(units="1", symbol="Z_0", source=f"{NUMERICS}#toggles", internal=True)
-def Z0(s1: Any, s2: Any, s3: Any, s4: Any, gap_rounding: Any, valid: Any) -> Any:
+@planar_4r.quantity(units="1", symbol="Z_0", source=f"{NUMERICS}#toggles", internal=True, low="Z0_low")
+def Z0(
+    factor_A1: Any,
+    factor_A1_low: Any,
+    factor_B1: Any,
+    factor_B1_low: Any,
+    s1: Any,
+    s4: Any,
+    gap_rounding: Any,
+    valid: Any,
+) -> Any:
     """Squared half-angle sine at the inner toggle, -A1 B1/(4 a1 a4); negative if none."""
-    A1, A1_low = gap(s1, -s2, s3, -s4)
-    B1, B1_low = gap(-s1, -s2, s3, s4)
-    high, _low = gap_product_quotient(A1, A1_low, B1, B1_low, s1, s4)
-    return zero_where((abs(A1) <= gap_rounding) | (abs(B1) <= gap_rounding), high) * valid
+    high, low = gap_product_quotient(factor_A1, factor_A1_low, -factor_B1, -factor_B1_low, s1, s4)
+    none = (abs(factor_A1) <= gap_rounding) | (abs(factor_B1) <= gap_rounding)
+    return zero_where(none, high) * valid, zero_where(none, low)
 
 
-@planar_4r.quantity(units="1", symbol="Z_0", source=f"{NUMERICS}#toggles", internal=True)
-def Z0_low(s1: Any, s2: Any, s3: Any, s4: Any, gap_rounding: Any) -> Any:
-    """What Z0 lost in rounding to double."""
-    A1, A1_low = gap(s1, -s2, s3, -s4)
-    B1, B1_low = gap(-s1, -s2, s3, s4)
-    _high, low = gap_product_quotient(A1, A1_low, B1, B1_low, s1, s4)
-    return zero_where((abs(A1) <= gap_rounding) | (abs(B1) <= gap_rounding), low)
-
-
-@planar_4r.quantity(units="1", symbol="C_0", source=f"{NUMERICS}#toggles", internal=True)
-def C0(s1: Any, s2: Any, s3: Any, s4: Any, gap_rounding: Any, valid: Any) -> Any:
+@planar_4r.quantity(units="1", symbol="C_0", source=f"{NUMERICS}#toggles", internal=True, low="C0_low")
+def C0(
+    factor_C1: Any,
+    factor_C1_low: Any,
+    factor_D1: Any,
+    factor_D1_low: Any,
+    s1: Any,
+    s4: Any,
+    gap_rounding: Any,
+    valid: Any,
+) -> Any:
     """Squared half-angle cosine at the outer toggle, C1 D1/(4 a1 a4); negative if none."""
-    C1, C1_low = gap(s1, -s2, -s3, s4)
-    D1, D1_low = gap(s1, s2, s3, s4)
-    high, _low = gap_product_quotient(C1, C1_low, D1, D1_low, s1, s4)
-    return zero_where(abs(C1) <= gap_rounding, high) * valid
-
-
-@planar_4r.quantity(units="1", symbol="C_0", source=f"{NUMERICS}#toggles", internal=True)
-def C0_low(s1: Any, s2: Any, s3: Any, s4: Any, gap_rounding: Any) -> Any:
-    """What C0 lost in rounding to double."""
-    C1, C1_low = gap(s1, -s2, -s3, s4)
-    D1, D1_low = gap(s1, s2, s3, s4)
-    _high, low = gap_product_quotient(C1, C1_low, D1, D1_low, s1, s4)
-    return zero_where(abs(C1) <= gap_rounding, low)
+    high, low = gap_product_quotient(factor_C1, factor_C1_low, factor_D1, factor_D1_low, s1, s4)
+    none = abs(factor_C1) <= gap_rounding
+    return zero_where(none, high) * valid, zero_where(none, low)
 
 
 @planar_4r.quantity(units="1", symbol="1/(4 a_1 a_4)", source=f"{NUMERICS}#scaling", internal=True)

@@ -20,7 +20,7 @@ from functools import cache, partial
 from typing import Any
 
 from fastlink.catalogue import Catalogue, Fact, Input
-from fastlink.mechanisms.borrow import facts_of, moved, with_derivatives
+from fastlink.mechanisms.borrow import facts_of, with_derivatives
 from fastlink.mechanisms.planar_4r.declare import planar_4r
 from fastlink.names import Derivative, Quantity, deepest
 from fastlink.numerics.elementary import TWO_PI, atan2, cos, select, sin, sqrt
@@ -116,8 +116,8 @@ def moved_name(name: str, joint: int) -> str:
         return str(Derivative(Quantity(moved_name(str(tree.of), joint)), moved_name(tree.by, joint)))
     if numbered := NUMBERED.fullmatch("joint_omega_1" if name == "omega1" else name):
         return f"{numbered[1]}{moved_number(int(numbered[2]), joint)}"
-    # the factors of the equations are kept; those of the cyclic order, which tell the status, stand beside them
-    return f"driven_{name}" if name.startswith(("factor_", "sure_")) else name
+    # the factors of the equations are kept; those of another cyclic order, which tell the status, stand beside them
+    return f"driven_{name}" if joint != 1 and name.startswith(("factor_", "sure_")) else name
 
 
 def driven_by(joint: int) -> Catalogue:
@@ -131,9 +131,9 @@ def driven_by(joint: int) -> Catalogue:
     offered = {*KEPT, *(moved_name(name, joint) for name in MOVED)}
     for fact in with_derivatives(planar_4r, (*MOVED, *HALF_ANGLES, *of_places, *of_ends)).values():
         found = _moved(fact, joint)
-        driven.facts[found.name] = replace(found, internal=found.name not in offered)
+        driven.facts |= dict.fromkeys(found.names, replace(found, internal=found.name not in offered))
     for fact in facts_of(planar_4r, KEPT, driven.facts):
-        driven.facts[fact.name] = fact
+        driven.facts |= dict.fromkeys(fact.names, fact)
     # Angles jump where they pass pi, which no derivative tells: their extremes are taken over the given angles.
     driven.graded = replace(graded, rough=(*graded.rough, *(f"joint_angle_{i}" for i in (1, 2, 3, 4))))
     placed = {fact.name: fact for fact in (_moved(place, joint) for place in places)}
@@ -192,7 +192,7 @@ def _declared(joint: int) -> Catalogue:
 def _moved(fact: Fact, joint: int) -> Fact:
     """Return a fact under the names that it has where `joint` is driven, with what is said of them."""
     name = moved_name(fact.name, joint)
-    law = moved(fact, lambda other: moved_name(other, joint))
+    law = fact.renamed(lambda other: moved_name(other, joint))
     if name == "transmission_angle":
         _, left, far, right = _points(joint)
         return replace(law, meaning=f"Transmission angle: between {far}{left} and {far}{right}")

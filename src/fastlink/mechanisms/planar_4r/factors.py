@@ -6,6 +6,7 @@ the squared sum of the lengths, so that they are finite at straight joints too a
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any
 
 from fastlink.mechanisms.planar_4r.declare import HAYES, planar_4r
@@ -36,65 +37,64 @@ def per_sum_squared(s1: Any, s2: Any, s3: Any, s4: Any) -> Any:
     return 1.0 / (total * total)
 
 
-@planar_4r.quantity(units="1", symbol="A_1", source=f"{HAYES}, eq. (1)", internal=True)
+def _factor(law: Callable[..., Any]) -> Callable[..., Any]:
+    """Declare a factor of eq. (1), a sum without loss: high and low part."""
+    name = law.__name__
+    return planar_4r.quantity(
+        units="1",
+        symbol=f"{name[-2]}_{name[-1]}",
+        source=f"{HAYES}, eq. (1)",
+        internal=True,
+        low=f"{name}_low",
+    )(law)
+
+
+@_factor
 def factor_A1(s1: Any, s2: Any, s3: Any, s4: Any) -> Any:
-    """a1 - a2 + a3 - a4, scaled, right to a rounding."""
-    total, _low = gap(s1, -s2, s3, -s4)
-    return total
+    """a1 - a2 + a3 - a4, scaled."""
+    return gap(s1, -s2, s3, -s4)
 
 
-@planar_4r.quantity(units="1", symbol="A_2", source=f"{HAYES}, eq. (1)", internal=True)
+@_factor
 def factor_A2(s1: Any, s2: Any, s3: Any, s4: Any) -> Any:
-    """a1 + a2 + a3 - a4, scaled, right to a rounding."""
-    total, _low = gap(s1, s2, s3, -s4)
-    return total
+    """a1 + a2 + a3 - a4, scaled."""
+    return gap(s1, s2, s3, -s4)
 
 
-@planar_4r.quantity(units="1", symbol="B_1", source=f"{HAYES}, eq. (1)", internal=True)
+@_factor
 def factor_B1(s1: Any, s2: Any, s3: Any, s4: Any) -> Any:
-    """a1 + a2 - a3 - a4, scaled, right to a rounding."""
-    total, _low = gap(s1, s2, -s3, -s4)
-    return total
+    """a1 + a2 - a3 - a4, scaled."""
+    return gap(s1, s2, -s3, -s4)
 
 
-@planar_4r.quantity(units="1", symbol="B_2", source=f"{HAYES}, eq. (1)", internal=True)
+@_factor
 def factor_B2(s1: Any, s2: Any, s3: Any, s4: Any) -> Any:
-    """a1 - a2 - a3 - a4, scaled, right to a rounding."""
-    total, _low = gap(s1, -s2, -s3, -s4)
-    return total
+    """a1 - a2 - a3 - a4, scaled."""
+    return gap(s1, -s2, -s3, -s4)
 
 
-@planar_4r.quantity(units="1", symbol="C_1", source=f"{HAYES}, eq. (1)", internal=True)
+@_factor
 def factor_C1(s1: Any, s2: Any, s3: Any, s4: Any) -> Any:
-    """a1 - a2 - a3 + a4, scaled, right to a rounding."""
-    total, _low = gap(s1, -s2, -s3, s4)
-    return total
+    """a1 - a2 - a3 + a4, scaled."""
+    return gap(s1, -s2, -s3, s4)
 
 
-@planar_4r.quantity(units="1", symbol="C_2", source=f"{HAYES}, eq. (1)", internal=True)
+@_factor
 def factor_C2(s1: Any, s2: Any, s3: Any, s4: Any) -> Any:
-    """a1 + a2 - a3 + a4, scaled, right to a rounding."""
-    total, _low = gap(s1, s2, -s3, s4)
-    return total
+    """a1 + a2 - a3 + a4, scaled."""
+    return gap(s1, s2, -s3, s4)
 
 
-@planar_4r.quantity(units="1", symbol="D_1", source=f"{HAYES}, eq. (1)", internal=True)
+@_factor
 def factor_D1(s1: Any, s2: Any, s3: Any, s4: Any) -> Any:
-    """a1 + a2 + a3 + a4, scaled, right to a rounding."""
-    total, _low = gap(s1, s2, s3, s4)
-    return total
+    """a1 + a2 + a3 + a4, scaled."""
+    return gap(s1, s2, s3, s4)
 
 
-@planar_4r.quantity(units="1", symbol="D_2", source=f"{HAYES}, eq. (1)", internal=True)
+@_factor
 def factor_D2(s1: Any, s2: Any, s3: Any, s4: Any) -> Any:
-    """a1 - a2 + a3 + a4, scaled, right to a rounding."""
-    total, _low = gap(s1, -s2, s3, s4)
-    return total
-
-
-def cross_name(number: float, x: str, y: str) -> str:
-    """Return the name of a coefficient of v_i v_j."""
-    return f"io_{'cross' if number > 0.0 else 'minus_cross'}_{x}{y}"
+    """a1 - a2 + a3 + a4, scaled."""
+    return gap(s1, -s2, s3, s4)
 
 
 def io_product(first: Any, second: Any, per_sum_squared: Any) -> Any:
@@ -107,31 +107,31 @@ def io_cross(x: Any, y: Any, per_sum_squared: Any) -> Any:
     return 8.0 * (x * y) * per_sum_squared
 
 
-def io_minus_cross(x: Any, y: Any, per_sum_squared: Any) -> Any:
-    """Minus eight times the product of two lengths over the squared sum of all."""
-    return -8.0 * (x * y) * per_sum_squared
-
-
 def residual(vivj: Any, vi: Any, vj: Any, one: Any, S_i: Any, C_i: Any, S_j: Any, C_j: Any) -> Any:
     """Residual of an equation without a term in v_i v_j."""
     return (vivj * S_i * S_j + one * C_i * C_j) + (vi * S_i * C_j + vj * C_i * S_j)
 
 
-def residual_with_cross(squares: Any, cross: Any, Y_i: Any, Y_j: Any) -> Any:
-    """Residual of an equation with a term in v_i v_j."""
+def residual_plus_cross(squares: Any, cross: Any, Y_i: Any, Y_j: Any) -> Any:
+    """Residual of an equation with a positive coefficient of v_i v_j."""
     return squares + cross * Y_i * Y_j
 
 
-for _number, _x, _y in sorted(set(IO_CROSS.values())):
+def residual_minus_cross(squares: Any, cross: Any, Y_i: Any, Y_j: Any) -> Any:
+    """Residual of an equation with a negative coefficient of v_i v_j."""
+    return squares - cross * Y_i * Y_j
+
+
+for _x, _y in ("13", "24"):
     planar_4r.quantity(
         units="1",
-        symbol=f"{_number:.0f} a_{_x} a_{_y}",
+        symbol=f"8 a_{_x} a_{_y}",
         source=f"{HAYES}, eqs. (1) to (6)",
         internal=True,
-        name=cross_name(_number, _x, _y),
-        meaning=f"{_number:.0f} a{_x} a{_y} over the squared sum of the lengths",
+        name=f"io_cross_{_x}{_y}",
+        meaning=f"8 a{_x} a{_y} over the squared sum of the lengths",
         given={"x": f"s{_x}", "y": f"s{_y}"},
-    )(io_cross if _number > 0.0 else io_minus_cross)
+    )(io_cross)
 
 for _pair, (_equation, *_products) in IO_PRODUCTS.items():
     _i, _j = _pair[0], _pair[1]
@@ -161,12 +161,15 @@ for _pair, (_equation, *_products) in IO_PRODUCTS.items():
     if _pair in IO_CROSS:
         _squares = {"name": f"io_{_pair}_squares", "meaning": f"{_labels['meaning']}, but for v_i v_j"}
         planar_4r.quantity(**_labels | _squares, internal=True, given=_given)(residual)
+        _number, _x, _y = IO_CROSS[_pair]
         _given = {
             "squares": _squares["name"],
-            "cross": cross_name(*IO_CROSS[_pair]),
+            "cross": f"io_cross_{_x}{_y}",
             "Y_i": f"joint_Y{_i}",
             "Y_j": f"joint_Y{_j}",
         }
-        planar_4r.quantity(**_labels, given=_given)(residual_with_cross)
+        planar_4r.quantity(**_labels, given=_given)(
+            residual_plus_cross if _number > 0.0 else residual_minus_cross
+        )
     else:
         planar_4r.quantity(**_labels, given=_given)(residual)
