@@ -112,10 +112,18 @@ def test_every_section_that_a_source_names_exists():
             assert section.capitalize() in headings
 
 
+def run_example(text):
+    """Run a script of its own: a fact's text is read from its file."""
+    path = Path(os.environ["FASTLINK_CACHE_DIR"]) / "contributing_example.py"
+    path.write_text(f"import sys; sys.path.insert(0, '.')\n{text}")
+    done = subprocess.run([sys.executable, str(path)], capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
+
+
 def test_the_quantity_of_contributing_works():
-    (example,) = code_blocks((ROOT / "CONTRIBUTING.md").read_text(), "python")
-    script = (
-        "import sys; sys.path.insert(0, '.')\nfrom typing import Any\n"
+    example, _ = code_blocks((ROOT / "CONTRIBUTING.md").read_text(), "python")
+    run_example(
+        "from typing import Any\n"
         "from fastlink.mechanisms.planar_4r.declare import HAYES, planar_4r\nimport fastlink.mechanisms.planar_4r\n"
         + example
         + "\nimport fastlink as fl\n"
@@ -126,12 +134,19 @@ def test_the_quantity_of_contributing_works():
         # 0.62 pi kg of 0.8 m about its end; each side took a few roundings
         "assert (abs(spin / (0.62 * 3.141592653589793 * (0.64 / 3 + 0.25e-4)) - 1) < 1e-14).all()\n"
     )
-    # A fact's text is read from its file.
-    folder = Path(os.environ["FASTLINK_CACHE_DIR"])
-    path = folder / "contributing_example.py"
-    path.write_text(script)
-    done = subprocess.run([sys.executable, str(path)], capture_output=True, text=True, check=False)
-    assert done.returncode == 0, done.stderr
+
+
+def test_the_reduction_of_contributing_works():
+    _, example = code_blocks((ROOT / "CONTRIBUTING.md").read_text(), "python")
+    run_example(
+        "from fastlink.reductions import Reduction, register\n" + example + "\nimport fastlink as fl\n"
+        "design = fl.grid(a1=0.4, a2=1.2, a3=0.8, a4=1.0, omega1=25.0)\n"
+        "asked = ['omega4_range', 'omega4_max', 'omega4_min']\n"
+        "result = fl.sweep('planar_4r', design, asked, theta1=8, extrema='sampled', verify=1)\n"
+        "assert (result.omega4_range == result.omega4_max - result.omega4_min).all()\n"
+        # one subtraction
+        "assert result.omega4_range.attrs['error_max_roundings'] <= 1\n"
+    )
 
 
 def test_versions_agree():

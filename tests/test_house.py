@@ -28,6 +28,7 @@ LAYERS = [
         "declaration",
         "catalogue",
         "mechanisms",
+        "reductions",
         "cycle",
         "closure",
         "grade",

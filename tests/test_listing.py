@@ -10,11 +10,11 @@ import pytest
 import fastlink as fl
 from fastlink import listing
 from fastlink.asked import resolve
-from fastlink.cycle import REDUCTIONS
 from fastlink.labelling import variable
 from fastlink.listing import Quantity, QuantityList, document
 from fastlink.mechanisms import NAMES
 from fastlink.mechanisms import catalogue as find_catalogue
+from fastlink.reductions import REDUCTIONS
 
 DOCUMENT = Path(__file__).parents[1] / "docs" / "quantities.md"
 LISTED = [(name, row) for name in NAMES for row in fl.quantities(name)]

@@ -14,6 +14,7 @@ from fastlink.errors import InputError
 from fastlink.mechanisms import catalogue as find_catalogue
 from fastlink.plan import ANGLES_FOR_LANES
 from fastlink.plans import PlanSet, make_plans
+from fastlink.reductions import REDUCTIONS
 from fastlink.request import (
     all_choices,
     alternatives_of,
@@ -189,13 +190,13 @@ def plans_of(
     # the number of angles decides no more than what the lanes are
     lanes = min(angles, ANGLES_FOR_LANES)
     known = tuple(names), companions, frozenset(given), branches, alternatives, lanes, extrema
-    return _plans(catalogue, catalogue.version, *known)
+    return _plans(catalogue, (catalogue.version, *REDUCTIONS.values()), *known)
 
 
 @lru_cache(maxsize=256)
 def _plans(
     catalogue: Catalogue,
-    version: int,
+    version: tuple[Any, ...],
     names: tuple[str, ...],
     companions: bool,
     given: frozenset[str],

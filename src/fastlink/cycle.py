@@ -1,9 +1,4 @@
-"""What is taken over the input cycle: extremes, where they are, means, fluctuations.
-
-A reduction is a few lines of kernel text over accumulators that stand in the lanes, because a cycle
-maximum kept in a scalar stops vectorisation. Configurations that do not assemble are NaN and never
-enter: each comparison with NaN is false. A cycle without any value gives NaN.
-"""
+"""The names that are asked for: quantities, their reductions over the input cycle, lists of their extremes."""
 
 from __future__ import annotations
 
@@ -11,80 +6,15 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Literal
 
 from fastlink.errors import InputError
-from fastlink.names import ListOfExtrema, Quantity, Reduced, register_reduction
+from fastlink.names import ListOfExtrema, Quantity, Reduced
+from fastlink.reductions import REDUCTIONS, Reduction
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
     from fastlink.catalogue import Catalogue, Fact
 
-__all__ = ["REDUCTIONS", "Reduction", "Request", "parse_request"]
-
-
-@dataclass(frozen=True)
-class Reduction:
-    """One way to take a number from a quantity's cycle.
-
-    `update` and `finish` are kernel text over ``{value}`` (the quantity here), ``{acc}`` (the accumulator),
-    ``{place}`` (that of the input position) and ``{count}`` (that of the configurations that assemble). Where the whole
-    curve is needed at once, `whole` names the function of `fastlink.codegen.runtime.fluctuation` that takes it instead.
-    """
-
-    suffix: str
-    phrase: str
-    initial: str
-    update: str
-    finish: str
-    has_place: bool = False
-    better: str = ""
-    count_update: str = ""
-    whole: str = ""
-
-
-def _extreme(suffix: str, phrase: str, sign: str, initial: str) -> Reduction:
-    return Reduction(
-        suffix,
-        phrase,
-        initial,
-        update="select({better}, {value}, {acc})",
-        finish=f"select({{acc}} {sign} {initial}, {{acc}}, nan)",
-        has_place=True,
-        better=f"{{value}} {sign} {{acc}}",
-    )
-
-
-_COUNT = "{count} + select({value} == {value}, 1.0, 0.0)"
-
-REDUCTIONS: dict[str, Reduction] = {
-    "max": _extreme("max", "greatest over the cycle", ">", "-inf"),
-    "min": _extreme("min", "least over the cycle", "<", "inf"),
-    "rms": Reduction(
-        "rms",
-        "root mean square over the cycle",
-        "0.0",
-        update="{acc} + select({value} == {value}, {value} * {value}, 0.0)",
-        finish="sqrt({acc} / {count})",
-        count_update=_COUNT,
-    ),
-    "mean": Reduction(
-        "mean",
-        "mean over the cycle",
-        "0.0",
-        update="{acc} + select({value} == {value}, {value}, 0.0)",
-        finish="{acc} / {count}",
-        count_update=_COUNT,
-    ),
-    "fluctuation": Reduction(
-        "fluctuation",
-        "greatest minus least integral over the input angle of what exceeds the mean",
-        "nan",
-        update="",
-        finish="{acc}",
-        whole="fluctuation_lanes",
-    ),
-}
-for _reduction in REDUCTIONS.values():
-    register_reduction(_reduction.suffix, _reduction.has_place)
+__all__ = ["Extrema", "Request", "parse_request"]
 
 #: Whether extremes are exact over the cycle, or taken over the given positions.
 Extrema = Literal["refined", "sampled"]
@@ -105,14 +35,14 @@ class Request:
     of_curves: bool = False
 
     @property
-    def is_pointwise(self) -> bool:
-        """Whether a position says something of it by itself: it needs no whole curve at once."""
-        return not (self.of_curves or (self.reduction is not None and self.reduction.whole))
+    def is_of_quantity(self) -> bool:
+        """Whether a value has the meaning and the values of its quantity: no mean of a code is one, no place."""
+        return not self.place and (self.reduction is None or self.reduction.sign != 0)
 
     @property
     def can_be_refined(self) -> bool:
         """Whether it is one number of the extremes, which samples only come near."""
-        return bool(self.reduction and self.reduction.has_place)
+        return self.reduction is not None and self.reduction.has_place
 
 
 def parse_request(name: str, catalogue: Catalogue) -> Request:

@@ -52,6 +52,7 @@ def _labels(plan: PlanSet, output: Output) -> dict[str, Any]:
     reduction, place = output.request.reduction, output.request.place
     attrs: dict[str, Any] = {"units": fact.units, "long_name": fact.meaning, "symbol": fact.symbol}
     if reduction is not None:
+        attrs["units"] = reduction.units_of(fact.units)
         attrs["long_name"] = f"{fact.meaning}, {reduction.phrase}"
         attrs["symbol"] = f"{reduction.suffix} {fact.symbol}"
         if place:
@@ -65,7 +66,7 @@ def _labels(plan: PlanSet, output: Output) -> dict[str, Any]:
     attrs["references"] = fact.source
     if output.request.can_be_refined:
         attrs["extrema"] = "refined" if output.refined else "sampled"
-    if fact.flags:
+    if fact.flags and output.request.is_of_quantity:
         del attrs["units"]
         attrs |= _flags(fact.flags, output.dtype)
     return attrs

@@ -11,12 +11,12 @@ from collections.abc import Iterable, Sequence
 from dataclasses import astuple, dataclass, fields
 
 from fastlink.catalogue import Catalogue, Fact, Input
-from fastlink.cycle import REDUCTIONS
 from fastlink.mechanisms import NAMES
 from fastlink.mechanisms import catalogue as find_catalogue
 from fastlink.names import Derivative, ErrorBound, ListOfExtrema, Reduced, Trust
 from fastlink.names import Quantity as Plain
 from fastlink.plan import make_plan
+from fastlink.reductions import REDUCTIONS
 from fastlink.request import RULES
 
 __all__ = ["GivenInput", "Quantity", "QuantityList", "quantities"]

@@ -33,7 +33,7 @@ from fastlink.fact import CatalogueError
 
 __all__ = [
     "Below", "Derivative", "ErrorBound", "Known", "ListOfExtrema", "Made", "Name", "Quantity", "Reduced",
-    "Trust", "as_derivative", "deepest", "form_of", "parse", "plain_part",
+    "Trust", "as_derivative", "deepest", "forget_reduction", "form_of", "parse", "plain_part",
     "reading_of", "register_reduction", "root_of",
 ]  # fmt: skip
 
@@ -201,6 +201,11 @@ def register_reduction(how: str, has_place: bool) -> None:
             f"a reduction cannot be called {how!r}: names that end so are others, or no names"
         )
     _REDUCTIONS[how] = has_place
+
+
+def forget_reduction(how: str) -> None:
+    """Let names no longer end in that of a reduction."""
+    del _REDUCTIONS[how]
 
 
 def form_of(name: str, known: Known) -> Name | None:

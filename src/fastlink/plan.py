@@ -162,5 +162,5 @@ def output_of(request: Request, catalogue: Catalogue, *, refined: bool = False) 
         axes = ("branch", catalogue.position.name)
     else:
         axes = ("branch",)
-    is_code = bool(fact.flags) or request.listed in ("count", "kind")
+    is_code = (bool(fact.flags) and request.is_of_quantity) or request.listed in ("count", "kind")
     return Output(request, axes, "int8" if is_code else "float64", refined)

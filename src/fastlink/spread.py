@@ -146,5 +146,8 @@ def _powers(plan: PlanSet, given: tuple[str, ...], name: str) -> list[float] | N
 def _power(output: Output, found: dict[str, float | None]) -> float | None:
     request = output.request
     power = found.get(request.quantity)
-    scaled = not request.place and request.listed in ("", "value")
-    return power if power is None or scaled else 0.0
+    if power is None:
+        return None
+    if request.place or request.listed not in ("", "value"):
+        return 0.0
+    return power if request.reduction is None else request.reduction.degree_of(power)

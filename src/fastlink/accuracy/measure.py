@@ -160,7 +160,7 @@ def _measurable(plan: PlanSet) -> tuple[list[str], list[str]]:
         request = output.request
         number = output.dtype == "float64" and "residual" not in request.quantity and not request.listed
         extreme = request.can_be_refined and not request.place and plan.catalogue.graded is not None
-        if number and request.is_pointwise and (request.reduction is None or extreme):
+        if number and not request.of_curves and (request.reduction is None or extreme):
             known.append(output.name)
     return known, [o.name for o in plan.outputs if o.name not in (*known, "status")]
 

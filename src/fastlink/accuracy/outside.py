@@ -90,7 +90,8 @@ def _taken(request: Request, curves: NDArray[Any]) -> NDArray[Any]:
 def sign_of(request: Request) -> float:
     """Return 1 for a greatest value, -1 for a least one."""
     assert request.reduction is not None
-    return 1.0 if request.reduction.suffix == "max" else -1.0
+    assert request.reduction.has_place
+    return float(request.reduction.sign)
 
 
 def _extremes(asked: Asked, designs: int, found: Callable[..., float]) -> NDArray[Any]:

@@ -118,7 +118,7 @@ class RefinedLayout:
         """Return the function that copies a result, and what it copies from."""
         request = output.request
         if request.reduction is not None:
-            row = (GREATEST if request.reduction.suffix == "max" else LEAST) + int(request.place)
+            row = {1: GREATEST, -1: LEAST}[request.reduction.sign] + int(request.place)
             return "store_best", f"best, {row}"
         if request.listed == "count":
             return "store_counts", "found"

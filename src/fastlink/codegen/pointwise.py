@@ -15,6 +15,7 @@ from fastlink.codegen.runtime.cells import LANES, MOST_LANES
 from fastlink.codegen.schedule import KernelLayout, Step
 from fastlink.codegen.source import N_ANGLES, Array, Source, Text, paste_fact, paste_system
 from fastlink.names import Quantity, Reduced
+from fastlink.reductions import COUNT
 
 if TYPE_CHECKING:
     from fastlink.closure import Closure, Output, RefinedClosure
@@ -113,7 +114,8 @@ class _Writer(KernelLayout):
         for output, suffix, _ in self.accumulators():
             reduction = output.request.reduction
             assert reduction is not None
-            for name, initial in _slots(output, suffix, self.position, reduction.initial):
+            slots = {slot: reduction.accumulators[key][0] for key, slot in _slots(output, suffix).items()}
+            for name, initial in (slots | self.place_of(output, suffix)).items():
                 if name not in self.rows:
                     text.add(f"{self.row(name)} = {initial}  # {name}")
         text.close()
@@ -163,10 +165,11 @@ class _Writer(KernelLayout):
         for value, output in self.whole_curves():
             reduction = output.request.reduction
             assert reduction is not None
-            _, acc, _, _ = _slot_names(output, value.removeprefix(output.request.quantity), self.position)
-            self.row(acc)
-            text.use("codegen.runtime.fluctuation", reduction.whole)
-            text.add(f"{reduction.whole}(whole_{value}, w[{self.rows[acc]}], n_angles, width, sums)")
+            result = _whole(output, value.removeprefix(output.request.quantity))
+            self.row(result)
+            module, _, function = reduction.whole.rpartition(".")
+            text.use(f"codegen.runtime.{module}", function)
+            text.add(f"{function}(whole_{value}, w[{self.rows[result]}], n_angles, width, sums)")
 
     def write_unknowns(self, system: System) -> None:
         n = len(system.unknowns)
@@ -188,22 +191,30 @@ class _Writer(KernelLayout):
         for output, suffix, _ in self.accumulators():
             reduction = output.request.reduction
             assert reduction is not None
-            value, acc, place, count = _slot_names(output, suffix, self.position)
-            wants_place = output.request.place
-            better = f"{acc}__better"
-            if acc not in done:
-                self.text.add(f"{acc} = {self.row(acc)}")
+            value, slots = f"{output.request.quantity}{suffix}", _slots(output, suffix)
+            better = f"{value}_{reduction.suffix}__better"
+            if better not in done:
+                known = {"value": value, "better": better, **slots}
+                for name in slots.values():
+                    if name not in done:
+                        self.text.add(f"{name} = {self.row(name)}")
                 if reduction.better:
-                    self.text.add(f"{better} = {reduction.better.format(value=value, acc=acc)}")
-                update = reduction.update.format(value=value, acc=acc, better=better)
-                self.text.add(f"{self.row(acc)} = {update}")
-                done.add(acc)
-            if wants_place:
+                    self.text.add(f"{better} = {reduction.better.format(**known)}")
+                for key, name in slots.items():
+                    if name not in done:
+                        update = reduction.accumulators[key][1].format(**known)
+                        self.text.add(f"{self.row(name)} = {update}")
+                done.update((better, *slots.values()))
+            for place in self.place_of(output, suffix):
                 self.text.add(f"{self.row(place)} = select({better}, {self.position}, {self.row(place)})")
-            if reduction.count_update and count not in done:
-                update = reduction.count_update.format(value=value, count=self.row(count))
-                self.text.add(f"{self.row(count)} = {update}")
-                done.add(count)
+
+    def place_of(self, output: Output, suffix: str) -> dict[str, str]:
+        """Return the lane value of the place of an extreme, where it is a result, with its first value."""
+        request = output.request
+        if not request.place or request.reduction is None:
+            return {}
+        of, how = Quantity(request.quantity), request.reduction.suffix
+        return {f"{Reduced(of, how, self.position)}__place{suffix}": "nan"}
 
     def write_curve_loop(self) -> None:
         """Lanes are angles: each design's curves go straight into the results."""
@@ -275,33 +286,33 @@ class _Writer(KernelLayout):
             assert reduction is not None
             for k in range(len(self.plan.branches)):
                 suffix = self.copy_for(output.request.quantity, k).removeprefix(output.request.quantity)
-                _, acc, place, count = _slot_names(output, suffix, self.position)
-                if output.request.place:
-                    result = self.row(place)
+                rows = {key: self.row(name) for key, name in _slots(output, suffix).items()}
+                if reduction.whole:
+                    result = self.row(_whole(output, suffix))
+                elif output.request.place:
+                    (result,) = map(self.row, self.place_of(output, suffix))
                 else:
-                    result = reduction.finish.format(acc=self.row(acc), count=self.row(count))
+                    result = reduction.finish.format(**rows)
                 text.add(f"out_{output.name}[i0 + i, {k}] = {result}")
         text.close()
 
 
-def _slot_names(output: Output, suffix: str, position: str) -> tuple[str, str, str, str]:
-    """Return the names of the value, accumulator, place and count of one reduction and branch."""
+def _slots(output: Output, suffix: str) -> dict[str, str]:
+    """Return the lane values of a reduction's accumulators for one branch, by what its text calls them."""
     request = output.request
     assert request.reduction is not None
-    of, how = Quantity(request.quantity), request.reduction.suffix
-    acc, place = f"{Reduced(of, how)}{suffix}", f"{Reduced(of, how, position)}{suffix}"
-    return f"{of}{suffix}", acc, place, f"count_{of}{suffix}"
+    own = Reduced(Quantity(request.quantity), request.reduction.suffix)
+    return {
+        key: f"{request.quantity if pair == COUNT else own}__{key}{suffix}"
+        for key, pair in request.reduction.accumulators.items()
+    }
 
 
-def _slots(output: Output, suffix: str, position: str, initial: str) -> list[tuple[str, str]]:
-    """Return the accumulators that one reduction needs, with their first values."""
-    _, acc, place, count = _slot_names(output, suffix, position)
-    slots = [(acc, initial)]
-    if output.request.place:
-        slots.append((place, "nan"))
-    if output.request.reduction is not None and output.request.reduction.count_update:
-        slots.append((count, "0.0"))
-    return slots
+def _whole(output: Output, suffix: str) -> str:
+    """Return the lane value of a reduction of a whole curve for one branch."""
+    request = output.request
+    assert request.reduction is not None
+    return f"{Reduced(Quantity(request.quantity), request.reduction.suffix)}__whole{suffix}"
 
 
 def results_of(plan: Closure | RefinedClosure) -> tuple[Array, ...]:

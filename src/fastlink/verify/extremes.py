@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from fastlink.closure import Output
+    from fastlink.reductions import Reduction
     from fastlink.verify.chosen import Chosen
 
 __all__ = ["outermost", "refined"]
@@ -77,9 +78,8 @@ def refined(chosen: Chosen, outputs: Sequence[Output], share: int) -> dict[str, 
     )
     for design in range(count):
         results = {part: chosen.results[name][design, chosen.places[design]] for part, name in names.items()}
-        for suffix, sign in (("max", 1), ("min", -1)):
-            if suffix in names or f"at {suffix}" in names:
-                _compare_outermost(stationary, design, sign, suffix, results, names, found)
+        for reduction in _reductions(outputs):
+            _compare_outermost(stationary, design, reduction, results, names, found)
         if "value" in names:
             _compare_list(stationary, design, results, names, found)
     return found
@@ -88,15 +88,14 @@ def refined(chosen: Chosen, outputs: Sequence[Output], share: int) -> dict[str, 
 def _compare_outermost(
     stationary: Stationary,
     design: int,
-    sign: int,
-    suffix: str,
+    reduction: Reduction,
     results: dict[str, Any],
     names: dict[str, str],
     found: dict[str, Measured],
 ) -> None:
-    place = f"at {suffix}"
+    suffix, place = reduction.suffix, f"at {reduction.suffix}"
     near = float(results[place]) if place in names and np.isfinite(results[place]) else None
-    exact = outermost(stationary, design, sign, near=near)
+    exact = outermost(stationary, design, reduction.sign, near=near)
     if suffix in names:
         found[names[suffix]].add(float(results[suffix]), exact.value, exact.condition)
     if place in names and not (CONTEXT.isnan(exact.place) and CONTEXT.isfinite(exact.value)):
@@ -142,8 +141,13 @@ def _apart(angle: float, other: Any) -> float:
     return abs((angle - float(other) + np.pi) % (2 * np.pi) - np.pi)
 
 
+def _reductions(outputs: Sequence[Output]) -> list[Reduction]:
+    """Return the reductions of some outputs, each once."""
+    return list(dict.fromkeys(o.request.reduction for o in outputs if o.request.reduction is not None))
+
+
 def _part(output: Output) -> str:
-    """Return what an output says: "max", "at max", "value", "place", "count" or "kind"."""
+    """Return the part of an output: a reduction's suffix, "at" with it, "value", "place", "count" or "kind"."""
     request = output.request
     if request.reduction is None:
         return request.listed
@@ -157,7 +161,7 @@ def _is_place(output: Output) -> bool:
 def _affordable(chosen: Chosen, quantity: str, share: int, outputs: Sequence[Output]) -> int:
     """Return for how many designs the extremes may be computed again."""
     parts = {_part(output) for output in outputs}
-    searches = len({part.removeprefix("at ") for part in parts} & {"max", "min"}) + 4 * ("value" in parts)
+    searches = len(_reductions(outputs)) + 4 * ("value" in parts)
     places = any(_is_place(output) for output in outputs)
     facts = chosen.facts([quantity])
     condition = sum(cost(facts.steps_after(name)) for name in chosen.movable)

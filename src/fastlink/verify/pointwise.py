@@ -17,6 +17,7 @@ if TYPE_CHECKING:
 
     from fastlink.closure import Output
     from fastlink.exact import Exact
+    from fastlink.reductions import Reduction
     from fastlink.verify.chosen import Chosen
 
 __all__ = ["sampled", "values"]
@@ -26,6 +27,12 @@ ANGLES = 4
 #: Samples that differ by so many roundings may change places.
 TIE = 64 * 2.0**-53
 FACTS = "the facts with 50 digits"
+#: What reductions are compared with, by whether they are extremes, and whether it is their place.
+METHODS = {
+    (False, False): "the exact reduction of the samples in doubles",
+    (True, False): f"{FACTS}, at the sample",
+    (True, True): "the given input positions",
+}
 
 
 def values(
@@ -54,10 +61,10 @@ def values(
 
 
 def sampled(chosen: Chosen, outputs: Sequence[Output], share: int) -> dict[str, Measured]:
-    """Measure what is taken of one quantity's samples.
+    """Measure reductions of one quantity's samples, by the reference of each reduction.
 
-    For a greatest or least value the sample is chosen in doubles and computed again; the sum of a mean is computed
-    again over the samples in doubles.
+    The sample of a greatest or least value is chosen in doubles and computed again; others are computed again over the
+    samples in doubles.
     """
     quantity = outputs[0].request.quantity
     facts = chosen.facts([quantity])
@@ -67,26 +74,29 @@ def sampled(chosen: Chosen, outputs: Sequence[Output], share: int) -> dict[str, 
     for output in outputs:
         reduction = output.request.reduction
         assert reduction is not None
-        if not reduction.has_place:
-            few = within(share, chosen.positions.size, count)
-            found[output.name] = _sums(chosen, output, curves[:few])
-            continue
-        sign = 1.0 if reduction.suffix == "max" else -1.0
-        measured = Measured(
-            "the given input positions" if output.request.place else f"{FACTS}, at the sample"
-        )
         results = chosen.results[output.name]
-        for design in range(count):
+        few = count if reduction.has_place else within(share, chosen.positions.size, count)
+        measured = Measured(METHODS[reduction.has_place, output.request.place])
+        for design, curve in enumerate(curves[:few]):
             value = float(results[design, chosen.places[design]])
-            curve = sign * curves[design]
-            if np.isnan(curve).all():
-                measured.add(value, CONTEXT.nan)
-            elif output.request.place:
-                measured.add(value, _chosen_place(value, curve, chosen.positions))
-            else:
-                measured.add(value, *_best(chosen, facts, design, int(np.nanargmax(curve))))
+            exact, size = _reduced(reduction, curve)
+            if reduction.has_place and not CONTEXT.isnan(exact):
+                best = int(np.flatnonzero(curve == float(exact))[0])
+                if output.request.place:
+                    exact, size = _chosen_place(value, curve, best, chosen.positions), None
+                else:
+                    exact, size = _best(chosen, facts, design, best)
+            measured.add(value, exact, size)
         found[output.name] = measured
     return found
+
+
+def _reduced(reduction: Reduction, curve: NDArray[Any]) -> tuple[Any, Any]:
+    """Return the exact value of a reduction of samples in doubles, and the size of the terms it is made of."""
+    closes = ~np.isnan(curve)
+    if not closes.any() or (reduction.whole and not closes.all()):
+        return CONTEXT.nan, CONTEXT.zero
+    return reduction.reference([CONTEXT.mpf(sample) for sample in curve[closes].tolist()])
 
 
 def _best(chosen: Chosen, facts: Exact, design: int, place: int) -> tuple[Any, Any]:
@@ -97,32 +107,9 @@ def _best(chosen: Chosen, facts: Exact, design: int, place: int) -> tuple[Any, A
     return exact[name], facts.condition(exact, chosen.by_inputs(facts))[name]
 
 
-def _chosen_place(value: float, curve: NDArray[Any], positions: NDArray[Any]) -> Any:
-    """Return the position that was chosen if its sample is the greatest but for rounding, else where that is."""
+def _chosen_place(value: float, curve: NDArray[Any], best: int, positions: NDArray[Any]) -> Any:
+    """Return the position that was chosen if its sample is the best one but for rounding, else where that is."""
     here = np.flatnonzero(positions == value)
-    best = int(np.nanargmax(curve))
-    if here.size and curve[here[0]] >= curve[best] - TIE * abs(curve[best]):
+    if here.size and abs(curve[here[0]] - curve[best]) <= TIE * abs(curve[best]):
         return CONTEXT.mpf(value)
     return CONTEXT.mpf(positions[best])
-
-
-def _sums(chosen: Chosen, output: Output, curves: NDArray[Any]) -> Measured:
-    reduction = output.request.reduction
-    assert reduction is not None
-    measured = Measured("the exact sum of the samples in doubles")
-    for design, curve in enumerate(curves):
-        samples = [CONTEXT.mpf(float(sample)) for sample in curve if not np.isnan(sample)]
-        value = float(chosen.results[output.name][design, chosen.places[design]])
-        exact, size = _taken(reduction.suffix, samples)
-        measured.add(value, exact, size)
-    return measured
-
-
-def _taken(suffix: str, samples: list[Any]) -> tuple[Any, Any]:
-    """Return a mean or root mean square and the size of the terms it is made of."""
-    if not samples:
-        return CONTEXT.nan, CONTEXT.zero
-    if suffix == "rms":
-        root = CONTEXT.sqrt(CONTEXT.fsum(sample * sample for sample in samples) / len(samples))
-        return root, root
-    return CONTEXT.fsum(samples) / len(samples), CONTEXT.fsum(samples, absolute=True) / len(samples)

@@ -124,8 +124,8 @@ def _groups(outputs: Sequence[Output]) -> tuple[list[tuple[str, list[Output]]], 
     left_out = []
     for output in outputs:
         request = output.request
-        if "residual" in request.quantity or not request.is_pointwise:
-            # a residual is an error itself; what is of the whole curve has no other reading
+        if "residual" in request.quantity or request.of_curves:
+            # a residual is an error itself; what is made of whole curves has no other reading
             left_out.append(output.name)
         elif output.refined:
             groups.setdefault(("refined", request.quantity), []).append(output)
