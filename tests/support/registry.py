@@ -58,6 +58,8 @@ class Entry:
         The same of single quantities.
     errors : mapping of str to float
         What is nothing but an error, and has no condition: the greatest value.
+    looseness, near_bounds : float
+        The greatest median of error bounds over errors, and the least share of bounds below a hundred errors.
     undetermined : mapping of str to callable
         Of a family, what tells by the facts of a configuration whether nothing is determined there.
     """
@@ -74,6 +76,8 @@ class Entry:
     multiple: float = MULTIPLE
     long_chains: Mapping[str, float] = field(default_factory=dict)
     errors: Mapping[str, float] = field(default_factory=dict)
+    looseness: float = 25.0
+    near_bounds: float = 0.95
     undetermined: Mapping[str, Callable[[Mapping[str, Any]], bool]] = field(default_factory=dict)
 
     def __str__(self) -> str:
@@ -186,6 +190,7 @@ MINKOWSKI_4R = (
     Entry(
         *("minkowski_4r", "theta"),
         families=families(minkowski_configurations.family, minkowski_configurations.FAMILIES),
+        looseness=10.0,
         few=12,
         many=300,
         # Two sums of four terms, each right to 2 roundings; a product of two sums of 10 terms of 8 roundings at most.
@@ -195,6 +200,7 @@ MINKOWSKI_4R = (
         *("minkowski_4r", "theta"),
         about="designs of",
         families=families(minkowskian_designs, minkowski_designs.FAMILIES),
+        looseness=10.0,
         few=12,
         many=600,
     ),
@@ -208,6 +214,9 @@ FOCAL = (
         Entry(
             *("focal", drive),
             families=families(focal_configurations.family, focal_configurations.FAMILIES, drive),
+            looseness=20.0,
+            # By the crank one bound in five is greater near dead centres (as measured: nothing says it has to be).
+            near_bounds=0.95 if drive == "phi" else 0.85,
             few=10,
             many=600,
             # What is taken from S: s takes 3 roundings and r about 10, each of its own, while F, whose condition
@@ -247,6 +256,7 @@ HART = (
     Entry(
         *("hart", "phi"),
         families=families(hart_configurations.family, hart_configurations.FAMILIES),
+        looseness=10.0,
         few=4,
         many=300,
         # Three roundings of MP and PF, which sum to MP + PF; of each bar eight in its joints.
@@ -257,6 +267,7 @@ HART = (
     Entry(
         *("hart", "F_y"),
         families=families(hart_configurations.along_line, hart_configurations.FAMILIES),
+        looseness=10.0,
         few=3,
         many=200,
         # Some ten roundings from F_y to P, those of PF, and of five bars each eight.
