@@ -5,8 +5,8 @@ from pathlib import Path
 import pytest
 
 import fastlink as fl
+from fastlink.errors import MOST_LINES
 from fastlink.study import run_study
-from fastlink.study_schema import MOST_LINES
 from study_files import BARE, GOOD, LENGTHS, written
 
 
@@ -20,219 +20,184 @@ def refused(text, **options):
     return [line.removeprefix("study.toml: ") for line in lines]
 
 
-AXIS = "write a finite number, or {linspace = [lo, hi, n]}, {geomspace = [lo, hi, n]} or {values = [...]}"
-THREE = "write [lo, hi, n] with finite lo and hi and a whole number n from 1 to 10000000"
-SIGNED = THREE.replace("hi and", "hi of one sign, neither 0, and")
+def assert_told(text, key, remedy):
+    """Assert that one problem of a study is told: at its key, with its remedy."""
+    (line,) = refused(text)
+    assert line.split(" ")[0].rstrip(":") == key
+    assert remedy in line.partition("; ")[2]
+    assert not any(word in line for word in ("numpy", "allow_invalid", "(lo, hi)"))
 
 
 @pytest.mark.parametrize(
-    ("old", "new", "message"),
+    ("old", "new", "key", "remedy"),
     [
-        # misspelt keys, in each table
-        ("mechanism", "mechanim", "mechanim is no key here; did you mean 'mechanism'?"),
-        ("[design]", "[desing]", "desing is no key here; did you mean 'design'?"),
-        ("linspace", "linspce", "design.a2.linspce is no key here; did you mean 'linspace'?"),
-        ("theta1", "teta1", "cycle.teta1 is no option, and the input is theta1; did you mean 'theta1'?"),
-        ("[cycle]", "[output]\nfiel = 'x'\n[cycle]", "output.fiel is no key here; did you mean 'file'?"),
-        (
-            "a4 = 1",
-            "a4 = 1\nomega_1 = 2",
-            "design.omega_1: input 'omega_1' is unknown to planar_4r; did you mean 'omega1'?",
-        ),
+        ("mechanism", "mechanim", "mechanim", "did you mean 'mechanism'?"),
+        ("[design]", "[desing]", "desing", "did you mean 'design'?"),
+        ("linspace", "linspce", "design.a2.linspce", "did you mean 'linspace'?"),
+        ("theta1", "teta1", "cycle.teta1", "did you mean 'theta1'?"),
+        ("[cycle]", "[output]\nfiel = 'x'\n[cycle]", "output.fiel", "did you mean 'file'?"),
+        ("a4 = 1", "a4 = 1\nomega_1 = 2", "design.omega_1", "did you mean 'omega1'?"),
         (
             "[cycle]",
             "[links]\nmodel = 'round_bar'\nradus = 1\n[cycle]",
-            "links.radus: round_bar has no 'radus'; did you mean 'radius'?",
+            "links.radus",
+            "did you mean 'radius'?",
         ),
         (
             "a2 = {linspace = [1.0, 1.4, 3]}",
             "sobool = {n = 4, a2 = [1, 2]}",
-            "design.sobool is no key here; did you mean 'sobol'?",
+            "design.sobool",
+            "did you mean 'sobol'?",
         ),
         (
             "theta1 = 8",
             "theta1 = {geomspace = [1, 2, 3]}",
-            "cycle.theta1.geomspace is no key here; did you mean 'linspace'?",
+            "cycle.theta1.geomspace",
+            "did you mean 'linspace'?",
         ),
-        # unknown names
-        (
-            '"planar_4r"',
-            '"planar_4"',
-            "mechanism: mechanism 'planar_4' is unknown; did you mean 'planar_4r'?",
-        ),
-        (
-            "omega4_max",
-            "omga4_max",
-            "quantities[0]: quantity 'omga4_max' is unknown to planar_4r; did you mean 'omega4_max'?",
-        ),
-        (
-            "[cycle]",
-            "[links]\nmodel = 'round_ba'\n[cycle]",
-            "links.model: model 'round_ba' is unknown; did you mean 'round_bar'?",
-        ),
-        (
-            "[cycle]",
-            "[cycle]\nsolver = 'dens'",
-            "cycle.solver: solver 'dens' is unknown; did you mean 'dense'?",
-        ),
-        (
-            "[cycle]",
-            "[cycle]\nbranch = 3",
-            "cycle.branch: 3 is no assembly mode of planar_4r; write some of 1, 2",
-        ),
-        # wrong types
-        ('"planar_4r"', "4", "mechanism is 4; write a text that is not empty"),
+        ('"planar_4r"', '"planar_4"', "mechanism", "did you mean 'planar_4r'?"),
+        ("omega4_max", "omga4_max", "quantities[0]", "did you mean 'omega4_max'?"),
+        ("[cycle]", "[links]\nmodel = 'round_ba'\n[cycle]", "links.model", "did you mean 'round_bar'?"),
+        ("[cycle]", "[cycle]\nsolver = 'dens'", "cycle.solver", "did you mean 'dense'?"),
+        ("[cycle]", "[cycle]\nbranch = 3", "cycle.branch", "write some of 1, 2"),
+        ('"planar_4r"', "4", "mechanism", "write a text that is not empty"),
         (
             '["omega4_max", "theta4"]',
             '"theta4"',
-            "quantities is 'theta4'; write a list of names, such as [\"omega4_max\"]",
+            "quantities",
+            'write a list of names, such as ["omega4_max"]',
         ),
-        ('"theta4"]', "4]", "quantities[1] is 4; write the name of a quantity as text"),
-        ("a1 = 0.4", 'a1 = "0.4"', f"design.a1 is '0.4'; {AXIS}"),
-        ("a1 = 0.4", "a1 = [0.4, 0.5]", f"design.a1 is [0.4, 0.5]; {AXIS}"),
-        ("a1 = 0.4", "a1 = true", f"design.a1 is True; {AXIS}"),
-        ("a1 = 0.4", "a1 = nan", f"design.a1 is nan; {AXIS}"),
-        ("a1 = 0.4", "a1 = 1e999", f"design.a1 is inf; {AXIS}"),
-        ("1.4, 3]", "1.4, 3.0]", f"design.a2.linspace is [1.0, 1.4, 3.0]; {THREE}"),
-        ("1.4, 3]", "1.4]", f"design.a2.linspace is [1.0, 1.4]; {THREE}"),
-        ("[0.8, 0.7]", '[0.8, "x"]', "design.a3.values[1] is 'x'; write a finite number"),
+        ('"theta4"]', "4]", "quantities[1]", "write the name of a quantity as text"),
+        ("a1 = 0.4", 'a1 = "0.4"', "design.a1", "write a finite number, or {linspace = [lo, hi, n]},"),
+        ("a1 = 0.4", "a1 = [0.4, 0.5]", "design.a1", "write a finite number, or {linspace = [lo, hi, n]},"),
+        ("a1 = 0.4", "a1 = true", "design.a1", "write a finite number, or {linspace = [lo, hi, n]},"),
+        ("a1 = 0.4", "a1 = nan", "design.a1", "write a finite number, or {linspace = [lo, hi, n]},"),
+        ("a1 = 0.4", "a1 = 1e999", "design.a1", "write a finite number, or {linspace = [lo, hi, n]},"),
+        (
+            "1.4, 3]",
+            "1.4, 3.0]",
+            "design.a2.linspace",
+            "write [lo, hi, n] with finite lo and hi and a whole number",
+        ),
+        (
+            "1.4, 3]",
+            "1.4]",
+            "design.a2.linspace",
+            "write [lo, hi, n] with finite lo and hi and a whole number",
+        ),
+        ("[0.8, 0.7]", '[0.8, "x"]', "design.a3.values[1]", "write a finite number"),
         (
             "theta1 = 8",
             "theta1 = 8.5",
-            "cycle.theta1 is 8.5; write a number of angles from 1 to 10000000, {linspace = [lo, hi, n]} or "
-            "{values = [...]} in rad",
+            "cycle.theta1",
+            "write a number of angles from 1 to 10000000, {linspace =",
         ),
-        (
-            "[cycle]",
-            "[cycle]\nbranch = 'left'",
-            "cycle.branch is 'left'; write assembly modes, such as [1, 2]",
-        ),
-        ("[cycle]", "[output]\noverwrite = 1\n[cycle]", "output.overwrite is 1; write true or false"),
+        ("[cycle]", "[cycle]\nbranch = 'left'", "cycle.branch", "write assembly modes, such as [1, 2]"),
+        ("[cycle]", "[output]\noverwrite = 1\n[cycle]", "output.overwrite", "write true or false"),
         (
             "[cycle]",
             "[links]\nmodel = 'round_bar'\ndensity = 1\nradius = {values = [1]}\n[cycle]",
-            "links.radius is {'values': [1]}; write one finite number; to sweep it, make it an axis in [design]",
+            "links.radius",
+            "write one finite number; to sweep it, make it an axis in",
         ),
-        # empty or impossible values
-        ('["omega4_max", "theta4"]', "[]", 'quantities is []; write a list of names, such as ["omega4_max"]'),
-        ("1.4, 3]", "1.4, 0]", f"design.a2.linspace is [1.0, 1.4, 0]; {THREE}"),
-        ("1.4, 3]", "1.4, 10000001]", f"design.a2.linspace is [1.0, 1.4, 10000001]; {THREE}"),
-        ("[0.8, 0.7]", "[]", "design.a3.values is []; write a list of one or more finite numbers"),
+        ('["omega4_max", "theta4"]', "[]", "quantities", 'write a list of names, such as ["omega4_max"]'),
         (
-            "{values = [0.8, 0.7]}",
-            "{}",
-            "design.a3 has no key; write exactly one of geomspace, linspace, values",
+            "1.4, 3]",
+            "1.4, 0]",
+            "design.a2.linspace",
+            "write [lo, hi, n] with finite lo and hi and a whole number",
         ),
+        (
+            "1.4, 3]",
+            "1.4, 10000001]",
+            "design.a2.linspace",
+            "write [lo, hi, n] with finite lo and hi and a whole number",
+        ),
+        ("[0.8, 0.7]", "[]", "design.a3.values", "write a list of one or more finite numbers"),
+        ("{values = [0.8, 0.7]}", "{}", "design.a3", "write exactly one of geomspace, linspace, values"),
         (
             "{values = [0.8, 0.7]}",
             "{values = [1], linspace = [1, 2, 3]}",
-            "design.a3 has linspace and values; write exactly one of geomspace, linspace, values",
+            "design.a3",
+            "write exactly one of geomspace, linspace, values",
         ),
         (
             "linspace = [1.0",
             "geomspace = [-1.0",
-            "design.a2: geomspace runs from -1.0 to 1.4; write ends of one sign, neither 0",
-        ),
-        ("linspace = [1.0", "geomspace = [inf", f"design.a2.geomspace is [inf, 1.4, 3]; {SIGNED}"),
-        ("[0.8, 0.7]", "[0.8, 0.8]", "design.a3: axis a3 holds 0.8 twice (at 0 and 1); give each value once"),
-        (
-            "a1 = 0.4",
-            "a1 = -0.4",
-            "design.a1 is -0.4; length of the input crank OA: write a finite number greater than 0",
+            "design.a2.geomspace",
+            "write [lo, hi, n] with finite lo and hi of one sign,",
         ),
         (
-            "[0.8, 0.7]",
-            "[0.8, 0.0]",
-            "design.a3[1] is 0.0; length of the output link DB: write a finite number greater than 0",
+            "linspace = [1.0",
+            "geomspace = [inf",
+            "design.a2.geomspace",
+            "write [lo, hi, n] with finite lo and hi of one sign,",
         ),
-        ("[cycle]", "[cycle]\nbranch = []", "cycle.branch: none is given; write some of 1, 2"),
-        ("[cycle]", "[cycle]\nbranch = [1, 1]", "cycle.branch: 1 is given twice; write each once"),
-        (
-            "theta1 = 8",
-            "theta1 = {values = [1, 1]}",
-            "cycle.theta1: 1.0 stands twice (at 0 and 1); give each angle once",
-        ),
-        ('"theta4"]', '"omega4_max"]', "quantities[1]: 'omega4_max' is asked for twice; name it once"),
-        # missing
-        (
-            'quantities = ["omega4_max", "theta4"]',
-            "",
-            'quantities is missing; write quantities = ["omega4_max"]',
-        ),
-        (
-            "omega1 = 25.0",
-            "",
-            "design.omega1 is missing (angular velocity of the crank, constant [rad s-1]); omega4_max depends on "
-            "it: add it",
-        ),
-        ("[cycle]", "[links]\ndensity = 1.0\n[cycle]", 'links.model is missing; write model = "round_bar"'),
+        ("[0.8, 0.7]", "[0.8, 0.8]", "design.a3", "give each value once"),
+        ("a1 = 0.4", "a1 = -0.4", "design.a1", "write a finite number greater than 0"),
+        ("[0.8, 0.7]", "[0.8, 0.0]", "design.a3[1]", "write a finite number greater than 0"),
+        ("[cycle]", "[cycle]\nbranch = []", "cycle.branch", "write some of 1, 2"),
+        ("[cycle]", "[cycle]\nbranch = [1, 1]", "cycle.branch", "write each once"),
+        ("theta1 = 8", "theta1 = {values = [1, 1]}", "cycle.theta1", "give each position once"),
+        ('"theta4"]', '"omega4_max"]', "quantities[1]", "name it once"),
+        ('quantities = ["omega4_max", "theta4"]', "", "quantities", 'write quantities = ["omega4_max"]'),
+        ("omega1 = 25.0", "", "design.omega1", "omega4_max depends on it: add it"),
+        ("[cycle]", "[links]\ndensity = 1.0\n[cycle]", "links.model", 'write model = "round_bar"'),
     ],
 )
-def test_bad_input(folder, old, new, message):
+def test_bad_input(folder, old, new, key, remedy):
     assert old in GOOD
-    assert refused(GOOD.replace(old, new, 1)) == [message]
+    assert_told(GOOD.replace(old, new, 1), key, remedy)
 
 
 @pytest.mark.parametrize(
-    ("design", "message"),
+    ("design", "key", "remedy"),
     [
-        ("", "design is missing; write a table [design] with a number or an axis for each input"),
-        ("[design]\n", "design is empty; write a number or an axis for each input"),
-        ("[[design]]\na1 = 1\n", "design is [{'a1': 1}]; write a table of keys, such as [design]"),
+        ("", "design", "write a table [design] with a number or an axis for each"),
+        ("[design]\n", "design", "write a number or an axis for each input"),
+        ("[[design]]\na1 = 1\n", "design", "write a table of keys, such as [design]"),
         (
             "[design]\nsobol = {n = 4, a1 = [1, 2]}\na2 = {values = [1]}\n",
-            "design has sobol and axes (a2); write one of them, beside constants",
+            "design",
+            "write one of them, beside constants",
         ),
         (
             "[design]\nsobol = {n = 4, a1 = [1, 2]}\nlatin_hypercube = {n = 4, a1 = [1, 2]}\n",
-            "design has sobol and latin_hypercube; write one of them, beside constants",
+            "design",
+            "write one of them, beside constants",
         ),
         (
             "[design]\nsobol = {n = 0, a1 = [1, 2]}\n",
-            "design.sobol: n is 0; write an integer from 1 to 1073741824",
+            "design.sobol.n",
+            "write an integer from 1 to 1073741824",
         ),
-        (
-            "[design]\nsobol = {a1 = [1, 2]}\n",
-            "design.sobol.n is missing; write n = 1024, the number of designs",
-        ),
-        (
-            "[design]\nsobol = {n = 4}\n",
-            "design.sobol: no input has a range; write at least one as NAME=[lo, hi], or use grid",
-        ),
-        (
-            "[design]\nsobol = {n = 4, a1 = [2, 1]}\n",
-            "design.sobol: a1 runs from 2.0 to 1.0; write [lo, hi] with lo < hi",
-        ),
+        ("[design]\nsobol = {a1 = [1, 2]}\n", "design.sobol.n", "write n = 1024, the number of designs"),
+        ("[design]\nsobol = {n = 4}\n", "design.sobol", "write [lo, hi] for at least one, or use a grid"),
+        ("[design]\nsobol = {n = 4, a1 = [2, 1]}\n", "design.sobol.a1", "write [lo, hi] with lo < hi"),
         (
             "[design]\nsobol = {n = 4, a1 = [1, 2, 3]}\n",
-            "design.sobol.a1 is [1, 2, 3]; write [lo, hi] with finite lo < hi, or one finite number",
+            "design.sobol.a1",
+            "write [lo, hi] with finite lo < hi, or one finite number",
         ),
+        ("[design]\nsobol = {n = 4, a1 = [1, 2]}\na1 = 3\n", "design.sobol", "write it once"),
         (
-            "[design]\nsobol = {n = 4, a1 = [1, 2]}\na1 = 3\n",
-            "design.sobol: gives a1, which stands in [design] too; write it once",
+            "[design]\na1 = 0.4\na2 = 1.2\na3 = 0.8\na4 = 1.0\nsobol = {n = 4, omga1 = [1, 2]}\n",
+            "design.sobol.omga1",
+            "did you mean 'omega1'?",
         ),
+        ("[design]\ntable = 3\n", "design.table", 'write the path of a CSV file, such as "designs.csv"'),
+        ("[design]\ntable = 'absent.csv'\n", "design.table", "give the path of a CSV file"),
+        ("[design]\ntable = 'holes.csv'\n", "design.table", "write a finite number"),
         (
-            f"[design]\n{LENGTHS}sobol = {{n = 4, omga1 = [1, 2]}}\n",
-            "design.sobol.omga1: input 'omga1' is unknown to planar_4r; did you mean 'omega1'?",
-        ),
-        ("[design]\ntable = 3\n", 'design.table is 3; write the path of a CSV file, such as "designs.csv"'),
-        (
-            "[design]\ntable = 'absent.csv'\n",
-            "design.table: cannot read absent.csv: No such file or directory; give the path of a CSV file",
-        ),
-        (
-            "[design]\ntable = 'holes.csv'\n",
-            "design.table: row 1 (line 3) of column a2 in holes.csv is empty; write a finite number",
-        ),
-        (
-            f"[design]\n{LENGTHS}radius = 0.01\n",
-            "design.radius: 'radius' belongs to links of model 'round_bar'; choose that model, or leave it out",
+            "[design]\na1 = 0.4\na2 = 1.2\na3 = 0.8\na4 = 1.0\nradius = 0.01\n",
+            "design.radius",
+            "choose that model, or leave it out",
         ),
     ],
 )
-def test_bad_designs(folder, design, message):
+def test_bad_designs(folder, design, key, remedy):
     Path("holes.csv").write_text("a1,a2\n1,2\n1,\n")
-    assert refused(BARE + design) == [message]
+    assert_told(BARE + design, key, remedy)
 
 
 def test_links_that_lack_a_value(folder):
@@ -288,34 +253,42 @@ def test_files_that_cannot_be_read(folder):
         run_study("latin.toml")
 
 
+def of_the_caller(text, **options):
+    """Return the error of what the study does not say, but its caller."""
+    with pytest.raises(fl.InputError) as caught:
+        run_study(written(text), **options)
+    return caught.value
+
+
 def test_output_that_cannot_be_written(folder):
-    assert refused(GOOD + '[output]\nfile = "no/map.h5"\n') == [
-        f"output.file: {folder / 'no/map.h5'}: there is no folder {folder / 'no'}; create it or choose another"
-    ]
-    assert refused(GOOD, to="no/map.h5")[0].startswith(f"output: {folder / 'no/map.h5'}: there is no folder")
-    assert refused(GOOD + '[output]\nfile = ""\n') == ["output.file is ''; write a text that is not empty"]
+    (line,) = refused(GOOD + '[output]\nfile = "no/map.h5"\n')
+    assert line.startswith("output.file: ")
+    assert line.endswith("there is no folder " + f"{folder / 'no'}; create it or choose another")
+    assert of_the_caller(GOOD, to="no/map.h5").where == ("to",)
+    assert_told(GOOD + '[output]\nfile = ""\n', "output.file", "write a text that is not empty")
 
 
 @pytest.mark.parametrize("name", ["study.toml", "designs.csv"])
 def test_a_study_never_replaces_what_it_is_read_from(folder, name):
     Path("designs.csv").write_text("a1,a2\n0.4,1.2\n")
     text = f'{BARE}[design]\ntable = "designs.csv"\na3 = 0.8\na4 = 1.0\n'
-    assert refused(text, to=name, overwrite=True) == [
-        f"output: {name}: the study is read from that file; choose another name"
-    ]
+    error = of_the_caller(text, to=name, overwrite=True)
+    assert error.where == ("to",)
+    assert error.what == f"{name}: the study is read from that file"
     assert Path("designs.csv").read_text() == "a1,a2\n0.4,1.2\n"
 
 
-def test_what_only_the_sweep_can_refuse_names_the_study(folder):
-    assert refused(GOOD, threads=0) == ["threads: 0; write a whole number of at least 1"]
+def test_what_the_caller_says_is_told_in_the_words_of_the_caller(folder):
+    assert of_the_caller(GOOD, threads=0).where == ("threads",)
+    assert of_the_caller(GOOD, verify=-1).where == ("verify",)
     assert not Path("study.h5").exists()
 
 
 def test_an_existing_file_is_replaced_when_the_study_or_the_caller_says_so(folder):
     path = written(GOOD)
     run_study(path).close()
-    assert refused(GOOD) == [
-        f"output.file: {folder / 'study.h5'}: the file exists; choose another name or set overwrite"
-    ]
+    (line,) = refused(GOOD)
+    assert line.startswith("output.file: ")
+    assert line.endswith("overwrite = true")
     run_study(path, overwrite=True).close()
     run_study(written(GOOD + "[output]\noverwrite = true\n")).close()

@@ -9,23 +9,25 @@ from functools import lru_cache, partial
 from typing import TYPE_CHECKING, Any
 
 from fastlink.codegen.kernel import backend_of
-from fastlink.cycle import Extrema, with_lists
-from fastlink.errors import InputError
+from fastlink.cycle import Extrema, parse_request, with_lists
+from fastlink.errors import InputError, Problems
 from fastlink.mechanisms import catalogue as find_catalogue
 from fastlink.plan import ANGLES_FOR_LANES
 from fastlink.plans import PlanSet, make_plans
 from fastlink.reductions import REDUCTIONS
 from fastlink.request import (
     all_choices,
-    alternatives_of,
     check_branches,
     check_extrema,
     check_inputs,
     check_keywords,
+    check_model,
     check_positions,
     check_turn,
+    chosen_sets,
     constants_of,
     given_angles,
+    missing_inputs,
 )
 from fastlink.run import Part
 from fastlink.spread import Spread, find_spread
@@ -39,7 +41,7 @@ if TYPE_CHECKING:
     from fastlink.links import Links
     from fastlink.space import DesignSpace
 
-__all__ = ["Asked", "resolve"]
+__all__ = ["Asked", "check", "check_names", "resolve"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -113,6 +115,103 @@ class Asked:
         ]
 
 
+@dataclass(frozen=True, eq=False)
+class Checked:
+    """A request whose parts were each found right.
+
+    Attributes
+    ----------
+    catalogue : Catalogue
+        The mechanism by the input that drives it.
+    names : tuple of str
+        The quantities.
+    alternatives : tuple of str
+        The chosen sets of facts.
+    branches : tuple of int
+        Assembly modes.
+    positions : array
+        Input positions.
+    extrema : {"refined", "sampled"}
+        How extremes are found.
+    backend : str
+        What compiles the kernels.
+    """
+
+    catalogue: Catalogue
+    names: tuple[str, ...]
+    alternatives: tuple[str, ...]
+    branches: tuple[int, ...]
+    positions: NDArray[Any]
+    extrema: Extrema
+    backend: str
+
+
+def check(
+    mechanism: str,
+    space: DesignSpace | None,
+    quantities: Sequence[str],
+    *,
+    links: Links | None = None,
+    input: str | None = None,
+    angles: Any = None,
+    positions: Mapping[str, Any] | None = None,
+    options: Iterable[str] = (),
+    branch: int | Sequence[int] = (1, 2),
+    solver: str = "eliminated",
+    extrema: str | None = None,
+    allow_invalid: bool = False,
+    backend: str | None = None,
+    companions: bool = True,
+    called: str = "quantities",
+) -> Checked:
+    """Check each part of a request; all that is wrong is raised together.
+
+    Parameters
+    ----------
+    space : DesignSpace or None
+        The designs; None leaves them unchecked.
+    called : str
+        The parameter that holds the quantities.
+    mechanism, quantities, links, input, angles, positions, options, branch, solver, extrema
+        As in `resolve`.
+    allow_invalid, backend, companions
+        As in `resolve`.
+
+    Raises
+    ------
+    InputError
+        With every problem; an unknown mechanism or input is the only one.
+    """
+    catalogue, problems = find_catalogue(mechanism, input), Problems()
+    names: tuple[str, ...] = ()
+    with problems.at():
+        names = check_names(called, quantities)
+        for k, name in enumerate(names):
+            with problems.at(called, k):
+                parse_request(name, catalogue)
+        names = names if "status" in names or not companions else (*names, "status")
+    with problems.at():
+        check_model(catalogue, links, solver)
+    alternatives = chosen_sets(catalogue, links, solver, () if space is None else space.names)
+    if space is not None:
+        with problems.at():
+            check_inputs(catalogue, space, alternatives, allow_invalid)
+    with problems.at():
+        branches = check_branches(catalogue, branch)
+    with problems.at():
+        check_keywords(mechanism, catalogue, positions or (), options)
+    with problems.at():
+        key, given = given_angles(catalogue, angles, positions or {})
+        values = check_positions(catalogue, given, key)
+        if not problems.noted:
+            check_turn(catalogue, names, given)
+        way = check_extrema(extrema, catalogue, given)
+    with problems.at():
+        compiler = backend_of(backend)
+    problems.stop()
+    return Checked(catalogue, names, alternatives, branches, values, way, compiler)
+
+
 def resolve(
     mechanism: str,
     space: DesignSpace,
@@ -129,6 +228,7 @@ def resolve(
     allow_invalid: bool = False,
     backend: str | None = None,
     companions: bool = True,
+    called: str = "quantities",
 ) -> Asked:
     """Check a request, and find what is to be computed; nothing is compiled.
 
@@ -140,6 +240,8 @@ def resolve(
         What else may be given by name, for a hint where a name is unknown.
     companions : bool
         Whether the status of each design comes along, and what belongs to a list of extremes.
+    called : str
+        The parameter that holds the quantities.
     mechanism, space, quantities, links, input, angles, branch, solver, extrema, allow_invalid, backend
         As in `fastlink.sweep`.
 
@@ -148,31 +250,66 @@ def resolve(
     InputError
         Bad input; the message says what, where, and what to write instead.
     """
-    catalogue = find_catalogue(mechanism, input)
-    names = _names(quantities, companions)
-    alternatives = alternatives_of(catalogue, links, solver, space.names)
-    check_inputs(catalogue, space, alternatives, allow_invalid)
+    checked = check(
+        mechanism,
+        space,
+        quantities,
+        links=links,
+        input=input,
+        angles=angles,
+        positions=positions,
+        options=options,
+        branch=branch,
+        solver=solver,
+        extrema=extrema,
+        allow_invalid=allow_invalid,
+        backend=backend,
+        companions=companions,
+        called=called,
+    )
+    catalogue, alternatives = checked.catalogue, checked.alternatives
     space = space.with_constants(constants_of(catalogue, links, alternatives))
     for name, codes in all_choices(catalogue, space.names, alternatives).items():
         space = space.with_axis(name, codes)
-    branches = check_branches(catalogue, branch)
-    check_keywords(mechanism, catalogue, positions or (), options)
-    given = given_angles(catalogue, angles, positions or {})
-    values = check_positions(catalogue, given)
-    check_turn(catalogue, names, given)
-    plan = plans_of(
-        catalogue,
-        names,
-        companions,
-        given=space.names,
-        branches=branches,
-        alternatives=alternatives,
-        angles=values.size,
-        extrema=check_extrema(extrema, catalogue, given),
-    )
+    try:
+        plan = plans_of(
+            catalogue,
+            checked.names,
+            companions,
+            given=space.names,
+            branches=checked.branches,
+            alternatives=alternatives,
+            angles=checked.positions.size,
+            extrema=checked.extrema,
+        )
+    except InputError as error:
+        raise (_faults(checked, space.names, called) or error) from None
     spread = find_spread(plan, space)
     used = solver if plan.depends_on_solver else ""
-    return Asked(mechanism, catalogue, space, plan, branches, values, used, spread, backend_of(backend))
+    return Asked(
+        mechanism, catalogue, space, plan, checked.branches, checked.positions, used, spread, checked.backend
+    )
+
+
+def _faults(checked: Checked, given: Sequence[str], called: str) -> InputError | None:
+    """Return what keeps each quantity from being computed: every input that is missing, once, or else its own fault."""
+    catalogue, problems = checked.catalogue, Problems()
+    for k, name in enumerate(checked.names):
+        with problems.at(called, k):
+            missing = missing_inputs(catalogue, [name], checked.alternatives, given)
+            known = [one.where for one in problems.noted]
+            problems.noted += [one for one in missing if one.where not in known]
+            if not missing:
+                make_plans(
+                    catalogue,
+                    [name],
+                    given=given,
+                    branches=checked.branches,
+                    alternatives=checked.alternatives,
+                    angles=checked.positions.size,
+                    extrema=checked.extrema,
+                )
+    return InputError.of(problems.noted) if problems.noted else None
 
 
 def plans_of(
@@ -216,10 +353,29 @@ def _plans(
     )
 
 
-def _names(quantities: Sequence[str], companions: bool) -> list[str]:
-    if isinstance(quantities, str):
-        raise InputError(f"quantities: {quantities!r} is one text; write a list: [{quantities!r}]")
-    names = list(quantities)
+def check_names(called: str, given: Sequence[str]) -> tuple[str, ...]:
+    """Return the names of a list, each of which is there once.
+
+    Parameters
+    ----------
+    called : str
+        The parameter that holds them.
+    given : sequence of str
+        The names.
+
+    Raises
+    ------
+    InputError
+        It is one text, or empty, or a name stands twice.
+    """
+    if isinstance(given, str):
+        raise InputError(f"is one text, {given!r}", where=(called,), remedy=f"write a list: [{given!r}]")
+    names = tuple(given)
     if not names:
-        raise InputError("quantities: none is asked for; write at least one name, such as 'omega4_max'")
-    return names if "status" in names or not companions else [*names, "status"]
+        raise InputError("is empty", where=(called,), remedy="write at least one name")
+    problems = Problems()
+    for k, name in enumerate(names):
+        if name in names[:k]:
+            problems.add(f"{name!r} is named twice", (called, k), "name it once")
+    problems.stop()
+    return names

@@ -13,7 +13,7 @@ from functools import cached_property
 from fastlink.declaration import Declarations
 from fastlink.derivative import Derivation, NoDerivative, derivative_name, labelled
 from fastlink.error_bound import ErrorBounds, labelled_error, trust_of
-from fastlink.errors import InputError, suggest
+from fastlink.errors import InputError, Problem, suggest
 from fastlink.fact import CatalogueError, Fact, GradedRange, Input, System, parameters
 from fastlink.names import (
     Below,
@@ -100,7 +100,8 @@ class Catalogue(Declarations):
         tree = self.parse(name)
         if isinstance(tree, Derivative):
             if isinstance(tree.of, (ErrorBound, Trust)):
-                raise NoDerivative(f"quantity {name!r}: {tree.of} has no derivative; leave it out")
+                what = f"quantity {name!r}: {tree.of} has no derivative"
+                raise NoDerivative(what, remedy="leave it out")
             return self._derivation(tree.by, chosen, given).fact(str(tree.of))
         if isinstance(tree, ErrorBound):
             return self._error_bounds(chosen, given).fact(str(tree.of))
@@ -238,38 +239,42 @@ class Catalogue(Declarations):
         if name in self.curves:
             return self.curves[name]
         if not self.is_quantity(name):
-            raise InputError(self.unknown(name, self.offered))
+            raise self.unknown(name, self.offered)
         tree = self.parse(name)
         if not isinstance(tree, Made):
             return self.facts[name]
         of = self.require(str(tree.of))
         lacks = "derivative" if isinstance(tree, Derivative) else "error"
         if of.flags:
-            raise InputError(f"quantity {name!r}: {of.name} is a code, which has no {lacks}; leave it out")
+            what = f"quantity {name!r}: {of.name} is a code, which has no {lacks}"
+            raise InputError(what, remedy="leave it out")
         if isinstance(tree.of, (ErrorBound, Trust)):
-            raise InputError(
-                f"quantity {name!r}: {of.name} is an error bound, which has no {lacks}; leave it out"
-            )
+            what = f"quantity {name!r}: {of.name} is an error bound, which has no {lacks}"
+            raise InputError(what, remedy="leave it out")
         if isinstance(tree, Derivative):
             return labelled(of, self.variables[tree.by])
         return labelled_error(of) if isinstance(tree, ErrorBound) else trust_of(of)
 
-    def unknown(self, name: str, known: Iterable[str]) -> str:
-        """Return what to say of a name that is none of the known ones."""
+    def unknown(self, name: str, known: Iterable[str]) -> InputError:
+        """Return the error of a name that is none of the known ones."""
         tree = self.parse(name)
         if (curve := deepest(name, self)) in self.curves:
-            return (
+            return InputError(
                 f"quantity {name!r}: {curve} is made of whole curves, and has no extremes, means, derivatives or "
-                f"error bounds here; ask for {curve}, and take extremes and means of the map"
+                "error bounds here",
+                remedy=f"ask for {curve}, and take extremes and means of the map",
             )
         if isinstance(tree, (ErrorBound, Trust)):
-            wrong = str(tree.of)
-            return f"quantity {name!r}: {wrong!r} is unknown to {self.name}; {suggest(wrong, self.public)}"
+            return self._unknown_part(name, str(tree.of), self.public)
         if made := as_derivative(name):
             of, by = made
             wrong, options = (by, self.variables) if self.is_quantity(of) else (of, self.public)
-            return f"quantity {name!r}: {wrong!r} is unknown to {self.name}; {suggest(wrong, options)}"
-        return f"quantity {name!r} is unknown to {self.name}; {suggest(name, known)}"
+            return self._unknown_part(name, wrong, options)
+        return InputError(f"quantity {name!r} is unknown to {self.name}", remedy=suggest(name, known))
+
+    def _unknown_part(self, name: str, wrong: str, options: Iterable[str]) -> InputError:
+        what = f"quantity {name!r}: {wrong!r} is unknown to {self.name}"
+        return InputError(what, remedy=suggest(wrong, options))
 
     def closure(
         self, names: Iterable[str], leaves: Iterable[str], alternatives: Iterable[str] = ()
@@ -300,16 +305,16 @@ class Catalogue(Declarations):
         for name in names:
             yield from visit(name, None)
 
-    def absence(self, declared: Input, asked_by: str | None) -> str:
-        """Return what to say of an input that something depends on and nothing gives."""
+    def absence(self, declared: Input, asked_by: str | None, *inside: str) -> Problem:
+        """Return what is wrong where something depends on an input and nothing gives it."""
         others = "".join(f", or {other!r} instead" for other in self.instead_of(declared.name))
-        about = f"{declared.meaning} [{declared.units}]"
-        return f"is missing ({about}); {asked_by} depends on it: add it{others}"
+        what = f"is missing ({declared.meaning} [{declared.units}])"
+        return Problem(what, (*inside, declared.name), f"{asked_by} depends on it: add it{others}")
 
     def _missing(self, name: str, asked_by: str | None, given: set[str]) -> InputError:
         declared = self.known_inputs(self.alternative_inputs).get(name)
         if declared is not None:
-            return InputError(f"input {name!r} {self.absence(declared, asked_by)} to the design")
+            return InputError.of([self.absence(declared, asked_by)])
         if asked_by is not None:
             raise CatalogueError(f"{self.name}: {asked_by} depends on {name}, which is not declared")
         raise CatalogueError(f"{self.name}: {name} is not declared")

@@ -9,11 +9,11 @@ import functools
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, TypeVar
+from typing import TYPE_CHECKING, Annotated, Any, TypeVar, get_type_hints
 
 import typer
 
-from fastlink.errors import InputError
+from fastlink.errors import InputError, Piece, Place, Setting, Wording
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -32,6 +32,37 @@ app = typer.Typer(
 )
 
 
+class _Options(Wording):
+    """How the command line is told of its problems: by its options and arguments.
+
+    Parameters
+    ----------
+    function : callable
+        The command.
+    """
+
+    def __init__(self, function: Callable[..., Any]) -> None:
+        self.names: dict[str, str] = {}
+        for name, hint in get_type_hints(function, include_extras=True).items():
+            for declared in getattr(hint, "__metadata__", ()):
+                self.names[name] = (getattr(declared, "param_decls", None) or [declared.metavar])[0]
+
+    def place(self, where: Place) -> str:
+        if not where or where[0] not in self.names:
+            return super().place(where)
+        return " ".join([self.names[str(where[0])], *map(str, where[1:])])
+
+    def piece(self, piece: Piece) -> str | None:
+        if not isinstance(piece, Setting):
+            return super().piece(piece)
+        option = self.names.get(piece.name)
+        if option is None or piece.value is True:
+            return option
+        values = piece.value.items() if isinstance(piece.value, dict) else None
+        texts = [str(piece.value)] if values is None else [f"{key}={value}" for key, value in values]
+        return " ".join([option, *texts])
+
+
 def main() -> None:
     """Run the command line of this process."""
     app(prog_name="fastlink")
@@ -45,7 +76,7 @@ def command(function: C) -> C:
         try:
             function(*args, **options)
         except InputError as error:
-            for line in str(error).splitlines():
+            for line in error.lines(_Options(function)):
                 typer.echo(f"fastlink: {line}", err=True)
             raise typer.Exit(BAD_INPUT) from None
         except KeyboardInterrupt as error:
@@ -171,7 +202,8 @@ def new(
     from fastlink.mechanisms import NAMES
 
     if mechanism not in NAMES:
-        raise InputError(f"mechanism {mechanism!r} is unknown; {suggest(mechanism, NAMES)}")
+        remedy = suggest(mechanism, NAMES)
+        raise InputError(f"{mechanism!r} is unknown", where=("mechanism",), remedy=remedy)
     template = files("fastlink").joinpath("templates", f"{mechanism}.toml")
     typer.echo(template.read_text(encoding="utf-8"), nl=False)
 
@@ -269,9 +301,10 @@ def _fixed(texts: list[str]) -> dict[str, float]:
             value = float("nan")
         dim = dim.strip()
         if not (equals and dim) or value != value:
-            raise InputError(f"--at: {text!r} is not DIM=VALUE; write such as --at a4=1.0")
+            remedy = ("write such as ", Setting("at", {"a4": 1.0}))
+            raise InputError(f"{text!r} is not DIM=VALUE", where=("at",), remedy=remedy)
         if dim in fixed:
-            raise InputError(f"--at: {dim} is fixed twice; write it once")
+            raise InputError(f"{dim} is fixed twice", where=("at",), remedy="write it once")
         fixed[dim] = value
     return fixed
 

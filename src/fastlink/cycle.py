@@ -5,7 +5,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Literal
 
-from fastlink.errors import InputError
 from fastlink.names import ListOfExtrema, Quantity, Reduced
 from fastlink.reductions import REDUCTIONS, Reduction
 
@@ -63,7 +62,7 @@ def parse_request(name: str, catalogue: Catalogue) -> Request:
             return Request(name, quantity, REDUCTIONS[tree.how], bool(tree.place))
         return Request(name, quantity, listed="place" if tree.place else tree.part)
     known = [*catalogue.offered, *reduced_names(catalogue)]
-    raise InputError(catalogue.unknown(name, known))
+    raise catalogue.unknown(name, known)
 
 
 def _cyclic(catalogue: Catalogue) -> dict[str, Fact]:

@@ -14,7 +14,7 @@ from dataclasses import replace
 from itertools import count
 from typing import Any
 
-from fastlink.errors import InputError
+from fastlink.errors import InputError, Setting
 from fastlink.fact import Fact, Input, System
 from fastlink.graph import Graph, Node, is_power_of_two
 from fastlink.names import Derivative, Quantity
@@ -171,9 +171,8 @@ class Derivation:
 
     def _fact(self, name: str, derivative: str) -> Fact:
         if self.slope(name) is self.graph.zero:
-            raise NoDerivative(
-                f"quantity {derivative!r}: {name} does not depend on {self.by.name} with what is given; leave it out"
-            )
+            what = f"quantity {derivative!r}: {name} does not depend on {self.by.name} with what is given"
+            raise NoDerivative(what, remedy="leave it out")
         declared, found = self.declared(name), self.find(name)
         if declared is not None:
             return replace(declared, name=derivative)
@@ -198,10 +197,8 @@ class Derivation:
         elif all(self.slope(need) is graph.zero for need in found.needs):
             return graph.zero
         elif isinstance(found, System):
-            raise NoDerivative(
-                f"quantity {derivative_name(name, self.by.name)!r}: a linear system determines {name}; "
-                "choose the solver that eliminates"
-            )
+            what = f"quantity {derivative_name(name, self.by.name)!r}: a linear system determines {name}"
+            raise NoDerivative(what, remedy=("write ", Setting("solver", "eliminated")))
         else:
             value = graph.read_fact(found, name)
             root = self._differentiate(value, {})

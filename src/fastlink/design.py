@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from fastlink.errors import InputError
+from fastlink.errors import InputError, Pair, Problems
 from fastlink.space import DesignSpace, Floats, constant, first_invalid, frozen, numbers_of, sampled, shown
 from fastlink.table import table
 
@@ -44,16 +44,20 @@ def grid(**axes: ArrayLike) -> DesignSpace:
     """
     constants: dict[str, float] = {}
     swept: dict[str, Floats] = {}
+    problems = Problems()
     for name, given in axes.items():
-        values = numbers_of("grid", name, given)
-        if values.ndim == 0:
-            constants[name] = constant("grid", name, values)
-        else:
-            swept[name] = frozen(_axis(name, values))
+        with problems.at("grid", name):
+            values = numbers_of("grid", name, given)
+            if values.ndim == 0:
+                constants[name] = constant("grid", name, values)
+            else:
+                swept[name] = frozen(_axis(name, values))
+    problems.stop()
     shape = tuple(len(values) for values in swept.values())
     if math.prod(shape) > MOST_DESIGNS:
         lengths = ", ".join(f"{name}: {length}" for name, length in zip(swept, shape, strict=True))
-        raise InputError(f"grid: {math.prod(shape):.3g} designs are too many; shorten an axis ({lengths})")
+        what = f"{math.prod(shape):.3g} designs are too many"
+        raise InputError(what, where=("grid",), remedy=f"shorten an axis ({lengths})")
     return DesignSpace("grid", tuple(swept), shape, constants, axes=swept, attrs={"design_kind": "grid"})
 
 
@@ -117,17 +121,16 @@ def latin_hypercube(n: int, *, seed: int = 0, **ranges: ArrayLike) -> DesignSpac
 def _axis(name: str, values: Floats) -> Floats:
     """Return the values of a grid axis, or say why they are none."""
     if values.size == 0:
-        raise InputError(f"grid: axis {name} is empty; give it at least one value")
+        raise InputError("is an empty axis", where=("grid", name), remedy="give it at least one value")
     bad = first_invalid(values)
     if bad is not None:
-        raise InputError(f"grid: {name}[{bad}] is {values[bad]}; write a finite number")
+        raise InputError(f"is {values[bad]}", where=("grid", name, bad), remedy="write a finite number")
     order = np.argsort(values, kind="stable")
     repeats = np.flatnonzero(np.diff(values[order]) == 0)
     if repeats.size:
         first, second = order[repeats[0]], order[repeats[0] + 1]
-        raise InputError(
-            f"grid: axis {name} holds {values[first]} twice (at {first} and {second}); give each value once"
-        )
+        what = f"holds {values[first]} twice (at {first} and {second})"
+        raise InputError(what, where=("grid", name), remedy="give each value once")
     return values
 
 
@@ -139,18 +142,24 @@ def _sample(
     chunks: Callable[[int, int, int], Iterable[Floats]],
 ) -> DesignSpace:
     """Scale the points of the unit cube that ``chunks(n, dimensions, seed)`` yields to the ranges."""
-    _check_integer(kind, "n", n, 1, MOST_SAMPLES)
-    _check_integer(kind, "seed", seed, 0, None)
+    problems = Problems()
+    with problems.at():
+        _check_integer(kind, "n", n, 1, MOST_SAMPLES)
+    with problems.at():
+        _check_integer(kind, "seed", seed, 0, None)
     constants: dict[str, float] = {}
     bounds: dict[str, tuple[float, float]] = {}
     for name, given in ranges.items():
-        values = numbers_of(kind, name, given)
-        if values.ndim == 0:
-            constants[name] = constant(kind, name, values)
-        else:
-            bounds[name] = _range(kind, name, values)
-    if not bounds:
-        raise InputError(f"{kind}: no input has a range; write at least one as NAME=(lo, hi), or use grid")
+        with problems.at():
+            values = numbers_of(kind, name, given)
+            if values.ndim == 0:
+                constants[name] = constant(kind, name, values)
+            else:
+                bounds[name] = _range(kind, name, values)
+    if not (bounds or problems.noted):
+        remedy = ("write ", Pair(), " for at least one, or use a grid")
+        problems.add("no input has a range", (kind,), remedy)
+    problems.stop()
     columns = {name: np.empty(n) for name in bounds}
     start = 0
     for points in chunks(n, len(bounds), seed):
@@ -166,19 +175,19 @@ def _check_integer(kind: str, name: str, value: object, least: int, most: int | 
     allowed = f"an integer of {least} or more" if most is None else f"an integer from {least} to {most}"
     integer = isinstance(value, numbers.Integral) and not isinstance(value, bool)
     if not integer or value < least or (most is not None and value > most):  # type: ignore[operator]
-        raise InputError(f"{kind}: {name} is {shown(value)}; write {allowed}")
+        raise InputError(f"is {shown(value)}", where=(kind, name), remedy=f"write {allowed}")
 
 
 def _range(kind: str, name: str, values: Floats) -> tuple[float, float]:
     if len(values) != 2:
-        raise InputError(
-            f"{kind}: {name} holds {len(values)} values; write (lo, hi), or a number for a constant"
-        )
+        remedy = ("write ", Pair(), ", or a number for a constant")
+        raise InputError(f"holds {len(values)} values", where=(kind, name), remedy=remedy)
     low, high = float(values[0]), float(values[1])
     if not math.isfinite(high - low):
-        raise InputError(f"{kind}: {name} runs from {low} to {high}; write finite ends")
+        raise InputError(f"runs from {low} to {high}", where=(kind, name), remedy="write finite ends")
     if low >= high:
-        raise InputError(f"{kind}: {name} runs from {low} to {high}; write (lo, hi) with lo < hi")
+        remedy = ("write ", Pair(), " with lo < hi")
+        raise InputError(f"runs from {low} to {high}", where=(kind, name), remedy=remedy)
     return low, high
 
 

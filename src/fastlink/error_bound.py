@@ -14,7 +14,7 @@ from typing import Any
 from fastlink.derivative import in_a_sentence, made_function
 from fastlink.error_paths import Paths, is_size, is_smooth
 from fastlink.error_rules import Bound, Lost, Rules, U
-from fastlink.errors import InputError
+from fastlink.errors import InputError, Setting
 from fastlink.fact import Fact, Input, System
 from fastlink.graph import Node, is_power_of_two
 from fastlink.names import ErrorBound, Quantity, Trust
@@ -120,13 +120,11 @@ class ErrorBounds:
         """Return a fact; of what a linear system determines there is no bound."""
         found = self.find(name)
         if isinstance(found, System):
-            raise InputError(
-                f"quantity {error_name(name)!r}: a linear system determines {name}; choose the solver that eliminates"
-            )
+            what = f"quantity {error_name(name)!r}: a linear system determines {name}"
+            raise InputError(what, remedy=("write ", Setting("solver", "eliminated")))
         if found is None:
-            raise InputError(
-                f"quantity {error_name(name)!r}: {name} is given, which has no error; leave it out"
-            )
+            what = f"quantity {error_name(name)!r}: {name} is given, which has no error"
+            raise InputError(what, remedy="leave it out")
         return found
 
     def _value(self, name: str) -> Node:

@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from numbers import Real
 
-from fastlink.errors import InputError, suggest
+from fastlink.errors import InputError, Problems, suggest
 
 __all__ = ["Links", "links_from", "round_bar"]
 
@@ -53,15 +53,18 @@ def round_bar(density: float | None = None, radius: float | None = None) -> Link
 def links_from(model: str, values: Mapping[str, float]) -> Links:
     """Return a model of the links by name, its values checked."""
     if model not in MODELS:
-        raise InputError(f"links: model {model!r} is unknown; {suggest(str(model), MODELS)}")
+        raise InputError(
+            f"{model!r} is unknown", where=("links", "model"), remedy=suggest(str(model), MODELS)
+        )
+    problems = Problems()
     for name, value in values.items():
+        where = ("links", name)
         if name not in MODELS[model]:
-            raise InputError(f"links: {model} has no {name!r}; {suggest(name, MODELS[model])}")
-        if isinstance(value, bool) or not isinstance(value, Real):
-            raise InputError(
-                f"links: {name} of {model} is {value!r}; "
-                f"write one number, or leave it out and give {name} in the design"
-            )
-        if not math.isfinite(value) or value < 0:
-            raise InputError(f"links: {name} of {model} is {value!r}; write a finite number of at least 0")
+            problems.add(f"{model} has no {name!r}", where, suggest(name, MODELS[model]))
+        elif isinstance(value, bool) or not isinstance(value, Real):
+            remedy = f"write one number, or leave it out and give {name} in the design"
+            problems.add(f"is {value!r}", where, remedy)
+        elif not math.isfinite(value) or value < 0:
+            problems.add(f"is {value!r}", where, "write a finite number of at least 0")
+    problems.stop()
     return Links(model, {name: float(value) for name, value in values.items()})

@@ -146,7 +146,7 @@ def parse_requests(names: Iterable[str], catalogue: Catalogue) -> list[Request]:
     requests = [parse_request(name, catalogue) for name in names]
     for i, request in enumerate(requests):
         if any(other.name == request.name for other in requests[:i]):
-            raise InputError(f"quantity {request.name!r} is asked for twice; name it once")
+            raise InputError(f"quantity {request.name!r} is asked for twice", remedy="name it once")
     return requests
 
 

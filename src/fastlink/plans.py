@@ -162,9 +162,8 @@ def make_plans(
     requests = parse_requests(names, catalogue)
     for request in requests:
         if request.name in given:
-            raise InputError(
-                f"quantity {request.name!r} is given, and a coordinate of the result: leave it out"
-            )
+            what = f"quantity {request.name!r} is given, and a coordinate of the result"
+            raise InputError(what, remedy="leave it out")
     searches: dict[str, Search] = {}
     refined: set[str] = set()
     for request in requests:
@@ -176,7 +175,7 @@ def make_plans(
                 searches[request.quantity] = search
                 refined.add(request.name)
             elif request.listed:
-                raise InputError(_not_refined(request, catalogue))
+                raise _not_refined(request, catalogue)
     sampled = [r.name for r in requests if r.name not in refined and not r.of_curves]
     outputs = tuple(output_of(r, catalogue, refined=r.name in refined) for r in requests)
     options: dict[str, Any] = {"branches": branches, "alternatives": alternatives, "angles": angles}
@@ -201,13 +200,14 @@ def make_plans(
     return PlanSet(catalogue, outputs, tuple(parts), tuple(branches), tuple(alternatives), kept)
 
 
-def _not_refined(request: Request, catalogue: Catalogue) -> str:
+def _not_refined(request: Request, catalogue: Catalogue) -> InputError:
     ends = [str(Reduced(Quantity(request.quantity), how)) for how in ("max", "min")]
     offered = " and ".join(name for name in ends if name not in catalogue.hiding)
     remedy = f"ask for {offered}" if offered else f"ask for {request.quantity}, and take extremes of the map"
-    return (
+    return InputError(
         f"quantity {request.name!r}: {request.quantity} of {catalogue.name} has no derivative by "
-        f"{catalogue.position.name} here, so its extremes cannot be listed; {remedy}"
+        f"{catalogue.position.name} here, so its extremes cannot be listed",
+        remedy=remedy,
     )
 
 

@@ -8,7 +8,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from fastlink.errors import InputError, suggest
+from fastlink.errors import InputError, Remedy, Setting, suggest
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -70,27 +70,26 @@ def plot_map(
     except ModuleNotFoundError as error:
         if (error.name or "").partition(".")[0] != "matplotlib":
             raise
-        raise InputError(f"plot: matplotlib is not installed; {INSTALL}") from None
+        raise InputError("matplotlib is not installed", where=("plot",), remedy=INSTALL) from None
     place = None if to is None else _place(to, plot_draw.kinds())
     chosen, fixed = _chosen(dataset, name, branch, dict(at or {}))
     free = [str(dim) for dim in chosen.dims if dim != BRANCH]
     if len(free) > 2:
-        raise InputError(
-            f"plot: {name} has the dimensions {_listed(chosen, free)}; fix {_some(len(free) - 2)} of them "
-            f"by at (--at {free[-1]}={_middle(chosen, free[-1])})"
-        )
+        what = f"{name} has the dimensions {_listed(chosen, free)}"
+        value = Setting("at", {free[-1]: _middle(chosen, free[-1])})
+        raise InputError(what, where=("plot",), remedy=(f"fix {_some(len(free) - 2)} of them by ", value))
     if not free:
         values = ", ".join(f"{value:g}" for value in chosen.values.ravel())
-        raise InputError(f"plot: {name} has no dimension left to draw it over; its value is {values}")
+        what = f"{name} has no dimension left to draw it over; its value is {values}"
+        raise InputError(what, where=("plot",), remedy="leave one free")
     with plot_draw.style():
         figure = plot_draw.draw(dataset, chosen.load(), free, fixed)
         if place is not None:
             try:
                 figure.savefig(place)
             except OSError as error:
-                raise InputError(
-                    f"{place}: cannot be written ({error.strerror}); choose another place"
-                ) from error
+                what = f"{place} cannot be written ({error.strerror})"
+                raise InputError(what, where=("to",), remedy="choose another place") from error
     return figure
 
 
@@ -99,9 +98,11 @@ def _place(to: str | Path, kinds: Mapping[str, str]) -> Path:
     kind = place.suffix.removeprefix(".").lower()
     if kind not in kinds:
         found = f"ends in {kind!r}" if kind else "has no ending"
-        raise InputError(f"{place}: the name of the picture {found}; write one of {', '.join(sorted(kinds))}")
+        what, remedy = f"{place}: the name of the picture {found}", f"write one of {', '.join(sorted(kinds))}"
+        raise InputError(what, where=("to",), remedy=remedy)
     if not place.parent.is_dir():
-        raise InputError(f"{place}: there is no folder {place.parent}; create it or choose another")
+        what = f"{place}: there is no folder {place.parent}"
+        raise InputError(what, where=("to",), remedy="create it or choose another")
     return place
 
 
@@ -111,7 +112,8 @@ def _chosen(
     """Return the variable with dimensions fixed as asked, and what they are fixed at."""
     if name not in dataset.data_vars:
         known = [str(key) for key in dataset.data_vars]
-        raise InputError(f"plot: there is no variable {name!r}; {suggest(str(name), known)}")
+        nearest = suggest(str(name), known)
+        raise InputError(f"there is no variable {name!r}", where=("name",), remedy=nearest)
     variable = dataset[name]
     if branch is not None:
         variable = _one_branch(variable, branch)
@@ -128,33 +130,33 @@ def _chosen(
         variable = variable.isel({dim: index})
     for dim in at:
         known = [str(key) for key in dataset[name].dims if key != BRANCH]
-        hint = suggest(dim, known) if known else "it has none"
+        remedy: Remedy = suggest(dim, known) if known else "it has none"
         if dim == BRANCH:
-            hint = "choose an assembly mode by branch"
-        raise InputError(f"plot: {dim!r} is no dimension of {name} that at can fix; {hint}")
+            remedy = ("choose an assembly mode by ", Setting("branch", 1))
+        what = f"{dim!r} is no dimension of {name} that can be fixed"
+        raise InputError(what, where=("at",), remedy=remedy)
     return variable, fixed
 
 
 def _one_branch(variable: xr.DataArray, branch: int) -> xr.DataArray:
     if BRANCH not in variable.dims:
-        raise InputError(f"plot: {variable.name} is the same in every assembly mode; leave out branch")
+        what = f"{variable.name} is the same in every assembly mode"
+        raise InputError(what, where=("branch",), remedy="leave it out")
     known = variable[BRANCH].values.tolist()
     if branch not in known:
-        raise InputError(
-            f"plot: branch {branch} is not in the result; write one of {', '.join(map(str, known))}"
-        )
+        remedy = f"write one of {', '.join(map(str, known))}"
+        raise InputError(f"{branch} is not in the result", where=("branch",), remedy=remedy)
     return variable.isel({BRANCH: [known.index(branch)]})
 
 
 def _nearest(dim: str, values: Any, wanted: float) -> int:
     if isinstance(wanted, bool) or not isinstance(wanted, numbers.Real) or not math.isfinite(wanted):
-        raise InputError(f"plot: {dim} is to be fixed at {wanted!r}; write a finite number")
+        raise InputError(f"is {wanted!r}", where=("at", dim), remedy="write a finite number")
     low, high = float(values.min()), float(values.max())
     slack = 1e-9 * max(abs(low), abs(high))
     if not low - slack <= wanted <= high + slack:
-        raise InputError(
-            f"plot: {dim} = {wanted:g} is outside the result, where it runs from {low:g} to {high:g}"
-        )
+        remedy = f"write a number from {low:g} to {high:g}"
+        raise InputError(f"is {wanted:g}, outside the result", where=("at", dim), remedy=remedy)
     return int(abs(values - float(wanted)).argmin())
 
 

@@ -13,9 +13,10 @@ import numpy as np
 from fastlink.catalogue import Catalogue, Input
 from fastlink.cycle import Extrema, parse_request
 from fastlink.declaration import ELIMINATED
-from fastlink.errors import InputError, suggest
-from fastlink.links import Links
+from fastlink.errors import InputError, Place, Problem, Problems, Samples, Setting, suggest
+from fastlink.links import MODELS, Links
 from fastlink.mechanisms import NAMES, inputs_of
+from fastlink.space import shown
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
@@ -26,14 +27,17 @@ __all__ = [
     "all_choices",
     "allowed",
     "alternatives_of",
-    "check_apart",
     "check_branches",
+    "check_extrema",
     "check_inputs",
     "check_keywords",
+    "check_model",
     "check_positions",
     "check_turn",
+    "chosen_sets",
     "constants_of",
     "given_angles",
+    "missing_inputs",
 ]
 
 EXTREMA: tuple[Extrema, ...] = ("refined", "sampled")
@@ -53,18 +57,35 @@ def alternatives_of(
     InputError
         The mechanism has no such solver, or nothing depends on links.
     """
-    if solver not in catalogue.solvers:
-        raise InputError(_unknown_solver(catalogue, solver))
+    check_model(catalogue, links, solver)
+    return chosen_sets(catalogue, links, solver, given)
+
+
+def check_model(catalogue: Catalogue, links: Links | None, solver: str) -> None:
+    """Refuse a solver and a model of the links that the mechanism does not have.
+
+    Raises
+    ------
+    InputError
+        With what there is.
+    """
+    problems = Problems()
+    if solver not in catalogue.solvers and catalogue.solvers == (ELIMINATED,):
+        what = f"{solver!r} is none: {catalogue.name} has no linear system to solve"
+        problems.add(what, ("solver",), "leave it out")
+    elif solver not in catalogue.solvers:
+        problems.add(f"{solver!r} is unknown", ("solver",), suggest(str(solver), catalogue.solvers))
     if links is not None and links.model not in catalogue.alternative_inputs:
-        raise InputError(f"links: nothing of {catalogue.name} depends on mass; leave them out")
+        problems.add(f"nothing of {catalogue.name} depends on mass", ("links",), "leave them out")
+    problems.stop()
+
+
+def chosen_sets(
+    catalogue: Catalogue, links: Links | None, solver: str, given: Iterable[str]
+) -> tuple[str, ...]:
+    """Return what `alternatives_of` does of what was checked already."""
     solved = () if solver == ELIMINATED else (solver,)
     return (*solved, *catalogue.chosen_by(given), *(() if links is None else (links.model,)))
-
-
-def _unknown_solver(catalogue: Catalogue, solver: str) -> str:
-    if catalogue.solvers == (ELIMINATED,):
-        return f"solver {solver!r}: {catalogue.name} has no linear system to solve; leave solver out"
-    return f"solver {solver!r} is unknown; {suggest(str(solver), catalogue.solvers)}"
 
 
 def constants_of(catalogue: Catalogue, links: Links | None, alternatives: Iterable[str]) -> dict[str, float]:
@@ -93,25 +114,16 @@ def check_inputs(
         With the input, the first bad value, where it stands and what is allowed.
     """
     known = catalogue.known_inputs(alternatives)
-    check_apart(catalogue, space.names)
+    problems = Problems()
+    for name, other in _exclusive(catalogue, catalogue.version, tuple(space.names)):
+        problems.add(f"{other} and {name} determine each other", ("design",), "leave one of them out")
     for name in space.names:
-        if name not in known:
-            raise InputError(_unknown_input(catalogue, name, known))
         value = space.constants.get(name)
-        if not allow_invalid and (value is None or not allowed(known[name], value)):
-            _check_values(known[name], space)
-
-
-def check_apart(catalogue: Catalogue, names: Sequence[str]) -> None:
-    """Refuse inputs that determine each other.
-
-    Raises
-    ------
-    InputError
-        With two of them.
-    """
-    for name, other in _exclusive(catalogue, catalogue.version, tuple(names)):
-        raise InputError(f"design: {other} and {name} determine each other; leave one of them out")
+        if name not in known:
+            problems.noted.append(_unknown_input(catalogue, name, known))
+        elif not allow_invalid and (value is None or not allowed(known[name], value)):
+            problems.noted += _bad_values(known[name], space)
+    problems.stop()
 
 
 @lru_cache(maxsize=256)
@@ -130,28 +142,33 @@ def allowed(declared: Input, value: Any) -> Any:
     return finite & (value >= 0) if declared.rule == "non-negative" else finite
 
 
-def _unknown_input(catalogue: Catalogue, name: str, known: dict[str, Input]) -> str:
+def _unknown_input(catalogue: Catalogue, name: str, known: dict[str, Input]) -> Problem:
+    where: Place = ("design", name)
     for model, inputs in catalogue.alternative_inputs.items():
         if name in inputs:
-            return f"design: {name!r} belongs to links of model {model!r}; choose that model, or leave it out"
+            remedy = "choose that model, or leave it out"
+            return Problem(f"belongs to links of model {model!r}", where, remedy)
     others = [key for key, inputs in catalogue.alternative_inputs.items() if key in inputs]
-    return f"design: input {name!r} is unknown to {catalogue.name}; {suggest(name, [*known, *others])}"
+    return Problem(f"is unknown to {catalogue.name}", where, suggest(name, [*known, *others]))
 
 
-def _check_values(declared: Input, space: DesignSpace) -> None:
+def _bad_values(declared: Input, space: DesignSpace) -> list[Problem]:
+    """Return the first value that an input cannot have, if there is one."""
     name = declared.name
     values = space.values(name)
-    bad = ~allowed(declared, values)
-    if bad.any():
-        where = int(np.flatnonzero(bad)[0])
-        place = f"{name}[{where}]" if values.size > 1 else name
-        rule = RULES.get(declared.rule, "")
-        remedy = f"a finite number{' ' if rule else ''}{rule}"
-        if declared.choices:
-            remedy = "one of " + ", ".join(
-                f"{code} ({meaning})" for code, meaning in declared.choices.items()
-            )
-        raise InputError(f"design: {place} is {values[where]}; {declared.meaning}: write {remedy}")
+    bad = np.flatnonzero(~allowed(declared, values))[:1].tolist()
+    rule = RULES.get(declared.rule, "")
+    remedy = f"a finite number{' ' if rule else ''}{rule}"
+    if declared.choices:
+        remedy = "one of " + ", ".join(f"{code} ({meaning})" for code, meaning in declared.choices.items())
+    return [
+        Problem(
+            f"is {values[k]} ({declared.meaning})",
+            ("design", name, k) if values.size > 1 else ("design", name),
+            f"write {remedy}",
+        )
+        for k in bad
+    ]
 
 
 def check_branches(catalogue: Catalogue, branch: Any) -> tuple[int, ...]:
@@ -162,17 +179,15 @@ def check_branches(catalogue: Catalogue, branch: Any) -> tuple[int, ...]:
     InputError
         None, an unknown or a repeated one is given.
     """
-    allowed = ", ".join(map(str, catalogue.branches))
+    where, remedy = ("branch",), f"write some of {', '.join(map(str, catalogue.branches))}"
     given = np.atleast_1d(np.asarray(branch, dtype=object)).tolist()
     for k, value in enumerate(given):
         if isinstance(value, bool) or value not in catalogue.branches:
-            raise InputError(
-                f"branch: {value!r} is no assembly mode of {catalogue.name}; write some of {allowed}"
-            )
+            raise InputError(f"{value!r} is no assembly mode of {catalogue.name}", where=where, remedy=remedy)
         if value in given[:k]:
-            raise InputError(f"branch: {value!r} is given twice; write each once")
+            raise InputError(f"{value!r} is given twice", where=where, remedy="write each once")
     if not given:
-        raise InputError(f"branch: none is given; write some of {allowed}")
+        raise InputError("none is given", where=where, remedy=remedy)
     return tuple(int(value) for value in given)
 
 
@@ -197,37 +212,36 @@ def check_keywords(
     InputError
         With the name of the input, or the nearest option.
     """
-    position = catalogue.position.name
+    position, problems = catalogue.position.name, Problems()
     for name in names:
         if name == position:
             continue
-        if name in inputs_of(mechanism):
-            raise InputError(
-                f"{name}: the input is {position}; write its positions as {position}, or input={name!r} too"
-            )
         if any(name in inputs_of(other) for other in NAMES):
-            raise InputError(f"{name}: the input is {position}; write its positions as {position}")
-        raise InputError(
-            f"{name} is no option, and the input is {position}; {suggest(name, {*options, position})}"
-        )
+            too = (", or ", Setting("input", name), " too") if name in inputs_of(mechanism) else ()
+            problems.add(f"the input is {position}", (name,), (f"write its positions as {position}", too))
+        else:
+            what = f"is no option, and the input is {position}"
+            problems.add(what, (name,), suggest(name, {*options, position}))
+    problems.stop()
 
 
-def given_angles(catalogue: Catalogue, angles: Any, positions: Mapping[str, Any]) -> Any:
-    """Return the input positions that were given, as `angles` or by the name of the input, else the usual ones.
+def given_angles(catalogue: Catalogue, angles: Any, positions: Mapping[str, Any]) -> tuple[str, Any]:
+    """Return the input positions that were given, and by which name; else the usual ones.
 
     Raises
     ------
     InputError
-        They are given twice.
+        They are given as `angles` and by the name of the input.
     """
-    values = positions.get(catalogue.position.name)
+    name = catalogue.position.name
+    values = positions.get(name)
     if values is not None:
         if angles is not None:
-            raise InputError(f"{catalogue.position.name}: angles are given too; write one of them")
-        return values
+            raise InputError("angles are given too", where=(name,), remedy="write one of them")
+        return name, values
     if angles is not None:
-        return angles
-    return ANGLES if catalogue.positions is None else np.linspace(*catalogue.positions)
+        return "angles", angles
+    return name, ANGLES if catalogue.positions is None else np.linspace(*catalogue.positions)
 
 
 def check_extrema(extrema: str | None, catalogue: Catalogue, angles: Any) -> Extrema:
@@ -242,16 +256,13 @@ def check_extrema(extrema: str | None, catalogue: Catalogue, angles: Any) -> Ext
     if extrema is None:
         return "sampled" if chosen else "refined"
     if extrema not in EXTREMA:
-        raise InputError(f"extrema {extrema!r} is unknown; {suggest(str(extrema), EXTREMA)}")
+        raise InputError(f"{extrema!r} is unknown", where=("extrema",), remedy=suggest(str(extrema), EXTREMA))
     if chosen and extrema == "refined":
-        name, other = (
-            catalogue.position.name,
-            ", or a number of angles" if catalogue.positions is None else "",
-        )
-        raise InputError(
-            f"extrema: 'refined' is over the whole turn of {name}, but {name} is an array; "
-            f"write extrema='sampled'{other}"
-        )
+        name = catalogue.position.name
+        what = f"'refined' is over the whole turn of {name}, but {name} is an array"
+        other = ", or a number of angles" if catalogue.positions is None else ""
+        remedy = ("write ", Setting("extrema", "sampled"), other)
+        raise InputError(what, where=("extrema",), remedy=remedy)
     return "refined" if extrema == "refined" else "sampled"
 
 
@@ -265,17 +276,26 @@ def check_turn(catalogue: Catalogue, names: Iterable[str], angles: Any) -> None:
     """
     if np.ndim(angles) == 0:
         return
-    for request in (parse_request(name, catalogue) for name in names):
+    problems = Problems()
+    for k, request in enumerate(parse_request(name, catalogue) for name in names):
         if request.reduction is not None and request.reduction.whole:
-            position = catalogue.position.name
+            what = f"{request.name!r} is over a whole turn, but {catalogue.position.name} is an array"
             remedy = "write a number of angles" if catalogue.positions is None else "leave it out"
-            raise InputError(
-                f"quantity {request.name!r} is over a whole turn, but {position} is an array; {remedy}"
-            )
+            problems.add(what, ("quantities", k), remedy)
+    problems.stop()
 
 
-def check_positions(catalogue: Catalogue, given: int | ArrayLike) -> NDArray[Any]:
+def check_positions(catalogue: Catalogue, given: int | ArrayLike, key: str = "angles") -> NDArray[Any]:
     """Return the input positions: a number of equal steps over one turn, or the positions themselves.
+
+    Parameters
+    ----------
+    catalogue : Catalogue
+        The mechanism.
+    given : int or array_like
+        What was given.
+    key : str
+        The name by which it was given.
 
     Raises
     ------
@@ -284,32 +304,52 @@ def check_positions(catalogue: Catalogue, given: int | ArrayLike) -> NDArray[Any
     """
     name, noun = catalogue.position.name, "angles in rad" if catalogue.positions is None else "numbers"
     if catalogue.positions is not None and np.ndim(given) == 0:
-        usual = "numpy.linspace({:g}, {:g}, {})".format(*catalogue.positions)
+        what = f"{given!r} is no array, and {name} has no bounds"
         raise InputError(
-            f"{name}: {given!r} is no array, and {name} has no bounds; write an array, such as {usual}"
+            what, where=(key,), remedy=("write them all, such as ", Samples(*catalogue.positions))
         )
     if isinstance(given, (int, np.integer)) and not isinstance(given, bool):
         if given < 1:
-            raise InputError(
-                f"{name}: {given} input angles; write a number of at least 1, or an array in rad"
-            )
+            remedy = "write a number of at least 1, or an array in rad"
+            raise InputError(f"{given} input angles", where=(key,), remedy=remedy)
         return np.arange(int(given)) * (2.0 * np.pi / int(given))
     try:
         values = np.asarray(given, dtype=np.float64)
     except (TypeError, ValueError):
         values = np.empty((0, 0))
     if values.ndim != 1 or isinstance(given, (bool, str)):
-        raise InputError(f"{name}: {given!r} is neither a number of angles nor a flat array of {noun}")
+        remedy = f"write a number of angles, or a flat array of {noun}"
+        raise InputError(f"is {shown(given)}", where=(key,), remedy=remedy)
     if values.size == 0:
-        raise InputError(f"{name}: the array of input angles is empty; give at least one")
+        raise InputError("the array of input positions is empty", where=(key,), remedy="give at least one")
     bad = np.flatnonzero(~np.isfinite(values))
     if bad.size:
-        raise InputError(f"{name}[{bad[0]}] is {values[bad[0]]}; write finite {noun}")
+        where = (key, int(bad[0]))
+        raise InputError(f"is {values[bad[0]]}", where=where, remedy=f"write finite {noun}")
     order = np.argsort(values, kind="stable")
     twice = np.flatnonzero(np.diff(values[order]) == 0.0)
     if twice.size:
         first, second = sorted(order[twice[0] : twice[0] + 2].tolist())
-        raise InputError(
-            f"{name}: {values[first]} stands twice (at {first} and {second}); give each angle once"
-        )
+        what = f"{values[first]} stands twice (at {first} and {second})"
+        raise InputError(what, where=(key,), remedy="give each position once")
     return np.array(values)
+
+
+def missing_inputs(
+    catalogue: Catalogue, names: Iterable[str], alternatives: Sequence[str], given: Iterable[str]
+) -> list[Problem]:
+    """Return each input that a quantity depends on and that nothing gives."""
+    of_links = {name for model in MODELS for name in catalogue.alternative_inputs.get(model, {})}
+    known, has = catalogue.known_inputs(alternatives), set(given)
+    absent = {name for name in known if name not in has and catalogue.lookup(name, alternatives) is None}
+    tables = (catalogue.position.name, *catalogue.tables, *catalogue.table_low_parts)
+    missing = []
+    for request in (parse_request(name, catalogue) for name in names):
+        steps = catalogue.closure([request.quantity], {*has, *absent, *tables, "branch"}, alternatives)
+        needed = absent & {need for step in steps for need in step.needs}
+        for name in (name for name in known if name in needed):
+            absent.discard(name)
+            has.add(name)
+            table = "links" if name in of_links else "design"
+            missing.append(catalogue.absence(known[name], request.name, table))
+    return missing

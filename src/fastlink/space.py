@@ -18,6 +18,7 @@ from fastlink.errors import InputError, suggest
 Floats = NDArray[np.float64]
 #: The dimension of designs that span no grid.
 DESIGN = "design"
+NUMBERS = "write a number or a flat list of numbers"
 
 
 @dataclass(frozen=True, eq=False)
@@ -140,7 +141,7 @@ class DesignSpace:
     def _known(self, name: str) -> str:
         if name in self.constants:
             return name
-        raise InputError(f"design: {name!r} has no value; {suggest(name, self.names)}")
+        raise InputError(f"{name!r} has no value", where=("design",), remedy=suggest(name, self.names))
 
 
 def sampled(
@@ -164,34 +165,28 @@ def numbers_of(where: str, name: str, given: Any) -> Floats:
     try:
         values = np.asarray(given)
     except ValueError:  # nested lists of unequal length
-        raise InputError(
-            f"{where}: {name} is a ragged list; write a number or a flat list of numbers"
-        ) from None
+        raise InputError("is a ragged list", where=(where, name), remedy=NUMBERS) from None
     if values.ndim > 1:
-        raise InputError(
-            f"{where}: {name} has {values.ndim} dimensions; write a number or a flat list of numbers"
-        )
+        raise InputError(f"has {values.ndim} dimensions", where=(where, name), remedy=NUMBERS)
     if values.dtype.kind in "mM":
-        raise InputError(f"{where}: {name} holds dates or durations; write numbers")
+        raise InputError("holds dates or durations", where=(where, name), remedy="write numbers")
     if values.dtype.kind not in "iuf":
         _refuse_non_numbers(where, name, given)
     try:
         return values.astype(np.float64)
     except OverflowError:
-        raise InputError(
-            f"{where}: {name} holds a number beyond the range of a double; write a smaller one"
-        ) from None
+        what = "holds a number beyond the range of a double"
+        raise InputError(what, where=(where, name), remedy="write a smaller one") from None
 
 
 def _refuse_non_numbers(where: str, name: str, given: Any) -> None:
     cells = np.asarray(given, dtype=object)
     if cells.ndim == 0 and not _is_number(cells[()]):
-        raise InputError(
-            f"{where}: {name} is {shown(cells[()])}, not a number; write a number or a flat list of numbers"
-        )
+        raise InputError(f"is {shown(cells[()])}, not a number", where=(where, name), remedy=NUMBERS)
     for index, cell in enumerate(cells.ravel()):
         if not _is_number(cell):
-            raise InputError(f"{where}: {name}[{index}] is {shown(cell)}, not a number; write a number")
+            what = f"is {shown(cell)}, not a number"
+            raise InputError(what, where=(where, name, index), remedy="write a number")
 
 
 def _is_number(cell: object) -> bool:
@@ -202,9 +197,9 @@ def constant(where: str, name: str, given: Any) -> float:
     """Return the number given for one input, or say what is wrong with it."""
     value = numbers_of(where, name, given)
     if value.ndim:
-        raise InputError(f"{where}: {name} holds {len(value)} values; write one number")
+        raise InputError(f"holds {len(value)} values", where=(where, name), remedy="write one number")
     if not np.isfinite(value):
-        raise InputError(f"{where}: {name} is {value}; write a finite number")
+        raise InputError(f"is {value}", where=(where, name), remedy="write a finite number")
     return float(value)
 
 

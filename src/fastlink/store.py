@@ -190,10 +190,9 @@ class Writer:
         try:
             target.publish(self._fd, self.part, self.path, self._overwrite)
         except OSError as error:
-            raise InputError(
-                f"{self.path}: cannot give the complete file its name ({target.reason(error)}); "
-                f"it is kept as {self.part}, rename it"
-            ) from error
+            what = f"{self.path}: cannot give the complete file its name ({target.reason(error)})"
+            remedy = f"it is kept as {self.part}, rename it"
+            raise InputError(what, where=("to",), remedy=remedy) from error
 
     def _resumed(self) -> bool:
         """Take over what a killed run of the same fingerprint has left."""
@@ -252,7 +251,8 @@ class Writer:
     def _failure(self, error: OSError | RuntimeError) -> InputError:
         if getattr(error, "errno", None) in NO_ROOM:
             return target.no_room(self.path, self._nbytes, error)
-        return InputError(f"{self.path}: cannot be written ({target.reason(error)}); choose another place")
+        what = f"{self.path} cannot be written ({target.reason(error)})"
+        return InputError(what, where=("to",), remedy="choose another place")
 
     def _close_to_writers(self, *, keep: bool = False) -> None:
         """Let no write begin, and wait for those under way: the file number may soon be of another file."""

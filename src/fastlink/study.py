@@ -2,42 +2,45 @@
 
 from __future__ import annotations
 
-import contextlib
+import json
 import tomllib
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from pydantic import ValidationError
 
-from fastlink.catalogue import Catalogue
-from fastlink.codegen.kernel import backend_of
-from fastlink.cycle import Request, parse_request
-from fastlink.errors import InputError
+from fastlink.asked import check, resolve
+from fastlink.design import grid
+from fastlink.errors import (
+    InputError,
+    Pair,
+    Piece,
+    Place,
+    Problem,
+    Problems,
+    Samples,
+    Setting,
+    Wording,
+    path_text,
+)
 from fastlink.links import Links, links_from
 from fastlink.mechanisms import catalogue as find_catalogue
-from fastlink.request import (
-    all_choices,
-    alternatives_of,
-    check_branches,
-    check_extrema,
-    check_keywords,
-    check_positions,
-    constants_of,
-    given_angles,
-)
+from fastlink.request import check_keywords
 from fastlink.space import DesignSpace
 from fastlink.store import check_target
-from fastlink.study_design import angles_of, check_values, missing_inputs, space_of
-from fastlink.study_schema import Cycle, LinkModel, Problems, StudyFile, problems
+from fastlink.study_design import SAMPLES, space_of
+from fastlink.study_schema import TABLES, Angles, Cycle, StudyFile, problems
 from fastlink.sweep import sweep
 
 if TYPE_CHECKING:
     import xarray as xr
-    from numpy.typing import NDArray
 
 __all__ = ["Study", "read_study", "run_study"]
+
+#: What is called otherwise in a study than in `fastlink.sweep`.
+PARAMETERS = {"to": "file"}
 
 
 @dataclass(frozen=True, eq=False)
@@ -56,8 +59,6 @@ class Study:
         The designs.
     links : Links or None
         The model of the links.
-    angles : int or array
-        Number of input angles, or the angles in rad.
     sources : tuple of Path
         The files that it was read from: itself, and a table of designs.
     """
@@ -67,22 +68,27 @@ class Study:
     shape: StudyFile
     space: DesignSpace
     links: Links | None
-    angles: int | NDArray[Any]
     sources: tuple[Path, ...]
 
     @property
     def options(self) -> dict[str, Any]:
         """What `fastlink.sweep` is told beside mechanism, designs and quantities."""
         cycle = self.shape.cycle
+        by_name = _values(next(iter((cycle.model_extra or {}).values()), None))
         return {
             "links": self.links,
             "input": cycle.input,
-            "angles": self.angles,
+            "angles": _values(cycle.angles) if by_name is None else by_name,
             "branch": cycle.branch,
             "solver": cycle.solver,
             "extrema": cycle.extrema,
             "backend": self.shape.run.backend,
         }
+
+
+def _values(given: int | Angles | None) -> Any:
+    """Return the number of input positions, or the positions."""
+    return given.array() if isinstance(given, Angles) else given
 
 
 def run_study(
@@ -143,17 +149,15 @@ def run_study(
     """
     study = read_study(path)
     shape = study.shape
+    given = {"to": to, "threads": threads, "verify": verify}
     place = Path(to or shape.output.file or f"{study.path.stem}.h5").expanduser()
     overwrite = overwrite or shape.output.overwrite
-    key = "output" if to is not None else "output.file"
-    found = Problems(study.path)
-    with found.at(key):
+    title = {} if shape.title is None else {"title": shape.title}
+    try:
         check_target(place, 0, overwrite)
         if any(place.exists() and place.samefile(source) for source in study.sources):
-            raise InputError(f"{place}: the study is read from that file; choose another name")
-    found.stop()
-    title = {} if shape.title is None else {"title": shape.title}
-    with found.at(""):
+            what = f"{place}: the study is read from that file"
+            raise InputError(what, where=("to",), remedy="choose another name")
         return sweep(
             shape.mechanism,
             study.space,
@@ -166,7 +170,10 @@ def run_study(
             progress=progress,
             attrs={**title, "study_file": study.path.name, "study": study.text},
         )
-    raise found.error()
+    except InputError as error:
+        if given.get(str(error.where[0]) if error.where else "") is not None:
+            raise  # the caller's own, not the study's
+        raise InputError.of(error.problems, _Keys(study.path, shape, study.space)) from None
 
 
 def read_study(path: str | Path) -> Study:
@@ -179,55 +186,34 @@ def read_study(path: str | Path) -> Study:
     """
     path = Path(path).expanduser()
     text = _text_of(path)
-    found = Problems(path)
     try:
         raw = tomllib.loads(text)
     except (tomllib.TOMLDecodeError, RecursionError) as error:
-        raise InputError(f"{path}: is no TOML: {error}") from None
+        raise InputError.of([Problem(f"is no TOML: {error}")], _Keys(path)) from None
     try:
         shape = StudyFile.model_validate(raw)
     except ValidationError as error:
-        driven = None
-        if isinstance(raw.get("mechanism"), str):
-            with contextlib.suppress(InputError):
-                driven = _catalogue(found, raw["mechanism"], _input_in(raw))
-        for key, fault in problems(error, () if driven is None else (driven.position.name,)):
-            found.add(key, fault)
-        if driven is not None and isinstance(raw.get("cycle"), dict):
-            _check_keys(found, raw["mechanism"], driven, raw["cycle"])
-        raise found.error() from None
-    catalogue = _catalogue(found, shape.mechanism, shape.cycle.input)
-    by_name = shape.cycle.model_extra or {}
-    _check_keys(found, shape.mechanism, catalogue, by_name)
-    links = _links(found, shape.links)
-    requests = _requests(found, catalogue, shape.quantities)
-    with found.at("cycle.branch"):
-        check_branches(catalogue, shape.cycle.branch)
-    angles: int | NDArray[Any] = 0
-    with found.at(f"cycle.{catalogue.position.name if catalogue.position.name in by_name else 'angles'}"):
-        angles = angles_of(given_angles(catalogue, shape.cycle.angles, by_name))
-        check_positions(catalogue, angles)
-    with found.at("run.backend"):
-        backend_of(shape.run.backend)
-    with found.at("cycle.extrema"):
-        check_extrema(shape.cycle.extrema, catalogue, angles)
-    space = space_of(found, path, shape.design)
-    alternatives: tuple[str, ...] = ()
-    with found.at("links" if shape.cycle.solver in catalogue.solvers else "cycle.solver"):
-        names = () if space is None else space.names
-        alternatives = alternatives_of(catalogue, links, shape.cycle.solver, names)
-    if space is not None:
-        check_values(found, catalogue, shape.design, space, alternatives)
-        given = {*space.names, *constants_of(catalogue, links, alternatives)}
-        given |= set(all_choices(catalogue, given, alternatives))
-        if not found.lines:
-            for name, fault in missing_inputs(catalogue, requests, alternatives, given):
-                of_links = links is not None and name in catalogue.alternative_inputs[links.model]
-                found.add(f"{'links' if of_links else 'design'}.{name}", fault)
-    found.stop()
-    assert space is not None
+        raise InputError.of(_schema_problems(raw, error), _Keys(path)) from None
+    found = Problems(_Keys(path, shape))
+    links, space = None, None
+    with found.at():
+        links = None if shape.links is None else links_from(shape.links.model, shape.links.model_extra or {})
+    with found.at():
+        space = space_of(path, shape.design)
     sources = (path, *([path.parent / shape.design.table] if shape.design.table else ()))
-    return Study(path, text, shape, space, links, angles, sources)
+    study = Study(path, text, shape, space or grid(), links, sources)
+    if space is not None:
+        found.wording = _Keys(path, shape, space)
+    cycle = shape.cycle
+    positions = {name: _values(given) for name, given in (cycle.model_extra or {}).items()}
+    own = {"angles": _values(cycle.angles), "positions": positions, "options": Cycle.model_fields}
+    with found.at():
+        check(shape.mechanism, space, shape.quantities, **study.options | own)
+    found.stop()
+    with found.at():
+        resolve(shape.mechanism, study.space, shape.quantities, **study.options)
+    found.stop()
+    return study
 
 
 def _text_of(path: Path) -> str:
@@ -240,50 +226,71 @@ def _text_of(path: Path) -> str:
         raise InputError(f"{path}: cannot be read ({why}); give the path of a study file") from None
 
 
-def _catalogue(found: Problems, mechanism: str, input: str | None = None) -> Catalogue:
-    """Return the mechanism; without it nothing else can be checked."""
-    with found.at("mechanism"):
-        find_catalogue(mechanism)
-    found.stop()
-    with found.at("cycle.input"):
-        return find_catalogue(mechanism, input)
-    raise found.error()
+def _schema_problems(raw: Mapping[str, Any], error: ValidationError) -> list[Problem]:
+    """Return what is wrong with the keys and types of a study, and with its mechanism, input and their names."""
+    found, mechanism, cycle = Problems(), raw.get("mechanism"), raw.get("cycle")
+    position: tuple[str, ...] = ()
+    if isinstance(mechanism, str):
+        cycle = cycle if isinstance(cycle, dict) else {}
+        input = cycle.get("input")
+        with found.at():
+            driven = find_catalogue(mechanism, input if isinstance(input, str) else None)
+            position = (driven.position.name,)
+            names = [name for name in cycle if name not in Cycle.model_fields]
+            check_keywords(mechanism, driven, names, Cycle.model_fields)
+    return [*problems(error, position), *found.noted]
 
 
-def _input_in(raw: Mapping[str, Any]) -> str | None:
-    """Return the input that a study names, if it is a text."""
-    cycle = raw.get("cycle")
-    named = cycle.get("input") if isinstance(cycle, dict) else None
-    return named if isinstance(named, str) else None
+class _Keys(Wording):
+    """How a study file is told of its problems: in its own keys and its own grammar.
 
+    Parameters
+    ----------
+    path : Path
+        The file.
+    shape : StudyFile, optional
+        What it says, as far as that was read.
+    space : DesignSpace, optional
+        Its designs.
+    """
 
-def _check_keys(found: Problems, mechanism: str, catalogue: Catalogue, cycle: Iterable[str]) -> None:
-    """Note the keys of [cycle] that are neither options nor the name of the input."""
-    for name in cycle:
-        if name not in Cycle.model_fields:
-            with found.at(f"cycle.{name}"):
-                check_keywords(mechanism, catalogue, [name], Cycle.model_fields)
+    def __init__(self, path: Path, shape: StudyFile | None = None, space: DesignSpace | None = None) -> None:
+        self.path, self.shape, self.space = path, shape, space
 
+    def line(self, problem: Problem) -> str:
+        return f"{self.path}: {super().line(problem)}"
 
-def _links(found: Problems, given: LinkModel | None) -> Links | None:
-    if given is None:
-        return None
-    with found.at("links.model"):
-        links_from(given.model, {})
-        values: Mapping[str, float] = given.model_extra or {}
-        for name, value in values.items():
-            with found.at(f"links.{name}"):
-                links_from(given.model, {name: value})
-        if not found.lines:
-            return links_from(given.model, values)
-    return None
+    def place(self, where: Place) -> str:
+        return path_text(self._key(where))
 
+    def _key(self, where: Place) -> Place:
+        head, *rest = where or ("",)
+        if head in ("sobol", "latin_hypercube", "table"):
+            return ("design", *where)
+        if head in ("grid", "design"):
+            return ("design", *self._sample(rest), *rest)
+        for table, model in TABLES.items():
+            if PARAMETERS.get(str(head), head) in model.model_fields or (
+                table == "cycle" and self.shape is not None and head in (self.shape.cycle.model_extra or {})
+            ):
+                return (table, PARAMETERS.get(str(head), head), *rest)
+        return where
 
-def _requests(found: Problems, catalogue: Catalogue, names: Sequence[str]) -> list[Request]:
-    requests = []
-    for k, name in enumerate(names):
-        with found.at(f"quantities[{k}]"):
-            if name in names[:k]:
-                raise InputError(f"{name!r} is asked for twice; name it once")
-            requests.append(parse_request(name, catalogue))
-    return requests if "status" in names else [*requests, parse_request("status", catalogue)]
+    def _sample(self, rest: Sequence[str | int]) -> Place:
+        """Return the key of the sample or the table that gives an input, if one does."""
+        if self.shape is None or self.space is None or not rest:
+            return ()
+        design, name = self.shape.design, rest[0]
+        if name not in self.space.names or name in (design.model_extra or {}):
+            return ()
+        return tuple(kind for kind in (*SAMPLES, "table") if getattr(design, kind) is not None)
+
+    def piece(self, piece: Piece) -> str | None:
+        if isinstance(piece, Samples):
+            return f"{{linspace = [{piece.first:g}, {piece.last:g}, {piece.count}]}}"
+        if isinstance(piece, Pair):
+            return f"[{piece.low}, {piece.high}]"
+        if isinstance(piece, Setting):
+            known = any(piece.name in model.model_fields for model in TABLES.values())
+            return f"{piece.name} = {json.dumps(piece.value)}" if known else None
+        return piece

@@ -1,35 +1,39 @@
-"""The shape of a study file: its tables, keys and types, and one line for each thing that is wrong."""
+"""The shape of a study file: its tables, keys and types, and what is wrong with them."""
 
 from __future__ import annotations
 
-import contextlib
-import re
-from collections.abc import Callable, Collection, Iterator
-from pathlib import Path
-from typing import Annotated, Any, TypeVar
+from collections.abc import Callable, Collection
+from typing import TYPE_CHECKING, Annotated, Any, Self, TypeVar
 
-from pydantic import BaseModel, ConfigDict, Discriminator, Field, Tag, ValidationError, WrapValidator
+import numpy as np
+from pydantic import (
+    AfterValidator,
+    BaseModel,
+    ConfigDict,
+    Discriminator,
+    Field,
+    Tag,
+    ValidationError,
+    WrapValidator,
+    model_validator,
+)
 from pydantic_core import PydanticCustomError
 
-from fastlink.errors import InputError, suggest
+from fastlink.errors import Problem, suggest
 from fastlink.space import shown
 
-__all__ = ["LONGEST_AXIS", "Angles", "Design", "LinkModel", "Problems", "StudyFile", "problems"]
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+__all__ = ["LONGEST_AXIS", "TABLES", "Angles", "Design", "LinkModel", "StudyFile", "problems"]
 
 LONGEST_AXIS = 10_000_000  # 80 MB: axes are held in memory
 
-MOST_LINES = 20
-WHERE = re.compile(
-    r"^(grid|table|sobol|latin_hypercube|design|links|backend|branch|theta1?|phi|sigma|joint_angle_\d): "
-)
-# what the functions say to who calls them in Python, and how a study file has it
-PHRASES = {
-    "(lo, hi)": "[lo, hi]",
-    ", or pass allow_invalid=True to keep such designs": "",
-    "an array, such as numpy.linspace(-4, 4, 401)": "such as {linspace = [-4, 4, 401]}",
-}
-
 T = TypeVar("T")
+
+
+def _refused(what: str, remedy: str) -> PydanticCustomError:
+    return PydanticCustomError("allowed", "{what}; {remedy}", {"what": what, "remedy": remedy})
 
 
 def _or_say(allowed: str, *, and_inside: bool = False) -> WrapValidator:
@@ -44,14 +48,21 @@ def _or_say(allowed: str, *, and_inside: bool = False) -> WrapValidator:
         except ValidationError as error:
             if and_inside and any(entry["loc"] for entry in error.errors(include_url=False)):
                 raise
-            context = {"found": shown(value), "allowed": allowed}
-            raise PydanticCustomError("allowed", "is {found}; write {allowed}", context) from None
+            raise _refused(f"is {shown(value)}", f"write {allowed}") from None
 
     return WrapValidator(check)
 
 
 AXIS = "{linspace = [lo, hi, n]}, {geomspace = [lo, hi, n]} or {values = [...]}"
 COUNT = f"a whole number n from 1 to {LONGEST_AXIS}"
+
+
+def _of_one_sign(given: tuple[float, float, int]) -> tuple[float, float, int]:
+    low, high, _ = given
+    if not (low and high and (low > 0) == (high > 0)):
+        raise ValueError("the ends have not one sign")
+    return given
+
 
 Finite = Annotated[float, Field(strict=True, allow_inf_nan=False)]
 Count = Annotated[int, Field(strict=True, ge=1, le=LONGEST_AXIS)]
@@ -73,6 +84,7 @@ Numbers = Annotated[
 Linspace = Annotated[tuple[Finite, Finite, Count], _or_say(f"[lo, hi, n] with finite lo and hi and {COUNT}")]
 Geomspace = Annotated[
     tuple[Finite, Finite, Count],
+    AfterValidator(_of_one_sign),
     _or_say(f"[lo, hi, n] with finite lo and hi of one sign, neither 0, and {COUNT}"),
 ]
 Range = Annotated[
@@ -89,6 +101,23 @@ class Angles(_Table):
 
     linspace: Linspace | None = None
     values: Numbers | None = None
+
+    @model_validator(mode="after")
+    def _has_one_key(self) -> Self:
+        given = [name for name, value in self if value is not None]
+        if len(given) != 1:
+            known = ", ".join(sorted(type(self).model_fields))
+            raise _refused(f"has {' and '.join(given) or 'no key'}", f"write exactly one of {known}")
+        return self
+
+    def array(self) -> NDArray[Any]:
+        """Return the values, from the one key."""
+        ((kind, value),) = [(name, value) for name, value in self if value is not None]
+        if kind == "values":
+            return np.array(value)
+        low, high, n = value
+        with np.errstate(all="ignore"):  # what overflows is found with its index, as any infinite value
+            return (np.linspace if kind == "linspace" else np.geomspace)(low, high, n)
 
 
 class Axis(Angles):
@@ -198,7 +227,8 @@ class StudyFile(_Table):
     output: OutputFile = OutputFile()
 
 
-_TABLES: dict[str, type[BaseModel]] = {"cycle": Cycle, "run": Run, "output": OutputFile}
+#: The tables of options.
+TABLES: dict[str, type[BaseModel]] = {"cycle": Cycle, "run": Run, "output": OutputFile}
 _EXAMPLES = {
     "mechanism": 'mechanism = "planar_4r"',
     "quantities": 'quantities = ["omega4_max"]',
@@ -208,8 +238,8 @@ _EXAMPLES = {
 }
 
 
-def problems(error: ValidationError, positions: Collection[str]) -> list[tuple[str, str]]:
-    """Return the dotted key and the fault of everything that pydantic refused.
+def problems(error: ValidationError, positions: Collection[str]) -> list[Problem]:
+    """Return everything that pydantic refused.
 
     A missing key is left out where a misspelt one stands for it; what stands under a key that is neither an option of
     [cycle] nor one of the input `positions` is left to the check of that key.
@@ -222,7 +252,7 @@ def problems(error: ValidationError, positions: Collection[str]) -> list[tuple[s
     # a sample's keys under a name that is no kind of sample: that name is what is wrong
     samples = {entry["loc"][:3] for entry in entries if entry["loc"][2:] == ("<axis>", "n")}
     found = [
-        (dotted(loc), f"is no key here; {suggest(str(loc[1]), ['sobol', 'latin_hypercube'])}")
+        Problem("is no key here", _where(loc), suggest(str(loc[1]), ["sobol", "latin_hypercube"]))
         for loc in sorted(samples, key=str)
     ]
     for entry in entries:
@@ -231,81 +261,28 @@ def problems(error: ValidationError, positions: Collection[str]) -> list[tuple[s
             continue
         kind, name = entry["type"], str(loc[-1])
         if kind == "extra_forbidden":
-            text = f"is no key here; {suggest(name, _model_at(loc[:-1]).model_fields)}"
+            what, remedy = "is no key here", suggest(name, _model_at(loc[:-1]).model_fields)
         elif kind == "missing":
-            text = f"is missing; write {_EXAMPLES.get(name, name)}"
+            what, remedy = "is missing", f"write {_EXAMPLES.get(name, name)}"
         elif kind == "allowed":
-            text = entry["msg"]
+            what, remedy = entry["ctx"]["what"], entry["ctx"]["remedy"]
         else:
-            text = f"is {shown(entry['input'])}; write a table of keys, such as [{name}]"
-        found.append((dotted(loc), text))
-    misspelt = " ".join(text for _, text in found)
+            what, remedy = f"is {shown(entry['input'])}", f"write a table of keys, such as [{name}]"
+        found.append(Problem(what, _where(loc), remedy))
+    meant = {(*one.where[:-1], one.remedy) for one in found if one.what == "is no key here"}
     return [
-        (key, text)
-        for key, text in found
-        if not (text.startswith("is missing") and f"did you mean {key.rpartition('.')[2]!r}?" in misspelt)
+        one
+        for one in found
+        if one.what != "is missing" or (*one.where[:-1], f"did you mean {one.where[-1]!r}?") not in meant
     ]
 
 
-def dotted(loc: tuple[int | str, ...]) -> str:
-    """Return a place in a study file as text, such as ``design.a2.values[3]``.
-
-    Examples
-    --------
-    >>> dotted(("design", "a2", "<axis>", "values", 3))
-    'design.a2.values[3]'
-    """
-    text = ""
-    for part in loc:
-        if isinstance(part, int):
-            text += f"[{part}]"
-        elif not part.startswith("<"):
-            text += f".{part}" if text else part
-    return text
+def _where(loc: tuple[int | str, ...]) -> tuple[int | str, ...]:
+    """Return a place in a study file without pydantic's tags."""
+    return tuple(part for part in loc if isinstance(part, int) or not part.startswith("<"))
 
 
 def _model_at(loc: tuple[int | str, ...]) -> type[BaseModel]:
     if loc and loc[-1] == "<axis>":
         return Angles if loc[0] == "cycle" else Axis
-    return _TABLES[str(loc[0])] if loc else StudyFile
-
-
-class Problems:
-    """What is wrong with a study, a line for each."""
-
-    def __init__(self, path: Path) -> None:
-        self.path = path
-        self.lines: list[str] = []
-
-    def add(self, key: str, fault: str) -> None:
-        """Note what is wrong with a dotted key; with an empty one, of the study as a whole."""
-        for phrase, ours in PHRASES.items():
-            fault = fault.replace(phrase, ours)
-        name = re.escape(key.rpartition(".")[2])
-        if own := re.match(rf"{name}(\[\d+\])? (?=is )", fault):  # "a2[3] is 0": the key says that it is a2
-            key, fault = key + (own[1] or ""), fault[own.end() :]
-        place = f"{self.path}: {key}" if key else f"{self.path}:"
-        # "a2 is 3" reads on after the key, a sentence of its own stands after a colon
-        colon = ":" if key and not fault.startswith(("is ", "has ")) else ""
-        self.lines.append(f"{place}{colon} {fault}")
-
-    @contextlib.contextmanager
-    def at(self, key: str) -> Iterator[None]:
-        """Note an InputError as a problem of this key, and go on."""
-        try:
-            yield
-        except InputError as error:
-            for line in str(error).splitlines():
-                self.add(key, WHERE.sub("", line))
-
-    def error(self) -> InputError:
-        """Return the error that holds the lines."""
-        lines, more = self.lines[:MOST_LINES], len(self.lines) - MOST_LINES
-        if more > 0:
-            lines.append(f"{self.path}: and {more} more problems")
-        return InputError("\n".join(lines))
-
-    def stop(self) -> None:
-        """Raise InputError if anything was found."""
-        if self.lines:
-            raise self.error()
+    return TABLES[str(loc[0])] if loc else StudyFile

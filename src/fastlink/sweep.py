@@ -308,7 +308,8 @@ def _check_threads(threads: int | None) -> int:
     if threads is None:
         return default_threads()
     if isinstance(threads, bool) or not isinstance(threads, int) or threads < 1:
-        raise InputError(f"threads: {threads!r}; write a whole number of at least 1")
+        remedy = "write a whole number of at least 1"
+        raise InputError(f"is {threads!r}", where=("threads",), remedy=remedy)
     return threads
 
 

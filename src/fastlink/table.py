@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from fastlink.errors import InputError
+from fastlink.errors import InputError, Remedy, Setting
 from fastlink.space import DesignSpace, Floats, constant, first_invalid, numbers_of, sampled, shown
 
 
@@ -55,7 +55,8 @@ def table(source: Any, *, allow_invalid: bool = False) -> DesignSpace:
             columns[name] = _column(name, values, columns, allow_invalid)
     if not columns:
         found = f"holds only single numbers ({', '.join(constants)})" if constants else "is empty"
-        raise InputError(f"table: the table {found}; give at least one column of values, or use grid")
+        remedy = "give at least one column of values, or use grid"
+        raise InputError(f"the table {found}", where=("table",), remedy=remedy)
     return sampled("table", constants, columns, attrs)
 
 
@@ -64,16 +65,14 @@ def _table_entries(source: Any) -> Iterator[tuple[str, Any]]:
     if hasattr(source, "data_vars"):
         entries = _dataset_entries(source)
     elif hasattr(source, "columns") and hasattr(source, "to_numpy"):
-        _check_names("table", list(source.columns))
+        _check_names(list(source.columns))
         entries = ((name, source[name].to_numpy()) for name in source.columns)
     elif isinstance(source, Mapping):
-        _check_names("table", list(source))
+        _check_names(list(source))
         entries = iter(source.items())
     else:
-        raise InputError(
-            f"table: {shown(source)} is no table; give a mapping, an xarray.Dataset, a pandas.DataFrame "
-            "or the path of a CSV file"
-        )
+        remedy = "give a mapping, an xarray.Dataset, a pandas.DataFrame or the path of a CSV file"
+        raise InputError(f"{shown(source)} is no table", where=("table",), remedy=remedy)
     yield from entries
 
 
@@ -82,44 +81,45 @@ def _dataset_entries(dataset: Any) -> Iterator[tuple[str, Any]]:
     for name, coord in dataset.coords.items():
         if name not in dataset.indexes and coord.ndim <= 1 and coord.dtype.kind == "f":
             chosen[name] = coord
-    _check_names("table", list(chosen))
+    _check_names(list(chosen))
     along: dict[str, str] = {}
     for name, variable in chosen.items():
         if variable.ndim > 1:
+            remedy = "give 1-D variables, for instance by dataset[['a1', 'a2']]"
             raise InputError(
-                f"table: {name} has dimensions {tuple(variable.dims)}; give 1-D variables, for instance by "
-                "dataset[['a1', 'a2']]"
+                f"has dimensions {tuple(variable.dims)}", where=("table", str(name)), remedy=remedy
             )
         for dim in variable.dims:
             along.setdefault(dim, name)
     if len(along) > 1:
         found = " but ".join(f"{name} along {dim!r}" for dim, name in list(along.items())[:2])
-        raise InputError(f"table: {found}; give variables along one common dimension")
+        raise InputError(found, where=("table",), remedy="give variables along one common dimension")
     return ((name, variable.values) for name, variable in chosen.items())
 
 
-def _check_names(where: str, names: Sequence[Any]) -> None:
+def _check_names(names: Sequence[Any], inside: str = "") -> None:
     for index, name in enumerate(names):
         if not isinstance(name, str) or not name:
-            raise InputError(f"{where}: column {index + 1} is named {name!r}; name it by the input it holds")
+            raise _refused(f"{inside}column {index + 1} is named {name!r}", "name it by the input it holds")
         if name == "design":
-            raise InputError(
-                f"{where}: 'design' is the name of the dimension; leave out or rename that column"
-            )
+            what = f"{inside}'design' is the name of the dimension"
+            raise _refused(what, "leave out or rename that column")
         if name in names[:index]:
-            raise InputError(f"{where}: two columns are named {name!r}; name each by the input it holds")
+            raise _refused(f"{inside}two columns are named {name!r}", "name each by the input it holds")
+
+
+def _refused(what: str, remedy: Remedy) -> InputError:
+    return InputError(what, where=("table",), remedy=remedy)
 
 
 def _column(name: str, values: Floats, others: Mapping[str, Floats], allow_invalid: bool) -> Floats:
     """Return the values of a table column, or say why they are none."""
     if values.size == 0:
-        raise InputError(f"table: column {name} is empty; give at least one row")
+        raise _refused(f"column {name} is empty", "give at least one row")
     for other, known in others.items():
         if len(known) != len(values):
-            raise InputError(
-                f"table: column {name} has {len(values)} values but {other} has {len(known)}; "
-                "give one per design"
-            )
+            what = f"column {name} has {len(values)} values but {other} has {len(known)}"
+            raise _refused(what, "give one per design")
     bad = None if allow_invalid else first_invalid(values)
     if bad is not None:
         raise _invalid_cell(f"row {bad} (counted from 0) of column {name}", values[bad])
@@ -127,9 +127,8 @@ def _column(name: str, values: Floats, others: Mapping[str, Floats], allow_inval
 
 
 def _invalid_cell(cell: str, found: object) -> InputError:
-    return InputError(
-        f"table: {cell} is {found}; write a finite number, or pass allow_invalid=True to keep such designs"
-    )
+    keep = (", or pass ", Setting("allow_invalid", True), " to keep such designs")
+    return _refused(f"{cell} is {found}", ("write a finite number", keep))
 
 
 def _read_csv(path: Path, allow_invalid: bool) -> dict[str, Floats]:
@@ -137,13 +136,9 @@ def _read_csv(path: Path, allow_invalid: bool) -> dict[str, Floats]:
         with path.open(encoding="utf-8-sig", newline="") as file:
             return _parse_csv(path.name, csv.reader(file, skipinitialspace=True), allow_invalid)
     except OSError as error:
-        raise InputError(
-            f"table: cannot read {path}: {error.strerror}; give the path of a CSV file"
-        ) from error
+        raise _refused(f"cannot read {path}: {error.strerror}", "give the path of a CSV file") from error
     except (UnicodeDecodeError, csv.Error) as error:
-        raise InputError(
-            f"table: {path} is no CSV text ({error}); save it as comma-separated UTF-8"
-        ) from error
+        raise _refused(f"{path} is no CSV text ({error})", "save it as comma-separated UTF-8") from error
 
 
 def _parse_csv(file: str, reader: Any, allow_invalid: bool) -> dict[str, Floats]:
@@ -153,10 +148,8 @@ def _parse_csv(file: str, reader: Any, allow_invalid: bool) -> dict[str, Floats]
     columns = [array("d") for _ in names]
     for number, row in enumerate(rows):
         if len(row) != len(names):
-            raise InputError(
-                f"table: {file} line {reader.line_num} has {len(row)} cells but the header has {len(names)}; "
-                "write one cell per column"
-            )
+            what = f"{file} line {reader.line_num} has {len(row)} cells but the header has {len(names)}"
+            raise _refused(what, "write one cell per column")
         for name, column, text in zip(names, columns, row, strict=True):
             try:
                 value = float(text)
@@ -168,7 +161,7 @@ def _parse_csv(file: str, reader: Any, allow_invalid: bool) -> dict[str, Floats]
                 )
             column.append(value)
     if not columns[0]:
-        raise InputError(f"table: {file} has a header but no rows; write one line per design")
+        raise _refused(f"{file} has a header but no rows", "write one line per design")
     return {name: np.array(column) for name, column in zip(names, columns, strict=True)}
 
 
@@ -176,28 +169,27 @@ def _check_cell(cell: str, text: str, allow_invalid: bool) -> None:
     """Refuse the text of a CSV cell that is no finite number, unless invalid designs are to be kept."""
     text = text.strip()
     if text and not _reads_as_number(text):
-        raise InputError(f"table: {cell} is {shown(text)}, not a number; write a number")
+        raise _refused(f"{cell} is {shown(text)}, not a number", "write a number")
     if not allow_invalid:
         raise _invalid_cell(cell, text or "empty")
 
 
 def _csv_names(file: str, header: list[str] | None, line: int) -> list[str]:
     if header is None:
-        raise InputError(
-            f"table: {file} is empty; write the names of the columns in line 1, then one line per design"
-        )
+        remedy = "write the names of the columns in line 1, then one line per design"
+        raise _refused(f"{file} is empty", remedy)
     names = [name.strip() for name in header]
-    where = f"table: {file} line {line}"
+    where = f"{file} line {line}"
     for name in names:
         if _reads_as_number(name):
-            raise InputError(
-                f"{where} holds {name} instead of a name; write the names of the columns in line 1"
-            )
+            what = f"{where} holds {name} instead of a name"
+            raise _refused(what, "write the names of the columns in line 1")
         if ";" in name or "\t" in name:
-            raise InputError(f"{where} reads {shown(name)}; separate the columns by commas")
+            raise _refused(f"{where} reads {shown(name)}", "separate the columns by commas")
         if name.startswith("#"):
-            raise InputError(f"{where} starts with '#'; write the names of the columns alone in line 1")
-    _check_names(where, names)
+            what = f"{where} starts with '#'"
+            raise _refused(what, "write the names of the columns alone in line 1")
+    _check_names(names, f"{where}: ")
     return names
 
 

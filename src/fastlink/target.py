@@ -11,13 +11,15 @@ import threading
 from collections.abc import Iterator
 from pathlib import Path
 
-from fastlink.errors import InputError
+from fastlink.errors import InputError, Remedy, Setting
 
 try:
     import fcntl
 except ImportError:  # not POSIX: no locks, and a folder cannot be synchronised
     fcntl = None  # type: ignore[assignment]
 
+#: What to write instead where a file is in the way.
+EXISTS: Remedy = ("choose another name", (", or write ", Setting("overwrite", True)))
 SLACK = 2**20  # for the labels, and for the attributes that are added at the end
 
 _seek_lock = threading.Lock()
@@ -55,31 +57,35 @@ def check_target(path: str | Path, nbytes_needed: int, overwrite: bool) -> Path:
     try:
         place = Path(os.path.realpath(os.path.expanduser(path)))
         if place.is_dir():
-            raise InputError(f"{place}: is a folder; add a file name, for instance {place / 'maps.h5'}")
+            raise _refused(f"{place} is a folder", f"add a file name, for instance {place / 'maps.h5'}")
         if not place.parent.is_dir():
-            raise InputError(f"{place}: there is no folder {place.parent}; create it or choose another")
+            raise _refused(f"{place}: there is no folder {place.parent}", "create it or choose another")
         if place.exists() and not place.is_file():
-            raise InputError(f"{place}: is a device or a pipe; choose another name")
+            raise _refused(f"{place} is a device or a pipe", "choose another name")
         if place.exists() and not overwrite:
-            raise InputError(f"{place}: the file exists; choose another name or set overwrite")
+            raise _refused(f"{place}: the file exists", EXISTS)
         _refuse_when_held(part_of(place))
         with tempfile.TemporaryFile(dir=place.parent):
             pass
     except InputError:
         raise
     except (OSError, ValueError) as error:  # ValueError: a NUL in the path
-        raise InputError(f"{path}: cannot be written ({reason(error)}); choose another place") from error
+        raise _refused(f"{path} cannot be written ({reason(error)})", "choose another place") from error
     if nbytes_needed + SLACK > _free(place) + _held_by(part_of(place)):
         raise no_room(place, nbytes_needed)
     return place
 
 
+def _refused(what: str, remedy: Remedy) -> InputError:
+    return InputError(what, where=("to",), remedy=remedy)
+
+
 def no_room(path: Path, nbytes: int, error: Exception | None = None) -> InputError:
     """Return the error of a disk that is too small for a file."""
     why = f" ({reason(error)})" if error else ""
-    return InputError(
-        f"{path}: needs {_human(nbytes)} but {_human(_free(path))} are free{why}; ask for fewer quantities "
-        "or designs, or choose another disk"
+    return _refused(
+        f"{path} needs {_human(nbytes)} but {_human(_free(path))} are free{why}",
+        "ask for fewer quantities or designs, or choose another disk",
     )
 
 
@@ -220,7 +226,7 @@ def _lock(fd: int, part: Path) -> None:
     try:
         _flock(fd, fcntl.LOCK_EX | fcntl.LOCK_NB)
     except BlockingIOError:
-        raise InputError(f"{part}: another run is writing it; wait for it or choose another name") from None
+        raise _refused(f"{part}: another run is writing it", "wait for it or choose another name") from None
 
 
 def _flock(fd: int, operation: int) -> None:

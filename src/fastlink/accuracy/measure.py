@@ -104,7 +104,8 @@ def accuracy(
     """
     for name, value in (("designs", designs), ("seed", seed)):
         if isinstance(value, bool) or not isinstance(value, int) or value < (name == "designs"):
-            raise InputError(f"{name}: {value!r}; write a whole number of at least {int(name == 'designs')}")
+            remedy = f"write a whole number of at least {int(name == 'designs')}"
+            raise InputError(f"is {value!r}", where=(name,), remedy=remedy)
     read = read_study(study)
     place = None if to is None else check_target(to, 0, overwrite)
     asked = resolve(read.shape.mechanism, read.space, read.shape.quantities, **read.options)
@@ -113,9 +114,8 @@ def accuracy(
     space = sampled("table", {}, columns, {"design_kind": "table"})
     measured, left_out = _measurable(asked.plan)
     if not measured:
-        raise InputError(
-            f"{study}: quantities: none is told of single positions or of the design, or is NAME_max or NAME_min"
-        )
+        what = "none is told of single positions or of the design, or is NAME_max or NAME_min"
+        raise InputError(what, where=("quantities",), remedy="ask for one of these")
     # each way has a solver of its own, the closed form unless it is named after another
     options = {**read.options, "solver": ELIMINATED}
     subjects = [Subject(read.shape.mechanism, space, quantity, options) for quantity in measured]

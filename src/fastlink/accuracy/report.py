@@ -98,7 +98,7 @@ def draw(measured: xr.Dataset, to: str | Path) -> None:
         from matplotlib.backends.backend_agg import FigureCanvasAgg
         from matplotlib.figure import Figure
     except ModuleNotFoundError:
-        raise InputError(f"picture: matplotlib is not installed; {INSTALL}") from None
+        raise InputError("matplotlib is not installed", where=("picture",), remedy=INSTALL) from None
     quantities = [str(name) for name in measured["quantity"].values]
     columns = min(COLUMNS, len(quantities))
     lines = -(-len(quantities) // columns)
@@ -128,4 +128,5 @@ def draw(measured: xr.Dataset, to: str | Path) -> None:
     try:
         figure.savefig(Path(to), dpi=160)
     except (OSError, ValueError) as error:
-        raise InputError(f"picture: {to}: cannot be written ({error}); choose another name") from None
+        what = f"{to} cannot be written ({error})"
+        raise InputError(what, where=("picture",), remedy="choose another name") from None

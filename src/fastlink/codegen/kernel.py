@@ -42,7 +42,7 @@ def backend_of(chosen: str | None) -> str:
     name = chosen or os.environ.get("FASTLINK_BACKEND") or BACKENDS[0]
     if name not in BACKENDS:
         where = "backend" if chosen else "environment variable FASTLINK_BACKEND"
-        raise InputError(f"{where}: {name!r} is unknown; {suggest(str(name), BACKENDS)}")
+        raise InputError(f"{name!r} is unknown", where=(where,), remedy=suggest(str(name), BACKENDS))
     return name
 
 

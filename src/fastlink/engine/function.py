@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from fastlink.asked import Asked, resolve
+from fastlink.asked import Asked, check_names, resolve
 from fastlink.design import grid
 from fastlink.engine.binding import BLOCK, Bound, bind
 from fastlink.errors import InputError
@@ -95,7 +95,7 @@ def function(
         "extrema": extrema,
         "backend": backend,
     }
-    names = _names("inputs", inputs)
+    names = list(check_names("inputs", inputs))
     for name in names:
         if name in fixed:
             raise InputError(
@@ -108,10 +108,11 @@ def function(
     asked = resolve(
         mechanism,
         varying,
-        _names("outputs", outputs),
+        outputs,
         positions=positions,
         allow_invalid=True,  # the fixed values are checked below, the others at each call
         companions=False,
+        called="outputs",
         **options,
     )
     alternatives = alternatives_of(asked.catalogue, links, solver, varying.names)
@@ -240,18 +241,6 @@ class Function:
             part.run(count)
             for k, result in part.results:
                 found[k] = result[:count].reshape(count, *self._shapes[k])
-
-
-def _names(what: str, given: Sequence[str]) -> list[str]:
-    if isinstance(given, str):
-        raise InputError(f"{what}: {given!r} is one text; write a list: [{given!r}]")
-    names = list(given)
-    if not names:
-        raise InputError(f"{what}: none is named; write a list of names")
-    twice = [name for k, name in enumerate(names) if name in names[:k]]
-    if twice:
-        raise InputError(f"{what}: {twice[0]!r} is named twice; name it once")
-    return names
 
 
 def _fixed(

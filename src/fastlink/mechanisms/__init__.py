@@ -34,9 +34,8 @@ def catalogue(mechanism: str, input: str | None = None) -> Catalogue:
     if input in (None, first.position.name):
         return first
     if input not in driven:
-        raise InputError(
-            f"input {input!r} is unknown to {mechanism}; {suggest(str(input), inputs_of(mechanism))}"
-        )
+        what, remedy = f"{input!r} is unknown to {mechanism}", suggest(str(input), inputs_of(mechanism))
+        raise InputError(what, where=("input",), remedy=remedy)
     with _lock:
         return driven[input]()
 
@@ -44,7 +43,8 @@ def catalogue(mechanism: str, input: str | None = None) -> Catalogue:
 def _package(mechanism: str) -> tuple[Catalogue, dict[str, Callable[[], Catalogue]]]:
     """Return the catalogue of a mechanism, and by the names of its other inputs what makes theirs."""
     if mechanism not in NAMES:
-        raise InputError(f"mechanism {mechanism!r} is unknown; {suggest(str(mechanism), NAMES)}")
+        remedy = suggest(str(mechanism), NAMES)
+        raise InputError(f"{mechanism!r} is unknown", where=("mechanism",), remedy=remedy)
     from importlib import import_module
 
     package = import_module(f"fastlink.mechanisms.{mechanism}")

@@ -43,7 +43,8 @@ def check_verify(verify: int | None, lasting: bool) -> int:
     if verify is None:
         return DESIGNS if lasting else 0
     if isinstance(verify, bool) or not isinstance(verify, int) or verify < 0:
-        raise InputError(f"verify: {verify!r}; write how many designs to compute again, 0 for none")
+        remedy = "write how many designs to compute again, 0 for none"
+        raise InputError(f"is {verify!r}", where=("verify",), remedy=remedy)
     return verify
 
 

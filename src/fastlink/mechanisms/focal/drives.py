@@ -10,6 +10,7 @@ from functools import cache
 from typing import Any, TypeVar
 
 from fastlink.catalogue import Catalogue, Input
+from fastlink.errors import InputError, Setting
 from fastlink.mechanisms.focal.declare import focal
 
 F = TypeVar("F", bound=Callable[..., Any])
@@ -18,14 +19,14 @@ F = TypeVar("F", bound=Callable[..., Any])
 class _ByCrank(Catalogue):
     """The mechanism by its crank, which tells what belongs to the other drive."""
 
-    def unknown(self, name: str, known: Iterable[str]) -> str:
+    def unknown(self, name: str, known: Iterable[str]) -> InputError:
         if name == self.position.name:
-            return f"quantity {name!r} is the input, and a coordinate of the result: leave it out"
+            what = f"quantity {name!r} is the input, and a coordinate of the result"
+            return InputError(what, remedy="leave it out")
         if name in focal.public:
-            return (
-                f"quantity {name!r} is told of input {focal.position.name!r} alone; "
-                f"leave input={self.position.name!r} out, or ask for such as 'dphi_dsigma'"
-            )
+            what = f"quantity {name!r} is defined for input {focal.position.name!r} alone"
+            here = ("leave ", Setting("input", self.position.name), " out, or ")
+            return InputError(what, remedy=(here, "ask for such as 'dphi_dsigma'"))
         return super().unknown(name, known)
 
 

@@ -20,6 +20,7 @@ from functools import cache, partial
 from typing import Any
 
 from fastlink.catalogue import Catalogue, Fact, Input
+from fastlink.errors import InputError, Setting
 from fastlink.mechanisms.borrow import facts_of, with_derivatives
 from fastlink.mechanisms.planar_4r.declare import planar_4r
 from fastlink.names import Derivative, Quantity, deepest
@@ -59,17 +60,17 @@ KEPT = (
 class _Driven(Catalogue):
     """A mechanism by another of its inputs: fewer quantities, and why others are missing."""
 
-    def unknown(self, name: str, known: Iterable[str]) -> str:
+    def unknown(self, name: str, known: Iterable[str]) -> InputError:
         first = planar_4r.position.name
         if name in (self.position.name, *self.inputs):
-            return f"quantity {name!r} is given, and a coordinate of the result: leave it out"
+            what = f"quantity {name!r} is given, and a coordinate of the result"
+            return InputError(what, remedy="leave it out")
         if deepest(name, planar_4r) in planar_4r.public:
             other = f"joint_angle_{moved_number(2, int(self.position.name[-1]))}"
             rates = ", ".join(repr(other.replace("angle", rate)) for rate in ("omega", "alpha"))
-            return (
-                f"quantity {name!r} is told of input {first!r} alone; with input={self.position.name!r} "
-                f"ask for such as {other!r}, {rates}, or leave input out"
-            )
+            what = f"quantity {name!r} is defined for input {first!r} alone"
+            here = ("with ", Setting("input", self.position.name), " ")
+            return InputError(what, remedy=(here, f"ask for such as {other!r}, {rates}, or leave input out"))
         return super().unknown(name, known)
 
 
