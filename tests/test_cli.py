@@ -96,14 +96,17 @@ def test_run_replaces_a_file_only_when_told(folder):
     before = Path("study.h5").read_bytes()
     (line,) = refused("run", "study.toml")
     assert line.startswith("study.toml: output.file: ")
-    assert line.endswith("the file exists; choose another name or set overwrite")
+    assert line.endswith("the file exists; choose another name, or write overwrite = true")
     assert Path("study.h5").read_bytes() == before
     assert called("run", "study.toml", "--overwrite").exit_code == 0
 
 
 def test_several_problems_are_a_line_each(folder):
     Path("study.toml").write_text(STUDY.replace("\na1", "\na9").replace("omega4_max", "omega9_max"))
-    assert [line.split(": ")[1] for line in refused("run", "study.toml")] == ["quantities[0]", "design.a9"]
+    assert [line.split(": ")[1].split(" ")[0] for line in refused("run", "study.toml")] == [
+        "quantities[0]",
+        "design.a9",
+    ]
 
 
 def test_a_study_that_is_not_there(folder):
@@ -162,7 +165,9 @@ def test_quantities_prints_the_table():
     assert done.stdout == f"{fl.quantities('planar_4r')}\n"
     every = called("quantities", "planar_4r", "--all")
     assert every.stdout == f"{fl.quantities('planar_4r', internal=True)}\n"
-    assert refused("quantities", "planar4r") == ["mechanism 'planar4r' is unknown; did you mean 'planar_4r'?"]
+    assert refused("quantities", "planar4r") == [
+        "MECHANISM: 'planar4r' is unknown; did you mean 'planar_4r'?"
+    ]
 
 
 def test_info_tells_what_a_map_holds(folder):
@@ -207,7 +212,7 @@ def test_a_new_study_runs_as_it_is(folder, mechanism):
 
 
 def test_a_new_study_of_an_unknown_mechanism():
-    assert refused("new", "planar4r") == ["mechanism 'planar4r' is unknown; did you mean 'planar_4r'?"]
+    assert refused("new", "planar4r") == ["MECHANISM: 'planar4r' is unknown; did you mean 'planar_4r'?"]
 
 
 def test_plot_writes_a_picture(folder):
@@ -226,8 +231,11 @@ def test_plot_writes_a_picture(folder):
         (["--at", "a3=x"], "--at: 'a3=x' is not DIM=VALUE; write such as --at a4=1.0"),
         (["--at", "=1"], "--at: '=1' is not DIM=VALUE; write such as --at a4=1.0"),
         (["--at", "a3=1", "--at", "a3=1"], "--at: a3 is fixed twice; write it once"),
-        (["--branch", "3"], "plot: branch 3 is not in the result; write one of 1, 2"),
-        (["--at", "a1=0.4"], "plot: 'a1' is no dimension of omega4_max that at can fix; did you mean 'a3'?"),
+        (["--branch", "3"], "--branch: 3 is not in the result; write one of 1, 2"),
+        (
+            ["--at", "a1=0.4"],
+            "--at: 'a1' is no dimension of omega4_max that can be fixed; did you mean 'a3'?",
+        ),
     ],
 )
 def test_plot_refuses(folder, arguments, message):

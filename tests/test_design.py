@@ -152,15 +152,15 @@ def test_designs_outside_the_space_are_refused(start, stop):
 
 
 GRID_ERRORS = {
-    "empty": ([], "grid: axis a2 is empty; give it at least one value"),
+    "empty": ([], "grid: a2 is an empty axis; give it at least one value"),
     "nan constant": (np.nan, "grid: a2 is nan; write a finite number"),
     "inf in axis": ([1.0, -np.inf], "grid: a2[1] is -inf; write a finite number"),
     "masked": (
         np.ma.masked_array([1, 2], mask=[False, True]),
         "grid: a2[1] is nan; write a finite number",
     ),
-    "repeat": ([1.0, 2.0, 3.0, 2.0], "grid: axis a2 holds 2.0 twice (at 1 and 3); give each value once"),
-    "signed zeros": ([0.0, -0.0], "grid: axis a2 holds 0.0 twice (at 0 and 1); give each value once"),
+    "repeat": ([1.0, 2.0, 3.0, 2.0], "grid: a2 holds 2.0 twice (at 1 and 3); give each value once"),
+    "signed zeros": ([0.0, -0.0], "grid: a2 holds 0.0 twice (at 0 and 1); give each value once"),
     "two dimensions": (
         np.ones((2, 2)),
         "grid: a2 has 2 dimensions; write a number or a flat list of numbers",
@@ -251,7 +251,7 @@ SAMPLE_ERRORS = {
     "too wide": ({"a1": (-1e308, 1e308)}, "a1 runs from -1e+308 to 1e+308; write finite ends"),
     "nan constant": ({"a2": np.nan}, "a2 is nan; write a finite number"),
     "text": ({"a1": "0..1"}, "a1 is '0..1', not a number; write a number or a flat list of numbers"),
-    "no range": ({"a1": 1.0}, "no input has a range; write at least one as NAME=(lo, hi), or use grid"),
+    "no range": ({"a1": 1.0}, "no input has a range; write (lo, hi) for at least one, or use a grid"),
 }
 
 

@@ -67,22 +67,22 @@ def test_refined_extremes_are_those_of_a_dense_curve(k):
         (
             "theta2",
             {},
-            "quantity 'theta2' is told of input 'theta1' alone; with input='joint_angle_2' ask for",
+            "quantity 'theta2' is defined for input 'theta1' alone; with input='joint_angle_2' ask for",
         ),
-        ("shaking_force_max", {}, "'shaking_force_max' is told of input 'theta1' alone"),
-        ("theta1_at_v1_max", {}, "'theta1_at_v1_max' is told of input 'theta1' alone"),
-        ("joint_angle_2", {}, "'joint_angle_2' is given, and a coordinate of the result: leave it out"),
-        ("joint_omega_2", {}, "'joint_omega_2' is given, and a coordinate of the result: leave it out"),
+        ("shaking_force_max", {}, "'shaking_force_max' is defined for input 'theta1' alone"),
+        ("theta1_at_v1_max", {}, "'theta1_at_v1_max' is defined for input 'theta1' alone"),
+        ("joint_angle_2", {}, "'joint_angle_2' is given, and a coordinate of the result; leave it out"),
+        ("joint_omega_2", {}, "'joint_omega_2' is given, and a coordinate of the result; leave it out"),
         ("joint_omga_3", {}, "unknown to planar_4r driven by joint_angle_2; did you mean 'joint_omega_3'?"),
         ("v1", {"theta1": 8}, "theta1: the input is joint_angle_2; write its positions as joint_angle_2"),
-        ("v1", {"angles": 0}, "joint_angle_2: 0 input angles"),
+        ("v1", {"angles": 0}, "angles: 0 input angles"),
         (
             "v1",
             {"links": fl.round_bar(1.0, 1.0)},
             "links: nothing of planar_4r driven by joint_angle_2 depends",
         ),
-        ("v1", {"input": "joint_angle_5"}, "input 'joint_angle_5' is unknown to planar_4r; did you mean"),
-        ("v1", {"input": "theta1"}, "input 'joint_omega_2' is unknown to planar_4r"),
+        ("v1", {"input": "joint_angle_5"}, "input: 'joint_angle_5' is unknown to planar_4r; did you mean"),
+        ("v1", {"input": "theta1"}, "design: joint_omega_2 is unknown to planar_4r"),
     ],
 )
 def test_a_sweep_says_what_is_wrong(quantity, options, message):
@@ -103,7 +103,7 @@ def test_angles_and_theta1_are_two_names_of_one_thing():
 
 def test_the_missing_rate_is_asked_for():
     space = fl.grid(a1=0.4, a2=1.2, a3=0.8, a4=1.0)
-    with pytest.raises(fl.InputError, match=r"input 'joint_omega_3' is missing \(rate of the driven joint"):
+    with pytest.raises(fl.InputError, match=r"joint_omega_3 is missing \(rate of the driven joint"):
         fl.sweep("planar_4r", space, ["joint_omega_1"], input="joint_angle_3")
 
 
@@ -134,7 +134,7 @@ def test_a_study_names_its_input(folder):
 @pytest.mark.parametrize(
     ("old", "new", "message"),
     [
-        ("joint_angle_2", "joint_angle_9", "cycle.input: input 'joint_angle_9' is unknown to planar_4r"),
+        ("joint_angle_2", "joint_angle_9", "cycle.input: 'joint_angle_9' is unknown to planar_4r"),
         (
             "angles",
             "theta1",
@@ -142,8 +142,12 @@ def test_a_study_names_its_input(folder):
         ),
         ("12", "{values = [1.0, 1.0]}", "cycle.angles: 1.0 stands twice (at 0 and 1)"),
         ("12", "0", "cycle.angles is 0; write a number of angles from 1"),
-        ("joint_omega_2", "omega1", "design.omega1: input 'omega1' is unknown to planar_4r driven by"),
-        ('"joint_angle_1"', '"theta4"', "quantities[0]: quantity 'theta4' is told of input 'theta1' alone"),
+        ("joint_omega_2", "omega1", "design.omega1 is unknown to planar_4r driven by"),
+        (
+            '"joint_angle_1"',
+            '"theta4"',
+            "quantities[0]: quantity 'theta4' is defined for input 'theta1' alone",
+        ),
         ("[cycle]", "[links]\nmodel = 'round_bar'\n[cycle]", "links: nothing of planar_4r driven by"),
     ],
 )

@@ -72,10 +72,14 @@ def test_kernels_have_the_bits_of_the_facts(drive):
         (
             "sigma",
             {"input": "sigma"},
-            "quantity 'sigma' is the input, and a coordinate of the result: leave it out",
+            "quantity 'sigma' is the input, and a coordinate of the result; leave it out",
         ),
-        ("dsigma_dphi", {"input": "sigma"}, "told of input 'phi' alone; .* ask for such as 'dphi_dsigma'"),
-        ("F_x", {"input": "psi"}, "input 'psi' is unknown to focal"),
+        (
+            "dsigma_dphi",
+            {"input": "sigma"},
+            "defined for input 'phi' alone; .* ask for such as 'dphi_dsigma'",
+        ),
+        ("F_x", {"input": "psi"}, "input: 'psi' is unknown to focal"),
         ("F_x", {"sigma": 36}, "sigma: the input is phi; write its positions as phi"),
         ("F_x", {"branch": 3}, "branch: 3 is no assembly mode of focal; write some of 1, 2"),
     ],

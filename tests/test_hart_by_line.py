@@ -70,7 +70,7 @@ def test_it_assembles_along_the_stroke_alone(design):
 def test_what_it_does_not_tell_is_said():
     with pytest.raises(InputError, match="quantity 'dF_y_dphi' is unknown to hart driven by F_y"):
         fl.sweep("hart", fl.grid(**WUNDERLICH), ["dF_y_dphi"], input="F_y")
-    with pytest.raises(InputError, match="input 'F_x' is unknown to hart; did you mean 'F_y'"):
+    with pytest.raises(InputError, match="input: 'F_x' is unknown to hart; did you mean 'F_y'"):
         fl.sweep("hart", fl.grid(**WUNDERLICH), ["psi"], input="F_x")
-    with pytest.raises(InputError, match="F_y: 12 is no array, and F_y has no bounds"):
+    with pytest.raises(InputError, match="angles: 12 is no array, and F_y has no bounds"):
         fl.sweep("hart", fl.grid(**WUNDERLICH), ["psi"], input="F_y", angles=12)

@@ -244,7 +244,10 @@ def test_theta_is_an_array_and_has_a_usual_one():
 @pytest.mark.parametrize(
     ("options", "message"),
     [
-        ({"angles": 100}, "theta: 100 is no array, and theta has no bounds; write an array"),
+        (
+            {"angles": 100},
+            "angles: 100 is no array, and theta has no bounds; write them all, such as numpy.linspace",
+        ),
         ({"theta": [0.0, np.inf]}, "theta[1] is inf; write finite numbers"),
         ({"theta1": [0.0]}, "theta1: the input is theta"),
         ({"theta": [0.0], "angles": [1.0]}, "theta: angles are given too"),
@@ -269,6 +272,6 @@ def test_a_study_gives_theta_by_its_name(tmp_path):
         np.testing.assert_array_equal(found.theta, [-1.0, -0.5, 0.0, 0.5, 1.0])
     study.write_text(text + "theta = 5\n")
     with pytest.raises(
-        InputError, match=r"cycle\.theta: 5 is no array.*write such as \{linspace = \[-4, 4, 401\]\}"
+        InputError, match=r"cycle\.theta: 5 is no array.*such as \{linspace = \[-4, 4, 401\]\}"
     ):
         fl.run_study(study, to=tmp_path / "more.h5")

@@ -301,32 +301,32 @@ def test_matplotlib_is_left_as_it_was(maps):
 @pytest.mark.parametrize(
     ("name", "options", "message"),
     [
-        ("omega_max", {}, "plot: there is no variable 'omega_max'; did you mean 'omega4_max'?"),
+        ("omega_max", {}, "name: there is no variable 'omega_max'; did you mean 'omega4_max'?"),
         (
             "omega4_max",
             {},
             "plot: omega4_max has the dimensions a1 (4 from 0.2 to 3), a2 (5 from 0.3 to 1.5), "
-            "a4 (2 from 0.9 to 1); fix one of them by at (--at a4=1)",
+            "a4 (2 from 0.9 to 1); fix one of them by at={'a4': 1.0}",
         ),
         (
             "omega4_max",
             {"at": {"a5": 1.0}},
-            "plot: 'a5' is no dimension of omega4_max that at can fix; did you mean 'a4'?",
+            "at: 'a5' is no dimension of omega4_max that can be fixed; did you mean 'a4'?",
         ),
         (
             "omega4_max",
             {"at": {"branch": 1}},
-            "plot: 'branch' is no dimension of omega4_max that at can fix; choose an assembly mode by branch",
+            "at: 'branch' is no dimension of omega4_max that can be fixed; choose an assembly mode by branch=1",
         ),
         (
             "omega4_max",
             {"at": {"a4": 1.2}},
-            "plot: a4 = 1.2 is outside the result, where it runs from 0.9 to 1",
+            "at: a4 is 1.2, outside the result; write a number from 0.9 to 1",
         ),
-        ("omega4_max", {"at": {"a4": "1"}}, "plot: a4 is to be fixed at '1'; write a finite number"),
-        ("omega4_max", {"at": {"a4": np.inf}}, "plot: a4 is to be fixed at inf; write a finite number"),
-        ("omega4_max", {"branch": 3}, "plot: branch 3 is not in the result; write one of 1, 2"),
-        ("status", {"branch": 1}, "plot: status is the same in every assembly mode; leave out branch"),
+        ("omega4_max", {"at": {"a4": "1"}}, "at: a4 is '1'; write a finite number"),
+        ("omega4_max", {"at": {"a4": np.inf}}, "at: a4 is inf; write a finite number"),
+        ("omega4_max", {"branch": 3}, "branch: 3 is not in the result; write one of 1, 2"),
+        ("status", {"branch": 1}, "branch: status is the same in every assembly mode; leave it out"),
         ("omega4_max", {"to": "map.h5"}, None),
         ("omega4_max", {"to": "map"}, None),
     ],
@@ -336,7 +336,7 @@ def test_bad_input(maps, name, options, message):
         fl.plot_map(maps, name, **options)
     if message is None:
         found = "ends in 'h5'" if options["to"].endswith("h5") else "has no ending"
-        message = f"{options['to']}: the name of the picture {found}; write one of "
+        message = f"to: {options['to']}: the name of the picture {found}; write one of "
         assert str(caught.value).startswith(message)
         assert "png" in str(caught.value)
     else:
@@ -347,7 +347,7 @@ def test_a_single_number_is_told_instead(curves):
     with pytest.raises(fl.InputError) as caught:
         fl.plot_map(curves, "omega4_max", branch=1)
     value = float(curves["omega4_max"].sel(branch=1))
-    assert str(caught.value).endswith(f"no dimension left to draw it over; its value is {value:g}")
+    assert str(caught.value).endswith(f"its value is {value:g}; leave one free")
 
 
 def test_a_folder_that_does_not_exist(maps, tmp_path):
@@ -357,7 +357,7 @@ def test_a_folder_that_does_not_exist(maps, tmp_path):
 
 def test_a_picture_that_cannot_be_written(maps, tmp_path):
     (tmp_path / "map.png").mkdir()
-    with pytest.raises(fl.InputError, match=r"map\.png: cannot be written .*; choose another place"):
+    with pytest.raises(fl.InputError, match=r"map\.png cannot be written .*; choose another place"):
         fl.plot_map(maps, "omega4_max", at={"a4": 1.0}, to=tmp_path / "map.png")
 
 

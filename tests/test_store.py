@@ -180,7 +180,7 @@ def test_an_existing_file_is_kept_unless_overwritten(tmp_path):
     before = digest(path)
     with pytest.raises(InputError) as caught:
         Sample(seed=1).writer(path)
-    assert str(caught.value) == f"{path}: the file exists; choose another name or set overwrite"
+    assert str(caught.value) == f"to: {path}: the file exists; choose another name, or write overwrite=True"
     assert digest(path) == before
     assert left_in(tmp_path) == ["m.h5"]
 
@@ -193,7 +193,7 @@ def test_a_file_that_appears_during_the_run_is_kept_and_so_is_the_result(tmp_pat
     with pytest.raises(InputError) as caught:
         sample.save(path, between=lambda: path.write_text("mine"))
     assert str(caught.value) == (
-        f"{path}: cannot give the complete file its name (File exists); it is kept as {path}.part, rename it"
+        f"to: {path}: cannot give the complete file its name (File exists); it is kept as {path}.part, rename it"
     )
     assert path.read_text() == "mine"
     path.with_name("m.h5.part").rename(tmp_path / "kept.h5")

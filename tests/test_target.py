@@ -110,7 +110,7 @@ def test_a_file_that_another_process_is_writing_is_refused(tmp_path, other_proce
         with pytest.raises(InputError) as caught:
             attempt()
         assert str(caught.value) == (
-            f"{path}.part: another run is writing it; wait for it or choose another name"
+            f"to: {path}.part: another run is writing it; wait for it or choose another name"
         )
     assert digest(tmp_path / "m.h5.part") == before
     process.kill()
@@ -193,7 +193,7 @@ def test_a_disk_that_is_too_small_is_refused_before_anything_is_written(tmp_path
     with pytest.raises(InputError) as caught:
         check_target(tmp_path / "m.h5", 10**15, False)
     message = str(caught.value)
-    assert message.startswith(f"{tmp_path / 'm.h5'}: needs 1e+03 TB but ")
+    assert message.startswith(f"to: {tmp_path / 'm.h5'} needs 1e+03 TB but ")
     assert message.endswith(" are free; ask for fewer quantities or designs, or choose another disk")
     assert left_in(tmp_path) == []
 
@@ -222,7 +222,7 @@ def test_a_disk_that_fills_up_as_room_is_reserved(tmp_path, monkeypatch, good_ca
     assert len(calls) == good_calls + 1
     assert sample.coords.nbytes == 74
     assert str(caught.value).startswith(
-        f"{tmp_path / 'm.h5'}: needs 731 B but "
+        f"to: {tmp_path / 'm.h5'} needs 731 B but "
     )  # 657 of values, 74 of labels
     assert " are free (No space left on device); ask for fewer quantities" in str(caught.value)
     assert left_in(tmp_path) == []
@@ -253,7 +253,7 @@ FAILURES = {
 @pytest.mark.parametrize(("moment", "call", "number", "message"), FAILURES.values(), ids=FAILURES)
 def test_a_disk_that_fails(tmp_path, monkeypatch, moment, call, number, message):
     failing = {moment: lambda: monkeypatch.setattr(os, call, raising(number))}
-    with pytest.raises(InputError, match=f"^{tmp_path}/m\\.h5: {message}$"):
+    with pytest.raises(InputError, match=f"^to: {tmp_path}/m\\.h5 {message}$"):
         Sample().save(tmp_path / "m.h5", **failing)
     assert left_in(tmp_path) == []
 
@@ -278,7 +278,7 @@ def test_a_limit_on_the_size_of_files(tmp_path, limit):
     message = queue.get(timeout=20)
     process.join()
     assert process.exitcode == 0
-    assert message.startswith(f"{tmp_path / 'm.h5'}: ")
+    assert message.startswith(f"to: {tmp_path / 'm.h5'} ")
     assert "\n" not in message
     assert "File too large" in message
     assert left_in(tmp_path) == []
@@ -293,24 +293,28 @@ def test_places_that_cannot_be_written(tmp_path, monkeypatch):
             check_target(path, 0, True)
         return str(caught.value)
 
-    assert message(tmp_path) == f"{tmp_path}: is a folder; add a file name, for instance {tmp_path}/maps.h5"
+    assert (
+        message(tmp_path) == f"to: {tmp_path} is a folder; add a file name, for instance {tmp_path}/maps.h5"
+    )
     assert "there is no folder" in message("~nobody-of-that-name/m.h5")
     missing = tmp_path / "none" / "m.h5"
-    assert message(missing) == f"{missing}: there is no folder {tmp_path}/none; create it or choose another"
-    assert message("/dev/null") == "/dev/null: is a device or a pipe; choose another name"
-    assert message("a\0b").endswith(": cannot be written (embedded null byte); choose another place")
+    assert (
+        message(missing) == f"to: {missing}: there is no folder {tmp_path}/none; create it or choose another"
+    )
+    assert message("/dev/null") == "to: /dev/null is a device or a pipe; choose another name"
+    assert message("a\0b").endswith(" cannot be written (embedded null byte); choose another place")
     long = tmp_path / ("x" * 254)
-    assert message(long) == f"{long}: cannot be written (File name too long); choose another place"
+    assert message(long) == f"to: {long} cannot be written (File name too long); choose another place"
     monkeypatch.setattr(target.tempfile, "TemporaryFile", raising(errno.EACCES))
     path = tmp_path / "m.h5"
-    assert message(path) == f"{path}: cannot be written (Permission denied); choose another place"
+    assert message(path) == f"to: {path} cannot be written (Permission denied); choose another place"
 
 
 def test_a_folder_that_cannot_be_written(tmp_path):
     # /proc refuses files to everyone, a folder of mode 0o500 to all but the superuser
     folder = "/proc" if os.geteuid() == 0 else str(tmp_path)
     tmp_path.chmod(0o500)
-    with pytest.raises(InputError, match=r"^.*m\.h5: cannot be written \(.*\); choose another place$"):
+    with pytest.raises(InputError, match=r"^.*m\.h5 cannot be written \(.*\); choose another place$"):
         check_target(f"{folder}/m.h5", 0, False)
     tmp_path.chmod(0o700)
 

@@ -45,7 +45,9 @@ class _Options(Wording):
         self.names: dict[str, str] = {}
         for name, hint in get_type_hints(function, include_extras=True).items():
             for declared in getattr(hint, "__metadata__", ()):
-                self.names[name] = (getattr(declared, "param_decls", None) or [declared.metavar])[0]
+                # typer takes the first name of an option for its default until the command runs
+                spelt = (declared.default, *(getattr(declared, "param_decls", None) or ()), declared.metavar)
+                self.names[name] = next((one for one in spelt if isinstance(one, str)), name)
 
     def place(self, where: Place) -> str:
         if not where or where[0] not in self.names:

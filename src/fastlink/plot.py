@@ -172,6 +172,6 @@ def _some(number: int) -> str:
     return {1: "one", 2: "two", 3: "three"}.get(number, str(number))
 
 
-def _middle(variable: xr.DataArray, dim: str) -> str:
+def _middle(variable: xr.DataArray, dim: str) -> float:
     values = variable[dim].values
-    return f"{values[len(values) // 2]:g}"
+    return float(f"{values[len(values) // 2]:g}")

@@ -1,0 +1,128 @@
+"""Problems in parts: where, what and remedy, and the words of each door."""
+
+import pickle
+
+import pytest
+from typer.testing import CliRunner
+
+import fastlink as fl
+from fastlink.cli import app
+from fastlink.errors import InputError, Pair, Problem, Problems, Samples, Setting, Wording
+from study_files import GOOD, written
+
+REMEDY = (
+    "write ",
+    Pair(),
+    " or ",
+    Samples(-4.0, 4.0, 401),
+    (", or ", Setting("solver", "dense"), " too"),
+)
+
+
+class Terse(Wording):
+    """A door that has no options."""
+
+    def piece(self, piece):
+        return None if isinstance(piece, Setting) else super().piece(piece)
+
+
+def test_a_problem_is_one_line_in_python():
+    error = InputError("is 0", where=("design", "a2", 3), remedy=REMEDY)
+    assert (error.where, error.what, error.remedy) == (("design", "a2", 3), "is 0", REMEDY)
+    assert str(error) == (
+        "design: a2[3] is 0; write (lo, hi) or numpy.linspace(-4, 4, 401), or solver='dense' too"
+    )
+
+
+def test_an_option_that_a_door_lacks_is_left_out():
+    assert Terse().line(Problem("none is given", ("branch",), REMEDY)) == (
+        "branch: none is given; write (lo, hi) or numpy.linspace(-4, 4, 401)"
+    )
+
+
+def test_problems_are_noted_with_their_place_and_raised_together():
+    problems = Problems()
+    problems.stop()
+    with problems.at("quantities", 2):
+        raise InputError("is unknown")
+    with problems.at("quantities", 3):
+        raise InputError("is 0", where=("threads",))
+    with pytest.raises(InputError) as caught:
+        problems.stop()
+    assert [one.where for one in caught.value.problems] == [("quantities", 2), ("threads",)]
+    assert len(str(caught.value).splitlines()) == 2
+
+
+def test_an_error_of_another_process_keeps_its_parts():
+    error = InputError.of([Problem("is 0", ("threads",), "write 1"), Problem("is 1", ("verify",))])
+    again = pickle.loads(pickle.dumps(error))
+    assert again.problems == error.problems
+    assert str(again) == str(error)
+
+
+def test_a_sweep_names_all_that_is_wrong_with_it():
+    with pytest.raises(InputError) as caught:
+        fl.sweep(
+            "planar_4r",
+            fl.grid(a1=-0.4, a2=1.2, a3=0.8, a9=1.0),
+            ["omega4", "omga4"],
+            branch=3,
+            solver="dens",
+            backend="gcc",
+            theta1=[0.0, 0.0],
+        )
+    places = {one.where for one in caught.value.problems}
+    assert places == {
+        ("quantities", 1),
+        ("solver",),
+        ("design", "a1"),
+        ("design", "a9"),
+        ("branch",),
+        ("theta1",),
+        ("backend",),
+    }
+
+
+def told(door):
+    """Return what each door says of extremes that are to be refined over given angles."""
+    if door == "python":
+        with pytest.raises(InputError) as caught:
+            fl.sweep(
+                "planar_4r",
+                fl.grid(a1=0.4, a2=1.2, a3=0.8, a4=1.0),
+                ["theta4_max"],
+                theta1=[0.0],
+                extrema="refined",
+            )
+        return str(caught.value)
+    text = GOOD.replace("theta1 = 8", 'theta1 = {values = [0.0]}\nextrema = "refined"')
+    with pytest.raises(InputError) as caught:
+        fl.run_study(written(text))
+    return str(caught.value)
+
+
+@pytest.mark.parametrize(
+    ("door", "place", "remedy"),
+    [("python", "extrema: ", "extrema='sampled'"), ("study", "cycle.extrema: ", 'extrema = "sampled"')],
+)
+def test_each_door_has_its_own_words(folder, door, place, remedy):
+    line = told(door)
+    assert place in line
+    assert remedy in line
+
+
+@pytest.mark.parametrize(
+    ("arguments", "line"),
+    [
+        (["--threads", "0"], "--threads is 0; write a whole number of at least 1"),
+        (["--verify", "-1"], "--verify is -1; write how many designs"),
+        (["--to", "study.toml"], "--to: "),
+    ],
+)
+def test_the_command_line_names_its_options(folder, arguments, line):
+    written(GOOD)
+    done = CliRunner().invoke(app, ["run", "study.toml", *arguments])
+    assert done.exit_code == 2
+    assert done.stderr.startswith(f"fastlink: {line}")
+    if line == "--to: ":
+        assert "--overwrite" in done.stderr
