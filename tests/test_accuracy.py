@@ -126,14 +126,14 @@ def test_dense_and_eliminated_reactions(folder_of_study):
 @pytest.mark.parametrize(
     ("change", "options", "message"),
     [
-        ({}, {"designs": 0}, "designs: 0; write a whole number of at least 1"),
-        ({}, {"seed": -1}, "seed: -1; write a whole number of at least 0"),
+        ({}, {"designs": 0}, "designs is 0; write a whole number of at least 1"),
+        ({}, {"seed": -1}, "seed is -1; write a whole number of at least 0"),
         (
             {'"omega4_max", "transmission_angle", ': ""},
             {},
             "none is told of single positions or of the design, or is NAME_max",
         ),
-        ({"omega1": "omega"}, {}, "design.omega: "),
+        ({"omega1": "omega"}, {}, "design.omega is unknown"),
     ],
 )
 def test_bad_input(folder_of_study, change, options, message):

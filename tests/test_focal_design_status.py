@@ -122,11 +122,14 @@ def test_change_points_are_told_as_such():
     [
         ({"rho": 1.0, "s": 2.0}, "s and rho determine each other; leave one of them out"),
         ({"s": 1.0, "lambda_": 2.0}, "determine each other; leave one of them out"),
-        ({}, "input 'rho' is missing"),
+        ({}, "rho is missing"),
         ({"rho": 1.0, "completion": 3}, "completion is 3.0"),
-        ({"rho": 1.0, "a": -1.0}, "a is -1.0; length of the rocker MA: write a finite number greater than 0"),
+        (
+            {"rho": 1.0, "a": -1.0},
+            "a is -1.0 (length of the rocker MA); write a finite number greater than 0",
+        ),
         ({"rho": np.nan}, "rho is nan; write a finite number"),
-        ({"s": 1.0}, "quantity 's' is given, and a coordinate of the result: leave it out"),
+        ({"s": 1.0}, "quantity 's' is given, and a coordinate of the result; leave it out"),
     ],
 )
 def test_bad_designs_are_refused_in_a_line(design, message):

@@ -144,9 +144,9 @@ def test_evaluate_and_repeated_names_are_told():
         InputError, match=r"evaluate: T_deviation is made of whole curves, .*; ask fastlink.sweep"
     ):
         fl.evaluate("focal", ["T_deviation"], phi=1.0, rho=1.0, **CHEBYSHEV)
-    with pytest.raises(InputError, match="'T_deviation' is asked for twice"):
+    with pytest.raises(InputError, match="'T_deviation' is named twice"):
         sweep(["T_deviation", "T_deviation"], "phi")
-    with pytest.raises(InputError, match="'T_y_max' is asked for twice"):
+    with pytest.raises(InputError, match="'T_y_max' is named twice"):
         fl.sweep("focal", fl.grid(**CHEBYSHEV, rho=1.0), ["T_y_max", "T_y_max"])
     with pytest.raises(InputError, match="did you mean 'T_deviation'"):
         sweep(["T_deviatio"], "sigma")

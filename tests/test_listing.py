@@ -136,7 +136,7 @@ def test_markdown_tables_are_regular():
 
 
 def test_an_unknown_mechanism_is_refused():
-    with pytest.raises(fl.InputError, match="mechanism 'planar_4R' is unknown; did you mean 'planar_4r'"):
+    with pytest.raises(fl.InputError, match="mechanism: 'planar_4R' is unknown; did you mean 'planar_4r'"):
         fl.quantities("planar_4R")
 
 

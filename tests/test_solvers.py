@@ -66,7 +66,7 @@ def test_a_solver_that_a_mechanism_lacks_is_refused(mechanism, drives, door):
     with pytest.raises(fl.InputError) as caught:
         doors(mechanism, drives)[door]()
     message = str(caught.value)
-    assert "solver 'dense'" in message
+    assert "solver: 'dense' is " in message
     assert mechanism in message
     assert "leave solver out" in message
 
@@ -77,7 +77,7 @@ def test_the_planar_four_bar_alone_has_a_linear_system():
 
 @pytest.mark.parametrize("set_of_facts", ["gravity", "round_bar", "graded"])
 def test_another_set_of_facts_is_no_solver(set_of_facts):
-    with pytest.raises(fl.InputError, match=f"solver '{set_of_facts}' is unknown"):
+    with pytest.raises(fl.InputError, match=f"solver: '{set_of_facts}' is unknown"):
         fl.sweep("planar_4r", fl.grid(**LENGTHS), ["omega4"], solver=set_of_facts)
 
 

@@ -100,7 +100,7 @@ class Catalogue(Declarations):
         tree = self.parse(name)
         if isinstance(tree, Derivative):
             if isinstance(tree.of, (ErrorBound, Trust)):
-                what = f"quantity {name!r}: {tree.of} has no derivative"
+                what = f"quantity {name!r}: {tree.of} is an error bound, which has no derivative"
                 raise NoDerivative(what, remedy="leave it out")
             return self._derivation(tree.by, chosen, given).fact(str(tree.of))
         if isinstance(tree, ErrorBound):

@@ -71,8 +71,8 @@ def check_model(catalogue: Catalogue, links: Links | None, solver: str) -> None:
     """
     problems = Problems()
     if solver not in catalogue.solvers and catalogue.solvers == (ELIMINATED,):
-        what = f"{solver!r} is none: {catalogue.name} has no linear system to solve"
-        problems.add(what, ("solver",), "leave it out")
+        what = f"{solver!r} is no solver of {catalogue.name}, which has no linear system"
+        problems.add(what, ("solver",), "leave solver out")
     elif solver not in catalogue.solvers:
         problems.add(f"{solver!r} is unknown", ("solver",), suggest(str(solver), catalogue.solvers))
     if links is not None and links.model not in catalogue.alternative_inputs:
@@ -115,7 +115,7 @@ def check_inputs(
     """
     known = catalogue.known_inputs(alternatives)
     problems = Problems()
-    for name, other in _exclusive(catalogue, catalogue.version, tuple(space.names)):
+    for name, other in _exclusive(catalogue, catalogue.version, tuple(space.names))[:1]:
         problems.add(f"{other} and {name} determine each other", ("design",), "leave one of them out")
     for name in space.names:
         value = space.constants.get(name)
