@@ -53,6 +53,7 @@ LAYERS = [
         "focal",
         "run",
         "spread",
+        "checked",
         "asked",
         "engine",
         "verify",

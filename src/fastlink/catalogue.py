@@ -245,11 +245,9 @@ class Catalogue(Declarations):
             return self.facts[name]
         of = self.require(str(tree.of))
         lacks = "derivative" if isinstance(tree, Derivative) else "error"
-        if of.flags:
-            what = f"quantity {name!r}: {of.name} is a code, which has no {lacks}"
-            raise InputError(what, remedy="leave it out")
-        if isinstance(tree.of, (ErrorBound, Trust)):
-            what = f"quantity {name!r}: {of.name} is an error bound, which has no {lacks}"
+        if of.flags or isinstance(tree.of, (ErrorBound, Trust)):
+            kind = "a code" if of.flags else "an error bound"
+            what = f"quantity {name!r}: {of.name} is {kind}, which has no {lacks}"
             raise InputError(what, remedy="leave it out")
         if isinstance(tree, Derivative):
             return labelled(of, self.variables[tree.by])
@@ -264,17 +262,15 @@ class Catalogue(Declarations):
                 "error bounds here",
                 remedy=f"ask for {curve}, and take extremes and means of the map",
             )
+        what, wrong, options = f"quantity {name!r}", name, known
         if isinstance(tree, (ErrorBound, Trust)):
-            return self._unknown_part(name, str(tree.of), self.public)
-        if made := as_derivative(name):
-            of, by = made
-            wrong, options = (by, self.variables) if self.is_quantity(of) else (of, self.public)
-            return self._unknown_part(name, wrong, options)
-        return InputError(f"quantity {name!r} is unknown to {self.name}", remedy=suggest(name, known))
-
-    def _unknown_part(self, name: str, wrong: str, options: Iterable[str]) -> InputError:
-        what = f"quantity {name!r}: {wrong!r} is unknown to {self.name}"
-        return InputError(what, remedy=suggest(wrong, options))
+            wrong, options = str(tree.of), self.public
+        elif made := as_derivative(name):
+            wrong, options = (
+                (made[1], self.variables) if self.is_quantity(made[0]) else (made[0], self.public)
+            )
+        what += "" if wrong == name else f": {wrong!r}"
+        return InputError(f"{what} is unknown to {self.name}", remedy=suggest(wrong, options))
 
     def closure(
         self, names: Iterable[str], leaves: Iterable[str], alternatives: Iterable[str] = ()

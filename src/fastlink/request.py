@@ -14,7 +14,7 @@ from fastlink.catalogue import Catalogue, Input
 from fastlink.cycle import Extrema, parse_request
 from fastlink.declaration import ELIMINATED
 from fastlink.errors import InputError, Place, Problem, Problems, Samples, Setting, suggest
-from fastlink.links import MODELS, Links
+from fastlink.links import Links
 from fastlink.mechanisms import NAMES, inputs_of
 from fastlink.space import shown
 
@@ -37,7 +37,6 @@ __all__ = [
     "chosen_sets",
     "constants_of",
     "given_angles",
-    "missing_inputs",
 ]
 
 EXTREMA: tuple[Extrema, ...] = ("refined", "sampled")
@@ -194,18 +193,9 @@ def check_branches(catalogue: Catalogue, branch: Any) -> tuple[int, ...]:
 def check_keywords(
     mechanism: str, catalogue: Catalogue, names: Iterable[str], options: Iterable[str]
 ) -> None:
-    """Refuse a keyword that is neither an option nor the name of the input.
+    """Refuse a keyword that is neither an option nor the name of the input that drives the mechanism.
 
-    Parameters
-    ----------
-    mechanism : str
-        Its name.
-    catalogue : Catalogue
-        The mechanism by the input that drives it.
-    names : iterable of str
-        The keywords that are no options.
-    options : iterable of str
-        The options there are, for a hint.
+    `names` are the keywords that are not options, `options` those that are, for a hint.
 
     Raises
     ------
@@ -333,23 +323,3 @@ def check_positions(catalogue: Catalogue, given: int | ArrayLike, key: str = "an
         what = f"{values[first]} stands twice (at {first} and {second})"
         raise InputError(what, where=(key,), remedy="give each position once")
     return np.array(values)
-
-
-def missing_inputs(
-    catalogue: Catalogue, names: Iterable[str], alternatives: Sequence[str], given: Iterable[str]
-) -> list[Problem]:
-    """Return each input that a quantity depends on and that nothing gives."""
-    of_links = {name for model in MODELS for name in catalogue.alternative_inputs.get(model, {})}
-    known, has = catalogue.known_inputs(alternatives), set(given)
-    absent = {name for name in known if name not in has and catalogue.lookup(name, alternatives) is None}
-    tables = (catalogue.position.name, *catalogue.tables, *catalogue.table_low_parts)
-    missing = []
-    for request in (parse_request(name, catalogue) for name in names):
-        steps = catalogue.closure([request.quantity], {*has, *absent, *tables, "branch"}, alternatives)
-        needed = absent & {need for step in steps for need in step.needs}
-        for name in (name for name in known if name in needed):
-            absent.discard(name)
-            has.add(name)
-            table = "links" if name in of_links else "design"
-            missing.append(catalogue.absence(known[name], request.name, table))
-    return missing

@@ -11,7 +11,8 @@ from typing import TYPE_CHECKING, Any
 
 from pydantic import ValidationError
 
-from fastlink.asked import check, resolve
+from fastlink.asked import resolve
+from fastlink.checked import check
 from fastlink.design import grid
 from fastlink.errors import (
     InputError,

@@ -11,7 +11,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from fastlink.asked import Asked, check_names, resolve
+from fastlink.asked import Asked, resolve
+from fastlink.checked import check_names
 from fastlink.design import grid
 from fastlink.engine.binding import BLOCK, Bound, bind
 from fastlink.errors import InputError
