@@ -257,19 +257,17 @@ class Catalogue(Declarations):
         """Return the error of a name that is none of the known ones."""
         tree = self.parse(name)
         if (curve := deepest(name, self)) in self.curves:
-            return InputError(
-                f"quantity {name!r}: {curve} is made of whole curves, and has no extremes, means, derivatives or "
-                "error bounds here",
-                remedy=f"ask for {curve}, and take extremes and means of the map",
-            )
-        what, wrong, options = f"quantity {name!r}", name, known
+            lacks = f"{curve} is made of whole curves, and has no extremes, means, derivatives or error bounds here"
+            remedy = f"ask for {curve}, and take extremes and means of the map"
+            return InputError(f"quantity {name!r}: {lacks}", remedy=remedy)
+        wrong, options = name, known
         if isinstance(tree, (ErrorBound, Trust)):
             wrong, options = str(tree.of), self.public
         elif made := as_derivative(name):
             wrong, options = (
                 (made[1], self.variables) if self.is_quantity(made[0]) else (made[0], self.public)
             )
-        what += "" if wrong == name else f": {wrong!r}"
+        what = f"quantity {name!r}" if wrong == name else f"quantity {name!r}: {wrong!r}"
         return InputError(f"{what} is unknown to {self.name}", remedy=suggest(wrong, options))
 
     def closure(
