@@ -78,7 +78,7 @@ def requested(label):
     import fastlink as fl
 
     if label == COMMAND:
-        from fastlink.study import read_study
+        from fastlink.study.study import read_study
 
         study = read_study(STUDY)
         return study.shape.mechanism, study.space, study.shape.quantities, study.options
@@ -89,7 +89,7 @@ def requested(label):
 
 def resolved(label):
     """Return a request, resolved."""
-    from fastlink.asked import resolve
+    from fastlink.engine.resolve import resolve
 
     mechanism, space, names, options = requested(label)
     return resolve(mechanism, space, names, **options)
@@ -109,7 +109,7 @@ def import_all():
     fl.sweep, fl.evaluate  # noqa: B018
     for name in (
         *("h5netcdf", "llvmlite.binding", "xarray", "filelock"),
-        *("fastlink.asked", "fastlink.study", "fastlink.mechanisms.planar_4r"),
+        *("fastlink.engine.resolve", "fastlink.study.study", "fastlink.mechanisms.planar_4r"),
     ):
         if importlib.util.find_spec(name):
             importlib.import_module(name)

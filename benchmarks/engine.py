@@ -8,10 +8,10 @@ import numpy as np
 
 from benchmarks.inputs import CASES, INPUTS, aligned_copy, designs
 from fastlink.codegen.runtime.cells import LANES
+from fastlink.engine.executor import BLOCK_DESIGNS, Job, Part, aligned, run
 from fastlink.mechanisms import catalogue
-from fastlink.plan import Plan, make_plan
-from fastlink.plans import RefinedPlan
-from fastlink.run import BLOCK_DESIGNS, Job, Part, aligned, run
+from fastlink.plan.plan import RefinedPlan
+from fastlink.plan.pointwise import Plan, make_plan
 
 DENSE = ("dense",)
 
@@ -104,7 +104,7 @@ def job_of(plan, size, K, pool=BLOCK_DESIGNS):
 
 
 def threads(case, seconds=1.2, repeats=3, K=360):
-    """Return the run time in s through `fastlink.run` with one thread and with two, and configurations."""
+    """Return the run time in s through `fastlink.engine.executor` with one thread and with two, and configurations."""
     plan = plan_of(case, K)
     size = 4096
 

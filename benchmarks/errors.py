@@ -1,12 +1,12 @@
-"""The largest error of a case against the facts with 50 digits, in the unit of `fastlink.exact`."""
+"""The largest error of a case against the facts with 50 digits, in the unit of `fastlink.precision.reference`."""
 
 import numpy as np
 
 from benchmarks import numpy_baseline
 from benchmarks.engine import angles
 from benchmarks.inputs import CASES, INPUTS, angle_tables, designs
-from fastlink.exact import Exact, in_roundings
 from fastlink.mechanisms import catalogue
+from fastlink.precision.reference import Exact, in_roundings
 
 
 def in_units(values, inputs):

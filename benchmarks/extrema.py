@@ -14,10 +14,10 @@ from scipy.optimize import brentq
 from benchmarks import c_kernel, engine
 from benchmarks.families import FAMILIES
 from benchmarks.inputs import INPUTS, race, round_bars
-from fastlink.exact import DIGITS
+from fastlink.engine.evaluate import read_facts
 from fastlink.mechanisms import catalogue
-from fastlink.plans import make_plans
-from fastlink.reading import read_facts
+from fastlink.plan.plan import make_plans
+from fastlink.precision.reference import DIGITS
 
 PLANAR = catalogue("planar_4r")
 RATES = ("omega2", "omega4", "alpha2", "alpha4")

@@ -16,8 +16,8 @@ from pathlib import Path
 
 from benchmarks import c_kernel
 from fastlink.codegen.runtime.cells import LANES, MOST_LANES
+from fastlink.engine.executor import aligned
 from fastlink.numerics.compiler import COMPILED_AS
-from fastlink.run import aligned
 
 HEADER = """#include <math.h>
 #include <stdint.h>

@@ -8,8 +8,8 @@ arrays stay in the cache. Of curves, what the design alone determines is taken b
 import numpy as np
 
 from benchmarks.numpy_baseline import PIECE
-from fastlink.reading import take_step
-from fastlink.run import aligned
+from fastlink.engine.evaluate import take_step
+from fastlink.engine.executor import aligned
 
 
 def last_uses(steps, kept):

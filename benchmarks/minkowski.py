@@ -11,10 +11,10 @@ from benchmarks import c_kernel
 from benchmarks.engine import bind_results
 from benchmarks.inputs import aligned_copy, empty, race
 from benchmarks.numpy_baseline import PIECE
+from fastlink.catalogue.tables import angle_tables
+from fastlink.engine.evaluate import read_facts
 from fastlink.mechanisms import catalogue
-from fastlink.plan import make_plan
-from fastlink.reading import read_facts
-from fastlink.tables import angle_tables
+from fastlink.plan.pointwise import make_plan
 
 MINKOWSKI = catalogue("minkowski_4r")
 LENGTHS = ("a", "b", "g", "h")

@@ -12,8 +12,8 @@ import numpy as np
 
 from benchmarks.inputs import race
 from benchmarks.minkowski import LENGTHS, PSI, bind, designs, eq3
-from fastlink.exact import DIGITS, STEP
-from fastlink.reading import evaluate
+from fastlink.engine.evaluate import evaluate
+from fastlink.precision.reference import DIGITS, STEP
 
 
 def exact(a, b, g, h, theta, branch):

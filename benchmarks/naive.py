@@ -9,10 +9,10 @@ import numpy as np
 
 from benchmarks.families import near_change_point, near_toggle
 from benchmarks.inputs import CASES, INPUTS, round_bars
-from fastlink.exact import UNIT, Exact
+from fastlink.catalogue.tables import angle_tables
+from fastlink.engine.evaluate import read_facts
 from fastlink.mechanisms import catalogue
-from fastlink.reading import read_facts
-from fastlink.tables import angle_tables
+from fastlink.precision.reference import UNIT, Exact
 
 PLANAR = catalogue("planar_4r")
 #: What is compared, by what it is made of; a vector is measured by its longest error over its length.

@@ -12,10 +12,10 @@ from pathlib import Path
 from typing import Any
 
 import fastlink as fl
-from fastlink import labelling
-from fastlink.asked import resolve
-from fastlink.run import Job, run
-from fastlink.sweep import _Sweep
+from fastlink.engine import labels as labelling
+from fastlink.engine.executor import Job, run
+from fastlink.engine.resolve import resolve
+from fastlink.engine.sweep import _Sweep
 
 FIXED = {"a1": 0.4, "a3": 0.8, "a4": 1.0, "omega1": 25.0}
 NAMES = ["omega4_max", "transmission_angle_min", "shaking_force_max"]

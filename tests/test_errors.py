@@ -8,7 +8,7 @@ from typer.testing import CliRunner
 import fastlink as fl
 from fastlink.cli import app
 from fastlink.errors import InputError, Pair, Problem, Problems, Samples, Setting, Wording
-from study_files import GOOD, written
+from tests.support.study_files import GOOD, written
 
 REMEDY = (
     "write ",

@@ -5,45 +5,43 @@ Names are imported on first use, so that ``fastlink --help`` loads nothing heavy
 
 from __future__ import annotations
 
-import sys
-from types import ModuleType
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from fastlink import focal, hart, minkowski, planar
-    from fastlink.accuracy import accuracy, accuracy_table
-    from fastlink.design import DesignSpace, grid, latin_hypercube, sobol, table
+    from fastlink.analysis import focal, hart, minkowski, planar
+    from fastlink.diagnostics import accuracy, accuracy_table
+    from fastlink.diagnostics.explain import explain
+    from fastlink.engine.evaluate import evaluate
     from fastlink.engine.function import function
+    from fastlink.engine.sweep import sweep
     from fastlink.errors import InputError
-    from fastlink.explain import explain
-    from fastlink.links import round_bar
-    from fastlink.listing import quantities
-    from fastlink.plot import plot_map
-    from fastlink.reading import evaluate
-    from fastlink.store import open_map as open
-    from fastlink.study import run_study
-    from fastlink.summary import summary
-    from fastlink.sweep import sweep
+    from fastlink.io.writer import open_map as open
+    from fastlink.plot.plot_map import plot_map
+    from fastlink.report.quantities import quantities
+    from fastlink.report.summary import summary
+    from fastlink.space.links import round_bar
+    from fastlink.space.samplers import DesignSpace, grid, latin_hypercube, sobol, table
+    from fastlink.study.study import run_study
 
 _PLACES = {
-    "accuracy": ("fastlink.accuracy", "accuracy"),
-    "accuracy_table": ("fastlink.accuracy", "accuracy_table"),
-    "DesignSpace": ("fastlink.space", "DesignSpace"),
+    "accuracy": ("fastlink.diagnostics", "accuracy"),
+    "accuracy_table": ("fastlink.diagnostics", "accuracy_table"),
+    "DesignSpace": ("fastlink.space.design_space", "DesignSpace"),
     "InputError": ("fastlink.errors", "InputError"),
-    "evaluate": ("fastlink.reading", "evaluate"),
-    "explain": ("fastlink.explain", "explain"),
+    "evaluate": ("fastlink.engine.evaluate", "evaluate"),
+    "explain": ("fastlink.diagnostics.explain", "explain"),
     "function": ("fastlink.engine.function", "function"),
-    "grid": ("fastlink.design", "grid"),
-    "latin_hypercube": ("fastlink.design", "latin_hypercube"),
-    "open": ("fastlink.store", "open_map"),
-    "plot_map": ("fastlink.plot", "plot_map"),
-    "quantities": ("fastlink.listing", "quantities"),
-    "round_bar": ("fastlink.links", "round_bar"),
-    "run_study": ("fastlink.study", "run_study"),
-    "sobol": ("fastlink.design", "sobol"),
-    "summary": ("fastlink.summary", "summary"),
-    "sweep": ("fastlink.sweep", "sweep"),
-    "table": ("fastlink.design", "table"),
+    "grid": ("fastlink.space.samplers", "grid"),
+    "latin_hypercube": ("fastlink.space.samplers", "latin_hypercube"),
+    "open": ("fastlink.io.writer", "open_map"),
+    "plot_map": ("fastlink.plot.plot_map", "plot_map"),
+    "quantities": ("fastlink.report.quantities", "quantities"),
+    "round_bar": ("fastlink.space.links", "round_bar"),
+    "run_study": ("fastlink.study.study", "run_study"),
+    "sobol": ("fastlink.space.samplers", "sobol"),
+    "summary": ("fastlink.report.summary", "summary"),
+    "sweep": ("fastlink.engine.sweep", "sweep"),
+    "table": ("fastlink.space.samplers", "table"),
 }
 
 #: Packages that are imported when first named.
@@ -75,25 +73,11 @@ __all__ = [
 ]
 
 
-class _Package(ModuleType):
-    """A package whose public names win over its files of the same name.
-
-    Importing the file ``fastlink/table.py`` would otherwise replace the function `fastlink.table`.
-    """
-
-    def __setattr__(self, name: str, value: Any) -> None:
-        if not (name in _PLACES and isinstance(value, ModuleType)):
-            super().__setattr__(name, value)
-
-
-sys.modules[__name__].__class__ = _Package
-
-
 def __getattr__(name: str) -> Any:
     from importlib import import_module
 
     if name in _PACKAGES:
-        return import_module(f"fastlink.{name}")
+        return import_module(f"fastlink.analysis.{name}")
     if name not in _PLACES:
         raise AttributeError(f"module 'fastlink' has no attribute {name!r}")
     module, attribute = _PLACES[name]

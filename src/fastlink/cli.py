@@ -134,8 +134,8 @@ def run(
     quiet: Annotated[bool, typer.Option("--quiet", help="Print neither progress nor summary.")] = False,
 ) -> None:
     """Run a study, and write its map."""
-    from fastlink.study import run_study
-    from fastlink.summary import summary
+    from fastlink.report.summary import summary
+    from fastlink.study.study import run_study
 
     progress = False if quiet else None
     maps = run_study(study, to=to, threads=threads, overwrite=overwrite, progress=progress, verify=verify)
@@ -154,7 +154,7 @@ def explain(
     ] = False,
 ) -> None:
     """Tell what a study computes and what it leaves out; nothing is run."""
-    from fastlink.explain import explain as explained
+    from fastlink.diagnostics.explain import explain as explained
 
     typer.echo(explained(study).text(kernels=text, ir=ir, asm=asm))
 
@@ -172,7 +172,7 @@ def quantities(
     ] = None,
 ) -> None:
     """List what can be asked of a mechanism, and its inputs."""
-    from fastlink.listing import quantities as listed
+    from fastlink.report.quantities import quantities as listed
 
     typer.echo(str(listed(mechanism, internal=every, input=input)))
 
@@ -182,7 +182,7 @@ def info(
     file: Annotated[Path, typer.Argument(metavar="FILE", help="A map.", show_default=False)],
 ) -> None:
     """Tell what a map holds, and how it was made."""
-    from fastlink.summary import contents
+    from fastlink.report.summary import contents
 
     with _opened(file) as maps:
         typer.echo(contents(maps))
@@ -225,8 +225,8 @@ def accuracy(
     overwrite: Annotated[bool, typer.Option("--overwrite", help="Replace an existing file.")] = False,
 ) -> None:
     """Measure error and run time of a study by every way there is."""
-    from fastlink.accuracy import accuracy as measure
-    from fastlink.accuracy import accuracy_table
+    from fastlink.diagnostics import accuracy as measure
+    from fastlink.diagnostics import accuracy_table
 
     options: dict[str, Any] = {"to": to, "picture": picture, "overwrite": overwrite}
     announce = functools.partial(typer.echo, err=True)
@@ -276,7 +276,7 @@ def plot(
 ) -> None:
     """Draw a variable of a map."""
     fixed = _fixed(at or [])
-    from fastlink.plot import plot_map
+    from fastlink.plot.plot_map import plot_map
 
     place = to if to is not None else Path(f"{name}.png")
     with _opened(file) as maps:
@@ -286,7 +286,7 @@ def plot(
 
 @contextmanager
 def _opened(file: Path) -> Iterator[xr.Dataset]:
-    from fastlink.store import open_map
+    from fastlink.io.writer import open_map
 
     with open_map(file) as maps:
         yield maps

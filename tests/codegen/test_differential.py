@@ -9,13 +9,13 @@ import re
 import llvmlite.binding as llvm
 import numpy as np
 import pytest
+from tests.support.compiled import assert_same_bits
+from tests.support.plan_families import FAMILIES, few, kernels, run_as_python, run_compiled
 
 import fastlink.codegen.runtime
 from fastlink.codegen.kernel import BACKENDS, Kernel, llvm_text
 from fastlink.codegen.machine import compile_object, host, lanes_of_host
 from fastlink.numerics.compiler import OUTLINED
-from support.compiled import assert_same_bits
-from support.plan_families import FAMILIES, few, kernels, run_as_python, run_compiled
 
 
 @pytest.mark.parametrize("name", FAMILIES)

@@ -6,11 +6,11 @@ import ast
 
 import llvmlite.binding as llvm
 import pytest
+from tests.support.assembly import called, fused, inner_loops
+from tests.support.plan_families import FAMILIES, few, kernels
 
 from fastlink.codegen.kernel import llvm_text
 from fastlink.codegen.machine import assembly
-from support.assembly import called, fused, inner_loops
-from support.plan_families import FAMILIES, few, kernels
 
 #: Processor, platform, and how many doubles a register holds.
 TARGETS = {

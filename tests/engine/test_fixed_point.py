@@ -6,9 +6,9 @@ import mpmath
 import numpy as np
 import pytest
 
-from fastlink import tables
-from fastlink.fixed_point import GREATEST, HALF_PI, LEAST, PLACES, fixed
+from fastlink.catalogue import tables
 from fastlink.mechanisms import catalogue
+from fastlink.numerics.fixed_point import GREATEST, HALF_PI, LEAST, PLACES, fixed
 
 RNG = np.random.default_rng(2)
 ANGLES = {

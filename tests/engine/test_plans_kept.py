@@ -7,14 +7,14 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from tests.support.configurations import PLANAR
 
 import fastlink as fl
-from configurations import PLANAR
-from fastlink.asked import plans_of, resolve
-from fastlink.catalogue import Catalogue, Input
-from fastlink.plans import make_plans
-from fastlink.reading import evaluate
-from fastlink.study import read_study
+from fastlink.catalogue.catalogue import Catalogue, Input
+from fastlink.engine.evaluate import evaluate
+from fastlink.engine.resolve import plans_of, resolve
+from fastlink.plan.plan import make_plans
+from fastlink.study.study import read_study
 
 BAR = fl.round_bar(density=7750.0, radius=0.01)
 LENGTHS = {"a1": 0.4, "a2": 1.2, "a3": 0.8, "a4": 1.0}

@@ -6,9 +6,9 @@ import sys
 from collections import Counter
 from collections.abc import Iterator
 
-from extreme.case import Case, Mechanism, evaluated, outcomes
-from extreme.exact import CONTEXT, Configuration
-from extreme.mechanisms import MECHANISMS
+from tests.extreme.case import Case, Mechanism, evaluated, outcomes
+from tests.extreme.exact import CONTEXT, Configuration
+from tests.extreme.mechanisms import MECHANISMS
 
 
 def lines(mechanism: Mechanism, cases: list[Case]) -> Iterator[str]:

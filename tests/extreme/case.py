@@ -10,8 +10,8 @@ from typing import Any
 import numpy as np
 
 import fastlink as fl
-from extreme.exact import CONTEXT, TINY, UNIT, Configuration, Size
-from fastlink.catalogue import Catalogue
+from fastlink.catalogue.catalogue import Catalogue
+from tests.extreme.exact import CONTEXT, TINY, UNIT, Configuration, Size
 
 __all__ = ["MULTIPLE", "Case", "Mechanism", "Outcome", "evaluated", "outcomes"]
 

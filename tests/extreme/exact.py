@@ -6,8 +6,8 @@ from collections.abc import Callable, Mapping
 from functools import lru_cache
 from typing import Any
 
-from fastlink.catalogue import Catalogue
-from fastlink.exact import CONTEXT, UNIT, Exact
+from fastlink.catalogue.catalogue import Catalogue
+from fastlink.precision.reference import CONTEXT, UNIT, Exact
 
 __all__ = ["CONTEXT", "TINY", "UNIT", "Configuration", "Size", "alone"]
 

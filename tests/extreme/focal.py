@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from extreme.case import Case, Mechanism
 from fastlink.mechanisms import catalogue
-from focal_configurations import LENGTHS, random_designs, rows
-from focal_configurations import family as drawn
+from tests.extreme.case import Case, Mechanism
+from tests.support.focal_configurations import LENGTHS, random_designs, rows
+from tests.support.focal_configurations import family as drawn
 
 ULP = 2.0**-53
 

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from extreme.case import Case, Mechanism
 from fastlink.mechanisms import catalogue
-from hart_configurations import OF_THE_CRANK, WUNDERLICH
-from hart_configurations import family as drawn
+from tests.extreme.case import Case, Mechanism
+from tests.support.hart_configurations import OF_THE_CRANK, WUNDERLICH
+from tests.support.hart_configurations import family as drawn
 
 
 def of_kinds(kinds: tuple[str, ...], full: bool, seed: int) -> list[Case]:

@@ -7,10 +7,10 @@ from fractions import Fraction
 
 import mpmath as mp
 
-from extreme.case import Case, Mechanism
-from extreme.exact import alone
 from fastlink.mechanisms import catalogue
-from minkowski_designs import LENGTHS
+from tests.extreme.case import Case, Mechanism
+from tests.extreme.exact import alone
+from tests.support.minkowski_designs import LENGTHS
 
 #: One design of each way to close: at every theta, outside of a limit, inside and outside of limits.
 DESIGNS = ((1.0, 2.0, 3.5, 2.25), (1.0, 2.0, 1.25, 1.5), (1.0, 0.75, 3.5, 1.0))

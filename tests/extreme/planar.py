@@ -8,9 +8,9 @@ from fractions import Fraction
 import mpmath as mp
 import numpy as np
 
-from configurations import LENGTHS, PLANAR
-from extreme.case import Case, Mechanism
-from extreme.exact import alone
+from tests.extreme.case import Case, Mechanism
+from tests.extreme.exact import alone
+from tests.support.configurations import LENGTHS, PLANAR
 
 #: Mass centres and coupler point off all lines, so that nothing vanishes by symmetry.
 POINTS = {

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 import fastlink as fl
-from extreme.case import evaluated, outcomes
-from extreme.mechanisms import MECHANISMS
-from extreme.planar import PLANAR_4R
+from tests.extreme.case import evaluated, outcomes
+from tests.extreme.mechanisms import MECHANISMS
+from tests.extreme.planar import PLANAR_4R
 
 FAMILIES = [(name, family) for name, mechanism in MECHANISMS.items() for family in mechanism.families]
 #: Quantities that are wrong in a case as yet, and why.

@@ -5,11 +5,11 @@ from __future__ import annotations
 import numpy as np
 
 import fastlink as fl
-from configurations import LENGTHS, PLANAR
-from extreme.exact import Configuration
-from extreme.planar import FOLDED, PLANAR_4R, ULP, scaled
-from fastlink.fact import System
-from fastlink.fact import parameters as needs_of
+from fastlink.facts.fact import System
+from fastlink.facts.fact import parameters as needs_of
+from tests.extreme.exact import Configuration
+from tests.extreme.planar import FOLDED, PLANAR_4R, ULP, scaled
+from tests.support.configurations import LENGTHS, PLANAR
 
 UNIT = 2.0**-53
 DENSE = PLANAR.alternatives["dense"]["T41"]

@@ -8,9 +8,9 @@ from hypothesis import HealthCheck, Phase, given, settings
 from hypothesis import strategies as st
 
 import fastlink as fl
-from extreme.case import Case, evaluated, outcomes
-from extreme.mechanisms import MECHANISMS
-from extreme.planar import MASSES, POINTS
+from tests.extreme.case import Case, evaluated, outcomes
+from tests.extreme.mechanisms import MECHANISMS
+from tests.extreme.planar import MASSES, POINTS
 
 FEW, MANY = 50, 10_000
 

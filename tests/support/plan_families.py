@@ -10,12 +10,12 @@ import numpy as np
 import pytest
 
 import fastlink as fl
-from configurations import draw
-from fastlink.asked import resolve
-from fastlink.closure import EXTREMUM
 from fastlink.codegen.kernel import load_kernel
 from fastlink.codegen.runtime.cells import LANES
-from fastlink.plans import CurvePlan
+from fastlink.engine.resolve import resolve
+from fastlink.plan.plan import CurvePlan
+from fastlink.plan.program import EXTREMUM
+from tests.support.configurations import draw
 
 
 @dataclass(frozen=True)

@@ -9,10 +9,10 @@ import numpy as np
 import xarray as xr
 
 import fastlink as fl
-from fastlink.exact import CONTEXT as MP
-from fastlink.exact import UNIT, Exact
-from fastlink.request import alternatives_of
-from support.registry import Entry
+from fastlink.plan.validate import alternatives_of
+from fastlink.precision.reference import CONTEXT as MP
+from fastlink.precision.reference import UNIT, Exact
+from tests.support.registry import Entry
 
 #: So many configurations are compiled at once: every design is swept over the positions of all.
 BLOCK = 30

@@ -1,7 +1,7 @@
 """Where every mechanism is tested: its inputs, its families of configurations, and how exact it must be there.
 
-What holds for every quantity of every mechanism (tests/test_precision.py) is tested for the `ENTRIES` here. A new
-mechanism needs one entry for each of its inputs; without them a test fails.
+What holds for every quantity of every mechanism (tests/mechanisms/test_precision.py) is tested for the `ENTRIES`
+here. A new mechanism needs one entry for each of its inputs; without them a test fails.
 """
 
 from __future__ import annotations
@@ -13,15 +13,17 @@ from typing import Any
 
 import numpy as np
 
-import configurations
-import focal_configurations
-import focal_designs
-import hart_configurations
-import minkowski_configurations
-import minkowski_designs
-from configurations import UNIT
-from fastlink.catalogue import Catalogue
+from fastlink.catalogue.catalogue import Catalogue
 from fastlink.mechanisms import catalogue
+from tests.support import (
+    configurations,
+    focal_configurations,
+    focal_designs,
+    hart_configurations,
+    minkowski_configurations,
+    minkowski_designs,
+)
+from tests.support.configurations import UNIT
 
 #: Draw some configurations, or fewer: the inputs, the input position and the modes (``branch`` and inputs with choices)
 #: by name. Of modes that are left out all are tested, without a position what belongs to a design alone.
@@ -52,8 +54,9 @@ class Entry:
     elsewhere : mapping of str to str
         What is not tested, and why.
     multiple : float
-        The greatest error in roundings of the result and of each input, see `fastlink.exact.in_roundings`. The facts
-        are chains of up to forty operations that do not cancel, and their errors mostly average out.
+        The greatest error in roundings of the result and of each input, see
+        `fastlink.precision.reference.in_roundings`. The facts are chains of up to forty
+        operations that do not cancel, and their errors mostly average out.
     long_chains : mapping of str to float
         The same of single quantities.
     errors : mapping of str to float

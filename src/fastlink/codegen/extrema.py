@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from typing import TYPE_CHECKING
 
-from fastlink.catalogue import Fact, parameters
+from fastlink.catalogue.catalogue import Fact, parameters
 from fastlink.codegen.extrema_schedule import RefinedLayout
 from fastlink.codegen.pointwise import results_of
 from fastlink.codegen.runtime.cells import HALF, ITEM_ROWS, LANES, MOST_LANES, STATE_ROWS, UPPER, X
@@ -17,7 +17,7 @@ from fastlink.codegen.runtime.cells import F as F_ROW
 from fastlink.codegen.source import Array, Source, Text, paste_fact
 
 if TYPE_CHECKING:
-    from fastlink.closure import Output, RefinedClosure, Search
+    from fastlink.plan.program import Output, RefinedClosure, Search
 
 __all__ = ["write_refined"]
 

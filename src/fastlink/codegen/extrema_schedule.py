@@ -6,12 +6,12 @@ from collections.abc import Iterable, Sequence
 from functools import cached_property
 from typing import TYPE_CHECKING
 
-from fastlink.catalogue import Fact
+from fastlink.catalogue.catalogue import Fact
 from fastlink.codegen.runtime.cells import STATE_ROWS
 from fastlink.codegen.runtime.results import GREATEST, LEAST, PLACE, VALUE
 
 if TYPE_CHECKING:
-    from fastlink.closure import Output, RefinedClosure, Search
+    from fastlink.plan.program import Output, RefinedClosure, Search
 
 __all__ = ["RefinedLayout"]
 

@@ -10,15 +10,15 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING
 
-from fastlink.catalogue import Fact, System, parameters
+from fastlink.catalogue.catalogue import Fact, System, parameters
 from fastlink.codegen.runtime.cells import LANES, MOST_LANES
 from fastlink.codegen.schedule import KernelLayout, Step
 from fastlink.codegen.source import N_ANGLES, Array, Source, Text, paste_fact, paste_system
-from fastlink.names import Quantity, Reduced
-from fastlink.reductions import COUNT
+from fastlink.facts.names import Quantity, Reduced
+from fastlink.plan.reductions import COUNT
 
 if TYPE_CHECKING:
-    from fastlink.closure import Closure, Output, RefinedClosure
+    from fastlink.plan.program import Closure, Output, RefinedClosure
 
 __all__ = ["results_of", "write_kernel"]
 

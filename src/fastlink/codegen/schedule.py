@@ -11,10 +11,10 @@ import ast
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
-from fastlink.fact import Fact, System, statements
+from fastlink.facts.fact import Fact, System, statements
 
 if TYPE_CHECKING:
-    from fastlink.closure import Closure, Output
+    from fastlink.plan.program import Closure, Output
 
 __all__ = ["KernelLayout", "Step"]
 

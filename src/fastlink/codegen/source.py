@@ -1,6 +1,6 @@
 """Facts to kernel text: each fact's statements are pasted once, with its names made unique.
 
-The grammar of facts (`fastlink.fact`) is assignments and one return.
+The grammar of facts (`fastlink.facts.fact`) is assignments and one return.
 """
 
 from __future__ import annotations
@@ -11,10 +11,10 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from fastlink.fact import Fact, System, statements
+from fastlink.facts.fact import Fact, System, statements
 
 if TYPE_CHECKING:
-    from fastlink.closure import Closure, RefinedClosure
+    from fastlink.plan.program import Closure, RefinedClosure
 
 __all__ = ["Array", "Source", "Text", "paste_fact", "paste_system"]
 

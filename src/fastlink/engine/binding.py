@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from fastlink.codegen.kernel import Kernel
-from fastlink.run import Part, aligned
+from fastlink.engine.executor import Part, aligned
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray

@@ -11,20 +11,20 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from fastlink.asked import Asked, resolve
-from fastlink.checked import check_names
-from fastlink.design import grid
 from fastlink.engine.binding import BLOCK, Bound, bind
+from fastlink.engine.checks import check_names
+from fastlink.engine.resolve import Asked, resolve
 from fastlink.errors import InputError
 from fastlink.mechanisms import catalogue as find_catalogue
-from fastlink.request import allowed, alternatives_of, check_inputs, check_keywords
-from fastlink.space import DESIGN, DesignSpace
+from fastlink.plan.validate import allowed, alternatives_of, check_inputs, check_keywords
+from fastlink.space.design_space import DESIGN, DesignSpace
+from fastlink.space.samplers import grid
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
-    from fastlink.closure import Output
-    from fastlink.links import Links
+    from fastlink.plan.program import Output
+    from fastlink.space.links import Links
 
 __all__ = ["Function", "function"]
 

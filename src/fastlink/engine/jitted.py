@@ -19,7 +19,7 @@ from fastlink.errors import InputError
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from fastlink.fact import Input
+    from fastlink.facts.fact import Input
 
 __all__ = ["JITTED_BLOCK", "jitted_of"]
 

@@ -10,7 +10,7 @@ from fastlink.errors import InputError, suggest
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from fastlink.catalogue import Catalogue
+    from fastlink.catalogue.catalogue import Catalogue
 
 _lock = threading.Lock()
 NAMES = ("planar_4r", "minkowski_4r", "focal", "hart")

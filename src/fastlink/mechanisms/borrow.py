@@ -6,8 +6,8 @@ from collections.abc import Callable, Iterable, Mapping
 from dataclasses import replace
 from typing import Any
 
-from fastlink.catalogue import Catalogue, Fact
-from fastlink.names import Derivative, Quantity
+from fastlink.catalogue.catalogue import Catalogue, Fact
+from fastlink.facts.names import Derivative, Quantity
 
 __all__ = ["borrow", "borrow_range", "facts_of", "renaming", "with_derivatives"]
 

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from tests.support.configurations import LENGTHS, PLANAR, UNIT, near_toggle
 
 import fastlink as fl
-from configurations import LENGTHS, PLANAR, UNIT, near_toggle
-from fastlink.exact import CONTEXT, Exact
+from fastlink.precision.reference import CONTEXT, Exact
 
 NAMES = ["transmission_angle", "omega2", "omega4", "alpha2", "alpha4"]
 

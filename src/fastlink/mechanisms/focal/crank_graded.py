@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
-from fastlink.catalogue import GradedRange
+from fastlink.catalogue.catalogue import GradedRange
 from fastlink.mechanisms.focal.drives import by_crank
 from fastlink.mechanisms.focal.dyad import DYAD
 from fastlink.mechanisms.planar_4r import graded

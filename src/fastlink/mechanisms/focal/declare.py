@@ -6,7 +6,7 @@ from M and N (beyond the pivot where negative), and F hangs on PF = p and QF = q
 
 from __future__ import annotations
 
-from fastlink.catalogue import Catalogue, Input
+from fastlink.catalogue.catalogue import Catalogue, Input
 
 WUNDERLICH = "Wunderlich"
 DESIGN = "docs/focal.md"

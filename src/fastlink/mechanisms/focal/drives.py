@@ -9,7 +9,7 @@ from collections.abc import Callable, Iterable
 from functools import cache
 from typing import Any, TypeVar
 
-from fastlink.catalogue import Catalogue, Input
+from fastlink.catalogue.catalogue import Catalogue, Input
 from fastlink.errors import InputError, Setting
 from fastlink.mechanisms.focal.declare import focal
 

@@ -12,7 +12,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from fastlink.catalogue import Catalogue
+from fastlink.catalogue.catalogue import Catalogue
 from fastlink.mechanisms.focal.declare import DESIGN, WUNDERLICH
 from fastlink.mechanisms.focal.design_facts import length_of
 from fastlink.mechanisms.focal.drives import either

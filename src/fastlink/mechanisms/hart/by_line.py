@@ -14,7 +14,7 @@ from collections.abc import Callable
 from functools import cache
 from typing import Any, TypeVar
 
-from fastlink.catalogue import Catalogue, Input
+from fastlink.catalogue.catalogue import Catalogue, Input
 from fastlink.mechanisms import lengths
 from fastlink.mechanisms.hart.declare import PAGE, WUNDERLICH, hart
 from fastlink.mechanisms.hart.motion import BAR_ERRORS, omega_angle, quotient

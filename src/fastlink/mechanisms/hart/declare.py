@@ -6,7 +6,7 @@ m = MP, n = NQ, d = MN, and kappa = PF/NQ = QF/MP = AB/MN.
 
 from __future__ import annotations
 
-from fastlink.catalogue import Catalogue, Input
+from fastlink.catalogue.catalogue import Catalogue, Input
 
 WUNDERLICH = "Wunderlich"
 PAGE = "docs/hart.md"

@@ -19,7 +19,7 @@ from fastlink.mechanisms.minkowski_4r.declare import minkowski_4r
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from fastlink.catalogue import Catalogue
+    from fastlink.catalogue.catalogue import Catalogue
 
 __all__ = [
     "DRIVEN",

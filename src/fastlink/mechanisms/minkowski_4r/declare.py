@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from fastlink.catalogue import Catalogue, Input
+from fastlink.catalogue.catalogue import Catalogue, Input
 
 HEGEDUS = "Hegedüs, Moore"
 NUMERICS = "docs/minkowski_numerics.md"

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
-from fastlink.catalogue import Catalogue, Input
+from fastlink.catalogue.catalogue import Catalogue, Input
 
 HAYES = "Hayes, Hninn, Irani"
 NUMERICS = "docs/numerics.md"

@@ -19,11 +19,11 @@ from dataclasses import replace
 from functools import cache, partial
 from typing import Any
 
-from fastlink.catalogue import Catalogue, Fact, Input
+from fastlink.catalogue.catalogue import Catalogue, Fact, Input
 from fastlink.errors import InputError, Setting
+from fastlink.facts.names import Derivative, Quantity, deepest
 from fastlink.mechanisms.borrow import facts_of, with_derivatives
 from fastlink.mechanisms.planar_4r.declare import planar_4r
-from fastlink.names import Derivative, Quantity, deepest
 from fastlink.numerics.elementary import TWO_PI, atan2, cos, select, sin, sqrt
 
 __all__ = ["driven_by", "driven_catalogues"]

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from fastlink.catalogue import GradedRange
+from fastlink.catalogue.catalogue import GradedRange
 from fastlink.mechanisms.planar_4r.declare import NUMERICS, planar_4r
 from fastlink.mechanisms.planar_4r.factors import IO_PRODUCTS
 from fastlink.numerics.elementary import NOT_A_NUMBER, TWO_PI, atan2, select, sqrt

@@ -1,6 +1,6 @@
 """Derivatives by the input angle in closed form.
 
-Derivatives of all facts are generated (`fastlink.derivative`); those here are declared because a generated one
+Derivatives of all facts are generated (`fastlink.symbolic.derivative`); those here are declared because a generated one
 would subtract nearly equal numbers near toggles or change points, or cost more. With n2 = omega2/omega1,
 n4 = omega4/omega1 and ' = d/dtheta1
 

@@ -1,0 +1,27 @@
+"""What belongs to planar linkages alone: algebraic equations and constructions."""
+
+from fastlink.analysis.planar.balance import force_balance
+from fastlink.analysis.planar.cognates import Cognate, cognates
+from fastlink.analysis.planar.curves import curve_area, curve_length, curve_straightness, sextic, straightness
+from fastlink.analysis.planar.double_points import crunode_count, crunodes, cusp_count, cusps
+from fastlink.analysis.planar.flywheel import flywheel_inertia
+from fastlink.analysis.planar.inflections import inflections
+from fastlink.analysis.planar.io import io_coefficients
+
+__all__ = [
+    "Cognate",
+    "cognates",
+    "crunode_count",
+    "crunodes",
+    "curve_area",
+    "curve_length",
+    "curve_straightness",
+    "cusp_count",
+    "cusps",
+    "flywheel_inertia",
+    "force_balance",
+    "inflections",
+    "io_coefficients",
+    "sextic",
+    "straightness",
+]

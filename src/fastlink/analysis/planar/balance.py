@@ -1,0 +1,117 @@
+"""Complete force balancing of the four-bar by counterweights on crank and output link (Berkof and Lowen, 1969).
+
+With complex numbers in the links' frames, g_i the mass centres and e_i the links' directions, the moment of mass
+
+    m1 g1 e1 + m2 (a1 e1 + g2 e2) + m3 (a4 + g3 e3),    a2 e2 = a4 + a3 e3 - a1 e1
+
+is constant, and its second derivative, the shaking force, zero, if the coefficients of e1 and e3 vanish.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from fastlink.analysis.planar.designs import broadcast
+from fastlink.engine.evaluate import read_facts
+from fastlink.errors import InputError
+from fastlink.mechanisms import catalogue
+from fastlink.plan.validate import alternatives_of, constants_of
+
+if TYPE_CHECKING:
+    from fastlink.space.links import Links
+
+__all__ = ["force_balance"]
+
+NEEDED = ("a1", "a2", "a3", "m1", "G1_u", "G1_v", "m2", "G2_u", "G2_v", "m3", "G3_u", "G3_v")
+
+
+def force_balance(
+    design: Mapping[str, Any],
+    *,
+    links: Links | None = None,
+    radius1: Any = None,
+    mass1: Any = None,
+    radius3: Any = None,
+    mass3: Any = None,
+) -> dict[str, Any]:
+    """Return the counterweights that make the shaking force of a planar 4R zero.
+
+    The crank's product of mass and radius is |m1 g1 + m2 a1 (1 - g2/a2)|, the output link's |m3 g3 + m2 a3 g2/a2|
+    (Berkof and Lowen, 1969). Either the radius or the mass of each is free.
+
+    Parameters
+    ----------
+    design : mapping of str to float or array_like
+        The inputs of ``planar_4r`` by name: lengths, masses and mass centres, broadcast against each other.
+    links : Links, optional
+        Where mass data come from that the design does not give.
+    radius1, mass1 : float or array_like, optional
+        Radius in m or mass in kg of the counterweight on the crank, one of them; a1 is the radius unless given.
+    radius3, mass3 : float or array_like, optional
+        The same of the counterweight on the output link; a3 is the radius unless given.
+
+    Returns
+    -------
+    dict
+        The inputs ``counterweight1_mass``, ``counterweight1_radius``, ``counterweight1_direction`` and the same of
+        ``counterweight3``: add them to the design.
+
+    Raises
+    ------
+    InputError
+        An input is missing, is no number or of another shape; both or neither fit; a radius or mass is not positive.
+
+    Examples
+    --------
+    >>> import fastlink as fl
+    >>> design = dict(a1=0.4, a2=1.2, a3=0.8, a4=1.0, omega1=25.0)
+    >>> bars = fl.round_bar(density=7750.0, radius=0.01)
+    >>> weights = fl.planar.force_balance(design, links=bars, radius1=0.1, radius3=0.2)
+    >>> round(float(weights["counterweight1_mass"]), 3)
+    7.791
+    >>> found = fl.evaluate("planar_4r", ["shaking_force"], **design, **weights, links=bars, theta1=1.0)
+    >>> bool(found["shaking_force"] < 1e-10)
+    True
+    """
+    planar = catalogue("planar_4r")
+    alternatives = alternatives_of(planar, links, "eliminated", ())
+    given = constants_of(planar, links, alternatives) | dict(design)
+    for name in NEEDED:
+        if name not in given and planar.lookup(name, alternatives) is None:
+            raise InputError(
+                f"force_balance: {name} is missing ({planar.inputs[name].meaning} [{planar.inputs[name].units}]); "
+                "add it to the design, or give links"
+            )
+    lengths = dict(zip(design, broadcast("force_balance", **design), strict=True))
+    found = read_facts(planar, NEEDED, given | lengths, alternatives)
+    g1, g2, g3 = (np.asarray(found[f"G{i}_u"]) + 1j * np.asarray(found[f"G{i}_v"]) for i in (1, 2, 3))
+    share = g2 / found["a2"]
+    crank = -(found["m1"] * g1 + found["m2"] * found["a1"] * (1.0 - share))
+    output = -(found["m3"] * g3 + found["m2"] * found["a3"] * share)
+    return {
+        **_counterweight(1, crank, radius1, mass1, found["a1"]),
+        **_counterweight(3, output, radius3, mass3, found["a3"]),
+    }
+
+
+def _counterweight(link: int, product: Any, radius: Any, mass: Any, length: Any) -> dict[str, Any]:
+    """Return the inputs of a counterweight whose mass times radius is given as a complex number."""
+    if radius is not None and mass is not None:
+        raise InputError(
+            f"force_balance: radius{link} and mass{link} are given; write one, the other follows"
+        )
+    name, chosen = (f"mass{link}", mass) if mass is not None else (f"radius{link}", radius)
+    (chosen,) = broadcast("force_balance", **{name: length if chosen is None else chosen})
+    if not np.all((chosen > 0.0) & np.isfinite(chosen)):
+        raise InputError(f"force_balance: {name} must be positive and finite")
+    other = np.abs(product) / chosen
+    values = {
+        "mass": chosen if mass is not None else other,
+        "radius": other if mass is not None else chosen,
+        "direction": np.angle(product),
+    }
+    spread = dict(zip(values, np.broadcast_arrays(*values.values()), strict=True))
+    return {f"counterweight{link}_{key}": value[()] for key, value in spread.items()}

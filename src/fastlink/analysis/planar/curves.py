@@ -1,0 +1,260 @@
+"""Coupler curves of the planar 4R as curves: equation, length, area, straightness.
+
+Nothing here is per configuration; the coupler point and its derivatives are facts of the mechanism, and so is the
+bounding box of the curve: ``P_x_min``, ``P_x_max``, ``P_y_min`` and ``P_y_max`` of a sweep.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from scipy.spatial import ConvexHull, QhullError
+
+from fastlink.analysis.planar.designs import CURVE, broadcast, curve_designs
+from fastlink.analysis.planar.sextics import coupler_sextic
+from fastlink.engine.evaluate import evaluate
+from fastlink.errors import InputError
+from fastlink.numerics.vectors import cross
+
+__all__ = ["curve_area", "curve_length", "curve_straightness", "sextic", "straightness"]
+
+
+def sextic(a1: Any, a2: Any, a3: Any, a4: Any, P_u: Any, P_v: Any) -> Any:
+    r"""Return the tricircular sextic that every coupler point of a linkage satisfies.
+
+    Parameters
+    ----------
+    a1, a2, a3, a4 : float or array_like
+        Lengths of crank, coupler, output link and ground [m], broadcast with the coupler point.
+    P_u, P_v : float or array_like
+        The coupler point, along AB from A and to the left of AB [m].
+
+    Returns
+    -------
+    ndarray, shape (..., 7, 7)
+        c with ``sum(c[..., i, j] X**i Y**j) = 0`` for the points (X, Y) [m] of the curve in the ground frame
+        (origin O, X along OD), of both branches. c[i, j] has the unit m^(6 - i - j); the terms of degree six
+        are (X^2 + Y^2)^3, so nothing is left to normalise.
+
+    Notes
+    -----
+    In complex numbers let z = X + iY, p = P_u + i P_v and q = p - a2 be the coupler point seen from A and
+    from B, and e = exp(i theta2). Then A = z - p e and B = z - q e, and the circles abs(A) = a1 and
+    abs(B - a4) = a3 become two linear equations for cos theta2 and sin theta2,
+
+    .. math::
+        A_k \cos\theta_2 + B_k \sin\theta_2 = C_k, \quad
+        (A_1 + iB_1)/2 = z \bar p, \quad C_1 = z \bar z + |p|^2 - a_1^2, \quad
+        (A_2 + iB_2)/2 = (z - a_4) \bar q, \quad C_2 = |z - a_4|^2 + |q|^2 - a_3^2.
+
+    Cramer's rule and cos^2 + sin^2 = 1 give
+
+    .. math::
+        (C_1 B_2 - C_2 B_1)^2 + (A_1 C_2 - A_2 C_1)^2 = (A_1 B_2 - A_2 B_1)^2,
+
+    S. Roberts' sextic (Proc. London Math. Soc. 7, 1875, 14-23). Here it is divided by 4 a2^2, with what cancels
+    in it cancelled by hand: abs(W)^2 - 4 V^2 = 0 with
+
+    .. math::
+        W &= (z \bar z + k)(z - a_4) - (\bar p/a_2)(a_4 z^2 + (2 a_2 P_u - a_1^2 - a_2^2 + a_3^2 - a_4^2) z
+             - k a_4), \quad k = |p|^2 - a_1^2, \\
+        V &= a_4 Y (|p|^2/a_2 - P_u) - P_v (z \bar z - a_4 X).
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> import fastlink as fl
+    >>> c = fl.planar.sextic(3.0, 4.0, 5.0, 6.0, 0.0, 0.0)  # P = A, on the circle of radius 3
+    >>> float(np.polynomial.polynomial.polyval2d(0.0, 3.0, c))
+    0.0
+    """
+    a1, a2, a3, a4, u, v = curve_designs("sextic", a1, a2, a3, a4, P_u, P_v)
+    return coupler_sextic(-1, a1, a2, a3, a4, u, v)
+
+
+def _along(
+    quantities: list[str], theta1: Any, branch: int, function: str, design: tuple[Any, ...]
+) -> dict[str, Any]:
+    """Evaluate along the curve at unit speed, angles in the last axis."""
+    inputs = dict(zip(CURVE, curve_designs(function, *design), strict=True))
+    spread = {name: value[..., None] for name, value in inputs.items()}
+    return evaluate("planar_4r", quantities, branch=branch, theta1=theta1, omega1=1.0, **spread)
+
+
+def one_turn(samples: int) -> Any:
+    """Return input angles, half a step off theta1 = 0, where a change point may have no rates."""
+    if samples < 1:
+        raise InputError(f"samples is {samples}; give at least 1")
+    return (np.arange(samples) + 0.5) * (2.0 * np.pi / samples)
+
+
+def curve_length(
+    a1: Any, a2: Any, a3: Any, a4: Any, P_u: Any, P_v: Any, *, branch: int = 1, samples: int = 720
+) -> Any:
+    """Return the length of the path of the coupler point over one turn of the input [m].
+
+    Parameters
+    ----------
+    a1, a2, a3, a4, P_u, P_v : float or array_like
+        Lengths and coupler point [m], broadcast.
+    branch : int
+        Assembly mode.
+    samples : int
+        Input angles over the turn.
+
+    Returns
+    -------
+    ndarray
+        The mean speed times the period; NaN where the input does not turn fully.
+
+    Notes
+    -----
+    The periodic trapezoidal rule: the error falls geometrically with the samples, the faster the farther the
+    curve is from a cusp and the linkage from a change point. At a cusp it falls with their square.
+
+    Examples
+    --------
+    >>> import fastlink as fl
+    >>> round(float(fl.planar.curve_length(0.5, 1.2, 0.8, 1.0, 0.0, 0.0)), 12)  # P = A: 2 pi a1
+    3.14159265359
+    """
+    design = (a1, a2, a3, a4, P_u, P_v)
+    found = _along(["P_speed"], one_turn(samples), branch, "curve_length", design)
+    return 2.0 * np.pi * np.mean(found["P_speed"], axis=-1)
+
+
+def curve_area(
+    a1: Any, a2: Any, a3: Any, a4: Any, P_u: Any, P_v: Any, *, branch: int = 1, samples: int = 720
+) -> Any:
+    """Return the area that the coupler curve encloses over one turn of the input [m2].
+
+    Parameters
+    ----------
+    a1, a2, a3, a4, P_u, P_v : float or array_like
+        Lengths and coupler point [m], broadcast.
+    branch : int
+        Assembly mode.
+    samples : int
+        Input angles over the turn.
+
+    Returns
+    -------
+    ndarray
+        The signed area, half the integral of x dy - y dx: parts that the curve runs around to the left
+        as theta1 grows count positive, to the right negative (the loops of a figure eight subtract). NaN where
+        the input does not turn fully.
+
+    Notes
+    -----
+    The periodic trapezoidal rule, as in `curve_length`; the integrand is smooth at cusps too.
+
+    Examples
+    --------
+    >>> import fastlink as fl
+    >>> round(float(fl.planar.curve_area(0.5, 1.2, 0.8, 1.0, 0.0, 0.0)), 12)  # P = A: pi a1^2
+    0.785398163397
+    """
+    design = (a1, a2, a3, a4, P_u, P_v)
+    found = _along(["P_x", "P_y", "P_vx", "P_vy"], one_turn(samples), branch, "curve_area", design)
+    return np.pi * np.mean(found["P_x"] * found["P_vy"] - found["P_y"] * found["P_vx"], axis=-1)
+
+
+def _half_width(points: Any) -> float:
+    """Return half the distance of the nearest two parallel lines that hold all points (n, 2) between them."""
+    if points.size == 0:
+        return float("nan")
+    points = points - points[0]
+    distance = np.hypot(*points.T)
+    size = distance.max()
+    if size == 0.0:
+        return 0.0
+    points = points / size
+    try:
+        corners = points[ConvexHull(points).vertices]
+    except QhullError:  # in one line, but for roundings
+        return float(0.5 * size * np.ptp(cross(*points[np.argmax(distance)], *points.T)))
+    # The nearest lines run along an edge of the convex hull and through the corner where its edges turn back.
+    edges = np.roll(corners, -1, axis=0) - corners
+    angle = np.unwrap(np.arctan2(edges[:, 1], edges[:, 0]))
+    opposite = np.searchsorted(np.concatenate([angle, angle + 2.0 * np.pi]), angle + np.pi) % len(angle)
+    widths = np.abs(cross(*edges.T, *(corners[opposite] - corners).T)) / np.hypot(*edges.T)
+    return float(0.5 * size * widths.min())
+
+
+def straightness(x: Any, y: Any) -> Any:
+    """Return the greatest distance of points from their best line, the line that makes it least [m].
+
+    Parameters
+    ----------
+    x, y : array_like
+        Points [m] of a curve or a part of it in the last axis, such as P_x and P_y over theta1. NaN is left
+        out.
+
+    Returns
+    -------
+    ndarray
+        Half the width of the narrowest strip that holds the points (the minimum zone of ISO 1101 is the whole width).
+        NaN without points.
+
+    Examples
+    --------
+    >>> import fastlink as fl
+    >>> float(fl.planar.straightness([0.0, 2.0, 4.0, 6.0], [1.0, -1.0, -1.0, 1.0]))
+    1.0
+    """
+    points = np.stack(broadcast("straightness", x=x, y=y), axis=-1)
+    curves = points.reshape(-1, *points.shape[-2:])
+    found = [_half_width(curve[np.isfinite(curve).all(axis=-1)]) for curve in curves]
+    return np.array(found).reshape(points.shape[:-2])[()]
+
+
+def curve_straightness(
+    a1: Any,
+    a2: Any,
+    a3: Any,
+    a4: Any,
+    P_u: Any,
+    P_v: Any,
+    *,
+    theta1: tuple[float, float] | None = None,
+    branch: int = 1,
+    samples: int = 720,
+) -> Any:
+    """Return the `straightness` of the coupler curve or of a part of it [m].
+
+    Parameters
+    ----------
+    a1, a2, a3, a4, P_u, P_v : float or array_like
+        Lengths and coupler point [m], broadcast.
+    theta1 : (float, float), optional
+        Least and greatest input angle [rad] of the part; the whole curve of the branch unless given.
+    branch : int
+        Assembly mode.
+    samples : int
+        Input angles.
+
+    Returns
+    -------
+    ndarray
+        The greatest distance from the best line. Angles at which the linkage does not assemble are left out.
+
+    Examples
+    --------
+    Chebyshev's straight line of the lambda linkage, 1 : 2.5 : 2.5 : 2 with P at 2 a2:
+
+    >>> import fastlink as fl
+    >>> part = fl.planar.curve_straightness(1.0, 2.5, 2.5, 2.0, 5.0, 0.0, theta1=(2.1, 4.2), branch=2)
+    >>> whole = fl.planar.curve_straightness(1.0, 2.5, 2.5, 2.0, 5.0, 0.0, branch=2)
+    >>> round(float(part), 4), round(float(whole), 4)
+    (0.0049, 0.4495)
+    """
+    angles = one_turn(samples)
+    if theta1 is not None:
+        low, high = theta1
+        if not (np.isfinite([low, high]).all() and low < high):
+            raise InputError(f"curve_straightness: theta1 is {theta1}; give (least, greatest) in rad")
+        angles = np.linspace(low, high, samples)
+    design = (a1, a2, a3, a4, P_u, P_v)
+    found = _along(["P_x", "P_y"], angles, branch, "curve_straightness", design)
+    return straightness(found["P_x"], found["P_y"])

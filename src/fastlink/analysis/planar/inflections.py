@@ -1,0 +1,101 @@
+"""Inflections of the coupler curve of a planar 4R: where its curvature changes sign."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from fastlink.analysis.planar.curves import one_turn
+from fastlink.analysis.planar.designs import CURVE, curve_designs
+from fastlink.engine.evaluate import evaluate
+
+__all__ = ["inflections"]
+
+#: Most steps of the regula falsi, whose order is 1.44: from a step of 2 pi/720 some ten do.
+STEPS = 40
+
+
+def _turn(inputs: dict[str, Any], theta1: Any, branch: int) -> Any:
+    """Return the cross product of the first two derivatives of P, which has no poles but those of the rates."""
+    found = evaluate(
+        "planar_4r", ["curvature", "P_speed"], branch=branch, theta1=theta1, omega1=1.0, **inputs
+    )
+    return found["curvature"] * found["P_speed"] ** 3
+
+
+def _refined(inputs: dict[str, Any], branch: int, low: Any, high: Any, at_low: Any, at_high: Any) -> Any:
+    """Return the zeros between angles of opposite signs by the Illinois variant of the regula falsi."""
+    for _ in range(STEPS):
+        middle = high - at_high * ((high - low) / (at_high - at_low))
+        at_middle = _turn(inputs, middle, branch)
+        crossed = np.signbit(at_middle) != np.signbit(at_high)
+        # The newest point is `high`; an end that stays twice counts half, so that it moves next time.
+        low, at_low = np.where(crossed, high, low), np.where(crossed, at_high, 0.5 * at_low)
+        done = np.abs(middle - high) <= 4.0 * np.spacing(middle)
+        high, at_high = middle, at_middle
+        if np.all(done | (at_middle == 0.0)):
+            break
+        # Where a zero is met exactly, both ends stay there.
+        low = np.where(at_high == 0.0, high, low)
+        at_low = np.where(at_high == 0.0, 1.0, at_low)
+    return high
+
+
+def inflections(
+    a1: Any, a2: Any, a3: Any, a4: Any, P_u: Any, P_v: Any, *, branch: int = 1, samples: int = 720
+) -> tuple[Any, Any, Any, Any]:
+    """Return the points where the curvature of the coupler curve changes sign.
+
+    Parameters
+    ----------
+    a1, a2, a3, a4, P_u, P_v : float or array_like
+        Lengths and coupler point [m], broadcast.
+    branch : int
+        Assembly mode.
+    samples : int
+        Input angles over the turn at which the sign of the curvature is asked; two changes within one step are missed.
+
+    Returns
+    -------
+    theta1 : ndarray, shape (..., k)
+        The input angles [rad] in [0, 2 pi) by growing theta1, NaN-padded; k is the greatest number of them.
+    X, Y : ndarray, shape (..., k)
+        The points in the ground frame [m].
+    count : ndarray of int, shape (...)
+        Their number.
+
+    Notes
+    -----
+    At a cusp the curvature is infinite and keeps its sign. P lies on the inflection circle of the coupler there.
+
+    Examples
+    --------
+    >>> import fastlink as fl
+    >>> theta1, X, Y, count = fl.planar.inflections(0.4, 1.2, 0.8, 1.0, 0.7, 0.5)
+    >>> int(count), fl.planar.inflections(0.4, 1.2, 0.8, 1.0, 0.0, 0.0)[3].tolist()  # P = A: a circle
+    (2, 0)
+    """
+    numbers = curve_designs("inflections", a1, a2, a3, a4, P_u, P_v)
+    shape = numbers[0].shape
+    columns = {name: value.reshape(-1) for name, value in zip(CURVE, numbers, strict=True)}
+    angles = one_turn(samples)
+    ends = np.append(angles, angles[0] + 2.0 * np.pi)
+    turn = _turn({name: value[:, None] for name, value in columns.items()}, ends, branch)
+    changes = np.isfinite(turn[:, :-1] * turn[:, 1:]) & (np.signbit(turn[:, :-1]) != np.signbit(turn[:, 1:]))
+    design, k = np.nonzero(changes)
+    inputs = {name: value[design] for name, value in columns.items()}
+    theta1 = _refined(inputs, branch, ends[k], ends[k + 1], turn[design, k], turn[design, k + 1])
+    theta1 = np.mod(theta1, 2.0 * np.pi)
+    found = evaluate("planar_4r", ["P_x", "P_y"], branch=branch, theta1=theta1, **inputs)
+    # NaN: between the two angles the linkage does not assemble.
+    there = np.isfinite(found["P_x"])
+    design = design[there]
+    count = np.bincount(design, minlength=turn.shape[0])
+    rank = np.arange(design.size) - (np.cumsum(count) - count)[design]
+    width = int(count.max(initial=0))
+    places = np.full((3, count.size, width), np.nan)
+    places[:, design, rank] = theta1[there], found["P_x"][there], found["P_y"][there]
+    order = np.argsort(places[0], axis=-1)
+    angle, X, Y = np.take_along_axis(places, order[None], axis=-1).reshape(3, *shape, width)
+    return angle, X, Y, count.reshape(shape)

@@ -1,0 +1,312 @@
+"""Declare physical facts once: inputs, quantities, tables, linear systems, derivatives."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import replace
+from itertools import count
+from typing import Any, TypeVar
+
+from fastlink.facts.fact import CatalogueError, Fact, GradedRange, Input, Rule, System, parameters
+from fastlink.facts.names import Derivative, ListOfExtrema, Name, Reduced, form_of, parse, reading_of, root_of
+from fastlink.symbolic.derivative import derivative_name, labelled
+
+__all__ = ["ELIMINATED", "Declarations"]
+
+#: The solver that solves no linear system: closed forms.
+ELIMINATED = "eliminated"
+
+F = TypeVar("F", bound=Callable[..., Any])
+_versions = count()
+
+
+class Declarations:
+    """What is declared of one mechanism; `fastlink.catalogue.catalogue.Catalogue` reads it."""
+
+    def __init__(
+        self,
+        name: str,
+        title: str,
+        branches: Mapping[int, str],
+        position: Input,
+        positions: tuple[float, float, int] | None = None,
+    ) -> None:
+        self.name = name
+        self.title = title
+        self.branches = dict(branches)
+        self.position = position
+        self.positions = positions
+        self.inputs: dict[str, Input] = {}
+        self.facts: dict[str, Fact] = {}
+        self.curves: dict[str, Fact] = {}
+        self.tables: dict[str, Fact] = {}
+        self.table_low_parts: dict[str, str] = {}
+        self.alternatives: dict[str, dict[str, Fact | System]] = {}
+        self.alternative_inputs: dict[str, dict[str, Input]] = {}
+        self.graded: GradedRange | None = None
+        #: Closed forms, and each set of facts that has a linear system.
+        self.solvers: tuple[str, ...] = (ELIMINATED,)
+        self.hiding: set[str] = set()
+        self._formed: dict[str, list[tuple[str, bool]]] = {}
+        self._seen: tuple[list[Any], int] = [], next(_versions)
+
+    @property
+    def version(self) -> int:
+        """A number that is another one whenever anything declared is another one, for what is found once.
+
+        All that is declared is compared with what it was, by identity: 8 us for the planar 4R.
+        """
+        now: list[Any] = [self.position, self.graded, self.positions, *self.branches]
+        sets: tuple[Mapping[str, Any], ...] = (self.inputs, self.facts, self.curves, self.tables)
+        sets = (*sets, self.table_low_parts, *self.alternatives.values(), *self.alternative_inputs.values())
+        for declared in sets:
+            now += declared.values()
+        seen, version = self._seen
+        if now != seen:
+            version = next(_versions)
+            self._seen = now, version
+        return version
+
+    def input(
+        self,
+        name: str,
+        *,
+        units: str,
+        symbol: str,
+        meaning: str,
+        rule: Rule = "any",
+        alternative: str | None = None,
+        default: float | None = None,
+        choices: Mapping[int, str] | None = None,
+    ) -> None:
+        """Declare a number that the user gives; `alternative` restricts it to a named set of facts.
+
+        Giving an input of a set that has one with a default, or that the set is named after, chooses the set: see
+        `chosen_by`. The codes of `choices` become a dimension of the result unless the design names one.
+        """
+        self._check_new(name, alternative)
+        self._check_reading(name, public=False)
+        declared = Input(name, units, symbol, meaning, rule, default, dict(choices or {}))
+        if alternative is None:
+            self.inputs[name] = declared
+        else:
+            self.alternative_inputs.setdefault(alternative, {})[name] = declared
+
+    def quantity(
+        self,
+        *,
+        units: str,
+        symbol: str,
+        source: str,
+        internal: bool = False,
+        flags: Mapping[int, str] | None = None,
+        alternative: str | None = None,
+        name: str | None = None,
+        meaning: str | None = None,
+        given: Mapping[str, str] | None = None,
+        hides_reduction: bool = False,
+        low: str | None = None,
+    ) -> Callable[[F], F]:
+        """Declare a fact.
+
+        Parameters
+        ----------
+        units, symbol, source : str
+            UDUNITS text, the paper's symbol, and where it stands (paper and equation number).
+        internal : bool
+            A step on the way: not offered to users by name.
+        flags : mapping of int to str, optional
+            For a quantity that is a code: the CF flag meanings of its values.
+        alternative : str, optional
+            The name of the set of facts it belongs to, which replaces or adds facts when asked for.
+        name, meaning : str, optional
+            Instead of the function's name and the first line of its docstring: where one law holds for
+            several links, it is written once and declared for each.
+        given : mapping of str to str, optional
+            With them: what stands for the law's parameters.
+        hides_reduction : bool
+            Its name may read as what is taken of another quantity over the cycle, which then has no name.
+        low : str, optional
+            The name of what rounding to double lost, of an internal fact whose function returns ``(high, low)``.
+        """
+
+        def declare(function: F) -> F:
+            labels = (units, symbol, source, internal, flags)
+            fact = self._fact(function, *labels, name, meaning, given or {}, low)
+            if low is not None and not internal:
+                raise CatalogueError(f"{self.name}: fact {fact.name} has a low part, and is not internal")
+            if hides_reduction:
+                self.hiding.add(fact.name)
+            known: dict[str, Any] = (
+                self.facts if alternative is None else self.alternatives.setdefault(alternative, {})
+            )
+            for each in fact.names:
+                self._check_new(each, alternative)
+                self._check_reading(each, public=not fact.internal)
+                known[each] = fact
+            return function
+
+        return declare
+
+    def over_positions(self, *, units: str, symbol: str, source: str) -> Callable[[F], F]:
+        """Declare a quantity that is made of whole curves: those of public facts, over all positions asked for.
+
+        The function is of NumPy: it takes arrays with the positions in the last axis, NaN where the mechanism does
+        not assemble, and returns such an array, each row by itself. The kernels know nothing of it.
+        """
+
+        def declare(function: F) -> F:
+            fact = self._fact(function, units, symbol, source, False, None)
+            self._check_new(fact.name, None)
+            self._check_reading(fact.name, public=True)
+            self.curves[fact.name] = fact
+            return function
+
+        return declare
+
+    def table(self, *, symbol: str, source: str, low: str | None = None) -> Callable[[F], F]:
+        """Declare a function of the input position alone, tabled once per sweep from 40 digits.
+
+        `low` names a second table: what rounding to double lost.
+        """
+
+        def declare(function: F) -> F:
+            fact = self._fact(function, "1", symbol, source, True, None)
+            self._check_new(fact.name, None)
+            self._check_reading(fact.name, public=False)
+            if fact.needs != (self.position.name,):
+                raise CatalogueError(
+                    f"{self.name}: table {fact.name} must depend on {self.position.name} alone"
+                )
+            self.tables[fact.name] = fact
+            if low is not None:
+                self._check_new(low, None)
+                self._check_reading(low, public=False)
+                self.table_low_parts[low] = fact.name
+            return function
+
+        return declare
+
+    def system(self, name: str, unknowns: Sequence[str], *, alternative: str) -> Callable[[F], F]:
+        """Declare a linear system that determines `unknowns`, as part of a named set of facts."""
+
+        def declare(function: F) -> F:
+            declared = System(name, tuple(unknowns), function, parameters(function))
+            self.solvers = tuple(dict.fromkeys((*self.solvers, alternative)))
+            for unknown in unknowns:
+                self._check_new(unknown, alternative)
+                self._check_reading(unknown, public=False)
+                self.alternatives.setdefault(alternative, {})[unknown] = declared
+            return function
+
+        return declare
+
+    def derivative(
+        self, name: str, by: str, *, given: Mapping[str, str] | None = None, alternative: str | None = None
+    ) -> Callable[[F], F]:
+        """Declare the derivative of a fact or table by an input or the position, where a closed form is better.
+
+        All others are generated, see `fastlink.symbolic.derivative`. It holds of the fact of that set
+        (`alternative`), not of
+        what replaces it.
+        """
+
+        def declare(function: F) -> F:
+            fact = self.facts.get(name) or self.tables[name]
+            needs = tuple((given or {}).get(parameter, parameter) for parameter in parameters(function))
+            found = replace(labelled(fact, self.variables[by]), function=function, needs=needs, internal=True)
+            self._check_new(found.name, alternative)
+            within = self.facts if alternative is None else self.alternatives.setdefault(alternative, {})
+            within[found.name] = found
+            return function
+
+        return declare
+
+    def depends_on_solver(self, steps: Iterable[Fact | System]) -> bool:
+        """Tell whether a solver determines any of the values of a closure, or has no derivative of one."""
+        solved = {name for key in self.solvers if key != ELIMINATED for name in self.alternatives[key]}
+        slopes = {derivative_name(name, by) for name in solved for by in self.variables}
+        names = {
+            name for step in steps for name in (step.unknowns if isinstance(step, System) else (step.name,))
+        }
+        return not names.isdisjoint(solved | slopes)
+
+    @property
+    def variables(self) -> dict[str, Input]:
+        """What there are derivatives by: every input that a design may give, and the position."""
+        sets = self.alternative_inputs.values()
+        known = {name: given for inputs in (self.inputs, *sets) for name, given in inputs.items()}
+        return {**known, self.position.name: self.position}
+
+    def _fact(
+        self,
+        function: Callable[..., Any],
+        units: str,
+        symbol: str,
+        source: str,
+        internal: bool,
+        flags: Mapping[int, str] | None,
+        name: str | None = None,
+        meaning: str | None = None,
+        given: Mapping[str, str] | None = None,
+        low: str | None = None,
+    ) -> Fact:
+        name = name or function.__name__
+        meaning = meaning or (function.__doc__ or "").strip().split("\n", 1)[0].rstrip(".")
+        for what, value in (("units", units), ("symbol", symbol), ("source", source), ("meaning", meaning)):
+            if not value:
+                raise CatalogueError(f"{self.name}: fact {name} has no {what}")
+        needs = tuple((given or {}).get(parameter, parameter) for parameter in parameters(function))
+        return Fact(name, function, needs, units, symbol, meaning, source, internal, dict(flags or {}), low)
+
+    def parse(self, name: str) -> Name:
+        """Return what a name is made of, see `fastlink.facts.names`."""
+        return parse(name, self)
+
+    def is_derivative(self, name: str) -> bool:
+        """Tell whether a name is that of a derivative."""
+        return isinstance(self.parse(name), Derivative)
+
+    def declares(self, name: str) -> bool:
+        """Tell whether a name is declared: that of a fact, an input, a table, the position."""
+        sets: tuple[Mapping[str, Any], ...] = (*self.alternatives.values(), *self.alternative_inputs.values())
+        return self._is_own(name) or any(name in names for names in sets)
+
+    def _is_own(self, name: str) -> bool:
+        """Tell whether a name is declared of the mechanism itself, not of a set of facts."""
+        return (
+            name in self.facts
+            or name in self.inputs
+            or name in self.curves
+            or name in self.tables
+            or name in self.table_low_parts
+            or name in (self.position.name, "branch")
+        )
+
+    def is_public(self, name: str) -> bool:
+        """Tell whether a declared name is that of a quantity that users ask for."""
+        return name in self.curves or (name in self.facts and not self.facts[name].internal)
+
+    def _check_new(self, name: str, alternative: str | None) -> None:
+        if alternative is None:
+            taken = self._is_own(name)
+        else:
+            taken = name in self.alternatives.get(alternative, {})
+            taken = taken or name in self.alternative_inputs.get(alternative, {})
+        if taken:
+            raise CatalogueError(f"{self.name}: {name} is declared twice")
+
+    def _check_reading(self, name: str, public: bool) -> None:
+        """Refuse a name that says something else by its form, or lets another one do so; see `fastlink.facts.names`."""
+        tree = None if name in self.hiding else reading_of(name, self)
+        if tree is not None:
+            raise CatalogueError(f"{self.name}: {name} reads as {tree!r}; call it otherwise")
+        for other, of_cycle in self._formed.get(name, ()):
+            if other not in self.hiding and (public or not of_cycle):
+                raise CatalogueError(
+                    f"{self.name}: with {name}, {other} reads as made of it; call one otherwise"
+                )
+        form = form_of(name, self)
+        if form is not None:
+            of_cycle = isinstance(form, (Reduced, ListOfExtrema))
+            self._formed.setdefault(root_of(form), []).append((name, of_cycle))

@@ -1,0 +1,247 @@
+"""The un-jitted readings of the facts: NumPy, xarray, and 50-digit mpmath.
+
+The same text that the kernels are made of runs here as plain Python, so the rounding error of every
+quantity can be measured without a second formula.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from functools import lru_cache
+from typing import Any
+
+import numpy as np
+
+from fastlink.catalogue.catalogue import Catalogue, Fact, System
+from fastlink.catalogue.tables import angle_tables
+from fastlink.errors import InputError
+from fastlink.mechanisms import catalogue as find_catalogue
+from fastlink.plan.validate import all_choices, alternatives_of, constants_of
+from fastlink.space.links import Links
+
+__all__ = ["evaluate", "read_facts", "steps_of", "tables_at", "take_step"]
+
+
+def read_facts(
+    catalogue: Catalogue, names: Iterable[str], values: Mapping[str, Any], alternatives: Iterable[str] = ()
+) -> dict[str, Any]:
+    """Evaluate facts on whatever numbers the values are.
+
+    Parameters
+    ----------
+    catalogue : Catalogue
+        The mechanism.
+    names : iterable of str
+        Facts, internal ones too.
+    values : mapping
+        Inputs, ``branch``, and the input position or its tables: floats, arrays or mpmath numbers.
+    alternatives : iterable of str
+        Chosen sets of facts.
+
+    Returns
+    -------
+    dict
+        Every value of the closure.
+    """
+    known = dict(values)
+    position = catalogue.position.name
+    if position in known:
+        tables = (*catalogue.tables, *catalogue.table_low_parts)
+        known |= tables_at(catalogue, known[position], [name for name in tables if name not in known])
+    for step in steps_of(catalogue, names, known, alternatives):
+        take_step(step, known)
+    return known
+
+
+def steps_of(
+    catalogue: Catalogue, names: Iterable[str], given: Iterable[str], alternatives: Iterable[str] = ()
+) -> tuple[Fact | System, ...]:
+    """Return what `Catalogue.closure` yields, found once."""
+    return _steps(catalogue, catalogue.version, tuple(names), frozenset(given), tuple(alternatives))
+
+
+@lru_cache(maxsize=256)
+def _steps(
+    catalogue: Catalogue,
+    version: int,
+    names: tuple[str, ...],
+    given: frozenset[str],
+    alternatives: tuple[str, ...],
+) -> tuple[Fact | System, ...]:
+    return tuple(catalogue.closure(names, given, alternatives))
+
+
+def tables_at(catalogue: Catalogue, theta: Any, names: Iterable[str]) -> dict[str, Any]:
+    """Return functions of the input position by name, of whatever numbers these are: low parts are zero."""
+    return {
+        name: catalogue.tables[name].function(theta) if name in catalogue.tables else 0 * theta
+        for name in names
+    }
+
+
+def take_step(step: Fact | System, known: dict[str, Any]) -> None:
+    """Add to the known values what a step of a closure gives."""
+    if isinstance(step, System):
+        rows = step.function(*(known[need] for need in step.needs))
+        known.update(zip(step.unknowns, _solve(rows), strict=True))
+    else:
+        known.update(step.values(known))
+
+
+def _solve(rows: Any) -> list[Any]:
+    """Solve a system given as rows with the right-hand side last."""
+    size = len(rows)
+    context = next((c for row in rows for c in (getattr(entry, "context", None) for entry in row) if c), None)
+    if context is not None:
+        if any(context.isnan(entry) for row in rows for entry in row):
+            return [context.nan] * size
+        matrix = context.matrix([list(row[:size]) for row in rows])
+        return list(context.lu_solve(matrix, context.matrix([row[size] for row in rows])))
+    shape = np.broadcast_shapes(*(np.shape(entry) for row in rows for entry in row))
+    stacked = np.empty((*shape, size, size + 1))
+    for r, row in enumerate(rows):
+        for c, entry in enumerate(row):
+            stacked[..., r, c] = entry
+    closes = np.isfinite(stacked).all(axis=(-2, -1))
+    result = np.full((*shape, size), np.nan)
+    result[closes] = np.linalg.solve(stacked[closes][..., :size], stacked[closes][..., size:])[..., 0]
+    return [result[..., r] for r in range(size)]
+
+
+def evaluate(
+    mechanism: str,
+    quantities: Iterable[str],
+    *,
+    branch: Any = 1,
+    links: Links | None = None,
+    input: str | None = None,
+    solver: str = "eliminated",
+    **inputs: Any,
+) -> dict[str, Any]:
+    """Evaluate quantities at given configurations, without compiling anything.
+
+    For a few thousand configurations of any broadcastable shape; `fastlink.sweep` is for millions, with
+    the same bits.
+
+    Parameters
+    ----------
+    mechanism : str
+        Name of the mechanism.
+    quantities : iterable of str
+        Names of quantities (not what is taken over a cycle).
+    branch : int or array_like
+        Assembly mode.
+    links : Links, optional
+        Where mass data come from.
+    input : str, optional
+        What drives, as in `fastlink.sweep`.
+    solver : {"eliminated", "dense"}
+        As in `fastlink.sweep`.
+    **inputs : float, array_like or xarray.DataArray
+        The inputs and the input position, broadcast against each other. A choice that is not given is its first.
+
+    Returns
+    -------
+    dict
+        Name to float, array or DataArray.
+
+    Raises
+    ------
+    InputError
+        A name is unknown or missing.
+
+    Examples
+    --------
+    >>> import fastlink as fl
+    >>> fl.evaluate("planar_4r", ["B_y"], a1=3.0, a2=4.0, a3=5.0, a4=6.0, theta1=0.0, branch=2)["B_y"]
+    4.0
+    """
+    catalogue = find_catalogue(mechanism, input)
+    names = (quantities,) if isinstance(quantities, str) else tuple(quantities)
+    of_links = dict(links.values) if links is not None else {}
+    model = None if links is None else links.model
+    recipe = _recipe(catalogue, catalogue.version, names, solver, model, tuple(of_links), tuple(inputs))
+    values = recipe.defaults | of_links | inputs | {"branch": branch}
+    template, arrays = _to_arrays(values)
+    theta = arrays.pop(catalogue.position.name)
+    tabled = angle_tables(catalogue, recipe.tables, np.ravel(theta))
+    tabled = tabled.reshape(len(recipe.tables), *np.shape(theta))
+    shape = np.broadcast_shapes(np.shape(theta), *(np.shape(value) for value in arrays.values()))
+    arrays |= zip(recipe.tables, tabled, strict=True)
+    with np.errstate(all="ignore"):
+        for step in recipe.steps:
+            take_step(step, arrays)
+    if template is None and not shape:
+        return {name: float(arrays[name]) for name in names}
+    results = {name: np.broadcast_to(arrays[name], shape) for name in names}
+    if template is not None:
+        return {name: template.copy(data=np.array(value)).rename(name) for name, value in results.items()}
+    return {name: value[()] for name, value in results.items()}
+
+
+@dataclass(frozen=True)
+class _Recipe:
+    """What is computed for some names of given inputs, found once: that takes longer than to compute it.
+
+    Attributes
+    ----------
+    defaults : dict
+        The inputs that are not given, but for those of the links.
+    tables : tuple of str
+        The functions of the input position that are read.
+    steps : tuple of Fact or System
+        The closure, in order.
+    """
+
+    defaults: dict[str, float]
+    tables: tuple[str, ...]
+    steps: tuple[Fact | System, ...]
+
+
+@lru_cache(maxsize=256)
+def _recipe(
+    catalogue: Catalogue,
+    version: int,
+    names: tuple[str, ...],
+    solver: str,
+    model: str | None,
+    of_links: tuple[str, ...],
+    inputs: tuple[str, ...],
+) -> _Recipe:
+    links = None if model is None else Links(model, {})
+    alternatives = alternatives_of(catalogue, links, solver, inputs)
+    for name in names:
+        if name in catalogue.curves:
+            raise InputError(
+                f"evaluate: {name} is made of whole curves, which the given configurations need not be; "
+                "ask fastlink.sweep for it"
+            )
+        catalogue.require(name)
+    codes = all_choices(catalogue, inputs, alternatives)
+    defaults = constants_of(catalogue, links, alternatives) | {name: of[0] for name, of in codes.items()}
+    position = catalogue.position.name
+    if position not in inputs:
+        declared = catalogue.position
+        unit = "" if declared.units == "1" else f" in {declared.units}"
+        raise InputError(f"evaluate: {position} is missing ({declared.meaning}); give it{unit}")
+    tables = (position, *catalogue.tables, *catalogue.table_low_parts)
+    given = {*defaults, *inputs, *of_links, *tables, "branch"}
+    steps = tuple(catalogue.closure(names, given, alternatives))
+    read = {*names, *(need for step in steps for need in step.needs)}
+    return _Recipe(defaults, tuple(name for name in tables if name in read), steps)
+
+
+def _to_arrays(values: Mapping[str, Any]) -> tuple[Any, dict[str, Any]]:
+    """Return a DataArray of the broadcast shape (None without xarray inputs), and plain arrays."""
+    labelled = {name: value for name, value in values.items() if hasattr(value, "dims")}
+    if not labelled:
+        # doubles of NumPy where there is one: twice as fast as arrays without axes
+        return None, {name: np.asarray(value, dtype=float)[()] for name, value in values.items()}
+    import xarray as xr
+
+    wrapped = {name: value if name in labelled else xr.DataArray(value) for name, value in values.items()}
+    spread = dict(zip(wrapped, xr.broadcast(*wrapped.values()), strict=True))
+    template = next(iter(spread.values())).astype(float)
+    template.attrs = {}
+    return template, {name: np.asarray(value.data, dtype=float) for name, value in spread.items()}

@@ -1,0 +1,153 @@
+"""Use an axis that only scales results: evaluate one of its values, and multiply.
+
+Rates grow in proportion to omega1, forces to its square or to the density of the links, places not at all (see
+`fastlink.symbolic.homogeneity`). A swept axis of such an input costs the output of its results and no more.
+"""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from functools import lru_cache
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from fastlink.engine.executor import Deliver
+from fastlink.facts.names import ErrorBound, Trust
+from fastlink.symbolic.homogeneity import degrees
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from fastlink.plan.plan import PlanSet
+    from fastlink.plan.program import Output
+    from fastlink.space.design_space import DesignSpace
+
+__all__ = ["Spread", "find_spread"]
+
+
+@dataclass(frozen=True)
+class Spread:
+    """A design space without one axis, and what its values do to each result.
+
+    Attributes
+    ----------
+    name : str
+        The input that only scales.
+    space : DesignSpace
+        The designs that are evaluated, at 1 for that input.
+    inner : int
+        How many of them follow each other before the axis moves on.
+    factors : tuple of (array or None)
+        For each result what it is multiplied by at each value of the axis.
+    """
+
+    name: str
+    space: DesignSpace
+    inner: int
+    factors: tuple[NDArray[Any] | None, ...]
+    length: int
+
+    def over(self, deliver: Deliver) -> Deliver:
+        """Return what takes results of the space without the axis, and delivers those of the whole space."""
+
+        def spread(start: int, stop: int, arrays: list[NDArray[Any]]) -> None:
+            for first, last, slabs in self._pieces(start, stop):
+                parts = [array[first - start : last - start] for array in arrays]
+                if slabs:
+                    whole = [
+                        self._all(part, factor) for part, factor in zip(parts, self.factors, strict=True)
+                    ]
+                    deliver(first * self.length, last * self.length, whole)
+                    continue
+                for k, begin in enumerate(self._places(first)):
+                    scaled = [
+                        part if factor is None else part * factor[k]
+                        for part, factor in zip(parts, self.factors, strict=True)
+                    ]
+                    deliver(begin, begin + last - first, scaled)
+
+        return spread
+
+    def ranges(self, start: int, stop: int) -> Iterator[tuple[int, int]]:
+        """Yield where the results of evaluated designs are in the whole space."""
+        for first, last, slabs in self._pieces(start, stop):
+            if slabs:
+                yield first * self.length, last * self.length
+            else:
+                yield from ((begin, begin + last - first) for begin in self._places(first))
+
+    def _places(self, first: int) -> list[int]:
+        """Return where a design is in the whole space at each value of the axis."""
+        slab, offset = divmod(first, self.inner)
+        return [(slab * self.length + k) * self.inner + offset for k in range(self.length)]
+
+    def _pieces(self, start: int, stop: int) -> list[tuple[int, int, bool]]:
+        """Cut a range where the axis moves on: whole slabs lie side by side in the whole space."""
+        first, last = -(-start // self.inner) * self.inner, stop // self.inner * self.inner
+        if first >= last:
+            cuts = sorted({start, *([first] if start < first < stop else []), stop})
+            return [(a, b, False) for a, b in itertools.pairwise(cuts)]
+        pieces = [(start, first, False), (first, last, True), (last, stop, False)]
+        return [piece for piece in pieces if piece[0] < piece[1]]
+
+    def _all(self, part: NDArray[Any], factor: NDArray[Any] | None) -> NDArray[Any]:
+        """Return whole slabs at every value of the axis, in the order of the whole space."""
+        slabs = part.reshape(-1, 1, self.inner, *part.shape[1:])
+        if factor is None:
+            found = np.repeat(slabs, self.length, axis=1)
+        else:
+            found = slabs * factor.reshape(-1, *[1] * (slabs.ndim - 2))
+        return found.reshape(-1, *part.shape[1:])
+
+
+def find_spread(plan: PlanSet, space: DesignSpace) -> Spread | None:
+    """Return how to use the longest axis of a grid that only scales what was asked for, if there is one.
+
+    Its values must be positive: a rate's greatest value is minus its least one where the sense of rotation changes.
+    """
+    axes = [name for name in space.dims if name in space.axes and len(space.axes[name]) > 1]
+    for name in sorted(axes, key=lambda name: -len(space.axes[name])):
+        values = space.axes[name]
+        powers = _powers(plan, space.names, name) if (values > 0.0).all() else None
+        if powers is None:
+            continue
+        place = space.dims.index(name)
+        rest = replace(
+            space,
+            dims=space.dims[:place] + space.dims[place + 1 :],
+            shape=space.shape[:place] + space.shape[place + 1 :],
+            axes={key: axis for key, axis in space.axes.items() if key != name},
+            constants={**space.constants, name: 1.0},
+        )
+        factors = tuple(None if power == 0.0 else values**power for power in powers)
+        return Spread(name, rest, math.prod(space.shape[place + 1 :]), factors, len(values))
+    return None
+
+
+@lru_cache(maxsize=256)
+def _powers(plan: PlanSet, given: tuple[str, ...], name: str) -> list[float] | None:
+    """Return by which power of an input each result grows, or None where one does not."""
+    catalogue = plan.catalogue
+    if catalogue.known_inputs(plan.alternatives)[name].choices:
+        return None
+    tables = (catalogue.position.name, *catalogue.tables, *catalogue.table_low_parts)
+    asked = [output.request.quantity for output in plan.outputs]
+    if any(isinstance(catalogue.parse(quantity), (ErrorBound, Trust)) for quantity in asked):
+        return None  # an error bound knows nothing of the rounding of one more product
+    found = degrees(catalogue.closure(asked, (*given, *tables, "branch"), plan.alternatives), name)
+    powers = [_power(output, found) for output in plan.outputs]
+    return None if None in powers else [power for power in powers if power is not None]
+
+
+def _power(output: Output, found: dict[str, float | None]) -> float | None:
+    request = output.request
+    power = found.get(request.quantity)
+    if power is None:
+        return None
+    if request.place or request.listed not in ("", "value"):
+        return 0.0
+    return power if request.reduction is None else request.reduction.degree_of(power)

@@ -1,0 +1,4 @@
+"""Labelled HDF5 files: their layout, writing, resuming and reading.
+
+Nothing here knows a mechanism or a kernel.
+"""

@@ -1,0 +1,153 @@
+"""From arrays to a labelled xarray Dataset: dimensions, coordinates with units, attributes."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import xarray as xr
+from numpy.typing import NDArray
+
+from fastlink.space.design_space import DESIGN, DesignSpace
+
+FORMAT = "fastlink_map"  # global attribute: version of the layout; absent from a file that is not complete
+FORMAT_VERSION = 1
+
+Further = Mapping[str, tuple[tuple[str, ...], NDArray[Any], Mapping[str, Any]]]
+
+
+@dataclass(frozen=True, eq=False)
+class Variable:
+    """One output of a sweep: its name, shape and labels, without its values.
+
+    Attributes
+    ----------
+    name : str
+        Name in the Dataset and in the file.
+    dims : tuple of str
+        Dimensions, swept ones first.
+    shape : tuple of int
+        Length of each dimension.
+    dtype : numpy.dtype
+        Of integers or floating-point numbers.
+    attrs : dict
+        Units, long name, symbol, flags, ...
+    """
+
+    name: str
+    dims: tuple[str, ...]
+    shape: tuple[int, ...]
+    dtype: np.dtype[Any]
+    attrs: dict[str, Any]
+
+    def __post_init__(self) -> None:
+        if len(self.dims) != len(self.shape):
+            raise ValueError(f"{self.name}: dimensions {self.dims} but shape {self.shape}")
+        if self.dtype.kind not in "iuf":
+            # h5py's booleans read as int8 in netCDF4: flags are integers with flag_values
+            raise TypeError(f"{self.name}: dtype {self.dtype} is neither integer nor floating point")
+
+    @property
+    def nbytes(self) -> int:
+        """Bytes of all values."""
+        return math.prod(self.shape) * self.dtype.itemsize
+
+
+def coordinates(
+    space: DesignSpace, described: Mapping[str, Mapping[str, Any]], further: Further
+) -> xr.Dataset:
+    """Return a Dataset that holds the coordinates of a sweep and no data.
+
+    Parameters
+    ----------
+    space : DesignSpace
+        Its axes become index coordinates, its columns coordinates along ``design``, its constants scalars,
+        and its `attrs` global attributes.
+    described : mapping
+        Attributes (units, long_name, symbol) of each input of the space.
+    further : mapping of str to (dims, values, attrs)
+        Coordinates that are no inputs, such as ``branch`` and ``theta1``.
+    """
+    coords: dict[str, Any] = {}
+    for name, axis in space.axes.items():
+        labels = plain_attrs(described[name])
+        # an input that is a code: as the flags of results, an integer
+        coords[name] = ((name,), axis.astype(np.int32) if "flag_values" in labels else axis, labels)
+    if DESIGN in space.dims:
+        number = np.arange(space.shape[space.dims.index(DESIGN)])
+        coords[DESIGN] = ((DESIGN,), number, {"long_name": "number of the design"})
+    for name, column in space.columns.items():
+        coords[name] = ((DESIGN,), column, plain_attrs(described[name]))
+    for name, value in space.constants.items():
+        coords[name] = ((), value, plain_attrs(described[name]))
+    for name, (dims, values, attrs) in further.items():
+        if name in coords:
+            raise ValueError(f"coordinate {name!r} is an input of the design space already")
+        coords[name] = (dims, values, plain_attrs(attrs))
+    return xr.Dataset(coords=coords, attrs=plain_attrs(space.attrs))
+
+
+def assemble(
+    coords: xr.Dataset,
+    variables: Sequence[Variable],
+    arrays: Mapping[str, NDArray[Any]],
+    attrs: Mapping[str, Any],
+) -> xr.Dataset:
+    """Return the labelled Dataset of a sweep that stayed in memory: equal to what its file would hold.
+
+    Parameters
+    ----------
+    coords : xarray.Dataset
+        From `coordinates`.
+    variables : sequence of Variable
+        What to label.
+    arrays : mapping of str to ndarray
+        Values of each variable, of any shape with as many elements; not copied when contiguous.
+    attrs : mapping
+        Global attributes, besides those of `coords`.
+    """
+    data = {}
+    for variable in variables:
+        check_dims(coords, variable)
+        values = arrays[variable.name].reshape(variable.shape)
+        if values.dtype != variable.dtype:
+            raise TypeError(f"{variable.name}: values are {values.dtype}, not {variable.dtype}")
+        data[variable.name] = (variable.dims, values, plain_attrs(variable.attrs))
+    return xr.Dataset(data, coords=coords.coords, attrs=coords.attrs | marked(attrs))
+
+
+def marked(attrs: Mapping[str, Any]) -> dict[str, Any]:
+    """Return global attributes as a complete map has them."""
+    return plain_attrs(attrs) | {FORMAT: FORMAT_VERSION}
+
+
+def check_dims(coords: xr.Dataset, variable: Variable) -> None:
+    """Refuse a variable whose name is taken or whose dimensions are not those of the coordinates."""
+    if variable.name in coords.coords:
+        raise ValueError(f"{variable.name}: a coordinate has that name")
+    for dim, length in zip(variable.dims, variable.shape, strict=True):
+        if coords.sizes.get(dim) != length:
+            raise ValueError(
+                f"{variable.name}: {length} along {dim!r}, its coordinate {coords.sizes.get(dim)}"
+            )
+
+
+def plain_attrs(attrs: Mapping[str, Any]) -> dict[str, Any]:
+    """Return attributes as HDF5 and both netCDF libraries hold them: text, numbers, 1-D arrays of numbers."""
+    return {name: _plain(name, value) for name, value in attrs.items()}
+
+
+def _plain(name: str, value: Any) -> Any:
+    if isinstance(value, str):
+        return value
+    if isinstance(value, (bool, np.bool_)):
+        return int(value)
+    if isinstance(value, (int, float, np.integer, np.floating)):
+        return value
+    numbers = np.asarray(value)
+    if numbers.dtype.kind in "iuf" and numbers.ndim == 1 and numbers.size:
+        return numbers
+    raise TypeError(f"attribute {name!r}: {value!r} is neither text nor a number nor a list of numbers")

@@ -1,0 +1,79 @@
+"""The inside of a map file: coordinates by xarray; variables by h5py, contiguous and empty."""
+
+from __future__ import annotations
+
+import contextlib
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import h5py
+import xarray as xr
+
+from fastlink.io.dataset import Variable, plain_attrs
+from fastlink.io.partial_file import released
+
+PAGE = 4096
+
+
+def lay_out(
+    path: Path, coords: xr.Dataset, variables: Sequence[Variable], attrs: Mapping[str, Any]
+) -> dict[str, int]:
+    """Make the file with all labels and without values; return where in it each variable starts."""
+    labelled = coords.assign_attrs(plain_attrs(attrs))
+    # without _FillValue: None xarray declares NaN a fill value of every coordinate
+    labelled.to_netcdf(
+        path, engine="h5netcdf", encoding={name: {"_FillValue": None} for name in coords.coords}
+    )
+    with h5py.File(path, "r+", alignment_threshold=PAGE, alignment_interval=PAGE) as file:
+        return {variable.name: _create(file, coords, variable) for variable in variables}
+
+
+def _create(file: Any, coords: xr.Dataset, variable: Variable) -> int:
+    """Create one contiguous dataset with its space and labels; return its offset."""
+    plist = h5py.h5p.create(h5py.h5p.DATASET_CREATE)
+    plist.set_layout(h5py.h5d.CONTIGUOUS)
+    plist.set_alloc_time(h5py.h5d.ALLOC_TIME_EARLY)
+    plist.set_fill_time(h5py.h5d.FILL_TIME_NEVER)
+    plist.set_obj_track_times(False)  # time stamps would make equal results differ
+    # low level: Group.create_dataset drops the property list of a scalar
+    identifier = h5py.h5d.create(
+        file.id,
+        variable.name.encode(),
+        h5py.h5t.py_create(variable.dtype, logical=True),
+        h5py.h5s.create_simple(variable.shape) if variable.shape else h5py.h5s.create(h5py.h5s.SCALAR),
+        plist,
+    )
+    dataset = h5py.Dataset(identifier)
+    for axis, dim in enumerate(variable.dims):
+        # unless attached, dimensions are matched by length and equal axes are swapped
+        dataset.dims[axis].attach_scale(file[dim])
+    auxiliary = [
+        name
+        for name, coord in coords.coords.items()
+        if name not in coords.dims and set(coord.dims) <= set(variable.dims)
+    ]
+    for name, value in plain_attrs(variable.attrs).items():
+        dataset.attrs[name] = value
+    if auxiliary:
+        dataset.attrs["coordinates"] = " ".join(str(name) for name in auxiliary)
+    offset = identifier.get_offset()
+    if offset is None:
+        raise RuntimeError(f"HDF5 has reserved no space for {variable.name}")
+    return int(offset)
+
+
+def set_attrs(
+    fd: int, path: Path, attrs: Mapping[str, Any], of_variables: Mapping[str, Mapping[str, Any]]
+) -> None:
+    """Add attributes, global ones and those of variables, to a file that this process holds by a lock on `fd`."""
+    with contextlib.ExitStack() as stack:
+        try:
+            # this process holds the lock that HDF5 would ask for
+            file = stack.enter_context(h5py.File(path, "r+", locking=False))
+        except BlockingIOError:  # HDF5_USE_FILE_LOCKING=TRUE in the environment overrules locking=False
+            stack.enter_context(released(fd))
+            file = stack.enter_context(h5py.File(path, "r+"))
+        for place, added in (("/", attrs), *of_variables.items()):
+            for name, value in added.items():
+                file[place].attrs[name] = value

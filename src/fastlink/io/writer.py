@@ -1,0 +1,326 @@
+"""Labelled HDF5 files that are filled block by block and appear under their name only when complete.
+
+The file is laid out once; then every block is one plain ``pwrite`` at a known offset, which any thread may do
+in any order and which is faster than a write through HDF5. All this happens in ``NAME.part``; the last step
+gives it its name.
+"""
+
+from __future__ import annotations
+
+import errno
+import math
+import os
+import threading
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from types import TracebackType
+from typing import Any
+
+import numpy as np
+import xarray as xr
+from numpy.typing import NDArray
+
+from fastlink.errors import InputError
+from fastlink.io import partial_file as target
+from fastlink.io.dataset import FORMAT, FORMAT_VERSION, Variable, check_dims, plain_attrs
+from fastlink.io.journal import Journal, Range, joined, journal_of, missing, read_journal
+from fastlink.io.partial_file import check_target
+from fastlink.io.skeleton import lay_out, set_attrs
+
+__all__ = ["Writer", "check_target", "open_map"]
+
+NO_ROOM = {errno.ENOSPC, errno.EFBIG, getattr(errno, "EDQUOT", errno.ENOSPC)}
+
+
+class Writer:
+    """Write a labelled file from any number of threads; a context manager.
+
+    Nothing appears under the final name before `finish`; without it, or on an exception, leaving the context
+    removes what was written.
+
+    Parameters
+    ----------
+    path : str or path
+        The file to make.
+    coords : xarray.Dataset
+        Coordinates and first global attributes, without data.
+    variables : sequence of Variable
+        The variables to be written.
+    attrs : mapping
+        Further global attributes.
+    overwrite : bool, default False
+        Replace an existing file; who has it open goes on reading the old one.
+    run : (fingerprint, size), optional
+        What tells this run from all others, and how many designs it evaluates. With it, `record` notes what is
+        written, and a run of the same fingerprint that was killed is gone on with: `todo` is what it left.
+    """
+
+    def __init__(
+        self,
+        path: str | Path,
+        coords: xr.Dataset,
+        variables: Sequence[Variable],
+        attrs: Mapping[str, Any],
+        *,
+        overwrite: bool = False,
+        run: tuple[str, int] | None = None,
+    ) -> None:
+        for variable in variables:
+            check_dims(coords, variable)
+        self._nbytes = coords.nbytes + sum(variable.nbytes for variable in variables)
+        self.path = check_target(path, self._nbytes, overwrite)
+        self.part = target.part_of(self.path)
+        self._overwrite = overwrite
+        self._variables = {variable.name: variable for variable in variables}
+        self._written = dict.fromkeys(self._variables, 0)
+        self._idle = threading.Condition()
+        self._writing = 0
+        self._closed = False
+        self._fingerprint, self._size = run or ("", 0)
+        self._done: list[Range] = []
+        try:
+            if not self._resumed():
+                with target.claimed(self.part):
+                    journal_of(self.part).unlink(missing_ok=True)
+                    self._offsets, self._fd = self._start(coords, variables, attrs)
+        except (OSError, RuntimeError) as error:  # HDF5 reports a full disk as either
+            raise self._failure(error) from error
+        about = {"fingerprint": self._fingerprint, "offsets": self._offsets}
+        self._journal = Journal(self._fd, self.part, about, self._done)
+
+    def __enter__(self) -> Writer:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        if self._closed:
+            return
+        if isinstance(error, KeyboardInterrupt) and self._done:
+            self._keep(error)
+        else:
+            self._discard()
+
+    @property
+    def todo(self) -> list[Range]:
+        """Designs that no run has written yet."""
+        return missing(self._done, self._size)
+
+    def record(self, start: int, stop: int) -> None:
+        """Note that all variables of these designs are written; thread-safe.
+
+        Parameters
+        ----------
+        start, stop : int
+            Numbers of designs as they are evaluated.
+        """
+        with self._idle:
+            self._done = joined([*self._done, (start, stop)])
+        self._journal.add(start, stop)
+
+    @property
+    def done(self) -> list[Range]:
+        """Designs that are written, by this run or by one that was killed."""
+        return list(self._done)
+
+    def read(self, name: str, start: int, stop: int, row: tuple[int, ...]) -> NDArray[Any]:
+        """Return values that were written: one row of a shape per design, as in `write`."""
+        dtype, length = self._variables[name].dtype, math.prod(row)
+        with open(self.part, "rb") as file:
+            file.seek(self._offsets[name] + start * length * dtype.itemsize)
+            return np.fromfile(file, dtype, (stop - start) * length).reshape(stop - start, *row)
+
+    def write(self, name: str, start: int, block: NDArray[Any]) -> None:
+        """Write the values of consecutive designs of one variable; thread-safe.
+
+        Parameters
+        ----------
+        name : str
+            The variable.
+        start : int
+            Flat number of the first design, in C order over the swept dimensions.
+        block : ndarray, C-contiguous
+            One row per design; its other dimensions are the last ones of the variable.
+        """
+        position = self._position(name, start, block)
+        with self._idle:
+            if self._closed:
+                raise ValueError(f"{self.path}: the file is closed")
+            self._writing += 1
+        try:
+            target.write_all(self._fd, block.reshape(-1).view(np.uint8).data, position)
+        except OSError as error:
+            raise self._failure(error) from error
+        else:
+            self._journal.add_bytes(block.nbytes)
+            with self._idle:
+                self._written[name] += block.size
+        finally:
+            with self._idle:
+                self._writing -= 1
+                self._idle.notify_all()
+
+    def finish(
+        self, attrs: Mapping[str, Any], of_variables: Mapping[str, Mapping[str, Any]] | None = None
+    ) -> None:
+        """Add the last attributes and give the file its name.
+
+        Parameters
+        ----------
+        attrs : mapping
+            Global attributes that were not known before, such as the run time.
+        of_variables : mapping, optional
+            Attributes of variables that were not known before, such as their errors.
+        """
+        last = plain_attrs({**attrs, FORMAT: FORMAT_VERSION})
+        further = {name: plain_attrs(added) for name, added in (of_variables or {}).items()}
+        for name, count in self._written.items():
+            expected = math.prod(self._variables[name].shape)
+            if count != expected:
+                raise RuntimeError(f"{self.path}: {count} of {expected} values of {name} were written")
+        self._close_to_writers()
+        try:
+            set_attrs(self._fd, self.part, last, further)
+            os.fsync(self._fd)
+        except BaseException as error:
+            target.discard(self._fd, self.part)
+            if isinstance(error, OSError):
+                raise self._failure(error) from error
+            raise
+        try:
+            target.publish(self._fd, self.part, self.path, self._overwrite)
+        except OSError as error:
+            what = f"{self.path}: cannot give the complete file its name ({target.reason(error)})"
+            remedy = f"it is kept as {self.part}, rename it"
+            raise InputError(what, where=("to",), remedy=remedy) from error
+
+    def _resumed(self) -> bool:
+        """Take over what a killed run of the same fingerprint has left."""
+        found = read_journal(self.part, self._fingerprint) if self._fingerprint else None
+        fd = None if found is None else target.reopened(self.part)
+        if found is None or fd is None:
+            return False
+        about, self._done = found
+        self._offsets, self._fd = about["offsets"], fd
+        written = sum(stop - start for start, stop in self._done)
+        for name, variable in self._variables.items():
+            self._written[name] = math.prod(variable.shape) // self._size * written
+        return True
+
+    def _keep(self, error: KeyboardInterrupt) -> None:
+        """Leave the partial file to be gone on with."""
+        self._close_to_writers(keep=True)
+        os.close(self._fd)
+        share = sum(stop - start for start, stop in self._done) / self._size
+        error.add_note(f"{share:.0%} of the designs are kept in {self.part}; run the same again to go on")
+
+    def _start(
+        self, coords: xr.Dataset, variables: Sequence[Variable], attrs: Mapping[str, Any]
+    ) -> tuple[dict[str, int], int]:
+        """Lay the file out and reserve its room; return where each variable starts, and the file number."""
+        fresh = self.part.with_name(self.part.name + ".new")
+        try:
+            target.make_sure_of_room(fresh, coords.nbytes + target.SLACK)
+            offsets = lay_out(fresh, coords, variables, attrs)
+            fd = target.adopt(fresh, self.part)
+        except BaseException:
+            fresh.unlink(missing_ok=True)
+            raise
+        try:
+            target.reserve(fd, target.SLACK)  # HDF5 gives back at the end what the attributes leave
+        except BaseException:
+            target.discard(fd, self.part)
+            raise
+        return offsets, fd
+
+    def _position(self, name: str, start: int, block: NDArray[Any]) -> int:
+        """Return where in the file a block goes, after checking that it fits the variable."""
+        variable = self._variables[name]
+        if block.dtype != variable.dtype:
+            raise TypeError(f"{name}: block is {block.dtype}, the variable {variable.dtype}")
+        if not block.flags.c_contiguous:
+            raise ValueError(f"{name}: block is not C-contiguous")
+        swept = len(variable.shape) - (block.ndim - 1)
+        if block.ndim == 0 or swept < 0 or block.shape[1:] != variable.shape[swept:]:
+            raise ValueError(f"{name}: a block of shape {block.shape} is no rows of {variable.shape}")
+        designs = math.prod(variable.shape[:swept])
+        if not 0 <= start <= start + len(block) <= designs:
+            raise ValueError(f"{name}: designs {start} to {start + len(block)} of {designs}")
+        return self._offsets[name] + start * math.prod(variable.shape[swept:]) * variable.dtype.itemsize
+
+    def _failure(self, error: OSError | RuntimeError) -> InputError:
+        if getattr(error, "errno", None) in NO_ROOM:
+            return target.no_room(self.path, self._nbytes, error)
+        what = f"{self.path} cannot be written ({target.reason(error)})"
+        return InputError(what, where=("to",), remedy="choose another place")
+
+    def _close_to_writers(self, *, keep: bool = False) -> None:
+        """Let no write begin, and wait for those under way: the file number may soon be of another file."""
+        with self._idle:
+            if self._closed:
+                raise ValueError(f"{self.path}: the file is closed")
+            self._closed = True
+            self._idle.wait_for(lambda: self._writing == 0)
+        self._journal.close(keep=keep)
+
+    def _discard(self) -> None:
+        self._close_to_writers()
+        target.discard(self._fd, self.part)
+
+
+def open_map(path: str | Path) -> xr.Dataset:
+    """Open a map that a sweep has written; values are read when they are used.
+
+    Parameters
+    ----------
+    path : str or path
+        The file.
+
+    Returns
+    -------
+    xarray.Dataset
+        Close it, or use it in a ``with`` statement, before deleting the file.
+
+    Examples
+    --------
+    >>> import tempfile, numpy as np
+    >>> from fastlink.io.dataset import Variable
+    >>> coords = xr.Dataset(coords={"a2": ("a2", [1.0, 1.2], {"units": "m"})})
+    >>> speed = Variable("omega4_max", ("a2",), (2,), np.dtype("f8"), {"units": "rad s-1"})
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     with Writer(f"{folder}/maps.h5", coords, [speed], {"title": "two designs"}) as writer:
+    ...         writer.write("omega4_max", 0, np.array([31.0, 29.5]))
+    ...         writer.finish({})
+    ...     with open_map(f"{folder}/maps.h5") as maps:
+    ...         maps.title, float(maps.omega4_max.sel(a2=1.2))
+    ('two designs', 29.5)
+    """
+    path = Path(os.path.expanduser(path))
+    if not path.exists():
+        part = target.part_of(path)
+        hint = f"; {part.name} is of a run that has not finished" if part.exists() else ""
+        raise InputError(f"{path}: there is no such file{hint}; give the path of a written map")
+    if path.is_dir():
+        raise InputError(f"{path}: is a folder; give the path of a map that a sweep has written")
+    try:
+        dataset = xr.open_dataset(path, engine="h5netcdf")
+    except (OSError, ValueError, KeyError, RuntimeError) as error:
+        raise InputError(
+            f"{path}: cannot be read as HDF5 ({target.reason(error)}); give a map that a sweep has written"
+        ) from error
+    problem = _foreign(dataset.attrs.get(FORMAT))
+    if problem:
+        dataset.close()
+        raise InputError(f"{path}: {problem}")
+    return dataset
+
+
+def _foreign(version: Any) -> str:
+    """Return why a file with that format attribute is not read, or an empty text."""
+    if version is None:
+        return (
+            f"is no finished map (it has no attribute {FORMAT!r}); other files open with xarray.open_dataset"
+        )
+    if version > FORMAT_VERSION:
+        return f"has format {version}, this version reads up to {FORMAT_VERSION}; update fastlink"
+    return ""

@@ -1,0 +1,102 @@
+"""What is searched for extremes: a quantity, its derivative by the input position, how fine the search is."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import replace
+
+from fastlink.catalogue.catalogue import Catalogue, CatalogueError, Fact, System
+from fastlink.plan.program import Output, RefinedClosure, Search
+from fastlink.symbolic.asymptotics import grades
+from fastlink.symbolic.derivative import NoDerivative, derivative_name
+
+__all__ = ["find_jumps", "find_search", "refined_closures"]
+
+
+def find_search(
+    catalogue: Catalogue, quantity: str, given: Iterable[str], alternatives: Sequence[str]
+) -> Search | None:
+    """Return how a quantity is searched, or None where it has no derivative or no graded range.
+
+    Raises
+    ------
+    InputError
+        An input that it needs is not given.
+    """
+    graded = catalogue.graded
+    if graded is None or quantity in graded.rough:
+        return None
+    slope = derivative_name(quantity, catalogue.position.name)
+    try:
+        steps = _closure(catalogue, (quantity, slope), given, alternatives)
+    except (CatalogueError, NoDerivative):
+        return None
+    if any(isinstance(step, System) for step in steps):
+        return None
+    found = grades(catalogue, steps, (*graded.leaves, "branch"))
+    needed = {name for step in _closure(catalogue, (quantity,), given, alternatives) for name in step.names}
+    return Search(
+        quantity,
+        slope,
+        graded.cells.get(quantity, graded.cells_otherwise),
+        graded.most.get(quantity, graded.most_otherwise),
+        round(found[quantity].order),
+        max(round(found[slope].order), 0),
+        found[quantity].parity,
+        -found[quantity].parity,  # the input position is odd
+        graded.inverse not in needed and not found[quantity].choice,
+    )
+
+
+def find_jumps(catalogue: Catalogue, search: Search) -> Search | None:
+    """Return where the angle of a search jumps by 2 pi, or None where it does not."""
+    graded = catalogue.graded
+    assert graded is not None
+    vanishing = graded.jumps.get(search.quantity)
+    if vanishing is None:
+        return None
+    # It is the sine of the angle times a length: odd where the angle is.
+    return replace(search, slope=vanishing, slope_order=0, slope_parity=search.parity, onto=search.quantity)
+
+
+def _closure(
+    catalogue: Catalogue, names: Iterable[str], given: Iterable[str], alternatives: Sequence[str]
+) -> tuple[Fact | System, ...]:
+    """Return what is computed for facts at places of the graded range."""
+    graded = catalogue.graded
+    assert graded is not None
+    return tuple(catalogue.closure(names, (*given, *graded.leaves, "branch"), (graded.name, *alternatives)))
+
+
+def refined_closures(
+    catalogue: Catalogue,
+    outputs: Iterable[Output],
+    searches: Iterable[Search],
+    given: Sequence[str],
+    branches: tuple[int, ...],
+    alternatives: tuple[str, ...],
+) -> list[RefinedClosure]:
+    """Group searches by what may share samples without changing any bit: fineness and symmetry."""
+    graded = catalogue.graded
+    assert graded is not None
+    groups: dict[tuple[int, bool], list[Search]] = {}
+    for search in searches:
+        groups.setdefault((search.cells, search.parity != 0), []).append(search)
+    asked = list(outputs)
+    ends = [name for end in graded.ends for name in end]
+    result = []
+    for group in groups.values():
+        names = [catalogue.position.name, graded.sine, *ends]
+        names += [name for search in group for name in (search.slope, search.quantity)]
+        steps = [s for s in _closure(catalogue, names, given, alternatives) if isinstance(s, Fact)]
+        read = {need for step in steps for need in step.needs}
+        inputs = tuple(
+            name for name in catalogue.known_inputs(alternatives) if name in read and name in given
+        )
+        own = tuple(
+            o for search in group for o in asked if o.request.quantity == search.quantity and not search.onto
+        )
+        result.append(
+            RefinedClosure(catalogue, own, tuple(group), tuple(steps), inputs, branches, alternatives)
+        )
+    return result

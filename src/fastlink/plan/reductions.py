@@ -1,0 +1,250 @@
+"""Reductions over the input cycle: greatest, least, mean, root mean square, fluctuation.
+
+Everything that is true of one reduction stands in its entry of `REDUCTIONS`: the kernel text, the reference that
+verification compares with, the sign of an extreme, how its value and its units follow from those of the quantity.
+"""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from string import Formatter
+from typing import Any
+
+from fastlink.facts.fact import CatalogueError
+from fastlink.facts.names import forget_reduction, register_reduction
+from fastlink.numerics.elementary import sqrt
+
+__all__ = ["COUNT", "REDUCTIONS", "Reduction", "register", "unregister"]
+
+#: The accumulator ``{count}`` of the configurations that assemble: its first value and its update.
+COUNT = ("0.0", "{count} + select({value} == {value}, 1.0, 0.0)")
+#: Samples on which a reference is tried when a reduction is defined, and a factor without rounding.
+TRIED, FACTOR = (0.375, -1.25, 3.5, -0.0625, 2.0), 4.0
+TOLERANCE = 1e-12
+#: What kernel text calls the quantity, and whether it replaces an extreme.
+RESERVED = {"value", "better"}
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Reduction:
+    """One way to reduce the cycle of a quantity to a number.
+
+    Kernel text is one expression of arithmetic, comparisons, ``select``, ``sqrt`` and ``abs`` in which ``{value}`` is
+    the quantity at an input position and ``{NAME}`` an accumulator. Configurations that do not assemble are NaN and
+    must not enter: a comparison with NaN is false. A cycle without any value must give NaN.
+
+    Attributes
+    ----------
+    suffix : str
+        The ending of its names.
+    phrase : str
+        Its meaning, to follow that of the quantity in a long name.
+    reference : callable
+        ``reference(samples)`` returns the exact value over at least one sample, and the size of the terms that it is
+        the sum of (its absolute value where it is no sum): errors are counted in roundings of that. Samples are
+        numbers of 50 digits without NaN, in the order of the input positions; it works with floats too.
+    accumulators : mapping of str to (str, str)
+        For each accumulator its first value and the kernel text that updates it at each input position; all updates see
+        the values from before. `COUNT` may be among them, under the name ``count``.
+    finish : str
+        Kernel text of the result, over accumulators.
+    sign : int
+        1 for the greatest value, -1 for the least: these are searched exactly, and have a place. 0 for all others.
+    power : int or None
+        A quantity times a positive factor gives the result times this power of it; units follow. None where there is no
+        such power, so that no axis of a sweep only scales the result.
+    units : str
+        Those of the result, where `power` is None.
+    whole : str
+        ``MODULE.FUNCTION`` of ``fastlink.codegen.runtime``: takes the whole curve at once, of equal steps over a turn,
+        instead of `accumulators` and `finish`. A curve with a gap gives NaN.
+
+    Raises
+    ------
+    CatalogueError
+        The parts do not fit together, or the reference contradicts sign or power.
+    """
+
+    suffix: str
+    phrase: str
+    reference: Callable[[Sequence[Any]], tuple[Any, Any]]
+    accumulators: Mapping[str, tuple[str, str]] = field(default_factory=dict)
+    finish: str = ""
+    sign: int = 0
+    power: int | None = 1
+    units: str = ""
+    whole: str = ""
+
+    def __post_init__(self) -> None:
+        if bad := RESERVED.intersection(self.accumulators):
+            raise CatalogueError(f"reduction {self.suffix}: call the accumulator {bad.pop()!r} otherwise")
+        if bool(self.whole) == bool(self.accumulators and self.finish):
+            raise CatalogueError(
+                f"reduction {self.suffix}: give accumulators and finish, or the function of whole curves"
+            )
+        if bool(self.units) != (self.power is None):
+            raise CatalogueError(f"reduction {self.suffix}: give the power of its units, or its units")
+        if self.sign not in (-1, 0, 1):
+            raise CatalogueError(f"reduction {self.suffix}: the sign is {self.sign!r}; write 1, -1 or 0")
+        self._check_text()
+        self._check_reference()
+
+    def _check_text(self) -> None:
+        names = set(self.accumulators)
+        updates = [text for pair in self.accumulators.values() for text in pair]
+        for text, known in (*((text, names | {"value", "better"}) for text in updates), (self.finish, names)):
+            read = {name for _, name, _, _ in Formatter().parse(text) if name is not None}
+            if unknown := read - known:
+                raise CatalogueError(f"reduction {self.suffix}: {text!r} reads {', '.join(sorted(unknown))}")
+
+    def _check_reference(self) -> None:
+        (one, _), (scaled, _) = self.reference(TRIED), self.reference([FACTOR * sample for sample in TRIED])
+        if self.power is not None and not math.isclose(scaled, FACTOR**self.power * one, rel_tol=TOLERANCE):
+            raise CatalogueError(
+                f"reduction {self.suffix}: {FACTOR:g} times the quantity gives {scaled:g}, not {FACTOR:g}^{self.power} "
+                f"times {one:g}"
+            )
+        if self.sign and one != {1: max, -1: min}[self.sign](TRIED):
+            raise CatalogueError(
+                f"reduction {self.suffix}: the sign {self.sign} is not that of its reference"
+            )
+
+    @property
+    def has_place(self) -> bool:
+        """Whether it is the value at one place of the cycle, an extreme."""
+        return self.sign != 0
+
+    @property
+    def better(self) -> str:
+        """Kernel text: whether the value at a place replaces the extreme so far."""
+        return {0: "", 1: "{value} > {best}", -1: "{value} < {best}"}[self.sign]
+
+    def units_of(self, units: str) -> str:
+        """Return the units of the result for a quantity of some units.
+
+        Examples
+        --------
+        >>> REDUCTIONS["rms"].units_of("rad s-1")
+        'rad s-1'
+        """
+        if self.power is None:
+            return self.units
+        if self.power == 1:
+            return units
+        powers = [(unit, self.power * int(n or 1)) for unit, n in re.findall(r"([A-Za-z]+)(-?\d*)", units)]
+        return " ".join(f"{unit}{n if n != 1 else ''}" for unit, n in powers if n) or "1"
+
+    def degree_of(self, degree: float) -> float | None:
+        """Return the power of an input by which the result grows where the quantity grows by `degree`."""
+        if degree == 0.0:
+            return 0.0
+        return None if self.power is None else self.power * degree
+
+
+def _greatest(samples: Sequence[Any]) -> tuple[Any, Any]:
+    return max(samples), abs(max(samples))
+
+
+def _least(samples: Sequence[Any]) -> tuple[Any, Any]:
+    return min(samples), abs(min(samples))
+
+
+def _root_mean_square(samples: Sequence[Any]) -> tuple[Any, Any]:
+    root = sqrt(sum(sample * sample for sample in samples) / len(samples))
+    return root, root
+
+
+def _mean(samples: Sequence[Any]) -> tuple[Any, Any]:
+    return sum(samples) / len(samples), sum(map(abs, samples)) / len(samples)
+
+
+def _fluctuation(samples: Sequence[Any]) -> tuple[Any, Any]:
+    """Return what `fastlink.codegen.runtime.fluctuation` takes, and the sum of the sizes of its terms."""
+    count, (mean, size) = len(samples), _mean(samples)
+    step = 2 * getattr(samples[0], "context", math).pi / count
+    total = low = high = 0 * mean
+    for j, here in enumerate(samples):
+        before, after, later = (samples[(j + k) % count] for k in (-1, 1, 2))
+        turn = total
+        if (here - mean) * (after - mean) < 0:
+            turn += (here - mean) ** 2 / (2 * (here - after))
+        low, high = min(low, turn), max(high, turn)
+        total += (13 * (here + after) - (before + later)) / 24 - mean
+    # each sample enters four terms, with 28/24 in all, and every mean
+    return step * (high - low), step * count * size * 13 / 6
+
+
+def _extreme(sign: int, suffix: str, phrase: str, reference: Callable[..., Any]) -> Reduction:
+    initial = "-inf" if sign > 0 else "inf"
+    found = "{best} > -inf" if sign > 0 else "{best} < inf"
+    return Reduction(
+        suffix=suffix,
+        phrase=phrase,
+        reference=reference,
+        accumulators={"best": (initial, "select({better}, {value}, {best})")},
+        finish=f"select({found}, {{best}}, nan)",
+        sign=sign,
+    )
+
+
+#: Every reduction by its suffix.
+REDUCTIONS: dict[str, Reduction] = {}
+
+
+def register(reduction: Reduction) -> None:
+    """Offer a reduction for every quantity that changes over the cycle.
+
+    Raises
+    ------
+    CatalogueError
+        There is one of that suffix, or names that end so are others.
+    """
+    if reduction.suffix in REDUCTIONS:
+        raise CatalogueError(f"reduction {reduction.suffix} is declared twice")
+    register_reduction(reduction.suffix, reduction.has_place)
+    REDUCTIONS[reduction.suffix] = reduction
+
+
+def unregister(suffix: str) -> None:
+    """Take back what `register` offers, in a test of a reduction of its own."""
+    forget_reduction(suffix)
+    del REDUCTIONS[suffix]
+
+
+register(_extreme(1, "max", "greatest over the cycle", _greatest))
+register(_extreme(-1, "min", "least over the cycle", _least))
+register(
+    Reduction(
+        suffix="rms",
+        phrase="root mean square over the cycle",
+        reference=_root_mean_square,
+        accumulators={
+            "total": ("0.0", "{total} + select({value} == {value}, {value} * {value}, 0.0)"),
+            "count": COUNT,
+        },
+        finish="sqrt({total} / {count})",
+    )
+)
+register(
+    Reduction(
+        suffix="mean",
+        phrase="mean over the cycle",
+        reference=_mean,
+        accumulators={
+            "total": ("0.0", "{total} + select({value} == {value}, {value}, 0.0)"),
+            "count": COUNT,
+        },
+        finish="{total} / {count}",
+    )
+)
+register(
+    Reduction(
+        suffix="fluctuation",
+        phrase="greatest minus least integral over the input angle of what exceeds the mean",
+        reference=_fluctuation,
+        whole="fluctuation.fluctuation_lanes",
+    )
+)

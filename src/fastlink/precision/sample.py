@@ -1,0 +1,125 @@
+"""The designs that are computed again: which ones, what a sweep found for them, how much work that may be."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from fastlink.catalogue.catalogue import Fact, System
+from fastlink.catalogue.tables import angle_tables
+from fastlink.engine.evaluate import read_facts
+from fastlink.precision.reference import Exact
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+
+    from numpy.typing import NDArray
+
+    from fastlink.catalogue.catalogue import Catalogue
+    from fastlink.plan.plan import PlanSet
+
+__all__ = ["Chosen", "cost", "within"]
+
+#: What a table of the input position, a linear system and a sum of two doubles' words cost, in facts.
+TABLE, SYSTEM, PAIRS = 40, 300, 16
+OF_PAIRS = {"gap", "gap_product_quotient", "pair_product", "two_product"}
+#: Designs that are computed again however much it is.
+FEWEST = 8
+
+
+@dataclass(frozen=True, eq=False)
+class Chosen:
+    """Designs of a sweep, one branch of each for what is taken over the cycle, and the results there.
+
+    Attributes
+    ----------
+    plan : PlanSet
+        What was asked for.
+    inputs : mapping of str to array (designs,)
+        What the designs give.
+    positions : array
+        The input positions.
+    places : array of int
+        The place of each design's branch among those of the plan.
+    results : mapping of str to array (designs, ...)
+        What the sweep found, by output.
+    """
+
+    plan: PlanSet
+    inputs: dict[str, NDArray[Any]]
+    positions: NDArray[Any]
+    places: NDArray[Any]
+    results: dict[str, NDArray[Any]] = field(default_factory=dict)
+
+    @property
+    def catalogue(self) -> Catalogue:
+        """The mechanism."""
+        return self.plan.catalogue
+
+    @property
+    def count(self) -> int:
+        """How many designs there are."""
+        return int(self.places.size)
+
+    @cached_property
+    def branches(self) -> NDArray[Any]:
+        """The assembly mode of each design."""
+        modes: NDArray[Any] = np.array(self.plan.branches, dtype=float)[self.places]
+        return modes
+
+    @cached_property
+    def movable(self) -> list[str]:
+        """The inputs that are no codes: those a derivative can be taken by."""
+        known = self.catalogue.known_inputs(self.plan.alternatives)
+        return [name for name in self.inputs if not known[name].choices]
+
+    def facts(self, names: Iterable[str]) -> Exact:
+        """Return facts at configurations of these designs, with 50 digits."""
+        given = (*self.inputs, self.catalogue.position.name, "branch")
+        return Exact(self.catalogue, names, given, self.plan.alternatives)
+
+    def configuration(self, design: int, branch: float, position: float) -> dict[str, float]:
+        """Return what `facts` are given."""
+        values = {name: float(column[design]) for name, column in self.inputs.items()}
+        return {**values, "branch": branch, self.catalogue.position.name: position}
+
+    def by_inputs(self, facts: Exact) -> list[str]:
+        """Return what the condition of facts is taken by."""
+        position = self.catalogue.position.name
+        return [name for name in (*self.movable, position) if facts.steps_after(name)]
+
+    def affordable(self, facts: Exact, share: int, most: int) -> int:
+        """Return how many configurations may be computed again with a share of the evaluations of facts."""
+        condition = sum(cost(facts.steps_after(name)) for name in self.by_inputs(facts))
+        return within(share, cost(facts.steps) + condition + 2 * TABLE * len(facts.tables), most)
+
+    def curves(self, quantity: str, designs: int) -> NDArray[Any]:
+        """Return a quantity (designs, positions) at all input positions, in doubles."""
+        catalogue = self.catalogue
+        tables = (catalogue.position.name, *catalogue.tables, *catalogue.table_low_parts)
+        values: dict[str, Any] = {name: column[:designs, None] for name, column in self.inputs.items()}
+        values |= zip(tables, angle_tables(catalogue, tables, self.positions)[:, None], strict=True)
+        values["branch"] = self.branches[:designs, None]
+        with np.errstate(all="ignore"):
+            found = read_facts(catalogue, [quantity], values, self.plan.alternatives)[quantity]
+        return np.broadcast_to(found, (designs, self.positions.size))
+
+
+def cost(steps: Iterable[Fact | System]) -> int:
+    """Return what steps of a closure cost with 50 digits, in facts."""
+    return sum(
+        SYSTEM
+        if isinstance(step, System)
+        else PAIRS
+        if OF_PAIRS.intersection(step.function.__code__.co_names)
+        else 1
+        for step in steps
+    )
+
+
+def within(share: int, each: int, most: int) -> int:
+    """Return how many may be computed again with a share, at this cost each."""
+    return min(max(share // max(each, 1), FEWEST), most)

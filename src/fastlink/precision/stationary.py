@@ -1,0 +1,263 @@
+"""Every extreme of a quantity over the whole reachable range, found by fine samples and refined with 50 digits.
+
+Places are those of the graded range (see `fastlink.facts.fact.GradedRange`): a signed number x counted from
+the lower or the
+upper end, where rho = x^2 is the ratio of the distances to both ends and the sign tells the side. The search has
+nothing in common with that of the kernels but the facts: eight times as many samples, then subdivision, then Newton's
+iteration on differences with 50 digits.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from fastlink.catalogue.catalogue import Catalogue
+from fastlink.engine.evaluate import read_facts
+from fastlink.precision.reference import CONTEXT, STEP, Exact
+from fastlink.symbolic.derivative import derivative_name
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+__all__ = ["END", "JUMP", "Candidate", "Extreme", "Stationary"]
+
+#: Samples from the middle of the range to an end, on one side of the ground line.
+SAMPLES = 128
+#: Subdivision of a cell that holds an extreme: so often into so many parts, to 1e-9 of the range.
+ROUNDS, PARTS = 6, 16
+#: Newton's iteration ends at this change of x; from 1e-9 it takes two steps.
+SETTLED, MOST_STEPS = CONTEXT.mpf(10) ** -25, 12
+DIFFERENCE = CONTEXT.mpf(10) ** -12
+#: Kinds of candidates beside maxima (1) and minima (-1).
+END, JUMP = 0, 2
+#: As near to a toggle as 50 digits allow, and so much farther: what changes by such a factor is infinite or 0 there.
+AT_END, FARTHER, GROWS = CONTEXT.mpf(10) ** -25, 1000, 10
+
+
+@dataclass(frozen=True)
+class Candidate:
+    """Where an extreme is, by samples: the end of the range that x counts from, x, the value there and its kind.
+
+    `kind` is 1 for a maximum, -1 for a minimum, `END` for the end of a range, `JUMP` for a jump by a whole turn.
+    """
+
+    end: int
+    x: float
+    value: float
+    kind: int
+
+
+@dataclass(frozen=True)
+class Extreme:
+    """An extreme with 50 digits: value and input angle, each with the sum of |x d/dx| over the inputs x."""
+
+    value: Any
+    condition: Any
+    place: Any
+    place_condition: Any
+
+
+class Stationary:
+    """The extremes of one quantity for some designs, in one branch each.
+
+    Parameters
+    ----------
+    catalogue : Catalogue
+        The mechanism, which has a graded range.
+    quantity : str
+        Whose extremes are looked for.
+    inputs : mapping of str to array (designs,)
+        The designs.
+    branches : array (designs,)
+        The assembly mode of each.
+    alternatives : sequence of str
+        Chosen sets of facts.
+
+    Attributes
+    ----------
+    candidates : list of list of Candidate
+        The extremes of each design, by samples.
+    """
+
+    def __init__(
+        self,
+        catalogue: Catalogue,
+        quantity: str,
+        inputs: Mapping[str, NDArray[Any]],
+        branches: NDArray[Any],
+        alternatives: Sequence[str] = (),
+    ) -> None:
+        graded = catalogue.graded
+        assert graded is not None
+        self.catalogue, self.quantity, self.graded = catalogue, quantity, graded
+        self.position = catalogue.position.name
+        self.slope = derivative_name(quantity, self.position)
+        self.inputs = {**inputs, "branch": branches}
+        self.alternatives = (graded.name, *alternatives)
+        self.facts = Exact(
+            catalogue, (quantity, self.position), (*self.inputs, *graded.leaves), self.alternatives
+        )
+        self.movable = [n for n in inputs if not catalogue.known_inputs(alternatives)[n].choices]
+        self._sample()
+        self.candidates = self._candidates()
+
+    # -- samples -----------------------------------------------------------------------------------
+
+    def _read(
+        self, names: Sequence[str], x: NDArray[Any], high: NDArray[Any], which: NDArray[Any]
+    ) -> list[NDArray[Any]]:
+        """Return facts at signed x from the lower ends, or the upper ones where `high`, of the designs `which`."""
+        values: dict[str, Any] = {name: column[which] for name, column in self.inputs.items()}
+        values |= zip(self.graded.leaves, _leaves(x, high), strict=True)
+        with np.errstate(all="ignore"):
+            found = read_facts(self.catalogue, names, values, self.alternatives)
+        return [np.broadcast_to(found[name], x.shape) for name in names]
+
+    def _sample(self) -> None:
+        """Evaluate the quantity and its slope at ``x[design, end, sample]``."""
+        ends = [name for end in self.graded.ends for name in end]
+        count = self.inputs["branch"].size
+        one = np.full((count, 1), 0.5)
+        which = np.arange(count)[:, None]
+        found = self._read(ends, one, one > 1, which)
+        scale, start, toggle = (np.hstack([found[k], found[k + 3]])[..., None] for k in range(3))
+        # Beyond an end that is no end, where x = 0 is a place like any other, samples go on with the other sign.
+        self.bounded = ((start > 0.0) | (toggle > 0.0))[..., 0]
+        grid = scale * np.sinh(np.arange(1, SAMPLES + 1) * (np.arcsinh(1.0 / scale) / SAMPLES))
+        first = np.where(start > 0.0, start, 0.5 * grid[..., :1])
+        self.x = np.concatenate([-grid[..., ::-1], -first, first, grid], axis=-1)
+        high = np.broadcast_to(np.array([False, True])[:, None], self.x.shape)
+        self.values, self.slopes = self._read((self.quantity, self.slope), self.x, high, which[..., None])
+
+    def _candidates(self) -> list[list[Candidate]]:
+        """Return where each design has extremes by samples: maxima, minima, jumps, ends of ranges."""
+        found: list[list[Candidate]] = [[] for _ in range(len(self.x))]
+        inside = np.ones((*self.x.shape[:2], self.x.shape[2] - 1), dtype=bool)
+        inside[..., SAMPLES] = ~self.bounded
+        with np.errstate(invalid="ignore", over="ignore"):
+            jumping = inside & (abs(np.diff(self.values)) > np.pi) & (self.quantity in self.graded.jumps)
+            sides = np.sign(self.slopes)
+            turning = inside & (sides[..., 1:] * sides[..., :-1] <= 0.0) & (sides[..., 1:] != 0.0) & ~jumping
+        for design, end, cell in np.argwhere(jumping).tolist():
+            found[design].append(Candidate(end, float(self.x[design, end, cell]), np.nan, JUMP))
+        for design, end in np.argwhere(self.bounded).tolist():
+            for k in (SAMPLES, SAMPLES + 1):
+                value = float(self.values[design, end, k])
+                if not np.isnan(value):
+                    found[design].append(Candidate(end, float(self.x[design, end, k]), value, END))
+        cells = np.argwhere(turning)
+        for (design, end), x, value, kind in zip(
+            cells[:, :2].tolist(), *self._subdivided(*cells.T), strict=True
+        ):
+            found[design].append(Candidate(end, x, value, kind))
+        return found
+
+    def _subdivided(self, design: NDArray[Any], end: NDArray[Any], cell: NDArray[Any]) -> list[list[Any]]:
+        """Narrow down cells whose ends have slopes of different sign; return x, the values there and their kinds."""
+        low, high = self.x[design, end, cell], self.x[design, end, cell + 1]
+        before, after = np.sign(self.slopes[design, end, cell]), np.sign(self.slopes[design, end, cell + 1])
+        parts, rows = np.linspace(0.0, 1.0, PARTS + 1), np.arange(cell.size)
+        for _ in range(ROUNDS):
+            x = low[:, None] + (high - low)[:, None] * parts
+            (slopes,) = self._read((self.slope,), x, end[:, None] == 1, design[:, None])
+            changed = np.sign(slopes[:, 1:]) != before[:, None]
+            part = np.where(changed.any(axis=1), changed.argmax(axis=1), PARTS - 1)
+            low, high = x[rows, part], x[rows, part + 1]
+        middle = 0.5 * (low + high)
+        (values,) = self._read((self.quantity,), middle, end == 1, design)
+        # the input angle grows with x counted from the lower end, and falls with that from the upper end
+        kinds = np.sign(before - after) * np.where(end == 1, -1, 1)
+        return [middle.tolist(), values.tolist(), kinds.astype(int).tolist()]
+
+    def size(self, design: int) -> float:
+        """Return the usual size of the quantity: what is far below it is noise."""
+        values = abs(self.values[design][np.isfinite(self.values[design])])
+        return float(np.quantile(values, 0.75)) if values.size else 0.0
+
+    def largest_sample(self, design: int, sign: int) -> float:
+        """Return the greatest value (for sign 1, the least for -1) of the samples, NaN without any."""
+        values = self.values[design][np.isfinite(self.values[design])]
+        return float(sign * np.max(sign * values)) if values.size else np.nan
+
+    def is_half_turn(self, extreme: Extreme) -> bool:
+        """Tell whether an angle ends at pi, which is -pi, too."""
+        return self.quantity in self.graded.jumps and abs(abs(extreme.value) - CONTEXT.pi) < SETTLED * GROWS
+
+    def angle(self, design: int, candidate: Candidate) -> float:
+        """Return the input angle of a candidate, in doubles."""
+        x, high = np.array([candidate.x]), np.array([bool(candidate.end)])
+        (angles,) = self._read((self.position,), x, high, np.array([design]))
+        return float(angles[0])
+
+    # -- 50 digits ---------------------------------------------------------------------------------
+
+    def extreme(self, design: int, candidate: Candidate, *, places: bool = False) -> Extreme:
+        """Return an extreme with 50 digits; with `places` also the condition of the input angle there."""
+        if candidate.kind == JUMP:
+            return Extreme(CONTEXT.pi, CONTEXT.zero, CONTEXT.nan, CONTEXT.zero)
+        design_values = {name: column[design] for name, column in self.inputs.items()}
+        end, x = candidate.end, CONTEXT.mpf(candidate.x)
+        base = self.facts.at(design_values | self._leaves_at(end, x))
+        if candidate.kind == END:
+            return self._at_end(base, candidate, self.size(design))
+        for _ in range(MOST_STEPS):
+            change = self._newton(base, end, x)
+            if not abs(change) < abs(x) + AT_END:  # the samples' own place is better
+                break
+            x += change
+            if abs(change) < SETTLED:
+                break
+        base = self._at(base, end, x)
+        condition = self.facts.condition(base, self.movable)
+        place_condition = self._place_condition(base, end, x) if places else CONTEXT.zero
+        return Extreme(base[self.quantity], condition[self.quantity], base[self.position], place_condition)
+
+    def _leaves_at(self, end: int, x: Any) -> dict[str, Any]:
+        near = x * x / (1 + x * x)
+        places = (1 - near, near) if end else (near, 1 - near)
+        return dict(zip(self.graded.leaves, (*places, CONTEXT.mpf(-1 if x < 0 else 1)), strict=True))
+
+    def _at(self, base: Mapping[str, Any], end: int, x: Any) -> dict[str, Any]:
+        return self.facts.moved(base, self._leaves_at(end, x))
+
+    def _newton(self, base: Mapping[str, Any], end: int, x: Any) -> Any:
+        """Return one step towards the extreme, from differences of the quantity."""
+        below, here, above = (self._at(base, end, x + k * DIFFERENCE)[self.quantity] for k in (-1, 0, 1))
+        curvature = (below - 2 * here + above) / DIFFERENCE
+        return -(above - below) / 2 / curvature if curvature != 0 else CONTEXT.zero
+
+    def _place_condition(self, base: Mapping[str, Any], end: int, x: Any) -> Any:
+        """Return the sum of |x d/dx| of the input angle of an extreme, which moves with the inputs."""
+        total = CONTEXT.zero
+        for name in self.movable:
+            if base[name] != 0:
+                moved = self.facts.moved(base, {name: base[name] * (1 + STEP)})
+                there = self._at(moved, end, x + self._newton(moved, end, x))
+                total += abs(there[self.position] - base[self.position]) / STEP
+        return total
+
+    def _at_end(self, base: Mapping[str, Any], candidate: Candidate, size: float) -> Extreme:
+        """Return the limit at a toggle or fold: infinite where the quantity grows, 0 where it goes to nothing."""
+        x = AT_END if candidate.x > 0 else -AT_END
+        farther = self._at(base, candidate.end, FARTHER * x)[self.quantity]
+        base = self._at(base, candidate.end, x)
+        value, place = base[self.quantity], base[self.position]
+        changes = max(abs(value), abs(farther)) > GROWS * min(abs(value), abs(farther))
+        if changes and abs(value) > size:
+            return Extreme(CONTEXT.inf if value > 0 else -CONTEXT.inf, CONTEXT.zero, place, CONTEXT.zero)
+        if changes:
+            return Extreme(CONTEXT.zero, CONTEXT.mpf(size), place, CONTEXT.zero)
+        condition = self.facts.condition(base, self.movable)
+        return Extreme(value, condition[self.quantity], place, condition[self.position])
+
+
+def _leaves(x: NDArray[Any], high: NDArray[Any]) -> tuple[NDArray[Any], NDArray[Any], NDArray[Any]]:
+    """Return the fractions of the range from both ends and the side of the ground line, in doubles."""
+    square = x * x
+    far = 1.0 / (1.0 + square)
+    near = square * far
+    return np.where(high, far, near), np.where(high, near, far), np.where(x < 0.0, -1.0, 1.0)

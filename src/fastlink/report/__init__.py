@@ -1,0 +1,1 @@
+"""Tables for the terminal and the documentation: quantities of a mechanism, summaries of maps."""

@@ -1,0 +1,299 @@
+"""What can be asked of a mechanism, and what it must be given: tables read off its catalogue.
+
+``python -m fastlink.report.quantities > docs/quantities.md`` writes the documentation of all mechanisms.
+"""
+
+from __future__ import annotations
+
+import re
+import textwrap
+from collections.abc import Iterable, Sequence
+from dataclasses import astuple, dataclass, fields
+
+from fastlink.catalogue.catalogue import Catalogue, Fact, Input
+from fastlink.facts.names import Derivative, ErrorBound, ListOfExtrema, Reduced, Trust
+from fastlink.facts.names import Quantity as Plain
+from fastlink.mechanisms import NAMES
+from fastlink.mechanisms import catalogue as find_catalogue
+from fastlink.plan.pointwise import make_plan
+from fastlink.plan.reductions import REDUCTIONS
+from fastlink.plan.validate import RULES
+
+__all__ = ["GivenInput", "Quantity", "QuantityList", "quantities"]
+
+DESIGN, BRANCH = "design", "branch"
+NAME = Plain("NAME")
+COMPONENT = re.compile("_[xy]$")
+MEANING_WIDTH, SOURCE_WIDTH = 46, 34
+
+
+@dataclass(frozen=True)
+class Quantity:
+    """One quantity that can be asked for.
+
+    Attributes
+    ----------
+    name : str
+        To ask for; the name of the variable in the result.
+    units : str
+        UDUNITS text; ``1`` for a pure number or a code.
+    dims : tuple of str
+        Dimensions in the result; ``design`` stands for the swept dimensions.
+    meaning, source : str
+        What it is, and where its formula stands.
+    """
+
+    name: str
+    units: str
+    dims: tuple[str, ...]
+    meaning: str
+    source: str
+
+
+@dataclass(frozen=True)
+class GivenInput:
+    """One input of a mechanism: its name, units, allowed values and meaning, and which links give it."""
+
+    name: str
+    units: str
+    allowed: str
+    meaning: str
+    links: str
+
+
+class QuantityList(list[Quantity]):
+    """The quantities of a mechanism: a list that prints as a table.
+
+    Attributes
+    ----------
+    mechanism : str
+        Its name.
+    inputs : list of GivenInput
+        What designs are made of.
+    """
+
+    def __init__(self, rows: Iterable[Quantity], catalogue: Catalogue) -> None:
+        super().__init__(rows)
+        self.mechanism = catalogue.name
+        self.inputs = _inputs(catalogue)
+        self._title = catalogue.title
+        self._branches = catalogue.branches
+        self._position = catalogue.position
+        self._graded = catalogue.graded is not None
+
+    def __repr__(self) -> str:
+        return "\n\n".join(
+            (
+                f"{self.mechanism}: {self._title}",
+                _text_table(_header(Quantity), self._cells()),
+                textwrap.fill(self._naming(""), 110),
+                "Inputs; only those that something asked for depends on are needed:",
+                _text_table(_header(GivenInput), [astuple(given) for given in self.inputs]),
+            )
+        )
+
+    __str__ = __repr__
+
+    def markdown(self) -> str:
+        """Return the same as Markdown, as the documentation has it."""
+        branches = "\n".join(f"- `branch` {number}: {meaning}" for number, meaning in self._branches.items())
+        return "\n\n".join(
+            (
+                f"## `{self.mechanism}`",
+                f"{self._title}. Assembly modes:",
+                branches,
+                "### Quantities",
+                _markdown_table(_header(Quantity), self._cells()),
+                self._naming("`"),
+                "### Inputs",
+                "Any input can be swept. Only those that something asked for depends on are needed. Those "
+                "that links of a model give need not be given; given, they replace the model's. Those with a default "
+                "belong to a load or a further motion, which is there only if one of its inputs is given.",
+                _markdown_table(_header(GivenInput), [astuple(given) for given in self.inputs]),
+            )
+        )
+
+    def _cells(self) -> list[tuple[str, ...]]:
+        return [(row.name, row.units, f"({', '.join(row.dims)})", row.meaning, row.source) for row in self]
+
+    def _naming(self, quote: str) -> str:
+        """Tell how the names of what is taken over the cycle are formed."""
+        position = self._position.name
+        unit = "" if self._position.units == "1" else f" in {self._position.units}"
+        ways = [
+            f"{quote}{Reduced(NAME, reduction.suffix)}{quote} ({reduction.phrase})"
+            for reduction in REDUCTIONS.values()
+        ]
+        places = [
+            f"{quote}{Reduced(NAME, reduction.suffix, position)}{quote}"
+            for reduction in REDUCTIONS.values()
+            if reduction.has_place
+        ]
+        lists = (
+            f"{quote}{ListOfExtrema(NAME)}{quote} lists all extremes over the reachable range by growing {position}, "
+            f"along the dimension {quote}extremum{quote}, and brings "
+            f"{quote}{ListOfExtrema(NAME, place=position)}{quote}, "
+            f"{quote}{ListOfExtrema(NAME, 'count')}{quote} and {quote}{ListOfExtrema(NAME, 'kind')}{quote}. "
+        )
+        return (
+            f"For any NAME with the dimension {quote}{position}{quote} there are {_and(ways)}, and "
+            f"{_and(places)} (the {position}{unit} where that is), with the dimensions "
+            f"({DESIGN}, {BRANCH}). {lists if self._graded else ''}"
+            "Configurations that do not assemble are NaN and never enter. "
+            f"{quote}{Derivative(NAME, 'PARAM')}{quote} is the derivative of NAME by an input or by "
+            f"{quote}{position}{quote}, and itself such a NAME. "
+            f"{quote}{ErrorBound(NAME)}{quote} bounds the error that rounding makes in NAME, and "
+            f"{quote}{Trust(NAME)}{quote} tells where that exceeds a millionth of NAME. "
+            f"{quote}{DESIGN}{quote} stands for the swept dimensions."
+        )
+
+
+def quantities(mechanism: str, internal: bool = False, input: str | None = None) -> QuantityList:
+    """List what can be asked of a mechanism.
+
+    Parameters
+    ----------
+    mechanism : str
+        Its name, such as ``"planar_4r"``.
+    internal : bool, default False
+        List the steps on the way too, which cannot be asked for by name.
+    input : str, optional
+        What drives, as in `fastlink.sweep`.
+
+    Returns
+    -------
+    QuantityList
+        A list of `Quantity` that prints as a table.
+
+    Raises
+    ------
+    InputError
+        The mechanism or the input is unknown.
+
+    Examples
+    --------
+    >>> listed = quantities("planar_4r")
+    >>> [(row.name, row.units, row.dims) for row in listed if row.name == "omega4"]
+    [('omega4', 'rad s-1', ('design', 'branch', 'theta1'))]
+    """
+    catalogue = find_catalogue(mechanism, input)
+    every = (DESIGN, BRANCH, catalogue.position.name)
+    public = _ordered(catalogue)
+    rows = [_quantity(fact, every if catalogue.varies(fact.name) else (DESIGN,)) for fact in public]
+    if internal:
+        plan = make_plan(catalogue, catalogue.public, given=catalogue.inputs)
+        for name, fact in (*catalogue.tables.items(), *catalogue.facts.items()):
+            if fact.internal and name in plan.axes and name == fact.name:
+                axes = plan.axes[name]
+                rows.append(_quantity(fact, tuple(axis for axis in every if axis in axes)))
+    return QuantityList(rows, catalogue)
+
+
+def document() -> str:
+    """Return the text of docs/quantities.md."""
+    head = (
+        "# Quantities and inputs\n\n"
+        "Written by `python -m fastlink.report.quantities > docs/quantities.md`; do not edit. "
+        "`fastlink quantities MECHANISM` prints the same."
+    )
+    return "\n\n".join((head, *(quantities(name).markdown() for name in NAMES))) + "\n"
+
+
+def _ordered(catalogue: Catalogue) -> list[Fact]:
+    """Return the public facts: those of a design first, then by how much must be known for them.
+
+    Components of one vector stay together.
+    """
+    position = catalogue.position.name
+    leaves = (*catalogue.inputs, *catalogue.tables, *catalogue.table_low_parts, BRANCH, position)
+    effort: dict[str, int] = {}
+    for name in catalogue.offered:
+        steps = sum(1 for _ in catalogue.closure([name], leaves))
+        vector = COMPONENT.sub("", name)
+        effort[vector] = max(steps, effort.get(vector, 0))
+
+    def place(fact: Fact) -> tuple[bool, int, str, str]:
+        vector = COMPONENT.sub("", fact.name)
+        return catalogue.varies(fact.name), effort[vector], vector, fact.name
+
+    return sorted(catalogue.offered.values(), key=place)
+
+
+def _quantity(fact: Fact, dims: tuple[str, ...]) -> Quantity:
+    return Quantity(fact.name, fact.units, dims, fact.meaning, fact.source)
+
+
+def _inputs(catalogue: Catalogue) -> list[GivenInput]:
+    rows = []
+    for given in catalogue.inputs.values():
+        models = [
+            model
+            for model in catalogue.alternative_inputs
+            if given.name in catalogue.alternatives.get(model, {})
+            and model not in catalogue.instead_of(given.name)
+        ]
+        links = f"given by {', '.join(models)}" if models else _instead(catalogue, given)
+        rows.append(_given(given, links))
+    for model, inputs in catalogue.alternative_inputs.items():
+        for given in inputs.values():
+            default = "" if given.default is None else f", {given.default:.6g} by default"
+            rows.append(_given(given, _instead(catalogue, given) or f"of {model}{default}"))
+    return rows
+
+
+def _given(given: Input, links: str) -> GivenInput:
+    codes = "; ".join(f"{code}: {meaning}" for code, meaning in given.choices.items())
+    allowed = ", ".join(map(str, given.choices)) or RULES.get(given.rule, "any")
+    links = links or ("all unless one is given" if codes else "")
+    meaning = f"{given.meaning} ({codes})" if codes else given.meaning
+    return GivenInput(given.name, given.units, allowed, meaning, links)
+
+
+def _instead(catalogue: Catalogue, given: Input) -> str:
+    others = catalogue.instead_of(given.name)
+    return f"or {', '.join(others)} instead" if others else ""
+
+
+def _and(parts: Sequence[str]) -> str:
+    return " and ".join((", ".join(parts[:-1]), parts[-1])) if len(parts) > 1 else "".join(parts)
+
+
+def _header(row: type) -> tuple[str, ...]:
+    return tuple(column.name for column in fields(row))
+
+
+def _text_table(header: tuple[str, ...], rows: Sequence[tuple[str, ...]]) -> str:
+    """Return a table as aligned text, long cells folded."""
+    folds = {"meaning": MEANING_WIDTH, "source": SOURCE_WIDTH}
+    folded = [
+        [textwrap.wrap(cell, folds.get(name, 1000)) or [""] for name, cell in zip(header, row, strict=True)]
+        for row in rows
+    ]
+    widths = [
+        max(len(name), *(len(line) for row in folded for line in row[column]))
+        for column, name in enumerate(header)
+    ]
+    lines = [header, tuple("-" * width for width in widths)]
+    for row in folded:
+        for k in range(max(len(cell) for cell in row)):
+            lines.append(tuple(cell[k] if k < len(cell) else "" for cell in row))
+    return "\n".join(
+        "  ".join(f"{cell:<{width}}" for cell, width in zip(line, widths, strict=True)).rstrip()
+        for line in lines
+    )
+
+
+def _markdown_table(header: tuple[str, ...], rows: Sequence[tuple[str, ...]]) -> str:
+    quoted = [
+        [
+            f"`{cell}`" if name == "name" else cell.replace("|", "\\|")
+            for name, cell in zip(header, row, strict=True)
+        ]
+        for row in rows
+    ]
+    lines = [list(header), ["---"] * len(header), *quoted]
+    return "\n".join(f"| {' | '.join(line)} |" for line in lines)
+
+
+if __name__ == "__main__":
+    print(document(), end="")

@@ -1,0 +1,236 @@
+"""Design spaces: a full grid, a table, or a space-filling sample of a mechanism's inputs."""
+
+from __future__ import annotations
+
+import math
+import numbers
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from fastlink.errors import InputError, Pair, Problems
+from fastlink.space.design_space import (
+    DesignSpace,
+    Floats,
+    constant,
+    first_invalid,
+    frozen,
+    numbers_of,
+    sampled,
+    shown,
+)
+from fastlink.space.table import table
+
+__all__ = ["DesignSpace", "grid", "latin_hypercube", "sobol", "table"]
+
+MOST_DESIGNS = 2**62  # flat design numbers are int64
+MOST_SAMPLES = 2**30  # scipy's Sobol points have 30 bits
+SOBOL_CHUNK = 2**16
+
+
+def grid(**axes: ArrayLike) -> DesignSpace:
+    """Sweep every combination of the values given.
+
+    Parameters
+    ----------
+    **axes : float or array_like
+        A number is a constant; a 1-D array of distinct values is a swept axis and a dimension of that name,
+        in the order given (the last one varies fastest).
+
+    Returns
+    -------
+    DesignSpace
+        Of kind ``"grid"``; one design without dimensions when everything is constant.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> space = grid(a1=0.4, a2=np.linspace(1.0, 1.4, 5), a3=[0.6, 0.8], a4=1.0)
+    >>> space.dims, space.shape, space.size
+    (('a2', 'a3'), (5, 2), 10)
+    """
+    constants: dict[str, float] = {}
+    swept: dict[str, Floats] = {}
+    problems = Problems()
+    for name, given in axes.items():
+        with problems.at("grid", name):
+            values = numbers_of("grid", name, given)
+            if values.ndim == 0:
+                constants[name] = constant("grid", name, values)
+            else:
+                swept[name] = frozen(_axis(name, values))
+    problems.stop()
+    shape = tuple(len(values) for values in swept.values())
+    if math.prod(shape) > MOST_DESIGNS:
+        lengths = ", ".join(f"{name}: {length}" for name, length in zip(swept, shape, strict=True))
+        what = f"{math.prod(shape):.3g} designs are too many"
+        raise InputError(what, where=("grid",), remedy=f"shorten an axis ({lengths})")
+    return DesignSpace("grid", tuple(swept), shape, constants, axes=swept, attrs={"design_kind": "grid"})
+
+
+def sobol(n: int, *, seed: int = 0, **ranges: ArrayLike) -> DesignSpace:
+    """Sample the inputs by a scrambled Sobol sequence, along the dimension ``design``.
+
+    Parameters
+    ----------
+    n : int
+        Number of designs, at most 2^30. Only powers of two keep the full balance of the sequence; any other
+        number is its first `n` points.
+    seed : int, default 0
+        Seed of the scrambling; the same seed gives the same designs.
+    **ranges : float or (lo, hi)
+        A number is a constant; a pair is sampled uniformly between its ends.
+
+    Returns
+    -------
+    DesignSpace
+        Of kind ``"sobol"``; seed, number, ranges and scipy's version are in its `attrs`.
+
+    Examples
+    --------
+    >>> space = sobol(8, seed=1, a1=(0.2, 0.4), a2=(1.0, 1.4), a4=1.0)
+    >>> space.shape, space.constants
+    ((8,), {'a4': 1.0})
+    >>> bool(space.columns["a1"].min() >= 0.2)
+    True
+    """
+    return _sample("sobol", n, seed, ranges, _sobol_chunks)
+
+
+def latin_hypercube(n: int, *, seed: int = 0, **ranges: ArrayLike) -> DesignSpace:
+    """Sample the inputs by a Latin hypercube, along the dimension ``design``.
+
+    Each of `n` equal slices of every range holds exactly one design.
+
+    Parameters
+    ----------
+    n : int
+        Number of designs, at most 2^30.
+    seed : int, default 0
+        The same seed gives the same designs.
+    **ranges : float or (lo, hi)
+        A number is a constant; a pair is sampled between its ends.
+
+    Returns
+    -------
+    DesignSpace
+        Of kind ``"latin_hypercube"``; seed, number, ranges and scipy's version are in its `attrs`.
+
+    Examples
+    --------
+    >>> space = latin_hypercube(4, a1=(0.0, 4.0), a4=1.0)
+    >>> sorted(int(value) for value in space.columns["a1"])
+    [0, 1, 2, 3]
+    """
+    return _sample("latin_hypercube", n, seed, ranges, _latin_hypercube_chunks)
+
+
+def _axis(name: str, values: Floats) -> Floats:
+    """Return the values of a grid axis, or say why they are none."""
+    if values.size == 0:
+        raise InputError("is an empty axis", where=("grid", name), remedy="give it at least one value")
+    bad = first_invalid(values)
+    if bad is not None:
+        raise InputError(f"is {values[bad]}", where=("grid", name, bad), remedy="write a finite number")
+    order = np.argsort(values, kind="stable")
+    repeats = np.flatnonzero(np.diff(values[order]) == 0)
+    if repeats.size:
+        first, second = order[repeats[0]], order[repeats[0] + 1]
+        what = f"holds {values[first]} twice (at {first} and {second})"
+        raise InputError(what, where=("grid", name), remedy="give each value once")
+    return values
+
+
+def _sample(
+    kind: str,
+    n: int,
+    seed: int,
+    ranges: Mapping[str, ArrayLike],
+    chunks: Callable[[int, int, int], Iterable[Floats]],
+) -> DesignSpace:
+    """Scale the points of the unit cube that ``chunks(n, dimensions, seed)`` yields to the ranges."""
+    problems = Problems()
+    with problems.at():
+        _check_integer(kind, "n", n, 1, MOST_SAMPLES)
+    with problems.at():
+        _check_integer(kind, "seed", seed, 0, None)
+    constants: dict[str, float] = {}
+    bounds: dict[str, tuple[float, float]] = {}
+    for name, given in ranges.items():
+        with problems.at():
+            values = numbers_of(kind, name, given)
+            if values.ndim == 0:
+                constants[name] = constant(kind, name, values)
+            else:
+                bounds[name] = _range(kind, name, values)
+    if not (bounds or problems.noted):
+        remedy = ("write ", Pair(), " for at least one, or use a grid")
+        problems.add("no input has a range", (kind,), remedy)
+    problems.stop()
+    columns = {name: np.empty(n) for name in bounds}
+    start = 0
+    for points in chunks(n, len(bounds), seed):
+        stop = start + len(points)
+        for (name, (low, high)), unit in zip(bounds.items(), points.T, strict=True):
+            # a Latin hypercube may reach 1.0, where the sum can round to beyond the end
+            columns[name][start:stop] = np.minimum(low + unit * (high - low), high)
+        start = stop
+    return sampled(kind, constants, columns, _sample_attrs(kind, n, seed, bounds))
+
+
+def _check_integer(kind: str, name: str, value: object, least: int, most: int | None) -> None:
+    allowed = f"an integer of {least} or more" if most is None else f"an integer from {least} to {most}"
+    integer = isinstance(value, numbers.Integral) and not isinstance(value, bool)
+    if not integer or value < least or (most is not None and value > most):  # type: ignore[operator]
+        raise InputError(f"is {shown(value)}", where=(kind, name), remedy=f"write {allowed}")
+
+
+def _range(kind: str, name: str, values: Floats) -> tuple[float, float]:
+    if len(values) != 2:
+        remedy = ("write ", Pair(), ", or a number for a constant")
+        raise InputError(f"holds {len(values)} values", where=(kind, name), remedy=remedy)
+    low, high = float(values[0]), float(values[1])
+    if not math.isfinite(high - low):
+        raise InputError(f"runs from {low} to {high}", where=(kind, name), remedy="write finite ends")
+    if low >= high:
+        remedy = ("write ", Pair(), " with lo < hi")
+        raise InputError(f"runs from {low} to {high}", where=(kind, name), remedy=remedy)
+    return low, high
+
+
+def _sample_attrs(
+    kind: str, n: int, seed: int, bounds: Mapping[str, tuple[float, float]]
+) -> dict[str, str | int]:
+    import scipy  # scipy takes longer to import than all the rest of this module, and grids do without
+
+    return {
+        "design_kind": kind,
+        "design_n": int(n),
+        "design_seed": int(seed),
+        "design_ranges": ", ".join(f"{name}=({low!r}, {high!r})" for name, (low, high) in bounds.items()),
+        "design_scipy": scipy.__version__,
+    }
+
+
+def _engine(name: str, dimensions: int, seed: int) -> Any:
+    import scipy
+    from scipy.stats import qmc
+
+    version = tuple(int(part) for part in scipy.__version__.split(".")[:2])
+    keyword = "rng" if version >= (1, 15) else "seed"
+    return getattr(qmc, name)(dimensions, **{keyword: np.random.default_rng(seed)})
+
+
+def _sobol_chunks(n: int, dimensions: int, seed: int) -> Iterator[Floats]:
+    """Yield the first n points piece by piece: scipy holds one piece besides the columns, not all of them."""
+    engine = _engine("Sobol", dimensions, seed)
+    # scipy warns of any first piece that is no power of two; the points do not depend on how they are cut
+    chunk = min(SOBOL_CHUNK, 1 << (n - 1).bit_length())
+    for start in range(0, n, chunk):
+        yield engine.random(chunk)[: n - start]
+
+
+def _latin_hypercube_chunks(n: int, dimensions: int, seed: int) -> Iterator[Floats]:
+    yield _engine("LatinHypercube", dimensions, seed).random(n)

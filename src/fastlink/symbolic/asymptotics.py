@@ -1,0 +1,144 @@
+"""How a quantity grows at a toggle, and what it does in the mirror: read off its facts.
+
+The facts run on `Grade` numbers, which know no value, only the power of 1/sigma by which something grows where sigma
+vanishes, and whether it changes sign when sides and branches are exchanged.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from typing import Any
+
+from fastlink.catalogue.catalogue import Catalogue, Fact, System
+
+__all__ = ["Grade", "grades"]
+
+
+@dataclass(frozen=True, eq=False)
+class Grade:
+    """A number of which only growth and symmetry are known.
+
+    Attributes
+    ----------
+    order : float
+        It grows at a toggle like this power of 1/sigma at most.
+    parity : int
+        1 if the mirror leaves it, -1 if it changes its sign, 0 if neither.
+    choice : bool
+        Whether it is chosen by a comparison of values, and may jump.
+    """
+
+    order: float = 0.0
+    parity: int = 1
+    choice: bool = False
+
+    @property
+    def context(self) -> _Functions:
+        """The functions of `fastlink.numerics.elementary` for such numbers."""
+        return _Functions()
+
+    def _sum(self, other: Any) -> Grade:
+        if isinstance(other, float) and other == 0.0:
+            return self
+        right = _grade(other)
+        parity = self.parity if self.parity == right.parity else 0
+        return Grade(max(self.order, right.order), parity, self.choice or right.choice)
+
+    def _product(self, other: Any) -> Any:
+        if isinstance(other, float) and other == 0.0:
+            return 0.0
+        right = _grade(other)
+        return Grade(self.order + right.order, self.parity * right.parity, self.choice or right.choice)
+
+    __add__ = __radd__ = __sub__ = __rsub__ = _sum
+    __mul__ = __rmul__ = _product
+
+    def __truediv__(self, other: Any) -> Grade:
+        right = _grade(other)
+        return Grade(self.order - right.order, self.parity * right.parity, self.choice or right.choice)
+
+    def __rtruediv__(self, other: Any) -> Any:
+        return 0.0 if isinstance(other, float) and other == 0.0 else _grade(other) / self
+
+    def __neg__(self) -> Grade:
+        return self
+
+    def __abs__(self) -> Grade:
+        return Grade(self.order, abs(self.parity), self.choice)
+
+    def __ge__(self, other: Any) -> bool:
+        # `fastlink.numerics.elementary.sqrt` asks whether its argument is negative.
+        if isinstance(other, Grade) or other != 0:
+            raise TypeError("a grade has no value to compare")
+        return True
+
+    def __eq__(self, other: object) -> bool:
+        raise TypeError("a grade has no value to compare")
+
+    __hash__ = None  # type: ignore[assignment]
+
+
+class _Functions:
+    """Elementary functions of grades."""
+
+    nan = Grade()
+
+    def sqrt(self, x: Grade) -> Grade:
+        return Grade(x.order / 2.0, 1 if x.parity == 1 else 0, x.choice)
+
+    def cos(self, x: Grade) -> Grade:
+        return Grade(0.0, abs(x.parity), x.choice)
+
+    def sin(self, x: Grade) -> Grade:
+        return Grade(0.0, x.parity, x.choice)
+
+    def exp(self, x: Grade) -> Grade:
+        return Grade(0.0, 1 if x.parity == 1 else 0, x.choice)
+
+    log = exp
+
+    def atan2(self, y: Any, x: Any) -> Grade:
+        above, beside = _grade(y), _grade(x)
+        return Grade(0.0, above.parity if beside.parity == 1 else 0, above.choice or beside.choice)
+
+
+def _grade(value: Any) -> Grade:
+    return value if isinstance(value, Grade) else Grade()
+
+
+def grades(catalogue: Catalogue, steps: Iterable[Fact | System], varying: Iterable[str]) -> dict[str, Grade]:
+    """Return the grades of all values of a closure.
+
+    Parameters
+    ----------
+    catalogue : Catalogue
+        The mechanism, which has a graded range.
+    steps : iterable of Fact or System
+        The closure, in order.
+    varying : iterable of str
+        The given values that change over the cycle or with the branch; all others are of the design.
+    """
+    graded = catalogue.graded
+    assert graded is not None
+    found: dict[str, Any] = {name: Grade(0.0, -1 if name in graded.odd else 1) for name in varying}
+    moving = set(found)
+    for step in steps:
+        if isinstance(step, System):
+            continue
+        if moving.intersection(step.needs):
+            moving.update(step.names)
+        if step.name == graded.vanishing:
+            found[step.name] = Grade(-1.0, 1)
+        elif step.name in graded.odd:
+            found[step.name] = Grade(0.0, -1)
+        else:
+            # A mass centre on its link's line is no more than 0.0 across it, whose products are nothing.
+            known = {need: found.get(need, Grade()) for need in step.needs}
+            try:
+                found |= step.values(known)
+            except (TypeError, AttributeError):
+                # It compares values: of one that moves nothing else is known.
+                order = max((_grade(value).order for value in known.values()), default=0.0)
+                found |= dict.fromkeys(step.names, Grade(order, 0, True) if step.name in moving else Grade())
+    return {name: _grade(value) for name, value in found.items()}

@@ -1,0 +1,323 @@
+"""Derivatives of facts, written by forward mode from their text.
+
+A fact is straight-line text, so its derivative is too: each operation has one rule. What is structurally zero is
+left out, numbers are folded (`fastlink.symbolic.expression`). The result is a `Fact` like any other: kernels
+paste it, and it runs
+on floats, arrays and mpmath numbers.
+"""
+
+from __future__ import annotations
+
+import linecache
+import re
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
+from itertools import count
+from typing import Any
+
+from fastlink.errors import InputError, Setting
+from fastlink.facts.fact import Fact, Input, System
+from fastlink.facts.names import Derivative, Quantity
+from fastlink.numerics import compensated, vectors
+from fastlink.numerics.elementary import INFINITY, NOT_A_NUMBER, atan2, cosine, select, sine, sqrt
+from fastlink.numerics.logarithm import log, log1p, log_quotient
+from fastlink.symbolic.expression import Graph, Node, is_power_of_two
+
+__all__ = ["Derivation", "NoDerivative", "derivative_name", "in_a_sentence", "labelled", "made_function"]
+
+_serial = count()
+
+
+class NoDerivative(InputError):
+    """The derivative that was asked for is zero everywhere, or not offered."""
+
+
+def derivative_name(name: str, by: str) -> str:
+    """Return what the derivative of `name` by the input `by` is called.
+
+    Examples
+    --------
+    >>> derivative_name("omega4", "a1")
+    'd_omega4_d_a1'
+    """
+    return str(Derivative(Quantity(name), by))
+
+
+def labelled(fact: Fact, by: Input) -> Fact:
+    """Return a fact with the labels of its derivative; function and needs are still its own."""
+    return replace(
+        fact,
+        name=derivative_name(fact.name, by.name),
+        units=_per(fact.units, by.units),
+        low=None,
+        symbol=f"d {fact.symbol}/d {by.symbol}",
+        meaning=f"Derivative of {in_a_sentence(fact.meaning)} by {by.meaning}",
+        source=f"{fact.source}; docs/numerics.md#derivatives",
+    )
+
+
+def in_a_sentence(meaning: str) -> str:
+    """Return what a quantity is, to stand within a sentence.
+
+    Examples
+    --------
+    >>> in_a_sentence("Moving pivot B, x"), in_a_sentence("AB over its length")
+    ('moving pivot B, x', 'AB over its length')
+    """
+    return meaning if meaning[1:2].isupper() else meaning[:1].lower() + meaning[1:]
+
+
+def _per(units: str, by: str) -> str:
+    """Return UDUNITS text of a quotient.
+
+    Examples
+    --------
+    >>> _per("rad s-1", "m"), _per("N m", "m"), _per("1", "kg m2"), _per("rad", "rad")
+    ('rad s-1 m-1', 'N', 'kg-1 m-2', '1')
+    """
+    powers: dict[str, int] = {}
+    for text, sign in ((units, 1), (by, -1)):
+        for unit, power in re.findall(r"([A-Za-z]+)(-?\d*)", text):
+            powers[unit] = powers.get(unit, 0) + sign * int(power or 1)
+    parts = [f"{unit}{power if power != 1 else ''}" for unit, power in powers.items() if power]
+    return " ".join(parts) or "1"
+
+
+# -- rules -------------------------------------------------------------------------------------------------
+
+Rule = Callable[[Graph, Sequence[Node], Sequence[Node], Node], Node]
+
+
+def _of_sum(graph: Graph, args: Sequence[Node], slopes: Sequence[Node], value: Node) -> Node:
+    total = graph.zero
+    for slope in slopes:
+        total = graph.add(total, slope)
+    return total
+
+
+def _of_product(graph: Graph, args: Sequence[Node], slopes: Sequence[Node], value: Node) -> Node:
+    (a, *_, b), (da, *_, db) = args, slopes
+    return graph.add(graph.mul(da, b), graph.mul(a, db))
+
+
+def _of_pair_product(graph: Graph, args: Sequence[Node], slopes: Sequence[Node], value: Node) -> Node:
+    return _of_product(graph, (args[0], args[2]), (slopes[0], slopes[2]), value)
+
+
+def _of_gap_product_quotient(graph: Graph, args: Sequence[Node], slopes: Sequence[Node], value: Node) -> Node:
+    x, y = args[4:]
+    product = _of_pair_product(graph, args, slopes, value)
+    share = graph.div(graph.mul(graph.number(0.25), product), graph.mul(x, y))
+    relative = graph.add(graph.div(slopes[4], x), graph.div(slopes[5], y))
+    return graph.sub(share, graph.mul(value, relative))
+
+
+def _of_constant(graph: Graph, args: Sequence[Node], slopes: Sequence[Node], value: Node) -> Node:
+    return graph.zero
+
+
+def _of_second(graph: Graph, args: Sequence[Node], slopes: Sequence[Node], value: Node) -> Node:
+    return slopes[1]
+
+
+#: Functions of `fastlink.numerics` with a rule of their own; all others are read. Of an unevaluated sum (high, low) the
+#: first carries the derivative: the second is what rounding lost.
+RULES: dict[Any, Rule] = {
+    compensated.two_sum: _of_sum,
+    compensated.gap: _of_sum,
+    compensated.two_product: _of_product,
+    compensated.pair_product: _of_pair_product,
+    compensated.gap_product_quotient: _of_gap_product_quotient,
+    compensated.power_of_two_below: _of_constant,
+    vectors.zero_where: _of_second,
+}
+
+
+class Derivation:
+    """The derivatives of a mechanism's facts by one input.
+
+    Parameters
+    ----------
+    by : Input
+        The input.
+    find : callable
+        Returns what determines a name, or None for what is given.
+    declared : callable
+        Returns the derivative of a name where one is declared, else None.
+    """
+
+    def __init__(
+        self,
+        by: Input,
+        find: Callable[[str], Fact | System | None],
+        declared: Callable[[str], Fact | None],
+    ) -> None:
+        self.by, self.find, self.declared = by, find, declared
+        self.graph = Graph(RULES)
+        self._values: dict[str, tuple[Node, Node]] = {}
+        self._slopes: dict[str, Node] = {}
+        self._facts: dict[str, Fact] = {}
+
+    def fact(self, name: str) -> Fact:
+        """Return the derivative of a fact.
+
+        Raises
+        ------
+        NoDerivative
+            The fact does not depend on the input, or a linear system determines it.
+        """
+        if name not in self._facts:
+            self._facts[name] = self._fact(name, derivative_name(name, self.by.name))
+        return self._facts[name]
+
+    def _fact(self, name: str, derivative: str) -> Fact:
+        if self.slope(name) is self.graph.zero:
+            what = f"quantity {derivative!r}: {name} does not depend on {self.by.name} with what is given"
+            raise NoDerivative(what, remedy="leave it out")
+        declared, found = self.declared(name), self.find(name)
+        if declared is not None:
+            return replace(declared, name=derivative)
+        assert isinstance(found, Fact)
+        return self._written(found, *self._values[name])
+
+    def slope(self, name: str) -> Node:
+        """Return the derivative of a name: a number, a name, or minus a name."""
+        if name not in self._slopes:
+            self._slopes[name] = self._slope(name)
+        return self._slopes[name]
+
+    def _slope(self, name: str) -> Node:
+        graph = self.graph
+        if name == self.by.name:
+            return graph.one
+        found, declared = self.find(name), self.declared(name)
+        if declared is not None:
+            root = graph.read_fact(declared, declared.name)
+        elif found is None or (isinstance(found, Fact) and name == found.low):
+            return graph.zero  # of what rounding lost
+        elif all(self.slope(need) is graph.zero for need in found.needs):
+            return graph.zero
+        elif isinstance(found, System):
+            what = f"quantity {derivative_name(name, self.by.name)!r}: a linear system determines {name}"
+            raise NoDerivative(what, remedy=("write ", Setting("solver", "eliminated")))
+        else:
+            value = graph.read_fact(found, name)
+            root = self._differentiate(value, {})
+            self._values[name] = root, value
+        bare = root.args[0] if root.kind == "neg" else root
+        simple = bare.kind in ("name", "number")
+        return root if simple else graph.name(derivative_name(name, self.by.name))
+
+    def _differentiate(self, node: Node, known: dict[Node, Node]) -> Node:
+        """Return the derivative of a value."""
+        if node.kind == "name":
+            return self.slope(node.value)
+        if node not in known:
+            slopes = [self._differentiate(arg, known) for arg in node.args]
+            known[node] = self._rule(node, slopes)
+        return known[node]
+
+    def _rule(self, node: Node, slopes: Sequence[Node]) -> Node:
+        graph, args = self.graph, node.args
+        if all(slope is graph.zero for slope in slopes):
+            return graph.zero
+        match node.kind:
+            case "neg":
+                return graph.neg(slopes[0])
+            case "+":
+                return graph.add(*slopes)
+            case "-":
+                return graph.sub(*slopes)
+            case "*":
+                return self._of_power(node, slopes) or _of_product(graph, args, slopes, node)
+            case "/":
+                return self._of_quotient(node, slopes)
+            case "item":
+                # the slope of a call is that of its first result
+                return slopes[0] if node.value == 0 else graph.zero
+            case "call":
+                return self._of_call(node, slopes)
+        return graph.zero  # of a comparison: what it selects is differentiated where it is selected
+
+    def _of_power(self, node: Node, slopes: Sequence[Node]) -> Node | None:
+        """Return the derivative of x x or x x x, None of another product."""
+        graph, (a, b) = self.graph, node.args
+        if a is b:
+            return graph.mul(graph.mul(graph.number(2.0), a), slopes[0])
+        if a.kind == "*" and a.args[0] is b and a.args[1] is b:
+            return graph.mul(graph.mul(graph.number(3.0), a), slopes[1])
+        return None
+
+    def _of_quotient(self, node: Node, slopes: Sequence[Node]) -> Node:
+        graph, (a, b), (da, db) = self.graph, node.args, slopes
+        if db is graph.zero:
+            return graph.div(da, b)
+        if a.kind == "number" and is_power_of_two(a.value):
+            square = graph.mul(graph.number(1.0 / a.value), graph.mul(node, node))
+            return graph.neg(graph.mul(square, db))
+        return graph.div(graph.sub(da, graph.mul(node, db)), b)
+
+    def _of_call(self, node: Node, slopes: Sequence[Node]) -> Node:
+        graph, function, args = self.graph, node.value, node.args
+        if function in RULES:
+            first = graph.node("item", node, value=0)
+            return RULES[function](graph, args, slopes, first)
+        if function is sqrt:
+            return graph.div(graph.mul(graph.number(0.5), slopes[0]), node)
+        if function is sine:
+            return graph.mul(graph.call(cosine, *args), slopes[0])
+        if function is cosine:
+            return graph.neg(graph.mul(graph.call(sine, *args), slopes[0]))
+        if function is log:
+            return graph.div(slopes[0], args[0])
+        if function is log_quotient:
+            return graph.sub(graph.div(slopes[0], args[0]), graph.div(slopes[1], args[1]))
+        if function is log1p:
+            return graph.div(slopes[0], graph.add(graph.one, args[0]))
+        if function is atan2:
+            return graph.call(vectors.turn_rate, *args, *slopes)
+        if function is abs:
+            negative = graph.node("<", args[0], graph.zero)
+            return graph.select(negative, graph.neg(slopes[0]), slopes[0])
+        condition, *chosen = args
+        # What is not a number here has no derivative here.
+        parts = [
+            x if x.kind == "number" and x.value != x.value else d
+            for x, d in zip(chosen, slopes[1:], strict=True)
+        ]
+        return graph.select(condition, *parts)
+
+    def _written(self, found: Fact, root: Node, value: Node) -> Fact:
+        own = {} if value.kind in ("name", "number", "neg") else {value: found.name}
+        function, needs = made_function(derivative_name(found.name, self.by.name), self.graph, root, own)
+        return replace(labelled(found, self.by), function=function, needs=needs, flags={})
+
+
+def made_function(
+    name: str, graph: Graph, root: Node, given: Mapping[Node, str]
+) -> tuple[Callable[..., Any], tuple[str, ...]]:
+    """Return a function that returns a value, and the names that it depends on; `given` as in `Graph.write`."""
+    needs, lines = graph.write(root, given)
+    source = "\n    ".join([f"def {name}({', '.join(needs)}):", *lines]) + "\n"
+    file = f"<made {name} {next(_serial)}>"
+    # inspect reads the text there, and kernels are made of what inspect reads
+    linecache.cache[file] = (len(source), None, source.splitlines(keepends=True), file)
+    namespace = dict(FUNCTIONS)
+    exec(compile(source, file, "exec"), namespace)
+    return namespace[name], needs
+
+
+#: What a text may name.
+FUNCTIONS: dict[str, Any] = {
+    **{name: getattr(module, name) for module in (compensated, vectors) for name in module.__all__},
+    "sqrt": sqrt,
+    "atan2": atan2,
+    "cosine": cosine,
+    "sine": sine,
+    "log": log,
+    "log1p": log1p,
+    "log_quotient": log_quotient,
+    "select": select,
+    "INFINITY": INFINITY,
+    "NOT_A_NUMBER": NOT_A_NUMBER,
+}

@@ -1,0 +1,239 @@
+"""Error bounds of facts: NAME_error, and NAME_trust, which tells where the bound is small against the value.
+
+The text of a bound is written from that of the fact (`fastlink.symbolic.error_propagation`), fact by fact:
+the bound of a fact needs
+the bounds of those facts that it needs, but for those whose relative error is a number known beforehand. It is a
+`Fact` like any other: kernels paste it, and it runs on floats and arrays.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import replace
+from typing import Any
+
+from fastlink.errors import InputError, Setting
+from fastlink.facts.fact import Fact, Input, System
+from fastlink.facts.names import ErrorBound, Quantity, Trust
+from fastlink.numerics.elementary import INFINITY, select
+from fastlink.symbolic.derivative import in_a_sentence, made_function
+from fastlink.symbolic.error_adjoint import Paths, is_size, is_smooth
+from fastlink.symbolic.error_propagation import Bound, Lost, Rules, U
+from fastlink.symbolic.expression import Node, is_power_of_two
+
+__all__ = ["ErrorBounds", "error_name", "labelled_error", "trust_of"]
+
+#: Relative error bounds up to this one are trusted.
+TRUSTED = 1e-6
+TRUST_FLAGS = {0: "trusted", 1: "ill_conditioned", 2: "not_finite"}
+NUMERICS = "docs/numerics.md#error-bounds"
+
+
+def error_name(name: str) -> str:
+    """Return what the error bound of a quantity is called."""
+    return str(ErrorBound(Quantity(name)))
+
+
+def labelled_error(fact: Fact) -> Fact:
+    """Return a fact with the labels of its error bound; function and needs are still its own."""
+    return replace(
+        fact,
+        name=error_name(fact.name),
+        low=None,
+        symbol=f"err {fact.symbol}",
+        meaning=f"Error bound of {in_a_sentence(fact.meaning)}",
+        source=f"{fact.source}; {NUMERICS}",
+        flags={},
+    )
+
+
+def trust_of(fact: Fact) -> Fact:
+    """Return what tells whether the error bound of a fact is small against its value."""
+    return replace(
+        fact,
+        name=str(Trust(Quantity(fact.name))),
+        function=trust,
+        needs=(fact.name, error_name(fact.name)),
+        units="1",
+        symbol=f"trust {fact.symbol}",
+        meaning=f"Whether digits of {in_a_sentence(fact.meaning)} are known",
+        source=f"{fact.source}; {NUMERICS}",
+        flags=TRUST_FLAGS,
+    )
+
+
+def trust(value: Any, error: Any) -> Any:
+    """Return 0 where the error bound is at most a millionth of the value, 1 where it exceeds it, 2 for no number."""
+    size = abs(value)
+    return select(size < INFINITY, select(error <= TRUSTED * size, 0.0, 1.0), 2.0)
+
+
+class ErrorBounds:
+    """The error bounds of a mechanism's facts; what is given has none.
+
+    Parameters
+    ----------
+    find : callable
+        Returns what determines a name, or None for what is given.
+    inputs : mapping of str to Input
+        What may be given.
+    branches : mapping of int to str
+        The assembly modes.
+    tables, low_parts : mapping
+        The tables of the input position, and of which of them a table is the low word.
+    """
+
+    def __init__(
+        self,
+        find: Callable[[str], Fact | System | None],
+        inputs: Mapping[str, Input],
+        branches: Mapping[int, str],
+        tables: Mapping[str, Fact],
+        low_parts: Mapping[str, str],
+    ) -> None:
+        self.find, self.inputs, self.branches = find, inputs, branches
+        self.tables, self.low_parts = tables, low_parts
+        self.rules = Rules(self.named)
+        self.graph, self.exact = self.rules.graph, self.rules.exact
+        self._named: dict[str, Bound] = {}
+        self._values: dict[str, Node] = {}
+        self._facts: dict[str, Fact] = {}
+        self._passing: dict[str, bool] = {}
+
+    def fact(self, name: str) -> Fact:
+        """Return the error bound of a fact.
+
+        Raises
+        ------
+        InputError
+            A linear system determines it, or something that it needs.
+        """
+        if name not in self._facts:
+            found = self.found(name)
+            along = self._passes(name) and not is_size(self.rules, self._value(name))
+            root, own = self._along_paths(name) if along else self._running(name)
+            made = error_name(name)
+            function, needs = made_function(made, self.graph, root, own)
+            self._facts[name] = replace(labelled_error(found), name=made, function=function, needs=needs)
+        return self._facts[name]
+
+    def found(self, name: str) -> Fact:
+        """Return a fact; of what a linear system determines there is no bound."""
+        found = self.find(name)
+        if isinstance(found, System):
+            what = f"quantity {error_name(name)!r}: a linear system determines {name}"
+            raise InputError(what, remedy=("write ", Setting("solver", "eliminated")))
+        if found is None:
+            what = f"quantity {error_name(name)!r}: {name} is given, which has no error"
+            raise InputError(what, remedy="leave it out")
+        return found
+
+    def _value(self, name: str) -> Node:
+        if name not in self._values:
+            self._values[name] = self.graph.read_fact(self.found(name), name)
+        return self._values[name]
+
+    def _running(self, name: str) -> tuple[Node, dict[Node, str]]:
+        """Return the bound by the bounds of what the fact needs, and the fact's value as a name."""
+        value = self._value(name)
+        bound = self.rules.bound(value)
+        if not self._pair(name, bound):
+            bound = self.rules.settled(value, bound)
+        # At least a trace of the value: where it is not finite, so is its error.
+        whole = self.rules.error(value, replace(bound, relative=max(bound.relative, U)))
+        return whole, {} if value.kind in ("name", "number", "neg") else {value: name}
+
+    # -- sums of products ----------------------------------------------------------------------------------------
+
+    def _passes(self, name: str) -> bool:
+        """Tell whether a fact is a sum of products whose errors are followed to where they come from.
+
+        Its terms share factors, and what the error of a factor does to one may undo what it does to another.
+        """
+        if name not in self._passing:
+            found = self.find(name) if name not in self.tables else None
+            self._passing[name] = isinstance(found, Fact) and self._is_sum(name, found)
+        return self._passing[name]
+
+    def _is_sum(self, name: str, found: Fact) -> bool:
+        value = self._value(name)
+        low_words = any(
+            times > 0.0 for need in found.needs for times, _high in self.named(need).lost.values()
+        )
+        settled = self.rules.settled(value)
+        return not low_words and settled.rest is not self.graph.zero and is_smooth(self.rules, value)
+
+    def _along_paths(self, name: str) -> tuple[Node, dict[Node, str]]:
+        """Return the sum over all roundings of what each does to a fact, and the values on the way as names."""
+        order: list[str] = []
+        self._visit(name, order)
+        paths, own = Paths(self.rules, self.graph.name(name)), dict[Node, str]()
+        for of in reversed(order):
+            value = self._value(of)
+            paths.follow(self.graph.name(of), value)
+            if value.kind not in ("name", "number", "neg"):
+                own[value] = of
+        return paths.total(), own
+
+    def _visit(self, name: str, order: list[str]) -> None:
+        """Append to the order a fact and the sums of products that it is made of, each after what it needs."""
+        if name not in order:
+            for need in self.found(name).needs:
+                if self._passes(need):
+                    self._visit(need, order)
+            order.append(name)
+
+    # -- names ---------------------------------------------------------------------------------------------------
+
+    def named(self, name: str) -> Bound:
+        """Return the bound of a name, told over names."""
+        if name not in self._named:
+            self._named[name] = self._of_name(name)
+        return self._named[name]
+
+    def _of_name(self, name: str) -> Bound:
+        graph = self.graph
+        if name in self.low_parts:
+            return replace(self.exact, lost={graph.name(name): (1.0, graph.name(self.low_parts[name]))})
+        if name in self.tables:
+            return self._of_table(name)
+        if self.find(name) is None:
+            positive = name in self.inputs and self.inputs[name].rule != "any"
+            return replace(self.exact, positive=positive)
+        found = self.found(name)
+        if found.needs == ("branch",):
+            values = [found.function(float(number)) for number in self.branches]
+            if all(map(is_power_of_two, values)):
+                return replace(
+                    self.exact, scale=True, one={*map(abs, values)} == {1.0}, positive=min(values) > 0.0
+                )
+        value = self._value(name)
+        bound = self.rules.bound(value)
+        lost = self._pair(name, bound)
+        bound = replace(bound if lost else self.rules.settled(value, bound), lost=lost)
+        if bound.rest is graph.zero:
+            return bound
+        return replace(bound, relative=0.0, rest=graph.name(error_name(name)))
+
+    def _of_table(self, name: str) -> Bound:
+        """Return the bound of a table: exact steps, or rounded once, with what that lost in a table of its own."""
+        table, graph = self.tables[name], self.graph
+        bound = self.rules.bound(graph.read_fact(table, name))
+        if bound.relative == 0.0:
+            return bound
+        low = next((low for low, high in self.low_parts.items() if high == name), None)
+        if low is None:
+            return replace(self.exact, relative=1.0, positive=bound.positive)
+        lost = {graph.name(low): (-1.0, graph.name(name))}
+        return replace(self.exact, relative=U, lost=lost, positive=bound.positive)
+
+    def _pair(self, name: str, bound: Bound) -> Lost:
+        """Return what is lost by names, of a fact with a low part: its text must say so of both words."""
+        found, graph = self.found(name), self.graph
+        if found.low is None or len(bound.lost) != 1:
+            return {}
+        low = self._value(found.low)
+        of_both = [word for word in found.names if low in self.rules.bound(self._value(word)).lost]
+        if name not in of_both or found.name not in of_both:
+            return {}
+        return {graph.name(found.low): (1.0 if name == found.low else -1.0, graph.name(found.name))}

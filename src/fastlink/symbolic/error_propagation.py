@@ -1,0 +1,330 @@
+"""How errors pass through one operation after another, and what each adds by its own rounding.
+
+Each operation has one rule, as each has one for its derivative. The rules bound the error, not its first order only:
+products and quotients of errors are in them. A bound is UNIT `relative` |value| + `rest`, where `relative` is a number
+known beforehand; where nothing cancels the rest is zero, and nothing is computed.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from functools import partial
+
+from fastlink.numerics.compensated import (
+    gap,
+    gap_product_quotient,
+    pair_product,
+    power_of_two_below,
+    two_product,
+    two_sum,
+)
+from fastlink.numerics.elementary import (
+    atan2,
+    cos,
+    cosh,
+    cosine,
+    doubled,
+    doublings,
+    exp,
+    select,
+    sin,
+    sine,
+    sinh,
+    sqrt,
+)
+from fastlink.numerics.logarithm import arsinh, log, log1p, log_quotient
+from fastlink.symbolic.error_laws import of_direction, of_logarithm, of_product, of_quotient, of_root
+from fastlink.symbolic.expression import Graph, Node, is_power_of_two
+
+__all__ = ["UNIT", "Bound", "Lost", "Rules", "U"]
+
+U = 2.0**-53
+#: A rounding, and a millionth more: for the rounding of the bounds themselves, and for products of a few roundings.
+UNIT = U * (1.0 + 2.0**-20)
+
+#: What rounding lost and another value keeps (the low word of a sum of two): a multiple of that value is the error,
+#: with its sign, and cancels where both words meet. With it stands the high word, of which it is a rounding at most.
+Lost = Mapping[Node, tuple[float, Node]]
+
+
+@dataclass(frozen=True)
+class Bound:
+    """By how much a value may be off: UNIT `relative` times its magnitude, and `rest`, besides what is lost.
+
+    `scale` tells that it is 0 or a power of two, up to its sign, with which products are exact; `one` that it is 1,
+    up to its sign (or NaN); `positive` that it is not negative.
+    """
+
+    relative: float
+    rest: Node
+    lost: Lost = field(default_factory=dict)
+    scale: bool = False
+    one: bool = False
+    positive: bool = False
+
+
+#: Calls that remain calls, and the error of an unevaluated sum (high, low) that they return: roundings of the sum.
+#: Of `gap` the last addition of low words rounds, of the others products of low words are left out; see the tests.
+WORDS = {two_sum: 0.0, two_product: 0.0, gap: 4.0 * U, pair_product: 8.0 * U, gap_product_quotient: 16.0 * U}
+#: Elementary functions: two (arsinh, log_quotient: three) units in the last place are four (six) roundings.
+ARCTANGENT, LOGARITHM, LOG_QUOTIENT, ARSINH, COSINE = 4.0, 4.0, 6.0, 6.0, 4.0
+#: Near its zeros what reduces a direction to a quarter turn is left: multiples of 2^-104.
+REDUCTION = 2.0**-103
+#: Tabled with 40 digits and rounded once.
+TABLED = (sin, cos, exp, sinh, cosh)
+
+
+class Rules:
+    """The bounds of values, by one rule for each operation.
+
+    Parameters
+    ----------
+    named : callable
+        Returns the bound of a name.
+    """
+
+    def __init__(self, named: Callable[[str], Bound]) -> None:
+        self.named = named
+        self.graph = Graph({*WORDS, power_of_two_below, arsinh, doubled, doublings, *TABLED})
+        self.exact = Bound(0.0, self.graph.zero)
+        self._bounds: dict[Node, Bound] = {}
+
+    def bound(self, node: Node) -> Bound:
+        """Return the bound of a value."""
+        if node not in self._bounds:
+            self._bounds[node] = self._rule(node)
+        return self._bounds[node]
+
+    def settled(self, node: Node, bound: Bound | None = None) -> Bound:
+        """Return the bound of a value whose low word does not come."""
+        bound = bound or self.bound(node)
+        relative, rest = bound.relative, bound.rest
+        for times, high in bound.lost.values():
+            if high in (node, *(node.args if node.kind == "neg" else ())):
+                relative += abs(times)
+            else:
+                rest = self.graph.add(rest, self._roundings(abs(times), high))
+        return replace(bound, relative=relative, rest=rest, lost={})
+
+    def size(self, node: Node) -> Node:
+        """Return the magnitude of a value."""
+        bare = node.args[0] if node.kind == "neg" else node
+        if self.bound(bare).one:
+            return self.graph.one
+        return bare if self.bound(bare).positive else self.graph.call(abs, bare)
+
+    def error(self, node: Node, bound: Bound) -> Node:
+        """Return the whole bound of a value, but for what is lost."""
+        return self.graph.add(bound.rest, self._roundings(bound.relative, node))
+
+    def _roundings(self, number: float, node: Node) -> Node:
+        return self.graph.mul(self.graph.number(UNIT * number), self.size(node))
+
+    def _rule(self, node: Node) -> Bound:
+        match node.kind:
+            case "name":
+                return self.named(node.value)
+            case "number":
+                x = node.value
+                scale = x == 0.0 or x - x != 0.0 or is_power_of_two(x)
+                return replace(self.exact, scale=scale, one=abs(x) == 1.0 or x != x, positive=not x < 0.0)
+            case "neg":
+                bound = self.bound(node.args[0])
+                return replace(bound, lost=_times(bound.lost, -1.0), positive=False)
+            case "+" | "-":
+                return self._of_sum(node)
+            case "*" | "/":
+                return self._of_scaled(node) or self._of_ratio(node)
+            case "item":
+                return self._of_word(node)
+        return self._of_call(node)
+
+    def _of_sum(self, node: Node) -> Bound:
+        x, y = node.args
+        a, b = self.bound(x), self.bound(y)
+        if not b.lost and self._is_high_word(x, a):  # low words meet in sums of sums
+            a = self.settled(x)
+        if not a.lost and self._is_high_word(y, b):
+            b = self.settled(y)
+        lost = _merged(a.lost, b.lost if node.kind == "+" else _times(b.lost, -1.0))
+        if node.kind == "+" and a.positive and b.positive:
+            rest = self.graph.add(a.rest, b.rest)
+            return Bound(max(a.relative, b.relative) + 1.0, rest, lost, positive=True)
+        return Bound(1.0, self.graph.add(self.error(x, a), self.error(y, b)), lost)
+
+    def _is_high_word(self, node: Node, bound: Bound) -> bool:
+        bare = node.args[0] if node.kind == "neg" else node
+        return any(high in (node, bare) and low is not bare for low, (_times, high) in bound.lost.items())
+
+    def _of_scaled(self, node: Node) -> Bound | None:
+        """Return the bound of a product or quotient with a power of two, None of others."""
+        (x, y), graph = node.args, self.graph
+        a, b = self.bound(x), self.bound(y)
+        operate = graph.mul if node.kind == "*" else graph.div
+        change: Callable[[Node], Node]
+        if b.scale:
+            other, by, change = a, b, lambda value: operate(value, y)
+            rest = operate(a.rest, self.size(y))
+        elif a.scale and node.kind == "*":
+            other, by, change = b, a, partial(operate, x)
+            rest = operate(self.size(x), b.rest)
+        else:
+            return None
+        same = by.one and by.positive
+        lost = {
+            low if same else change(low): (times, change(high)) for low, (times, high) in other.lost.items()
+        }
+        positive = a.positive and b.positive
+        return Bound(other.relative, rest, lost, a.scale and b.scale, a.one and b.one, positive)
+
+    def _of_ratio(self, node: Node) -> Bound:
+        x, y = node.args
+        a, b = self.settled(x), self.settled(y)
+        positive = (a.positive and b.positive) or x is y
+        if node.kind == "*":
+            rest = self._product(x, y)
+        else:
+            rest = self._quotient(node if positive else self.graph.call(abs, node), y, a.rest, b.rest)
+        return Bound(a.relative + b.relative + 1.0, rest, positive=positive)
+
+    def _product(self, x: Node, y: Node) -> Node:
+        """Return what the rests of two factors do."""
+        e_x, e_y = self.settled(x).rest, self.settled(y).rest
+        return self.graph.read(of_product, [self.size(x), self.size(y), e_x, e_y])
+
+    def _quotient(self, quotient: Node, y: Node, e_x: Node, e_y: Node) -> Node:
+        """Return what the rests of dividend and divisor do, for the magnitude of the quotient."""
+        if e_y is self.graph.zero:
+            return self.graph.div(e_x, self.size(y))
+        return self.graph.read(of_quotient, [quotient, self.size(y), e_x, e_y])
+
+    def _of_word(self, node: Node) -> Bound:
+        """Return the bound of a word of an unevaluated sum: the first has that of the sum, the second has none."""
+        (call,) = node.args
+        high, low = (self.graph.node("item", call, value=k) for k in (0, 1))
+        if node is low:
+            return replace(self.exact, lost={low: (1.0, high)})
+        relative, rest = self._of_words(call, high)
+        return Bound(relative + WORDS[call.value], rest, {low: (-1.0, high)})
+
+    def _of_words(self, call: Node, high: Node) -> tuple[float, Node]:
+        """Return relative part and rest of what the arguments do to an unevaluated sum."""
+        function, args, graph = call.value, call.args, self.graph
+        if function in (two_sum, gap):
+            rest, lost = graph.zero, dict[Node, tuple[float, Node]]()
+            for arg in args:
+                bound = self.bound(arg)
+                rest, lost = graph.add(rest, self.error(arg, bound)), _merged(lost, bound.lost)
+            return 0.0, self.settled(high, Bound(0.0, rest, lost)).rest
+        if function is two_product:
+            bound = self._of_ratio(graph.node("*", *args))
+            return bound.relative - 1.0, bound.rest
+        f, g = self._pair(*args[:2]), self._pair(*args[2:4])
+        sizes = self.size(args[0]), self.size(args[2])
+        relative, rest = f.relative + g.relative, graph.read(of_product, [*sizes, f.rest, g.rest])
+        if function is gap_product_quotient:
+            x, y = args[4:]
+            divisor = graph.mul(graph.number(4.0), graph.mul(x, y))
+            relative += self.settled(x).relative + self.settled(y).relative
+            of_divisor = graph.mul(graph.number(4.0), self._product(x, y))
+            rest = self._quotient(graph.call(abs, high), divisor, rest, of_divisor)
+        return relative, rest
+
+    def _pair(self, high: Node, low: Node) -> Bound:
+        """Return the bound of an unevaluated sum."""
+        a, b = self.bound(high), self.bound(low)
+        rest = self.graph.add(a.rest, self.error(low, b))
+        return self.settled(high, Bound(a.relative, rest, _merged(a.lost, b.lost)))
+
+    def _of_call(self, node: Node) -> Bound:
+        function, graph = node.value, self.graph
+        if function is select:
+            return self._of_choice(node)
+        if function in TABLED:
+            return replace(self.exact, relative=1.0, positive=function in (exp, cosh))
+        if function is doublings:
+            return self.exact
+        if function is power_of_two_below:
+            return replace(self.exact, scale=True, positive=True)
+        x = node.args[0]
+        a = self.settled(x)
+        if function is doubled:
+            return replace(a, one=False)
+        if function is abs:
+            return replace(a, positive=True)
+        if function is sqrt:
+            rest = a.rest if a.rest is graph.zero else graph.read(of_root, [x, node, a.rest])
+            return Bound(0.5 * a.relative + 1.0, rest, positive=True)
+        if function is atan2:
+            return self._of_direction(node)
+        if function is arsinh:  # of x >= 0, where its slope times x is at most its value, and sqrt(2)/(1 + x)
+            rest = self._of_place(graph.add(graph.one, x), graph.mul(graph.number(1.4143), a.rest))
+            return Bound(a.relative + ARSINH, rest, positive=True)
+        if function is log1p:
+            # of x >= 0 the slope times x is at most the value
+            share, rest = (a.relative, a.rest) if a.positive else (0.0, self.error(x, a))
+            return Bound(
+                share + LOGARITHM, self._of_place(graph.add(graph.one, x), rest), positive=a.positive
+            )
+        if function is log_quotient:
+            return self._of_logarithm(node.args[:2], LOG_QUOTIENT)
+        if function is log:
+            return self._of_logarithm(node.args, LOGARITHM)
+        assert function in (sine, cosine)
+        return Bound(COSINE, graph.add(graph.number(REDUCTION), self.error(x, a)))
+
+    def _of_choice(self, node: Node) -> Bound:
+        condition, x, y = node.args
+        a, b = self.bound(x), self.bound(y)
+        lost: dict[Node, tuple[float, Node]] = {}
+        if b.lost and x is self.graph.zero:  # 0 where it is within rounding: so is the low word then
+            choose = partial(self.graph.select, condition, x)
+            lost = {choose(low): (times, choose(high)) for low, (times, high) in b.lost.items()}
+        elif a.lost and y.kind == "number" and y.value != y.value:  # else there is no number at all
+            lost = {low: (times, node if high is x else high) for low, (times, high) in a.lost.items()}
+        else:
+            a, b = self.settled(x), self.settled(y)
+        rest = self.graph.select(condition, a.rest, b.rest)
+        return Bound(
+            max(a.relative, b.relative),
+            rest,
+            lost,
+            a.scale and b.scale,
+            a.one and b.one,
+            a.positive and b.positive,
+        )
+
+    def _of_direction(self, node: Node) -> Bound:
+        y, x = node.args
+        a, b = self.settled(y), self.settled(x)
+        rest = self.graph.zero
+        if a.rest is not rest or b.rest is not rest:
+            rest = self.graph.read(of_direction, [self.size(y), self.size(x), a.rest, b.rest])
+        # A relative error of y or x turns the vector by half of it times the sine of twice the angle.
+        return Bound(a.relative + b.relative + ARCTANGENT, rest, positive=a.positive)
+
+    def _of_logarithm(self, args: Sequence[Node], own: float) -> Bound:
+        """Return the bound of the logarithm of a number or quotient: relative errors are absolute ones there."""
+        rest = self.graph.zero
+        for x in args:
+            a = self.settled(x)
+            constant = self.graph.number(UNIT * a.relative)
+            rest = self.graph.add(rest, self.graph.add(self._of_place(self.size(x), a.rest), constant))
+        return Bound(own, rest)
+
+    def _of_place(self, place: Node, error: Node) -> Node:
+        """Return what an error does to a logarithm, whose slope is the reciprocal of a place."""
+        return error if error is self.graph.zero else self.graph.read(of_logarithm, [place, error])
+
+
+def _times(lost: Lost, number: float) -> dict[Node, tuple[float, Node]]:
+    return {low: (number * times, high) for low, (times, high) in lost.items()}
+
+
+def _merged(first: Lost, second: Lost) -> dict[Node, tuple[float, Node]]:
+    """Return what both lose: a low word that comes with either sign is lost no more."""
+    merged = dict(first)
+    for low, (times, high) in second.items():
+        merged[low] = (times + (merged[low][0] if low in merged else 0.0), high)
+    return {low: entry for low, entry in merged.items() if entry[0] != 0.0}

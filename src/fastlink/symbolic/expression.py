@@ -1,0 +1,287 @@
+"""The text of facts as values: each exists once, numbers are folded, signs stand outermost.
+
+`Graph.read` makes values of a fact's text, `Graph.write` makes text of values: a value that is used twice has a name.
+"""
+
+from __future__ import annotations
+
+import ast
+import math
+from collections.abc import Callable, Collection, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from fastlink.facts.fact import Fact, parameters, statements
+from fastlink.numerics.compiler import COMPILED_AS
+from fastlink.numerics.elementary import atan2, cosine, select, sine, sqrt
+from fastlink.numerics.logarithm import log, log1p, log_quotient
+
+__all__ = ["Graph", "Node", "is_power_of_two"]
+
+OPERATORS: dict[str, ast.operator] = {
+    "+": ast.Add(), "-": ast.Sub(), "*": ast.Mult(), "/": ast.Div(), "&": ast.BitAnd(), "|": ast.BitOr(),
+}  # fmt: skip
+COMPARISONS: dict[str, ast.cmpop] = {
+    "<": ast.Lt(), "<=": ast.LtE(), ">": ast.Gt(), ">=": ast.GtE(), "==": ast.Eq(), "!=": ast.NotEq(),
+}  # fmt: skip
+SIGNS = {type(node): sign for sign, node in (*OPERATORS.items(), *COMPARISONS.items())}
+NOT_FINITE = {"inf": "INFINITY", "nan": "NOT_A_NUMBER"}
+
+
+@dataclass(frozen=True, eq=False)
+class Node:
+    """A value: ``kind`` is name, number, call, tuple, item, neg, or the sign of an operation."""
+
+    kind: str
+    args: tuple[Node, ...]
+    value: Any = None
+
+
+class Graph:
+    """Values, each of which exists once.
+
+    `kept` are functions that remain calls; all but the elementary ones are read otherwise.
+    """
+
+    def __init__(self, kept: Collection[Any]) -> None:
+        self._nodes: dict[tuple[Any, ...], Node] = {}
+        self._kept = {sqrt, atan2, cosine, sine, log, log1p, log_quotient, abs, *kept}
+        self.zero, self.one = self.number(0.0), self.number(1.0)
+
+    def node(self, kind: str, *args: Node, value: Any = None) -> Node:
+        """Return a value, the one that exists if there is one."""
+        key = (kind, repr(value) if kind == "number" else value, *map(id, args))
+        return self._nodes.setdefault(key, Node(kind, args, value))
+
+    def name(self, name: str) -> Node:
+        """Return the value of a name."""
+        return self.node("name", value=name)
+
+    def number(self, value: float) -> Node:
+        """Return a number."""
+        return self.node("number", value=value + 0.0)
+
+    def part(self, node: Node, number: int) -> Node:
+        """Return one of the values of a tuple, or of a call that returns several."""
+        return node.args[number] if node.kind == "tuple" else self.node("item", node, value=number)
+
+    def call(self, function: Any, *args: Node) -> Node:
+        """Return the value of a call."""
+        return self.node("call", *args, value=function)
+
+    def neg(self, a: Node) -> Node:
+        """Return -a."""
+        if a.kind == "number":
+            return self.number(-a.value)
+        return a.args[0] if a.kind == "neg" else self.node("neg", a)
+
+    def add(self, a: Node, b: Node) -> Node:
+        """Return a + b."""
+        if a.kind == b.kind == "number":
+            return self.number(a.value + b.value)
+        if a is self.zero or b is self.zero:
+            return b if a is self.zero else a
+        if a is b:
+            return self.mul(self.number(2.0), a)
+        if b.kind == "neg":
+            return self.sub(a, b.args[0])
+        return self.sub(b, a.args[0]) if a.kind == "neg" else self.node("+", a, b)
+
+    def sub(self, a: Node, b: Node) -> Node:
+        """Return a - b."""
+        if a.kind == b.kind == "number":
+            return self.number(a.value - b.value)
+        if b is self.zero:
+            return a
+        if a is self.zero or a is b:
+            return self.neg(b) if a is self.zero else self.zero
+        if b.kind == "neg":
+            return self.add(a, b.args[0])
+        return self.neg(self.add(a.args[0], b)) if a.kind == "neg" else self.node("-", a, b)
+
+    def mul(self, a: Node, b: Node) -> Node:
+        """Return a b."""
+        if b.kind == "number":
+            a, b = b, a
+        if b.kind == "number":
+            return self.number(a.value * b.value)
+        if a is self.zero:
+            return a
+        if a.kind == "number" and a.value < 0.0:
+            return self.neg(self.mul(self.neg(a), b))
+        if a is self.one:
+            return b
+        if a.kind == "neg" or b.kind == "neg":
+            positive = self.mul(*(x.args[0] if x.kind == "neg" else x for x in (a, b)))
+            return positive if a.kind == b.kind else self.neg(positive)
+        if a.kind == "number":
+            return self._multiple(a, b)
+        (scale_a, a), (scale_b, b) = _scaled(a), _scaled(b)
+        if scale_a * scale_b != 1.0:
+            return self.mul(self.number(scale_a * scale_b), self.mul(a, b))
+        return self.node("*", a, b)
+
+    def _multiple(self, a: Node, b: Node) -> Node:
+        """Return a number's product: powers of two, with which products are exact, stand outermost and meet."""
+        scale, rest = _scaled(b)
+        if scale != 1.0:
+            return self.mul(self.number(a.value * scale), rest)
+        if b.kind in ("+", "-") and is_power_of_two(a.value) and all(_scaled(x)[0] != 1.0 for x in b.args):
+            return self.operation(b.kind, *(self.mul(a, x) for x in b.args))
+        return self.node("*", a, b)
+
+    def div(self, a: Node, b: Node) -> Node:
+        """Return a/b."""
+        if a is self.zero or b is self.one:
+            return a
+        if a.kind == b.kind == "number":
+            return self.number(a.value / b.value)
+        if a.kind == "neg" or b.kind == "neg":
+            positive = self.div(*(x.args[0] if x.kind == "neg" else x for x in (a, b)))
+            return positive if a.kind == b.kind else self.neg(positive)
+        (scale_a, a), (scale_b, b) = _scaled(a), _scaled(b)
+        if scale_a != scale_b:
+            return self.mul(self.number(scale_a / scale_b), self.div(a, b))
+        return self.node("/", a, b)
+
+    def select(self, condition: Node, a: Node, b: Node) -> Node:
+        """Return a where the condition holds, else b."""
+        return a if a is b else self.call(select, condition, a, b)
+
+    # -- reading ---------------------------------------------------------------------------------
+
+    def read(self, function: Callable[..., Any], args: Sequence[Node]) -> Node:
+        """Return the value of a fact, or of a function of `geometry`, for these arguments."""
+        known = dict(zip(parameters(function), args, strict=True))
+
+        def value(node: ast.expr) -> Node:
+            match node:
+                case ast.Name():
+                    if node.id in known:
+                        return known[node.id]
+                    return self.number(function.__globals__[node.id])
+                case ast.Constant():
+                    assert isinstance(node.value, int | float)
+                    return self.number(node.value)
+                case ast.UnaryOp():
+                    return self.neg(value(node.operand))
+                case ast.BinOp():
+                    return self.operation(SIGNS[type(node.op)], value(node.left), value(node.right))
+                case ast.Compare():
+                    sign = SIGNS[type(node.ops[0])]
+                    return self.node(sign, value(node.left), value(node.comparators[0]))
+                case ast.Tuple():
+                    return self.node("tuple", *map(value, node.elts))
+                case _:
+                    assert isinstance(node, ast.Call)
+                    assert isinstance(node.func, ast.Name)
+                    called = function.__globals__.get(node.func.id, abs)
+                    return self.apply(called, [value(arg) for arg in node.args])
+
+        def bind(target: ast.expr, found: Node) -> None:
+            if isinstance(target, ast.Tuple):
+                for k, part in enumerate(target.elts):
+                    bind(part, self.part(found, k))
+            else:
+                assert isinstance(target, ast.Name)
+                known[target.id] = found
+
+        *assignments, last = statements(function)
+        for assignment in assignments:
+            assert isinstance(assignment, ast.Assign)
+            found = value(assignment.value)
+            for target in assignment.targets:
+                bind(target, found)
+        assert isinstance(last, ast.Return)
+        assert last.value is not None
+        return value(last.value)
+
+    def operation(self, sign: str, a: Node, b: Node) -> Node:
+        """Return the value of an operation with two arguments."""
+        made = {"+": self.add, "-": self.sub, "*": self.mul, "/": self.div}.get(sign)
+        return made(a, b) if made is not None else self.node(sign, a, b)
+
+    def apply(self, function: Any, args: Sequence[Node]) -> Node:
+        """Return the value of a call; a function without a rule of its own is read."""
+        if function is select:
+            return self.select(*args)
+        if function in self._kept:
+            return self.call(function, *args)
+        return self.read(COMPILED_AS.get(function, function), args)
+
+    def read_fact(self, fact: Fact, name: str) -> Node:
+        """Return one of the values of a fact by its name, over the names of what the fact needs."""
+        value = self.read(fact.function, [self.name(need) for need in fact.needs])
+        return value if fact.low is None else self.part(value, fact.names.index(name))
+
+    # -- writing ---------------------------------------------------------------------------------
+
+    def write(self, root: Node, given: Mapping[Node, str]) -> tuple[tuple[str, ...], list[str]]:
+        """Return the names that a value depends on, and the lines of a function that returns it.
+
+        `given` are values that have a name of their own.
+        """
+        uses: dict[Node, int] = {}
+        names: dict[str, None] = {}
+        order: list[Node] = []
+
+        def visit(node: Node) -> None:
+            uses[node] = uses.get(node, 0) + 1
+            if uses[node] > 1:
+                return
+            if node in given or node.kind == "name":
+                names[given.get(node, node.value)] = None
+            else:
+                for arg in node.args:
+                    visit(arg)
+            order.append(node)
+
+        visit(root)
+        pairs = {node.args[0] for node in order if node.kind == "item" and node not in given}
+        written: dict[Node, ast.expr] = {}
+        lines: list[str] = []
+        for node in order:
+            text = (
+                ast.Name(given[node]) if node in given else _expression(node, [written[a] for a in node.args])
+            )
+            short = node in given or node.kind in ("name", "number", "item")
+            if node in pairs or (uses[node] > 1 and not short):
+                local = f"_{len(lines)}"
+                target = f"{local}_0, {local}_1" if node in pairs else local
+                lines.append(f"{target} = {ast.unparse(text)}")
+                text = ast.Name(local)
+            written[node] = text
+        return tuple(names), [*lines, f"return {ast.unparse(written[root])}"]
+
+
+def _expression(node: Node, args: Sequence[ast.expr]) -> ast.expr:
+    """Return a value as text over the texts of its arguments."""
+    match node.kind:
+        case "name":
+            return ast.Name(node.value)
+        case "number":
+            finite = math.isfinite(node.value)
+            return ast.Constant(node.value) if finite else ast.Name(NOT_FINITE[str(node.value)])
+        case "neg":
+            return ast.UnaryOp(ast.USub(), args[0])
+        case "call":
+            return ast.Call(ast.Name(node.value.__name__), list(args), [])
+        case "item":
+            assert isinstance(args[0], ast.Name)
+            return ast.Name(f"{args[0].id}_{node.value}")
+        case sign if sign in OPERATORS:
+            return ast.BinOp(args[0], OPERATORS[sign], args[1])
+        case sign:
+            return ast.Compare(args[0], [COMPARISONS[sign]], [args[1]])
+
+
+def _scaled(x: Node) -> tuple[float, Node]:
+    """Return a power of two that a value is a multiple of, and of what."""
+    if x.kind == "*" and x.args[0].kind == "number" and is_power_of_two(x.args[0].value):
+        return x.args[0].value, x.args[1]
+    return 1.0, x
+
+
+def is_power_of_two(x: float) -> bool:
+    """Tell whether a number is a power of two, so that products with it are exact."""
+    return math.frexp(abs(x))[0] == 0.5

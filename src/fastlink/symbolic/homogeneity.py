@@ -1,0 +1,154 @@
+"""Which inputs only scale results: read off the facts.
+
+The facts run on `Degree` numbers, which know no value, only by which power of one input they grow: rates grow as
+omega1, forces as its square or as the density, places not at all. What a sum of unlike powers or a comparison with
+anything but zero enters, is not homogeneous.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from fastlink.facts.fact import Fact, System
+
+__all__ = ["Degree", "degrees"]
+
+
+class _NotHomogeneous(Exception):
+    """Unlike powers are added or compared."""
+
+
+@dataclass(frozen=True, eq=False)
+class Degree:
+    """A number of which only the power of a positive factor is known."""
+
+    power: float
+
+    @property
+    def context(self) -> _Functions:
+        """The functions of `fastlink.numerics.elementary` for such numbers."""
+        return _Functions()
+
+    def _sum(self, other: Any) -> Degree:
+        if isinstance(other, float) and (other == 0.0 or other != other):
+            return self
+        if _power(other) != self.power:
+            raise _NotHomogeneous
+        return self
+
+    __add__ = __radd__ = __sub__ = __rsub__ = _sum
+
+    def __mul__(self, other: Any) -> Any:
+        return 0.0 if isinstance(other, float) and other == 0.0 else Degree(self.power + _power(other))
+
+    __rmul__ = __mul__
+
+    def __truediv__(self, other: Any) -> Degree:
+        return Degree(self.power - _power(other))
+
+    def __rtruediv__(self, other: Any) -> Any:
+        return 0.0 if isinstance(other, float) and other == 0.0 else Degree(_power(other) - self.power)
+
+    def __neg__(self) -> Degree:
+        return self
+
+    __abs__ = __neg__
+
+    def _compared(self, other: Any) -> _Condition:
+        # signs and ratios stay; infinities are beyond any power
+        if isinstance(other, Degree) or other not in (0, float("inf"), float("-inf")):
+            self._sum(other)
+        return _Condition()
+
+    __lt__ = __le__ = __gt__ = __ge__ = __eq__ = __ne__ = _compared  # type: ignore[assignment]
+    __hash__ = None  # type: ignore[assignment]
+
+
+class _Condition:
+    """What a comparison says: the same for any positive factor."""
+
+    def __and__(self, other: Any) -> _Condition:
+        return self
+
+    __rand__ = __or__ = __ror__ = __and__
+
+    def __bool__(self) -> bool:
+        """Let `fastlink.numerics.elementary.sqrt` go on, which asks whether its argument is negative."""
+        return True
+
+    def choose(self, if_true: Any, if_false: Any) -> Any:
+        """Return what `fastlink.numerics.elementary.select` gives."""
+        if isinstance(if_true, Degree):
+            return if_true + if_false
+        return if_false + if_true if isinstance(if_false, Degree) else Degree(0.0)
+
+
+class _Functions:
+    """Elementary functions of degrees."""
+
+    nan = float("nan")
+
+    def sqrt(self, x: Degree) -> Degree:
+        return Degree(0.5 * x.power)
+
+    def atan2(self, y: Any, x: Any) -> Degree:
+        if _power(y) != _power(x):
+            raise _NotHomogeneous
+        return Degree(0.0)
+
+    def _of_ratio(self, x: Degree) -> Degree:
+        if x.power:
+            raise _NotHomogeneous
+        return x
+
+    log = cos = sin = exp = _of_ratio
+
+
+def _power(value: Any) -> float:
+    return value.power if isinstance(value, Degree) else 0.0
+
+
+def degrees(steps: Iterable[Fact | System], name: str) -> dict[str, float | None]:
+    """Return by which power of one input each value of a closure grows; None where by none.
+
+    Parameters
+    ----------
+    steps : iterable of Fact or System
+        The closure, in order.
+    name : str
+        The input, of positive values.
+
+    Examples
+    --------
+    >>> from fastlink.mechanisms import catalogue
+    >>> planar = catalogue("planar_4r")
+    >>> leaves = (*planar.inputs, *planar.tables, *planar.table_low_parts, "branch")
+    >>> found = degrees(planar.closure(["omega4", "alpha4", "theta4"], leaves), "omega1")
+    >>> [found[asked] for asked in ("omega4", "alpha4", "theta4")]
+    [1.0, 2.0, 0.0]
+    """
+    found: dict[str, Any] = {name: Degree(1.0)}
+    for step in steps:
+        known = [found.get(need, Degree(0.0)) for need in step.needs]
+        if isinstance(step, System):
+            same = all(isinstance(value, Degree) and value.power == 0.0 for value in known)
+            found |= dict.fromkeys(step.unknowns, Degree(0.0) if same else None)
+        else:
+            found |= zip(step.names, _degrees(step, known), strict=True)
+    return {of: value if value is None else _power(value) for of, value in found.items()}
+
+
+def _degrees(fact: Fact, known: list[Any]) -> Sequence[Any]:
+    """Return the degrees of the values of a fact."""
+    count = len(fact.names)
+    if any(value is None for value in known):
+        return [None] * count
+    if all(_power(value) == 0.0 for value in known):
+        return [Degree(0.0)] * count
+    try:
+        value = fact.function(*known)
+    except (_NotHomogeneous, TypeError, AttributeError):
+        return [None] * count
+    return [value] if fact.low is None else value

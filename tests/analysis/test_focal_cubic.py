@@ -1,0 +1,190 @@
+"""The focal cubic: it goes through the points that the paper names, and its points are foci."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from tests.support.focal_configurations import random_designs
+
+import fastlink as fl
+from fastlink.errors import InputError
+from fastlink.precision.reference import UNIT
+
+MANY = 20_000
+
+
+def positions(n, seed=1):
+    """Positions in which the four-bar assembles, with its corners as complex numbers."""
+    rng = np.random.default_rng(seed)
+    designs = random_designs(rng, n) | {"phi": rng.uniform(-np.pi, np.pi, n)}
+    found = fl.evaluate("focal", ["A_x", "A_y", "B_x", "B_y", "F_x", "F_y"], **designs)
+    closes = np.isfinite(found["B_x"])
+    inputs = {name: values[closes] for name, values in designs.items()}
+    A, B, F = (found[f"{point}_x"][closes] + 1j * found[f"{point}_y"][closes] for point in "ABF")
+    return inputs, A, B, F
+
+
+def cubic_of(inputs):
+    return fl.focal.cubic(*(inputs[name] for name in ("a", "b", "c", "d", "phi", "branch")))
+
+
+def value(k, z):
+    """Value of the polynomial at points, and the sum of the sizes of its terms."""
+    powers = [(i, j) for i in range(4) for j in range(4 - i)]
+    terms = np.stack([k[..., i, j] * z.real**i * z.imag**j for i, j in powers])
+    return terms.sum(axis=0), np.abs(terms).sum(axis=0)
+
+
+def assert_on(k, z):
+    """Assert that points are on curves: each coefficient and coordinate is some ten roundings off."""
+    found, size = value(k, z)
+    there = np.isfinite(z)
+    assert (np.abs(found) <= 100 * UNIT * size)[there].all()
+
+
+def test_it_goes_through_the_corners_and_where_opposite_sides_meet():
+    inputs, A, B, _ = positions(MANY)
+    k, d = cubic_of(inputs), inputs["d"] + 0j
+    assert A.size > MANY // 2
+    for corner in (0 * d, d):
+        found, size = value(k, corner)
+        assert (np.abs(found) <= 100 * UNIT * np.maximum(size, np.abs(k).max(axis=(1, 2)))).all()
+    # X and Y are off by roundings over the sine of the angle in which the sides meet
+    AB, v = B - A, B - d
+    X = A * (d.real * v.imag) / (np.conj(A) * v).imag
+    Y = (A.real - A.imag * AB.real / AB.imag) + 0j
+    for point, sine in (
+        (A, 1.0),
+        (B, 1.0),
+        (X, (np.conj(A) * v).imag / np.abs(A * v)),
+        (Y, AB.imag / np.abs(AB)),
+    ):
+        found, size = value(k, point)
+        # a corner is as far off as its vector: rounded coordinates of all corners enter
+        scale = np.maximum(size, np.abs(k[:, 1, 0]) * np.abs(d) + np.abs(k[:, 0, 1]) * np.abs(d))
+        assert (np.abs(found) <= 100 * UNIT * scale / np.abs(sine)).all()
+
+
+def test_every_F_is_on_it():
+    inputs, _, _, F = positions(MANY)
+    k = cubic_of(inputs)
+    sure = np.isfinite(F) & (np.abs(F) < 10.0)
+    assert sure.sum() > MANY // 4
+    found, size = value(k[sure], F[sure])
+    # F is some roundings off, times what tells it: lambda near 0 is left out by the size of F
+    assert np.quantile(np.abs(found) / size, 0.99) <= 100 * UNIT
+    assert (np.abs(found) <= 1e-11 * size).all()
+
+
+def traced(n, samples=40, seed=1):
+    inputs, A, B, _ = positions(n, seed)
+    found = fl.focal.cubic_points(
+        *(inputs[name] for name in ("a", "b", "c", "d", "phi", "branch")), samples=samples
+    )
+    return inputs, A[:, None], B[:, None], found[..., 0] + 1j * found[..., 1]
+
+
+def test_traced_points_are_on_it():
+    inputs, _, _, z = traced(2000)
+    k = cubic_of(inputs)
+    assert np.isfinite(z).any(axis=1).all()
+    found, size = value(k[:, None], z)
+    there = np.isfinite(z)
+    # the roots of a quadratic equation that is some roundings off; near M linear terms alone are left, which cancel
+    scale = np.maximum(size, np.abs(z) * np.hypot(k[:, 1, 0], k[:, 0, 1])[:, None])
+    assert (np.abs(found) <= 1000 * UNIT * scale)[there].all()
+
+
+def test_traced_points_are_foci_of_inscribed_conics():
+    """FM, FB and FN, FA have common bisectors: so the tangents from F make one symmetric involution (section 5)."""
+    inputs, A, B, z = traced(2000)
+    N = inputs["d"][:, None] + 0j
+    product = z * (z - B) * np.conj((z - N) * (z - A))
+    size = np.abs(product)
+    far = np.isfinite(z) & (np.minimum.reduce([abs(z), abs(z - B), abs(z - N), abs(z - A)]) > 1e-2)
+    far &= np.abs(z) < 1e3
+    assert far.sum() > 100_000
+    # a point that is off by roundings of its size turns its lines by that over their lengths
+    assert (np.abs(product.imag) <= 1e-11 * size)[far].all()
+
+
+def test_the_conic_of_a_focus_touches_all_four_lines():
+    """Mirror images of a focus in the tangents lie on one circle, round the other focus."""
+    inputs, A, B, z = traced(300, samples=20)
+    N = inputs["d"][:, None] + 0j
+    M = 0 * N
+
+    def mirrored(start, end):
+        direction = (end - start) / np.abs(end - start)
+        return start + direction**2 * np.conj(z - start)
+
+    images = [mirrored(*ends) for ends in ((M, A), (A, B), (B, N), (N, M))]
+    one, two, three, four = images
+    cross_ratio = (one - two) * (three - four) * np.conj((one - four) * (three - two))
+    size = np.abs(cross_ratio)
+    far = np.isfinite(z) & (size > 1e-3) & (np.abs(z) < 100.0)
+    assert far.sum() > 3000
+    # four differences of points some hundred roundings off, of a size of at least 1e-3/100^3
+    assert (np.abs(cross_ratio.imag) <= 1e-9 * np.maximum(size, 1.0))[far].all()
+
+
+def test_it_passes_all_real_points():
+    """Where the cubic meets a line through N, which the tracing does not use, there is an arc beside."""
+    inputs, _, _, z = traced(50, samples=400, seed=3)
+    k = cubic_of(inputs)
+    for i in range(len(z)):
+        arcs = z[i][np.isfinite(z[i])]
+        for angle in (0.3, 1.1, 2.0, 2.9):
+            direction = np.exp(1j * angle)
+            at = np.array([-1.5, -0.5, 0.5, 1.5])
+            values, _ = value(k[i][None], inputs["d"][i] + at * direction)
+            for root in np.roots(np.polyfit(at, values, 3)):
+                if abs(root.imag) < 1e-9 and 1e-3 < abs(root.real) < 3.0:
+                    point = inputs["d"][i] + root.real * direction
+                    assert np.abs(arcs - point).min() < 0.1 * (1.0 + abs(point))
+
+
+def test_a_folded_four_bar_has_its_line_and_a_circle():
+    k = fl.focal.cubic(1.0, 2.0, 1.5, 1.5, 0.0)  # A = (1, 0), B = (-0.5, 0) by AB = 1.5, NB = 2
+    assert np.abs(k[:, 0]).max() <= 10 * UNIT
+    assert np.isfinite(fl.focal.cubic_points(1.0, 2.0, 1.5, 1.5, 0.0)).any()
+
+
+def test_a_parallelogram_has_a_conic():
+    k = fl.focal.cubic(1.0, 1.0, 2.0, 2.0, 1.0, branch=2)
+    assert np.abs(k[[3, 1, 2, 0], [0, 2, 1, 3]]).max() <= 10 * UNIT
+    assert_on(k[None, None], (lambda p: p[None, :, 0] + 1j * p[None, :, 1])(
+        fl.focal.cubic_points(1.0, 1.0, 2.0, 2.0, 1.0, branch=2)))  # fmt: skip
+
+
+def test_where_the_four_bar_does_not_assemble_there_is_none():
+    assert np.isnan(fl.focal.cubic(1.0, 1.0, 0.1, 5.0, 0.0)).all()
+    assert np.isnan(fl.focal.cubic_points(1.0, 1.0, 0.1, 5.0, 0.0)).all()
+
+
+def test_it_broadcasts_and_scales():
+    k = fl.focal.cubic(1.0, 1.2, np.full((3, 1), 0.8), 1.1, np.linspace(0.5, 1.0, 4), 2)
+    assert k.shape == (3, 4, 4, 4)
+    large = fl.focal.cubic_points(*(2.0**200 * length for length in (1.0, 1.2, 0.8, 1.1)), 0.7, 2)
+    np.testing.assert_allclose(large, 2.0**200 * fl.focal.cubic_points(1.0, 1.2, 0.8, 1.1, 0.7, 2), rtol=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("given", "message"),
+    [
+        ({"a": -1.0}, "cubic: a must be positive and finite"),
+        ({"c": 0.0}, "cubic: c must be in 1e-70 ... 1e\\+70"),
+        ({"d": np.nan}, "cubic: d must be in"),
+        ({"branch": 3}, "cubic: branch must be 1 or 2"),
+        ({"phi": "east"}, "cubic: phi is not a number"),
+        ({"a": [1.0, 2.0], "b": [1.0, 2.0, 3.0]}, "shapes do not broadcast"),
+    ],
+)
+def test_bad_numbers_are_told(given, message):
+    with pytest.raises(InputError, match=message):
+        fl.focal.cubic(**{"a": 1.0, "b": 1.0, "c": 1.0, "d": 1.0, "phi": 0.0} | given)
+
+
+def test_samples_must_be_two():
+    with pytest.raises(InputError, match="samples is 1; give at least 2"):
+        fl.focal.cubic_points(1.0, 1.0, 1.0, 1.0, 0.5, samples=1)

@@ -1,0 +1,226 @@
+"""What designers do with forces: balancing, flywheels, and Table 3 of Hayes et al. as it follows from Table 1."""
+
+from __future__ import annotations
+
+import mpmath as mp
+import numpy as np
+import pytest
+from tests.support.configurations import (
+    LENGTHS,
+    PLANAR,
+    UNIT,
+    condition_sums,
+    masses_and_points,
+    random_lengths,
+)
+from tests.support.newton import newton_euler
+from tests.support.registry import MULTIPLE
+
+import fastlink as fl
+from fastlink.engine.evaluate import read_facts
+from fastlink.plan.validate import alternatives_of
+
+HAYES = {"a1": 0.4, "a2": 1.2, "a3": 0.8, "a4": 1.0, "omega1": 25.0}
+BARS = fl.round_bar(7750.0, 0.01)
+
+
+# -- balancing ----------------------------------------------------------------------------------------------
+
+
+def test_force_balance_leaves_no_shaking_force():
+    rng = np.random.default_rng(31)
+    n = 40
+    designs = dict(zip(LENGTHS, random_lengths(rng, n), strict=True)) | masses_and_points(rng, n)
+    weights = fl.planar.force_balance(designs, radius1=0.3, mass3=rng.uniform(0.2, 2.0, n))
+    theta = rng.uniform(-np.pi, np.pi, n)
+    names = ["shaking_force_x", "shaking_force_y"]
+    tested = 0
+    for i in range(n):
+        one = {name: value[i] for name, value in (designs | weights).items()}
+        one |= {"theta1": theta[i], "branch": 1 + i % 2}
+        got = fl.evaluate("planar_4r", [*names, "shaking_force"], **one)
+        if np.isnan(got["shaking_force"]):
+            continue
+        alternatives = alternatives_of(PLANAR, None, "eliminated", one)
+        sums = condition_sums(names, one, alternatives)
+        for name in names:
+            # The exact force is zero but for the roundings of the weights, up to 8 of each term that they balance;
+            # each term stands in the sum as that of a mass. The facts add their MULTIPLE.
+            assert abs(got[name]) <= (MULTIPLE + 8) * UNIT * sums[name]
+        bare = {name: value for name, value in one.items() if name not in weights}
+        assert (
+            fl.evaluate("planar_4r", ["shaking_force"], **bare)["shaking_force"] > 1e8 * got["shaking_force"]
+        )
+        tested += 1
+    assert tested > 10
+
+
+def test_the_free_radius_or_mass_is_kept_and_the_link_itself_is_the_default_radius():
+    design = {"a1": 0.4, "a2": 1.2, "a3": 0.8, "a4": 1.0}
+    bars = fl.round_bar(7750.0, 0.01)
+    by_default = fl.planar.force_balance(design, links=bars)
+    assert (by_default["counterweight1_radius"], by_default["counterweight3_radius"]) == (0.4, 0.8)
+    # Mass centres at mid-length: products m1 a1/2 + m2 a1/2 and m3 a3/2 + m2 a3/2, opposite to the links.
+    m1, m2, m3 = (7750.0 * np.pi * 1e-4 * a for a in (0.4, 1.2, 0.8))
+    # Five roundings on either side.
+    assert by_default["counterweight1_mass"] == pytest.approx((m1 + m2) / 2, rel=10 * UNIT)
+    assert by_default["counterweight3_mass"] == pytest.approx((m3 + m2) / 2, rel=10 * UNIT)
+    assert abs(by_default["counterweight1_direction"]) == np.pi
+    chosen = fl.planar.force_balance(design, links=bars, mass1=2.0)
+    product = chosen["counterweight1_mass"] * chosen["counterweight1_radius"]
+    assert chosen["counterweight1_mass"] == 2.0
+    assert product == pytest.approx(0.4 * (m1 + m2) / 2, rel=10 * UNIT)
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        ({"radius1": 0.1, "mass1": 2.0}, "radius1 and mass1 are given; write one"),
+        ({"radius3": 0.0}, "radius3 must be positive and finite"),
+        ({"mass3": "heavy"}, "mass3 is not a number"),
+    ],
+)
+def test_bad_counterweights_are_refused(options, message):
+    design = {"a1": 0.4, "a2": 1.2, "a3": 0.8, "a4": 1.0}
+    with pytest.raises(fl.InputError, match=message):
+        fl.planar.force_balance(design, links=fl.round_bar(7750.0, 0.01), **options)
+
+
+def test_a_missing_mass_is_named():
+    with pytest.raises(
+        fl.InputError, match=r"force_balance: m1 is missing \(mass of the crank OA \[kg\]\); add"
+    ):
+        fl.planar.force_balance({"a1": 0.4, "a2": 1.2, "a3": 0.8, "a4": 1.0})
+
+
+# -- over the cycle -----------------------------------------------------------------------------------------
+
+
+def test_fluctuation_is_that_of_the_kinetic_energy():
+    """Without loads T41 omega1 is the rate of the kinetic energy: mean zero, fluctuation its greatest difference."""
+    n = 720
+    space = fl.grid(**{**HAYES, "a1": [0.3, 0.4, 0.9]})
+    got = fl.sweep("planar_4r", space, ["T41_mean", "T41_fluctuation"], links=BARS, theta1=n)
+    rate = fl.sweep(
+        "planar_4r",
+        fl.grid(**{**HAYES, "a1": [0.3, 0.4, 0.9]}, P_u=0.6, P_v=0.0),
+        ["omega2", "omega4", "P_speed"],
+        theta1=20 * n,
+    )
+    per_length = 7750.0 * np.pi * 1e-4
+    m2, m3 = 1.2 * per_length, 0.8 * per_length
+    inertia2, about_d = m2 * (1.44 / 12 + 0.25e-4), m3 * (0.64 / 3 + 0.25e-4)
+    energy = (m2 * rate.P_speed**2 + inertia2 * rate.omega2**2 + about_d * rate.omega4**2) / 2
+    expected = (energy.max("theta1", skipna=False) - energy.min("theta1", skipna=False)).values
+    closes = np.isfinite(expected)
+    assert closes[:2].all()
+    assert not closes[2].any()
+    assert np.isnan(got.T41_fluctuation.values[2]).all()
+    # Third order in the step of 2 pi/720, 7e-7, times a third derivative of 30 times the range at these extremes; the
+    # energy is sampled 20 times as fine, an error of half the second derivative times (step/40)^2, below 1e-6.
+    np.testing.assert_allclose(got.T41_fluctuation.values[:2], expected[:2], rtol=3e-5)
+    # The rectangle rule of a smooth periodic function: what is left is rounding, of terms of the size of the rms.
+    assert np.all(np.abs(got.T41_mean.values[:2]) < 1e-12 * expected[:2])
+
+
+def test_the_mean_torque_is_what_a_load_takes_in_a_turn():
+    """In a double-crank the output link turns once with the input: a constant torque on it is carried on average."""
+    drag_link = {
+        "a1": 1.0,
+        "a2": 1.1,
+        "a3": 1.2,
+        "a4": 0.4,
+        "omega1": 3.0,
+        "T_load": -5.0,
+        "gravity_y": -9.81,
+    }
+    got = fl.sweep(
+        "planar_4r", fl.grid(**drag_link), ["T41_mean", "T41_rms"], links=BARS, theta1=720
+    ).squeeze()
+    # The rectangle rule of an analytic periodic function: only roundings of the curve are left.
+    np.testing.assert_allclose(got.T41_mean, 5.0, atol=float(got.T41_rms.max()) * 1e-13)
+
+
+def test_the_flywheel_takes_up_the_fluctuation():
+    maps = fl.sweep("planar_4r", fl.grid(**{**HAYES, "omega1": [5.0, 25.0]}), ["T41_fluctuation"], links=BARS)
+    inertia = fl.planar.flywheel_inertia(maps, C_s=0.02)
+    assert inertia.dims == maps.T41_fluctuation.dims
+    assert inertia.attrs["units"] == "kg m2"
+    # Torques grow with the square of the speed: the flywheel is the same, to some roundings of the torques (1e-13).
+    np.testing.assert_allclose(inertia.sel(omega1=5.0), inertia.sel(omega1=25.0), rtol=1e-11)
+    np.testing.assert_array_equal(
+        inertia.sel(omega1=5.0), maps.T41_fluctuation.sel(omega1=5.0) / (0.02 * 25.0)
+    )
+
+
+def test_fluctuation_needs_a_whole_turn():
+    with pytest.raises(fl.InputError, match="'T41_fluctuation' is over a whole turn, but theta1 is an array"):
+        fl.sweep("planar_4r", fl.grid(**HAYES), ["T41_fluctuation"], links=BARS, theta1=[0.0, 1.0])
+
+
+@pytest.mark.parametrize("given", [0.0, -0.1, np.nan])
+def test_a_bad_coefficient_of_fluctuation_is_refused(given):
+    with pytest.raises(fl.InputError, match=r"C_s is .*; write a positive number"):
+        fl.planar.flywheel_inertia({"T41_fluctuation": 1.0, "omega1": 25.0}, given)
+
+
+def test_a_flywheel_needs_the_fluctuation():
+    with pytest.raises(fl.InputError, match="'T41_fluctuation' is missing"):
+        fl.planar.flywheel_inertia({"omega1": 25.0}, 0.02)
+
+
+# -- Table 3 ------------------------------------------------------------------------------------------------
+
+
+def test_table_3_as_it_follows_from_table_1():
+    design = fl.grid(**HAYES)
+    got = fl.sweep(
+        "planar_4r", design, ["shaking_force_extrema", "shaking_moment_extrema"], links=BARS, branch=2
+    ).squeeze()
+    forces, moments = got.shaking_force_extrema.values, got.shaking_moment_extrema.values
+    # The figures of docs/errata.md, half a unit of the last.
+    assert np.nanmax(forces) == pytest.approx(2512.318373, abs=5e-7)
+    assert np.nanmin(forces) == pytest.approx(685.182260, abs=5e-7)
+    assert np.nanmax(np.abs(moments)) == pytest.approx(2048.609105, abs=5e-7)
+    places = got.theta1_at_shaking_force_extrema.values
+    assert places[np.nanargmax(forces)] == pytest.approx(0.109628, abs=5e-7)
+    assert places[np.nanargmin(forces)] == pytest.approx(5.546474, abs=5e-7)
+    place = got.theta1_at_shaking_moment_extrema.values[np.nanargmax(np.abs(moments))]
+    assert place == pytest.approx(0.219954, abs=5e-7)
+    assert np.nanmin(forces) > 12 * 56.9764
+
+
+def test_the_bound_and_the_printed_expression_of_table_3():
+    curves = fl.sweep(
+        "planar_4r",
+        fl.grid(**HAYES),
+        ["alpha4", "shaking_moment_printed"],
+        links=BARS,
+        branch=2,
+        theta1=36000,
+    ).squeeze()
+    # The bound that needs no solve: the output link's mass centre alone.
+    assert 0.62 * np.pi * 0.4 * float(curves.alpha4.max()) == pytest.approx(828.0, abs=0.5)
+    printed = curves.shaking_moment_printed
+    # The nearest sample is half a step off: f'' h^2/8 with |f''| below 100 times the value, 4e-7 of it.
+    assert float(printed.max()) == pytest.approx(806.192, rel=2e-6)
+    assert float(printed.min()) == pytest.approx(-399.354, rel=2e-6)
+
+
+def test_the_shaking_force_of_table_3_from_positions_alone():
+    bars = {name: value for name, value in zip(("density", "radius"), (7750.0, 0.01), strict=True)}
+    with mp.workdps(50):
+        links = read_facts(
+            PLANAR,
+            [
+                f"{kind}{i}{axis}"
+                for i in (1, 2, 3)
+                for kind, axis in (("m", ""), ("I", ""), ("G", "_u"), ("G", "_v"))
+            ],
+            {name: mp.mpf(value) for name, value in (HAYES | bars).items()},
+            ("round_bar",),
+        )
+        for theta, value in ((0.109628483542, "2512.318373"), (5.546473595953, "685.182260")):
+            force, _, _ = newton_euler({**links, "theta1": theta, "branch": 2})
+            # Extremes are flat: an error of 1e-12 rad is none.
+            assert mp.almosteq(abs(sum(force.values())), mp.mpf(value), abs_eps=mp.mpf("5e-7"))

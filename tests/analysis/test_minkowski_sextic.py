@@ -1,0 +1,283 @@
+"""The sextic of the Minkowskian planar 4R, against points traced in null coordinates and the paper's elimination."""
+
+from __future__ import annotations
+
+import mpmath as mp
+import numpy as np
+import pytest
+from tests.support.configurations import UNIT
+
+import fastlink as fl
+from fastlink.analysis.minkowski import sextic
+from fastlink.analysis.planar.sextics import BLOCK
+
+DESIGN = ("a", "b", "g", "h", "x", "y")
+#: Causal types of a vector: the sign of its square.
+SPACELIKE, LIGHTLIKE, TIMELIKE = 1, 0, -1
+TYPES = (SPACELIKE, LIGHTLIKE, TIMELIKE)
+
+
+def point_of(rng, h, AX, BX):
+    """A coupler point with AX and BX of the given causal types: exact dyadic numbers, h too."""
+    while True:
+        x, y = rng.integers(-256, 257, 2) / 64.0
+        if AX == LIGHTLIKE:
+            y = rng.choice([-1.0, 1.0]) * x
+        if BX == LIGHTLIKE:
+            x = h / 2 if AX == LIGHTLIKE else x
+            y = rng.choice([-1.0, 1.0]) * (h - x)
+        if (np.sign(x * x - y * y), np.sign((x - h) ** 2 - y * y)) == (AX, BX):
+            return x, y
+
+
+def random_designs(seed, n, AX_types=TYPES, BX_types=TYPES):
+    """Dyadic lengths of all classes, and n coupler points of each pair of causal types: (6, pairs n)."""
+    rng = np.random.default_rng(seed)
+    designs = []
+    for AX in AX_types:
+        for BX in BX_types:
+            for lengths in rng.integers(8, 129, (n, 4)) / 32.0:
+                designs.append((*lengths, *point_of(rng, lengths[3], AX, BX)))
+    return np.array(designs).T
+
+
+def traced(design, theta, boost=0.0):
+    """Yield the coupler points (X, Y) at an input: the loop's quadratic in q = e^psi, of either sign.
+
+    In null coordinates X + Y, X - Y: A = (a p, a/p), C = (g k, g/k), B = C + (b q, b/q), and h^2 is the product of
+    those of AB. Theta is the rapidity of OA, boost that of OC, in whose frame the points are told.
+    """
+    a, b, g, h, x, y = (mp.mpf(float(value)) for value in design)
+    p, k = mp.exp(mp.mpf(theta)), mp.exp(mp.mpf(boost))
+    alpha, beta = g * k - a * p, g / k - a / p
+    middle = alpha * beta + b**2 - h**2
+    discriminant = middle**2 - 4 * b**2 * alpha * beta
+    if discriminant < 0:
+        return
+    for sign in (-1, 1):
+        q = (-middle + sign * mp.sqrt(discriminant)) / (2 * b * beta)
+        AB = (alpha + b * q, beta + b / q)
+        U, V = (a * p + (x + y) * AB[0] / h) / k, (a / p + (x - y) * AB[1] / h) * k
+        yield (U + V) / 2, (U - V) / 2
+
+
+def value(c, X, Y):
+    """The polynomial with the coefficients in doubles, but evaluated with all digits."""
+    return mp.fsum(mp.mpf(float(c[i, j])) * X**i * Y**j for i in range(7) for j in range(7 - i))
+
+
+def majorant(design, X, Y):
+    """Every term of the sextic with its absolute value: what one relative rounding of each may do to it."""
+    a, b, g, h, x, y = np.abs(design)
+    z, p = np.abs(X) + np.abs(Y), x + y
+    k = p * p + a * a
+    middle = 2 * h * x + a * a + h * h + b * b + g * g
+    W = (z * z + k) * (z + g) + p / h * (g * z * z + middle * z + k * g)
+    V = g * z * (p * p / h + x) + y * (z * z + g * z)
+    return W * W + 4 * V * V
+
+
+def printed(design, X, Y, b_for_h=True, exchanged=True):
+    """The paper's elimination at a point, AX and BX spacelike: corrected, or less one of the corrections.
+
+    Terms with r and s are written with r, so that the elimination is over r^2 > 0 at once.
+    """
+    a, b, g, h, x, y = (mp.mpf(float(value)) for value in design)
+    r, s = mp.sqrt(x * x - y * y), mp.sqrt((x - h) ** 2 - y * y)
+    s_ch, s_sh = (x * (x - h) - y * y) / r, h * y / r
+    A1 = 2 * X * s_ch - 2 * Y * s_sh - 2 * g * s_ch
+    B1 = 2 * X * s_sh - 2 * Y * s_ch - 2 * g * s_sh
+    if not exchanged:
+        A1, B1 = B1, A1
+    C1 = X * X - 2 * X * g - Y * Y + g * g + s * s - (b * b if b_for_h else h * h)
+    A2, B2, C2 = 2 * r * X, -2 * r * Y, X * X - Y * Y - a * a + r * r
+    return (C1 * B2 - C2 * B1) ** 2 - (A2 * C1 - A1 * C2) ** 2 - (A1 * B2 - A2 * B1) ** 2
+
+
+@pytest.mark.parametrize("AX", TYPES)
+@pytest.mark.parametrize("BX", TYPES)
+def test_the_sextic_vanishes_on_the_traced_curve(AX, BX):
+    designs = random_designs(51 + 3 * AX + BX, 40, (AX,), (BX,))
+    c = sextic(*designs)
+    points = 0
+    with mp.workdps(50):
+        for i in range(40):
+            for theta in (-3.0, -0.9, 0.1, 0.6, 1.7):
+                for X, Y in traced(designs[:, i], theta):
+                    # The points are exact; each coefficient is a sum of products of at most 24 operations, each of
+                    # which may be off by a rounding of its terms (worst seen: below 0.3).
+                    allowed = 24 * UNIT * majorant(designs[:, i], X, Y)
+                    assert abs(value(c[i], X, Y)) <= allowed, (i, theta)
+                    points += 1
+    assert points > 100
+
+
+@pytest.mark.parametrize("branch", [1, 2])
+def test_the_sextic_vanishes_on_the_points_of_the_mechanism(branch):
+    designs = random_designs(64, 400)
+    c = sextic(*designs)
+    inputs = dict(zip(DESIGN, designs[:, :, None], strict=True))
+    theta = np.linspace(-2.9, 3.0, 24)
+    names = ["X_x", "X_y", "sextic_residual"]
+    found = fl.evaluate("minkowski_4r", names, branch=branch, theta=theta, **inputs)
+    X, Y = found["X_x"], found["X_y"]
+    closes = np.isfinite(X)
+    assert closes.sum() > 50000
+    size = majorant(designs[:, :, None], X, Y)
+    values = sum(c[:, i, j, None] * X**i * Y**j for i in range(7) for j in range(7 - i))
+    # A point is within some four roundings of one of a linkage whose lengths are within as many of these: of degree
+    # eight in all, 32. Powers and partial sums add a few.
+    assert np.all(np.abs(values)[closes] <= 40 * UNIT * size[closes])
+    # The same relative to the terms that the mechanism takes, which are fewer.
+    assert np.all(np.abs(found["sextic_residual"][closes]) <= 40 * UNIT)
+
+
+def test_the_sextic_tells_the_curve_from_its_neighbours():
+    designs = random_designs(52, 6)
+    c = sextic(*designs)
+    off = []
+    with mp.workdps(50):
+        for i in range(designs.shape[1]):
+            for X, Y in traced(designs[:, i], 0.7):
+                at = value(c[i], X + mp.mpf("1e-3"), Y)
+                off.append(abs(at) > 1e3 * UNIT * majorant(designs[:, i], X, Y))
+    # It may vanish beside the curve, on another arc, by chance.
+    assert len(off) > 50
+    assert np.mean(off) > 0.95
+
+
+def test_at_any_point_it_is_the_paper_s_elimination_with_both_corrections():
+    designs = random_designs(53, 60, (SPACELIKE,), (SPACELIKE,))
+    c = sextic(*designs)
+    places = np.random.default_rng(54).uniform(-4.0, 4.0, (2, designs.shape[1]))
+    with mp.workdps(50):
+        for i, (X, Y) in enumerate(places.T):
+            h = float(designs[3, i])
+            exact = -printed(designs[:, i], mp.mpf(X), mp.mpf(Y)) / (4 * h**2)
+            # Coefficients alone are rounded, as above.
+            assert abs(value(c[i], mp.mpf(X), mp.mpf(Y)) - exact) <= 24 * UNIT * majorant(designs[:, i], X, Y)
+
+
+@pytest.mark.parametrize(
+    ("corrections", "vanishes"),
+    [
+        ({}, True),
+        ({"b_for_h": False}, False),
+        ({"exchanged": False}, False),
+        ({"b_for_h": False, "exchanged": False}, False),
+    ],
+)
+def test_without_either_correction_it_does_not_vanish(corrections, vanishes):
+    designs = random_designs(55, 40, (SPACELIKE,), (SPACELIKE,))
+    small = []
+    with mp.workdps(50):
+        for design in designs.T:
+            for X, Y in traced(design, 0.4):
+                size = majorant(design, X, Y) * float(design[3]) ** 2
+                small.append(abs(printed(design, X, Y, **corrections)) < mp.mpf("1e-40") * size)
+    assert len(small) > 50
+    # b = h, or X on the line AB (gamma = 0), hides an error now and then.
+    assert np.mean(small) == 1.0 if vanishes else np.mean(small) < 0.1
+
+
+def test_at_any_point_it_is_the_product_over_both_assemblies_with_the_crank():
+    """For all causal types: place A on its two circles, B beside it, and ask how far B is from its own circle."""
+    designs = random_designs(56, 12)
+    c = sextic(*designs)
+    places = np.random.default_rng(57).uniform(-3.0, 3.0, (2, designs.shape[1]))
+    tested = 0
+    with mp.workdps(60):
+        for i, (X, Y) in enumerate(places.T):
+            a, b, g, h, x, y = (mp.mpf(float(number)) for number in designs[:, i])
+            z, p = (mp.mpf(X + Y), mp.mpf(X - Y)), (x + y, x - y)
+            if p[0] * p[1] == 0:
+                continue  # one of the two assemblies is at infinity
+            # A = z - p e, e = (k, 1/k) in null coordinates, of complex k where A does not reach.
+            middle = z[0] * z[1] + p[0] * p[1] - a**2
+            root = mp.sqrt(mp.mpc(middle**2 - 4 * z[0] * z[1] * p[0] * p[1]))
+            product = p[0] * p[1] * z[0] * z[1]
+            for k in ((middle + root) / (2 * p[0] * z[1]), (middle - root) / (2 * p[0] * z[1])):
+                B = (z[0] - (p[0] - h) * k, z[1] - (p[1] - h) / k)
+                product *= (B[0] - g) * (B[1] - g) - b**2
+            size = majorant(designs[:, i], X, Y)
+            assert abs(value(c[i], mp.mpf(X), mp.mpf(Y)) - (product / h**2).real) <= 24 * UNIT * size
+            tested += 1
+    assert tested > 60
+
+
+def test_mirror_and_scale_change_no_bit():
+    designs = random_designs(59, 30)
+    c = sextic(*designs)
+    signs = np.where(np.arange(7) % 2, -1.0, 1.0)
+    np.testing.assert_array_equal(sextic(*designs[:5], -designs[5]), c * signs)
+    powers = 6 - np.add.outer(np.arange(7), np.arange(7))
+    for exponent in (-60, 60):
+        np.testing.assert_array_equal(sextic(*np.ldexp(designs, exponent)), np.ldexp(c, exponent * powers))
+
+
+def test_the_top_terms_are_those_of_the_threefold_lightlike_points_at_infinity():
+    c = sextic(*random_designs(60, 10))
+    top = np.array([c[..., i, 6 - i] for i in range(7)])
+    np.testing.assert_array_equal(top.T, np.tile([-1.0, 0.0, 3.0, 0.0, -3.0, 0.0, 1.0], (c.shape[0], 1)))
+    beyond = np.add.outer(np.arange(7), np.arange(7)) > 6
+    assert not c[:, beyond].any()
+
+
+def test_either_crank_may_be_the_input():
+    """Told from C, with the directions reversed: the same curve."""
+    designs = random_designs(61, 12)
+    a, b, g, h, x, y = designs
+    c, reverse = sextic(*designs), sextic(b, a, g, h, h - x, -y)
+    places = np.random.default_rng(62).uniform(-3.0, 3.0, (2, designs.shape[1]))
+    with mp.workdps(50):
+        for i, (X, Y) in enumerate(places.T):
+            there = float(g[i]) - mp.mpf(X), -mp.mpf(Y)
+            one, other = value(c[i], mp.mpf(X), mp.mpf(Y)), value(reverse[i], *there)
+            size = majorant(designs[:, i], X, Y)
+            size += majorant((b[i], a[i], g[i], h[i], h[i] - x[i], y[i]), *there)
+            assert abs(one - other) <= 24 * UNIT * size
+
+
+@pytest.mark.parametrize("boost", [-2.0, 0.5, 3.0])
+def test_the_frame_may_be_boosted(boost):
+    """A linkage whose OC has any rapidity, solved as it stands, traces the same curve in the frame of OC."""
+    designs = random_designs(63, 6)
+    c = sextic(*designs)
+    points = 0
+    with mp.workdps(50):
+        for i in range(designs.shape[1]):
+            for X, Y in traced(designs[:, i], 0.3 + boost, boost):
+                assert abs(value(c[i], X, Y)) <= 24 * UNIT * majorant(designs[:, i], X, Y)
+                points += 1
+    assert points > 50
+
+
+def test_designs_broadcast():
+    many = sextic([1.0, 2.0], 1.0, 4.0, np.ones((3, 1)), 0.5, [[0.0], [0.5], [1.0]])
+    assert many.shape == (3, 2, 7, 7)
+    np.testing.assert_array_equal(many[2, 1], sextic(2.0, 1.0, 4.0, 1.0, 0.5, 1.0))
+    # More than are taken at once.
+    designs = np.tile(random_designs(65, 3), 40)
+    many = sextic(*designs)
+    assert many.shape[0] > 2 * BLOCK
+    np.testing.assert_array_equal(many, np.tile(sextic(*designs[:, :27]), (40, 1, 1)))
+    assert sextic(np.ones(0), 1.0, 4.0, 1.0, 0.5, 0.0).shape == (0, 7, 7)
+
+
+@pytest.mark.parametrize(
+    ("given", "message"),
+    [
+        ({"a": 0.0}, "sextic: a must be positive and finite"),
+        ({"b": "one"}, "sextic: b is not a number"),
+        ({"h": 1e-26}, r"sextic: h must be in 1e-25 ... 1e\+25, .*; write the design in another unit"),
+        ({"x": np.nan}, r"sextic: x must be in -1e\+25 ... 1e\+25"),
+        ({"g": [4.0, 5.0], "y": [0.0, 1.0, 2.0]}, r"do not broadcast: g \(2,\), y \(3,\)"),
+    ],
+)
+def test_what_is_of_no_use_is_said_in_one_line(given, message):
+    design = dict(zip(DESIGN, (1.0, 1.0, 4.0, 1.0, 0.5, 0.0), strict=True))
+    with pytest.raises(fl.InputError, match=message) as raised:
+        sextic(**design | given)
+    assert "\n" not in str(raised.value)
+    with np.errstate(all="raise"):
+        assert np.isfinite(sextic(1e25, 1e25, 1e25, 1e-25, 1e25, -1e25)).all()

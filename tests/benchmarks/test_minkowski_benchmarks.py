@@ -1,0 +1,89 @@
+"""The baselines of the Minkowskian 4R agree with the engine, so that what is timed is the same."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+
+import numpy as np
+import pytest
+from tests.support.configurations import UNIT
+
+from benchmarks import c_kernel, minkowski, minkowski_errors
+
+
+def test_numpy_has_the_same_roots():
+    x, theta = minkowski.designs(40), np.linspace(-4.0, 4.0, 57)
+    _, (psi, orientation) = minkowski.bind(minkowski.PSI, x, theta)
+    out = np.empty_like(psi), np.empty_like(orientation)
+    tables = minkowski.angle_tables(minkowski.MINKOWSKI, minkowski.TABLES, theta)
+    minkowski.null_form(minkowski.constants(x), tables, out)
+    # The same operations but for the logarithm, of 2 units in the last place and one.
+    np.testing.assert_allclose(out[0], psi, rtol=8 * UNIT, atol=8 * UNIT)
+    np.testing.assert_array_equal(out[1], orientation)
+    by_eq3, sign = minkowski.eq3(x, theta)
+    np.testing.assert_array_equal(np.isnan(by_eq3), np.isnan(psi))
+    np.testing.assert_array_equal(np.nan_to_num(sign), orientation)
+    # Of 16 digits eq. (3) loses those of e^(psi + theta): four at most here.
+    np.testing.assert_allclose(by_eq3, psi, rtol=0, atol=1e-10)
+
+
+def test_c_has_the_same_bits():
+    if not c_kernel.available():
+        pytest.skip("the C limit kernels need gcc, which is not here")
+    x, theta = minkowski.designs(200), np.linspace(-6.0, 6.0, 700)  # more than a tile
+    x[:, :50] = np.random.default_rng(1).integers(0, 4, (4, 50))  # equal lengths, and 0
+    x[:, 50:60] *= [1e-155] * 5 + [1e155] * 5
+    x[0, 60], x[1, 61], x[2, 62] = np.nan, np.inf, -1.0
+    for (call, theirs), (_, ours) in (
+        (minkowski.bind_c(x, theta), minkowski.bind(minkowski.PSI, x, theta)),
+        (minkowski.bind_c_types(x), minkowski.bind(("linkage_type",), x)),
+    ):
+        call()
+        for one, other in zip(theirs if isinstance(theirs, tuple) else (theirs,), ours, strict=True):
+            np.testing.assert_array_equal(one, other)
+
+
+def test_compiled_eq3_is_eq3():
+    x, theta = minkowski.designs(20), np.linspace(-3.0, 3.0, 31)
+    psi, orientation = np.empty((20, 2, 31)), np.empty((20, 2, 31), dtype=np.int8)
+    minkowski_errors.compiled_eq3(x, np.cosh(theta), np.sinh(theta), psi, orientation)
+    by_numpy, sign = minkowski.eq3(x, theta)
+    # Two libraries' artanh, of 2 units in the last place each, where y is the same.
+    np.testing.assert_allclose(psi, by_numpy, rtol=16 * UNIT, atol=16 * UNIT)
+    np.testing.assert_array_equal(orientation, np.nan_to_num(sign))
+
+
+def test_errors_are_measured():
+    families = {name: (own, by_eq3) for name, own, by_eq3 in minkowski_errors.errors(4)}
+    assert len(families) == len(minkowski_errors.families(1))
+    assert max(own for own, _ in families.values()) <= 4.0
+    # Where cosh overflows there is no value.
+    assert families["theta from 400 to 700"][1] == math.inf
+    # The measure tells a wrong value.
+    x, theta = next(iter(minkowski_errors.families(4).values()))
+    assert minkowski_errors.worst(minkowski_errors.ours(x, theta) + 1e-12, x, theta) > 100.0
+
+
+def test_the_table_of_the_docs_is_the_one_that_is_measured():
+    page = Path(__file__).parents[2].joinpath("docs", "minkowski.md").read_text()
+    head, _, *rows = minkowski_errors.error_table(2, rounds=1).splitlines()
+    shown = page[page.index(head) :].split("\n\n")[0].splitlines()[2:]
+    assert len(shown) == len(rows)
+    for row, measured in zip(shown, rows, strict=True):
+        (name, own, by_eq3, *times), (of, _, now, *others) = (
+            [cell.strip() for cell in line.strip("|").split("|")] for line in (row, measured)
+        )
+        assert name == of
+        assert float(own) <= 4.0
+        # What has no value in two configurations has none in a hundred.
+        assert by_eq3 == "no value" if now == "no value" else by_eq3 == "no value" or float(by_eq3) > 1.0
+        assert len(times) == len(others) == 3
+        assert all(float(time) > 0.0 for time in times + others)
+
+
+def test_facts_are_positive_numbers():
+    found = minkowski.measure(quick=True)
+    assert all(math.isfinite(value) and value > 0 for _, value, _, _ in found)
+    aims = [what for what, _, _, aim in found if aim == "<= 1.1"]
+    assert len(aims) == (2 if c_kernel.available() else 0)

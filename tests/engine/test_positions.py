@@ -1,0 +1,96 @@
+"""Input positions by the input's own name: every mechanism, every input, at every door."""
+
+import re
+
+import numpy as np
+import pytest
+from tests.support.configurations import draw
+from tests.support.study_files import written
+
+import fastlink as fl
+from fastlink.mechanisms import NAMES, catalogue, inputs_of
+
+DRIVES = [(mechanism, input) for mechanism in NAMES for input in inputs_of(mechanism)]
+EVERY = pytest.mark.parametrize(("mechanism", "input"), DRIVES)
+VALUES = [-0.4, 0.1, 0.3]
+
+
+def request_of(mechanism, input):
+    """Return a design that assembles and a quantity that changes over the cycle: nothing of it is written by hand."""
+    found = catalogue(mechanism, input)
+    columns = draw(found.inputs, np.random.default_rng(7), 64)
+    for name, known in found.inputs.items():
+        if known.choices:
+            columns[name][:] = min(known.choices)
+    for name in reversed(list(columns)):
+        if any(other in columns for other in found.instead_of(name)):
+            del columns[name]
+    quantity = next(name for name, fact in found.public.items() if found.varies(name) and not fact.flags)
+    values = fl.sweep(mechanism, fl.table(columns), [quantity], input=input, angles=VALUES)[quantity].values
+    first = int(np.flatnonzero(np.isfinite(values.reshape(64, -1)).any(axis=1))[0])
+    return {name: float(column[first]) for name, column in columns.items()}, quantity
+
+
+@EVERY
+def test_a_sweep_takes_positions_by_the_name_of_the_input(mechanism, input):
+    design, quantity = request_of(mechanism, input)
+    one, other = (
+        fl.sweep(mechanism, fl.grid(**design), [quantity], input=input, **{name: VALUES})
+        for name in ("angles", input)
+    )
+    np.testing.assert_array_equal(other[input], VALUES)
+    assert np.isfinite(one[quantity]).any()
+    np.testing.assert_array_equal(one[quantity], other[quantity])
+
+
+@EVERY
+def test_a_function_takes_positions_by_the_name_of_the_input(mechanism, input):
+    design, quantity = request_of(mechanism, input)
+    first, *others = design
+    fixed = {name: design[name] for name in others}
+    one, other = (
+        fl.function(mechanism, [first], [quantity], input=input, **fixed, **{name: VALUES})
+        for name in ("angles", input)
+    )
+    assert other.shape == (len(VALUES),)
+    np.testing.assert_array_equal(one([design[first]]), other([design[first]]))
+
+
+@EVERY
+def test_a_study_takes_positions_by_the_name_of_the_input(folder, mechanism, input):
+    design, quantity = request_of(mechanism, input)
+    text = f'mechanism = "{mechanism}"\nquantities = ["{quantity}"]\n[design]\n'
+    text += "".join(f"{name} = {value!r}\n" for name, value in design.items())
+    text += f'[cycle]\ninput = "{input}"\n'
+    maps = []
+    for name in ("angles", input):
+        with fl.run_study(written(f"{text}{name} = {{values = {VALUES}}}\n"), to=f"{name}.h5") as found:
+            maps.append(found[quantity].values)
+    np.testing.assert_array_equal(*maps)
+    swept = fl.sweep(mechanism, fl.grid(**design), [quantity], input=input, angles=VALUES)
+    np.testing.assert_array_equal(maps[0], swept[quantity])
+
+
+@EVERY
+def test_the_name_of_another_input_is_refused_with_the_right_one(folder, mechanism, input):
+    design, quantity = request_of(mechanism, input)
+    others = {other for _, other in DRIVES} - {input, *catalogue(mechanism, input).inputs}
+    for wrong in [*sorted(others), f"{input}_"]:
+        message = rf"{re.escape(wrong)}\b.*\b{re.escape(input)}\b"
+        with pytest.raises(fl.InputError, match=message):
+            fl.sweep(mechanism, fl.grid(**design), [quantity], input=input, **{wrong: VALUES})
+        with pytest.raises(fl.InputError, match=message):
+            fl.function(mechanism, list(design), [quantity], input=input, **{wrong: VALUES})
+        text = f'mechanism = "{mechanism}"\nquantities = ["{quantity}"]\n[design]\n'
+        text += "".join(f"{name} = {value!r}\n" for name, value in design.items())
+        text += f'[cycle]\ninput = "{input}"\n{wrong} = {{values = {VALUES}}}\n'
+        with pytest.raises(fl.InputError, match=rf"cycle\.{message}"):
+            fl.run_study(written(text))
+
+
+def test_a_misspelt_option_is_refused_with_the_right_one():
+    space = fl.grid(a1=0.4, a2=1.2, a3=0.8, a4=1.0)
+    with pytest.raises(fl.InputError, match="did you mean 'threads'"):
+        fl.sweep("planar_4r", space, ["theta4"], thread=4)
+    with pytest.raises(fl.InputError, match="did you mean 'solver'"):
+        fl.function("planar_4r", ["a1"], ["theta4"], solvr="dense", a2=1.2, a3=0.8, a4=1.0)

@@ -1,0 +1,139 @@
+"""The solver: every door refuses one that a mechanism lacks, and a result names it only where it matters."""
+
+from importlib import import_module
+
+import pytest
+from tests.support.study_files import written
+
+import fastlink as fl
+from fastlink.engine.resolve import resolve
+from fastlink.facts.fact import System
+from fastlink.mechanisms import NAMES
+from fastlink.mechanisms import catalogue as find_catalogue
+from fastlink.study.study import run_study
+
+pytestmark = pytest.mark.usefixtures("folder")
+
+BAR = fl.round_bar(density=7750.0, radius=0.01)
+LENGTHS = {"a1": 0.4, "a2": 1.1, "a3": 0.8, "a4": 1.0, "omega1": 25.0}
+DRIVEN = [
+    (name, drives)
+    for name in NAMES
+    for drives in (None, *import_module(f"fastlink.mechanisms.{name}").DRIVEN)
+]
+WITHOUT = [
+    (name, drives) for name, drives in DRIVEN if find_catalogue(name, drives).solvers == ("eliminated",)
+]
+STUDY = """
+mechanism = "{mechanism}"
+quantities = ["status"]
+[design]
+[cycle]
+input = "{input}"
+solver = "dense"
+"""
+
+
+def doors(mechanism, drives):
+    """Return each way to name a solver."""
+    drives = find_catalogue(mechanism, drives).position.name
+    options = {"input": drives, "solver": "dense"}
+    study = written(STUDY.format(mechanism=mechanism, input=drives))
+    return {
+        "sweep": lambda: fl.sweep(mechanism, fl.grid(), ["status"], **options),
+        "evaluate": lambda: fl.evaluate(mechanism, ["status"], **options),
+        "function": lambda: fl.function(mechanism, ["x"], ["status"], **options),
+        "study": lambda: run_study(study),
+        "explain": lambda: fl.explain(study),
+        "accuracy": lambda: fl.accuracy(study),
+    }
+
+
+@pytest.mark.parametrize(("mechanism", "drives"), DRIVEN)
+def test_solvers_are_the_sets_with_a_linear_system(mechanism, drives):
+    catalogue = find_catalogue(mechanism, drives)
+    systems = {
+        key
+        for key, facts in catalogue.alternatives.items()
+        if any(isinstance(fact, System) for fact in facts.values())
+    }
+    assert set(catalogue.solvers) == {"eliminated", *systems}
+
+
+@pytest.mark.parametrize("door", ["sweep", "evaluate", "function", "study", "explain", "accuracy"])
+@pytest.mark.parametrize(("mechanism", "drives"), WITHOUT)
+def test_a_solver_that_a_mechanism_lacks_is_refused(mechanism, drives, door):
+    with pytest.raises(fl.InputError) as caught:
+        doors(mechanism, drives)[door]()
+    message = str(caught.value)
+    assert "solver: 'dense' is " in message
+    assert mechanism in message
+    assert "leave solver out" in message
+
+
+def test_the_planar_four_bar_alone_has_a_linear_system():
+    assert set(DRIVEN) - set(WITHOUT) == {("planar_4r", None)}
+
+
+@pytest.mark.parametrize("set_of_facts", ["gravity", "round_bar", "graded"])
+def test_another_set_of_facts_is_no_solver(set_of_facts):
+    with pytest.raises(fl.InputError, match=f"solver: '{set_of_facts}' is unknown"):
+        fl.sweep("planar_4r", fl.grid(**LENGTHS), ["omega4"], solver=set_of_facts)
+
+
+@pytest.mark.parametrize("solver", ["eliminated", "dense"])
+@pytest.mark.parametrize(
+    ("quantities", "depends"),
+    [
+        (["omega4"], False),
+        (["omega4_max", "grashof_class"], False),
+        (["F41_max", "theta4"], True),
+        (["F43"], True),
+        (["shaking_moment_rms"], True),
+    ],
+)
+def test_the_solver_is_recorded_where_a_result_depends_on_it(quantities, depends, solver):
+    options = {"links": BAR, "angles": 8, "extrema": "sampled", "solver": solver}
+    maps = fl.sweep("planar_4r", fl.grid(**LENGTHS), quantities, **options)
+    assert maps.attrs.get("solver") == (solver if depends else None)
+
+
+@pytest.mark.parametrize("name", ["d_T41_d_a1", "T41_error", "d_F41_x_d_theta1_max", "T41_max"])
+def test_what_follows_from_a_reaction_depends_on_the_solver(name):
+    assert resolve("planar_4r", fl.grid(**LENGTHS), [name], links=BAR).solver == "eliminated"
+
+
+@pytest.mark.parametrize(("mechanism", "drives"), WITHOUT)
+def test_no_solver_is_recorded_where_there_is_one_way(mechanism, drives):
+    catalogue = find_catalogue(mechanism, drives)
+    for name in catalogue.public:
+        needs = {i: 1.0 for i in catalogue.inputs}
+        leaves = (*needs, catalogue.position.name, *catalogue.tables, *catalogue.table_low_parts, "branch")
+        assert not catalogue.depends_on_solver(catalogue.closure([name], leaves)), name
+
+
+def test_a_file_of_a_study_names_no_solver_that_nothing_depends_on():
+    text = """
+mechanism = "planar_4r"
+quantities = ["omega4_max"]
+design = {a1 = 0.4, a2 = 1.1, a3 = 0.8, a4 = 1.0, omega1 = 25.0}
+cycle = {angles = 8, solver = "dense"}
+"""
+    with run_study(written(text)) as maps:
+        assert "solver" not in maps.attrs
+
+
+def test_accuracy_compares_the_solvers_whichever_the_study_has():
+    """Each way is what its name says: with the dense system chosen, the closed form is still measured as such."""
+    text = """
+mechanism = "planar_4r"
+quantities = ["T41"]
+design = {a1 = 0.4, a2 = {linspace = [1.0, 1.3, 9]}, a3 = 0.8, a4 = 1.0, omega1 = 25.0}
+links = {model = "round_bar", density = 7750.0, radius = 0.01}
+cycle = {angles = 8, solver = "dense"}
+"""
+    measured = fl.accuracy(written(text), designs=4)
+    assert {"eliminated", "dense", "eliminated, relaxed"} <= set(measured["way"].values.tolist())
+    usual = fl.accuracy(written(text.replace("dense", "eliminated")), designs=4)
+    for way in ("eliminated", "dense"):
+        assert float(measured.error_max.sel(way=way)[0]) == float(usual.error_max.sel(way=way)[0])

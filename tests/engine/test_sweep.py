@@ -1,0 +1,361 @@
+"""The door: shapes, labels, statuses, NaN, bits, files, and every bad input with its message."""
+
+from __future__ import annotations
+
+import re
+
+import numpy as np
+import pytest
+import xarray as xr
+from tests.support.configurations import PLANAR
+
+import fastlink as fl
+
+TABLE_1 = {"a1": 0.4, "a2": 1.2, "a3": 0.8, "a4": 1.0}
+BARS = fl.round_bar(density=7750.0, radius=0.01)
+#: Quantities of the coupler point, which these designs do not have; test_coupler.py asks for them.
+AT_P = ("P_x", "P_y", "P_vx", "P_vy", "P_ax", "P_ay", "P_speed", "curvature")
+# Some of these turn fully, some do not, some never assemble.
+MIXED = fl.grid(a1=0.4, a2=np.linspace(0.1, 1.9, 13), a3=np.linspace(0.1, 1.2, 11), a4=1.0, omega1=25.0)
+
+
+def small_map(**options):
+    asked = [
+        "omega4_max",
+        "theta1_at_omega4_max",
+        "transmission_angle_min",
+        "shaking_force_rms",
+        "theta4",
+        "T41",
+    ]
+    return fl.sweep("planar_4r", MIXED, asked, links=BARS, **{"theta1": 45} | options)
+
+
+def test_dimensions_are_the_swept_ones_then_branch_then_theta1():
+    result = small_map()
+    assert result.omega4_max.dims == ("a2", "a3", "branch")
+    assert result.theta4.dims == ("a2", "a3", "branch", "theta1")
+    assert result.status.dims == ("a2", "a3")
+    assert result.sizes == {"a2": 13, "a3": 11, "branch": 2, "theta1": 45}
+    np.testing.assert_array_equal(result.theta1, np.arange(45) * (2 * np.pi / 45))
+    assert result.theta4.attrs["units"] == "rad"
+    assert result.theta1_at_omega4_max.attrs["units"] == "rad"
+    assert result.omega4_max.attrs["references"] == "Hayes, Hninn, Irani, eq. (7)"
+    assert float(result.radius) == 0.01
+    assert result.a2.attrs["long_name"] == "length of the coupler AB"
+
+
+def test_a_single_design_has_no_swept_dimension():
+    result = fl.sweep("planar_4r", fl.grid(**TABLE_1), ["B_x", "transmission_angle_max"], theta1=8, branch=2)
+    assert result.B_x.dims == ("branch", "theta1")
+    assert result.transmission_angle_max.shape == (1,)
+    assert result.status.shape == ()
+
+
+def test_a_map_of_design_facts_touches_no_angle():
+    result = fl.sweep("planar_4r", fl.grid(a1=[0.1, 0.4], a2=1.2, a3=0.8, a4=1.0), ["status"])
+    assert set(result.dims) == {"a1"}
+    assert "theta1_count" not in result.attrs
+
+
+@pytest.mark.parametrize(
+    ("lengths", "meaning"),
+    [
+        ((0.4, 1.2, 0.8, 1.0), "rotates_fully"),  # crank-rocker
+        ((1.0, 0.8, 1.2, 0.4), "rotates_fully"),  # drag link
+        ((1.2, 0.8, 1.0, 0.5), "rotates_fully"),  # drag link, other order
+        ((0.8, 0.4, 1.2, 1.0), "assembles_over_part_of_the_turn"),  # rocker input
+        ((1.0, 0.6, 0.7, 1.4), "assembles_over_part_of_the_turn"),  # no link turns
+        ((1.0, 1.0, 1.0, 4.0), "never_assembles"),
+        ((5.0, 1.0, 1.0, 1.0), "never_assembles"),
+        ((1.0, 5.0, 1.0, 1.0), "never_assembles"),
+        ((1.0, 1.0, 5.0, 1.0), "never_assembles"),
+        ((1.0, 2.0, 1.0, 2.0), "change_point"),  # parallelogram
+        ((1.0, 2.0, 2.0, 1.0), "change_point"),  # kite
+        ((0.1, 0.3, 0.6, 0.4), "change_point"),  # 0.1 + 0.6 = 0.3 + 0.4 but for rounding
+        ((1.0, 1.0, 1.0, 1.0), "change_point"),
+    ],
+)
+def test_status(lengths, meaning):
+    result = fl.sweep("planar_4r", fl.grid(**dict(zip(TABLE_1, lengths, strict=True))), ["status"])
+    meanings = result.status.attrs["flag_meanings"].split()
+    assert meanings[list(result.status.attrs["flag_values"]).index(int(result.status))] == meaning
+    assert result.attrs[f"designs_{meaning}"] == 1
+
+
+def test_status_agrees_with_what_assembles():
+    """No formula in common: a scan of the loop against the signs of the length factors."""
+    result = fl.sweep(
+        "planar_4r",
+        fl.sobol(4096, seed=3, a1=(0.1, 2), a2=(0.1, 2), a3=(0.1, 2), a4=(0.1, 2)),
+        ["B_x"],
+        theta1=720,
+    )
+    closes = np.isfinite(result.B_x.values[:, 0])
+    status = result.status.values
+    assert set(status) == {0, 1, 2}
+    assert closes[status == 0].all()
+    assert not closes[status == 2].any()
+    some = closes[status == 1]
+    assert not some.all(axis=1).any()
+    # A range narrower than half a degree may fall between two angles, rarely.
+    assert some.any(axis=1).mean() > 0.99
+
+
+def test_at_a_change_point_the_last_bit_of_a_length_decides_nothing():
+    """Along a2 = a3 + a1 + a4 the gap is zero or a rounding; rates vary smoothly, not by 1e8."""
+    a3 = np.linspace(0.4, 0.9, 51)
+    line = fl.table({"a1": 0.2, "a2": a3 + 0.4, "a3": a3, "a4": 0.6, "omega1": 25.0})
+    result = fl.sweep("planar_4r", line, ["alpha4_max", "omega4_max", "B_x"], theta1=360)
+    assert (result.status == 3).all()
+    assert np.isfinite(result.B_x).all()
+    neighbours = result.alpha4_max.values[1:] / result.alpha4_max.values[:-1]
+    # a3 changes by 1 to 2.5 % from one design to the next.
+    assert np.all(np.abs(neighbours - 1) < 0.1)
+
+
+def test_what_does_not_assemble_is_nan_and_alters_no_extreme():
+    result = small_map(extrema="sampled")
+    closes = np.isfinite(result.theta4)
+    partial = closes.any("theta1") & ~closes.all("theta1")
+    never = ~closes.any("theta1")
+    assert int(partial.sum()) > 10
+    assert int(never.sum()) > 10
+    folded = (result.status == 3) & (result.theta1 == 0.0)
+    assert bool(folded.any())
+    np.testing.assert_array_equal(np.isfinite(result.T41), closes & ~folded)
+    curves = fl.sweep(
+        "planar_4r", MIXED, ["omega4", "transmission_angle", "shaking_force"], links=BARS, theta1=45
+    )
+    for name, expected in {
+        "omega4_max": curves.omega4.max("theta1"),
+        "transmission_angle_min": curves.transmission_angle.min("theta1"),
+    }.items():
+        np.testing.assert_array_equal(result[name], expected)
+    at = curves.theta1[curves.omega4.fillna(-np.inf).argmax("theta1")].where(~never)
+    np.testing.assert_array_equal(result.theta1_at_omega4_max, at)
+    # 45 squares summed in another order: 45 roundings at most.
+    rms = np.sqrt((curves.shaking_force**2).mean("theta1"))
+    np.testing.assert_allclose(result.shaking_force_rms, rms, rtol=45 * 2.0**-53)
+
+
+def bits(values: np.ndarray) -> bytes:
+    """Return the bits of every number; IEEE 754 leaves the sign of a NaN open, and compilers use that."""
+    return (
+        np.where(np.isnan(values), np.nan, values).tobytes() if values.dtype.kind == "f" else values.tobytes()
+    )
+
+
+def assert_same_bits(one: xr.Dataset, two: xr.Dataset):
+    for name in one.data_vars:
+        if name in two:
+            assert bits(one[name].values) == bits(two[name].values), name
+
+
+@pytest.mark.parametrize(
+    "options", [{"threads": 1}, {"threads": 2}, {"threads": 3, "block": 64}, {"block": 7}, {"block": 1}]
+)
+def test_bits_depend_neither_on_threads_nor_on_blocks(options):
+    assert_same_bits(small_map(threads=1, block=4096), small_map(**options))
+
+
+def test_bits_depend_neither_on_what_else_is_asked_nor_on_the_lanes():
+    everything = [name for name in PLANAR.public if name not in AT_P]
+    # Curves alone: lanes are angles. With an extreme: lanes are designs. With few angles too.
+    curves = fl.sweep("planar_4r", MIXED, everything, links=BARS, theta1=45)
+    mixed = fl.sweep("planar_4r", MIXED, [*everything, "alpha4_max"], links=BARS, theta1=45)
+    assert_same_bits(curves, mixed)
+    for name in everything:
+        alone = fl.sweep("planar_4r", MIXED, [name], links=BARS, theta1=45)
+        assert_same_bits(alone, curves)
+    few = fl.sweep("planar_4r", MIXED, everything, links=BARS, theta1=curves.theta1.values[:9])
+    assert_same_bits(few, curves.isel(theta1=slice(0, 9)))
+    one_branch = fl.sweep("planar_4r", MIXED, everything, links=BARS, theta1=45, branch=2)
+    assert_same_bits(one_branch, curves.isel(branch=[1]))
+
+
+def test_the_plain_facts_have_the_bits_of_the_compiled_ones():
+    names = [name for name in PLANAR.public if PLANAR.varies(name) and name not in AT_P]
+    space = fl.grid(a1=0.4, a2=np.linspace(0.7, 1.6, 13), a3=0.5, a4=1.0, omega1=25.0)
+    swept = fl.sweep("planar_4r", space, names, links=BARS, theta1=30)
+    plain = fl.evaluate(
+        "planar_4r",
+        names,
+        links=BARS,
+        a1=0.4,
+        a2=swept.a2,
+        a3=0.5,
+        a4=1.0,
+        omega1=25.0,
+        branch=swept.branch,
+        theta1=swept.theta1,
+    )
+    for name in names:
+        np.testing.assert_array_equal(
+            swept[name].values, plain[name].transpose(*swept[name].dims).values, err_msg=name
+        )
+
+
+def test_mass_data_of_the_design_replace_those_of_the_model():
+    ours = fl.sweep(
+        "planar_4r", fl.grid(**TABLE_1, omega1=25.0, m3=0.0, I3=0.0), ["shaking_force_max"], links=BARS
+    )
+    bars = fl.sweep("planar_4r", fl.grid(**TABLE_1, omega1=25.0), ["shaking_force_max"], links=BARS)
+    assert float(ours.shaking_force_max[0]) < float(bars.shaking_force_max[0])
+
+
+def test_a_radius_axis():
+    result = fl.sweep(
+        "planar_4r",
+        fl.grid(**TABLE_1, omega1=25.0, radius=[0.01, 0.02]),
+        ["shaking_force_max"],
+        links=fl.round_bar(7750.0),
+    )
+    # Mass goes with the square of the radius, and the shaking force with the mass alone: exact powers of two.
+    np.testing.assert_allclose(result.shaking_force_max[1], 4 * result.shaking_force_max[0], rtol=2e-15)
+
+
+def test_invalid_designs_can_be_flagged_instead_of_refused():
+    bad = fl.table(
+        {"a1": [0.4, -0.4, np.nan, np.inf, 0.0], "a2": [1.2] * 5, "a3": 0.8, "a4": 1.0}, allow_invalid=True
+    )
+    result = fl.sweep("planar_4r", bad, ["B_x", "transmission_angle_min"], theta1=8, allow_invalid=True)
+    assert list(result.status.values) == [0, 4, 4, 4, 4]
+    assert np.isfinite(result.B_x[0]).all()
+    assert np.isnan(result.B_x[1:]).all()
+    assert np.isnan(result.transmission_angle_min[1:]).all()
+
+
+def test_extreme_sizes_change_nothing_but_the_size():
+    names = ["theta4", "omega4", "alpha4", "transmission_angle"]
+    one = fl.sweep("planar_4r", fl.grid(**TABLE_1, omega1=1.0), names, theta1=16)
+    for exponent in (-900, -500, 500, 900):
+        lengths = {name: value * 2.0**exponent for name, value in TABLE_1.items()}
+        assert_same_bits(one, fl.sweep("planar_4r", fl.grid(**lengths, omega1=1.0), names, theta1=16))
+
+
+def test_file_and_memory_hold_the_same(tmp_path):
+    path = tmp_path / "maps.h5"
+    in_file, in_memory = small_map(to=path, verify=4), small_map(verify=4)
+    assert_same_bits(in_memory, in_file)
+    for name in in_memory.variables:
+        assert in_file[name].attrs.keys() == in_memory[name].attrs.keys()
+    assert [p.name for p in tmp_path.iterdir()] == ["maps.h5"]
+    in_file.close()
+    with xr.open_dataset(path, engine="netcdf4") as other:
+        assert_same_bits(in_memory, other)
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        ({"mechanism": "planar_4R"}, "mechanism: 'planar_4R' is unknown; did you mean 'planar_4r'?"),
+        ({"quantities": ["omega_4"]}, "quantity 'omega_4' is unknown to planar_4r; did you mean 'omega4'?"),
+        ({"quantities": ["omega4_maximum"]}, "did you mean 'omega4_max'?"),
+        ({"quantities": ["status_max"]}, "quantity 'status_max' is unknown to planar_4r"),
+        ({"quantities": ["theta1_at_omega4_rms"]}, "quantity 'theta1_at_omega4_rms' is unknown"),
+        ({"quantities": "omega4"}, "quantities is one text, 'omega4'; write a list: ['omega4']"),
+        ({"quantities": []}, "quantities is empty; write at least one name"),
+        ({"quantities": ["omega4", "omega4"]}, "quantities[1]: 'omega4' is named twice; name it once"),
+        ({"quantities": ["sigma"]}, "quantity 'sigma' is unknown to planar_4r"),
+        (
+            {"space": {"a1": 0.4, "a2": 1.2, "a3": 0.8, "omega1": 1.0}},
+            "design: a4 is missing (length of the ground link OD [m])",
+        ),
+        (
+            {"space": {**TABLE_1}},
+            "design: omega1 is missing (angular velocity of the crank, constant [rad s-1])",
+        ),
+        (
+            {"space": {**TABLE_1, "omega1": 1.0, "a5": 1.0}},
+            "design: a5 is unknown to planar_4r; did you mean 'a4'?",
+        ),
+        (
+            {"space": {**TABLE_1, "omega1": 1.0, "radius": 0.1}},
+            "design: radius belongs to links of model 'round_bar'",
+        ),
+        (
+            {"quantities": ["T41"], "space": {**TABLE_1, "omega1": 1.0}, "links": fl.round_bar(7750.0)},
+            "links: radius is missing (radius of the round bars [m])",
+        ),
+        (
+            {"space": {**TABLE_1, "omega1": 1.0, "a3": 0.0}},
+            "design: a3 is 0.0 (length of the output link DB); write a finite number greater than 0",
+        ),
+        (
+            {"space": {**TABLE_1, "omega1": 1.0, "a3": [0.8, -0.1]}},
+            "design: a3[1] is -0.1 (length of the output link DB)",
+        ),
+        (
+            {"space": {**TABLE_1, "omega1": 1.0, "m2": -1.0}},
+            "design: m2 is -1.0 (mass of the coupler AB); write a finite number at least 0",
+        ),
+        ({"theta1": 0}, "theta1: 0 input angles; write a number of at least 1, or an array in rad"),
+        ({"theta1": []}, "theta1: the array of input positions is empty; give at least one"),
+        ({"theta1": [0.0, 1.0, 0.0]}, "theta1: 0.0 stands twice (at 0 and 2); give each position once"),
+        ({"theta1": [0.0, np.nan]}, "theta1[1] is nan; write finite angles in rad"),
+        ({"theta1": "all"}, "theta1 is 'all'; write a number of angles, or a flat array of angles in rad"),
+        ({"theta1": 2.5}, "theta1 is 2.5; write a number of angles, or a flat array of angles in rad"),
+        ({"branch": 3}, "branch: 3 is no assembly mode of planar_4r; write some of 1, 2"),
+        ({"branch": (1, 1)}, "branch: 1 is given twice; write each once"),
+        ({"branch": ()}, "branch: none is given; write some of 1, 2"),
+        ({"solver": "lu"}, "solver: 'lu' is unknown"),
+        ({"threads": 0}, "threads is 0; write a whole number of at least 1"),
+    ],
+)
+def test_bad_input_gets_one_clear_line(change, message):
+    options = {
+        "mechanism": "planar_4r",
+        "space": {**TABLE_1, "omega1": 1.0},
+        "quantities": ["omega4"],
+    } | change
+    with pytest.raises(fl.InputError, match=re.escape(message)) as caught:
+        fl.sweep(
+            options.pop("mechanism"), fl.grid(**options.pop("space")), options.pop("quantities"), **options
+        )
+    assert "\n" not in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        ({"density": -1.0}, "links: density is -1.0; write a finite number of at least 0"),
+        ({"radius": float("nan")}, "links: radius is nan; write a finite number of at least 0"),
+        (
+            {"radius": [0.1]},
+            "links: radius is [0.1]; write one number, or leave it out and give radius in the design",
+        ),
+    ],
+)
+def test_bad_links(arguments, message):
+    with pytest.raises(fl.InputError, match=re.escape(message)):
+        fl.round_bar(**arguments)
+
+
+def test_a_map_that_does_not_fit_the_disk_is_refused_before_anything_is_computed(tmp_path):
+    huge = fl.grid(a1=0.4, a2=np.linspace(1, 1.4, 10**5), a3=np.linspace(0.6, 1, 10**4), a4=1.0)
+    with pytest.raises(fl.InputError, match=r"needs 11\.5 TB but .* are free"):
+        fl.sweep("planar_4r", huge, ["theta4"], theta1=720, to=tmp_path / "huge.h5")
+    assert not list(tmp_path.iterdir())
+
+
+def test_an_existing_file_is_kept_unless_overwrite(tmp_path):
+    path = tmp_path / "maps.h5"
+    small_map(to=path, verify=0).close()
+    before = path.read_bytes()
+    with pytest.raises(fl.InputError, match="the file exists; choose another name, or write overwrite=True"):
+        small_map(to=path, verify=0)
+    assert path.read_bytes() == before
+    small_map(to=path, overwrite=True, verify=0).close()
+
+
+def test_an_output_folder_that_does_not_exist(tmp_path):
+    with pytest.raises(fl.InputError, match="there is no folder"):
+        small_map(to=tmp_path / "nowhere" / "maps.h5")
+
+
+def test_evaluate_refuses_what_it_cannot_read():
+    with pytest.raises(fl.InputError, match="evaluate: theta1 is missing"):
+        fl.evaluate("planar_4r", ["B_x"], **TABLE_1)
+    with pytest.raises(fl.InputError, match="quantity 'B_z' is unknown to planar_4r; did you mean"):
+        fl.evaluate("planar_4r", ["B_z"], theta1=0.0, **TABLE_1)

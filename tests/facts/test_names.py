@@ -1,0 +1,346 @@
+"""The grammar of names: what is spelt is read again, each name has one reading, and one module knows the rules."""
+
+from __future__ import annotations
+
+import ast
+from functools import cache
+from importlib import import_module
+from pathlib import Path
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+import fastlink as fl
+from fastlink.catalogue.catalogue import Catalogue, CatalogueError, Fact, Input
+from fastlink.errors import InputError
+from fastlink.facts.names import (
+    Below,
+    Derivative,
+    ErrorBound,
+    ListOfExtrema,
+    Quantity,
+    Reduced,
+    Trust,
+    deepest,
+    parse,
+    plain_part,
+    register_reduction,
+    root_of,
+)
+from fastlink.mechanisms import NAMES
+from fastlink.mechanisms import catalogue as find_catalogue
+from fastlink.plan.plan import make_plans
+from fastlink.plan.query import REDUCTIONS, parse_request, reduced_names
+
+SOURCE = Path(__file__).parents[2] / "src" / "fastlink"
+#: Every mechanism by every input that may drive it.
+DRIVES = [
+    (mechanism, drive)
+    for mechanism in NAMES
+    for drive in (None, *import_module(f"fastlink.mechanisms.{mechanism}").DRIVEN)
+]
+
+
+def plain_names(catalogue):
+    """Return the declared names that are not made of others."""
+    sets = [*catalogue.alternatives.values(), *catalogue.alternative_inputs.values()]
+    declared = {*catalogue.facts, *catalogue.inputs, *catalogue.curves, *catalogue.tables}
+    declared |= {catalogue.position.name, *(name for names in sets for name in names)}
+    return sorted(name for name in declared if parse(name, catalogue) == Quantity(name))
+
+
+@cache
+def trees(catalogue):
+    """Return a strategy for all that may be made of what a catalogue declares."""
+    plain = plain_names(catalogue)
+    leaves = [st.sampled_from(plain).map(Quantity)]
+    replaced = [
+        Below(Quantity(name), variant)
+        for variant, facts in catalogue.alternatives.items()
+        for name in facts
+        if name in plain
+    ]
+    leaves += [st.sampled_from(replaced)] if replaced else []
+    variables = st.sampled_from(sorted(catalogue.variables))
+    pointwise = st.recursive(
+        st.one_of(leaves),
+        lambda of: st.one_of(
+            st.builds(Derivative, of, variables), st.builds(ErrorBound, of), st.builds(Trust, of)
+        ),
+        max_leaves=4,
+    )
+    at = catalogue.position.name
+    places = [(how, place) for how, r in REDUCTIONS.items() for place in ([""] + [at] * r.has_place)]
+    parts = [("value", ""), ("value", at), ("count", ""), ("kind", "")]
+    return st.one_of(
+        pointwise,
+        st.builds(lambda of, way: Reduced(of, *way), pointwise, st.sampled_from(places)),
+        st.builds(lambda of, way: ListOfExtrema(of, *way), pointwise, st.sampled_from(parts)),
+    )
+
+
+@pytest.mark.parametrize(("mechanism", "drive"), DRIVES)
+@settings(deadline=None)
+@given(data=st.data())
+def test_what_is_spelt_is_read_again(mechanism, drive, data):
+    catalogue = find_catalogue(mechanism, drive)
+    tree = data.draw(trees(catalogue))
+    # what hides a reduction is declared so, and takes its place
+    assert parse(str(tree), catalogue) == (Quantity(str(tree)) if str(tree) in catalogue.hiding else tree)
+
+
+@pytest.mark.parametrize(("mechanism", "drive"), DRIVES)
+def test_every_listed_name_is_read(mechanism, drive):
+    catalogue = find_catalogue(mechanism, drive)
+    for row in fl.quantities(mechanism, input=drive):
+        assert parse(row.name, catalogue) == Quantity(row.name)
+    for row in fl.quantities(mechanism, internal=True, input=drive):
+        assert str(parse(row.name, catalogue)) == row.name
+    for name in reduced_names(catalogue):
+        tree = parse(name, catalogue)
+        assert str(tree) == name
+        assert root_of(tree) in catalogue.public
+        request = parse_request(name, catalogue)
+        assert request.quantity == (name if name in catalogue.hiding else str(tree.of))
+
+
+@pytest.mark.parametrize(
+    ("name", "tree"),
+    [
+        ("d_d_omega4_d_a1_d_a2", Derivative(Derivative(Quantity("omega4"), "a1"), "a2")),
+        ("d_omega4_d_a1_error", ErrorBound(Derivative(Quantity("omega4"), "a1"))),
+        ("theta1_at_omega4_error_max", Reduced(ErrorBound(Quantity("omega4")), "max", "theta1")),
+        ("omega4_extrema_kind", ListOfExtrema(Quantity("omega4"), "kind")),
+        ("theta1_at_omega4_extrema", ListOfExtrema(Quantity("omega4"), "value", "theta1")),
+        ("T41__below_gravity", Below(Quantity("T41"), "gravity")),
+        ("Z0_low", Quantity("Z0_low")),  # declared: what Z0 lost in rounding
+        ("theta4_low", Quantity("theta4_low")),  # declared: the least |theta4|
+        ("theta1_at_omega4_rms", Quantity("theta1_at_omega4_rms")),  # no place has the root mean square
+        ("d_omega4_d_nothing", Quantity("d_omega4_d_nothing")),
+        ("_error", Quantity("_error")),
+        ("_max", Quantity("_max")),
+    ],
+)
+def test_how_names_are_read(name, tree):
+    catalogue = find_catalogue("planar_4r")
+    assert parse(name, catalogue) == tree
+
+
+def test_what_varies_is_told_by_the_plain_part():
+    catalogue = find_catalogue("planar_4r")
+    assert plain_part(parse("d_omega4_d_a1_error", catalogue)) == "omega4"
+    assert plain_part(parse("omega4_max", catalogue)) == "omega4_max"
+
+
+def test_what_a_name_is_made_of_in_the_end():
+    catalogue = find_catalogue("planar_4r")
+    for name in (
+        "omega4_max_error",
+        "d_omega4_max_d_a1",
+        "theta1_at_omega4_min",
+        "omega4_error_extrema",
+        "omega4",
+    ):
+        assert deepest(name, catalogue) == "omega4"
+
+
+def test_a_declared_limit_hides_the_extreme_of_the_same_name():
+    """psi_max of the Minkowskian 4R is the limit of a theorem; where psi is greatest has a name."""
+    catalogue = find_catalogue("minkowski_4r")
+    assert parse("psi_max", catalogue) == Quantity("psi_max")
+    assert parse("theta_at_psi_max", catalogue) == Reduced(Quantity("psi"), "max", "theta")
+    with pytest.raises(InputError, match="cannot be listed; ask for psi, and take extremes of the map"):
+        make_plans(catalogue, ["psi_extrema"], given=list(catalogue.inputs))
+    with pytest.raises(InputError, match="cannot be listed; ask for A_y_max and A_y_min"):
+        make_plans(catalogue, ["A_y_extrema"], given=list(catalogue.inputs))
+
+
+# -- each name has one reading -------------------------------------------------------------------------------
+
+LABELS = {"units": "m", "symbol": "x", "source": "here"}
+
+
+@pytest.fixture
+def toy():
+    made = Catalogue("toy", "a toy", {1: "the only one"}, Input("theta", "rad", "theta", "input"))
+    made.input("a", units="m", symbol="a", meaning="a length")
+    return made
+
+
+def declare(catalogue, name, **labels):
+    def law(a):
+        """Something."""
+        return a
+
+    catalogue.quantity(**LABELS | labels, name=name)(law)
+
+
+#: Made of b, a public quantity, and a, an input.
+OF_B = ["b_error", "b_trust", "b_max", "b_mean", "b_extrema", "b_extrema_count", "b_extrema_kind"]
+MADE = [*OF_B, "d_b_d_a", "d_b_d_theta", "d_b_error_d_a", "b_error_max", "theta_at_b_max", "b__below_gravity"]
+
+
+@pytest.mark.parametrize("name", MADE)
+def test_a_fact_that_reads_as_made_of_another_is_refused(toy, name):
+    declare(toy, "b")
+    with pytest.raises(CatalogueError, match=f"{name} reads as "):
+        declare(toy, name)
+
+
+@pytest.mark.parametrize("name", OF_B)
+def test_it_is_refused_in_whatever_order_both_are_declared(toy, name):
+    declare(toy, name)
+    with pytest.raises(CatalogueError, match=f"with b, {name} reads as made of it"):
+        declare(toy, "b")
+
+
+@pytest.mark.parametrize("name", OF_B)
+def test_what_is_declared_past_the_door_is_refused_by_the_check(toy, name):
+    declare(toy, "b")
+    toy.facts[name] = Fact(name, lambda a: a, ("a",), "m", "x", "something", "here")
+    with pytest.raises(CatalogueError, match=f"{name} reads as "):
+        toy.check()
+
+
+@pytest.mark.parametrize("name", ["x_d_y", "theta_at_rest", "x__below_y"])
+def test_what_tells_the_parts_of_a_name_apart_is_in_no_plain_name(toy, name):
+    with pytest.raises(CatalogueError, match=f"{name} reads as "):
+        declare(toy, name)
+
+
+def law_of_position(theta):
+    """Something."""
+    return theta
+
+
+WAYS = {
+    "input": lambda toy, name: toy.input(name, units="m", symbol="x", meaning="a length"),
+    "input of a set": lambda toy, name: toy.input(
+        name, units="m", symbol="x", meaning="x", alternative="other"
+    ),
+    "fact of a set": lambda toy, name: declare(toy, name, alternative="other"),
+    "low part": lambda toy, name: toy.table(symbol="x", source="here", low=name)(law_of_position),
+    "unknown": lambda toy, name: toy.system("s", [name], alternative="other")(law_of_position),
+}
+
+
+@pytest.mark.parametrize("kind", WAYS)
+def test_every_declaration_is_checked(toy, kind):
+    declare(toy, "b")
+    with pytest.raises(CatalogueError, match="b_error reads as "):
+        WAYS[kind](toy, "b_error")
+
+
+def test_tables_and_curves_are_checked(toy):
+    def b_error(theta):
+        """Something."""
+        return theta
+
+    declare(toy, "b")
+    with pytest.raises(CatalogueError, match="b_error reads as "):
+        toy.table(symbol="x", source="here")(b_error)
+    with pytest.raises(CatalogueError, match="b_error reads as "):
+        toy.over_positions(**LABELS)(b_error)
+
+
+def test_names_that_only_look_like_others_are_not_refused(toy):
+    declare(toy, "b", internal=True)
+    declare(toy, "b_max")  # users cannot ask for b, nor for its maximum
+    declare(toy, "AB_error")  # there is no AB
+    declare(toy, "c")
+    declare(toy, "c_min", hides_reduction=True)
+    toy.check()
+    assert parse("b_max", toy) == Quantity("b_max")
+    assert parse("AB_error", toy) == Quantity("AB_error")
+
+
+@pytest.mark.parametrize("how", ["error", "trust", "low", "kind", "count", "extrema", "two_words", "no name"])
+def test_a_reduction_cannot_be_called_what_an_ending_means_already(how):
+    with pytest.raises(CatalogueError, match="a reduction cannot be called"):
+        register_reduction(how, has_place=False)
+
+
+# -- one module knows the rules ------------------------------------------------------------------------------
+
+AFFIXES = {
+    "d_",
+    "_d_",
+    "_at_",
+    "__below_",
+    "_error",
+    "_trust",
+    "_extrema",
+    "_extrema_count",
+    "_extrema_kind",
+}
+AFFIXES |= {f"_{how}" for how in REDUCTIONS}
+#: What takes text apart; `replace` is for text that people read.
+SPLITTERS = {"partition", "rpartition", "split", "rsplit"}
+
+
+def texts(node):
+    return [
+        part.value
+        for part in ast.walk(node)
+        if isinstance(part, ast.Constant) and isinstance(part.value, str)
+    ]
+
+
+def composes(node: ast.JoinedStr) -> bool:
+    """Tell whether a formatted text spells a name that is made of the value in it."""
+    for before, part, after in zip([None, *node.values], node.values, [*node.values[1:], None], strict=False):
+        if isinstance(part, ast.Constant):
+            text, follows, goes_on = part.value, isinstance(before, ast.FormattedValue), after is not None
+            words = text.replace("'", " ").replace('"', " ").split(" ")
+            if follows and words[0] in AFFIXES - {"_d_", "_at_"}:
+                return True
+            if "__below_" in text or (goes_on and (words[-1] == "d_" or words[-1].startswith("d_"))):
+                return True
+            if (follows and text in ("_d_", "_at_") and goes_on) or any("_d_" in word for word in words):
+                return True
+    return False
+
+
+def faults(source: str) -> list[str]:
+    found = []
+    for node in ast.walk(ast.parse(source)):
+        match node:
+            case ast.JoinedStr():
+                fault = composes(node)
+            case ast.Call(func=ast.Attribute(attr=method)):
+                words = [text for argument in node.args for text in texts(argument)]
+                fault = any(word in AFFIXES or (word == "_" and method in SPLITTERS) for word in words)
+            case ast.BinOp(op=ast.Add() | ast.Mod()):
+                fault = any(
+                    isinstance(x, ast.Constant) and x.value in AFFIXES for x in (node.left, node.right)
+                )
+            case ast.Constant(value=str(text)):
+                fault = text in AFFIXES or ("_d_" in text and " " not in text and "\n" not in text)
+            case _:
+                fault = False
+        if fault:
+            found.append(ast.unparse(node))
+    return found
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        'f"d_{x}_d_{by}"', 'f"{x}_error"', 'f"{at}_at_{x}_max"', 'f"{x}_{y}_kind {z}_extrema"', 'x + "_trust"',
+        'x.removesuffix("_error")', 'x.endswith(("_error", "_trust"))', 'x.startswith("d_")', 'x.rpartition("_")',
+        'x.partition("__below_")', 're.compile("d_(.+)_d_(.+)")', 'ERROR = "_error"', 'f"ask for {x}_max and _min"',
+    ],
+)  # fmt: skip
+def test_the_search_finds_what_it_is_for(text):
+    assert faults(text)
+
+
+#: Names of functions in the text of kernels: slope_3.
+OF_KERNELS = {"explain.py": ["function.rpartition('_')"]}
+
+
+@pytest.mark.parametrize("path", sorted(SOURCE.rglob("*.py")), ids=lambda path: str(path.relative_to(SOURCE)))
+def test_no_other_module_spells_names_or_takes_them_apart(path):
+    if path.name != "names.py":
+        assert faults(path.read_text()) == OF_KERNELS.get(str(path.relative_to(SOURCE)), [])

@@ -1,0 +1,312 @@
+"""Map files: what is in them, how they appear, and what is refused."""
+
+import doctest
+import errno
+import os
+import random
+import threading
+from concurrent.futures import ThreadPoolExecutor
+
+import h5py
+import netCDF4
+import numpy as np
+import pytest
+import xarray as xr
+from tests.support.map_files import DESCRIBED, SPACES, Sample, digest, left_in, raising
+
+from fastlink.errors import InputError
+from fastlink.io import writer as store
+from fastlink.io.dataset import Variable, coordinates
+from fastlink.io.writer import Writer, open_map
+from fastlink.space.samplers import grid
+
+# --- what is in the file ---------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("space", SPACES.values(), ids=SPACES)
+def test_the_file_equals_the_dataset_in_memory_in_both_engines(tmp_path, space):
+    sample = Sample(space)
+    path = sample.save(tmp_path / "m.h5")
+    for opened in (open_map(path), xr.open_dataset(path, engine="netcdf4")):
+        with opened:
+            xr.testing.assert_identical(opened, sample.expected())
+            for variable in sample.variables:
+                assert opened[variable.name].dtype == variable.dtype
+            assert opened.coords["branch"].dtype == np.int8
+
+
+def test_threads_may_write_in_any_order(tmp_path):
+    sample = Sample()
+    blocks = [(name, start) for name in sample.arrays for start in range(sample.size)]
+    random.Random(1).shuffle(blocks)
+    with sample.writer(tmp_path / "m.h5") as writer:
+        with ThreadPoolExecutor(4) as pool:
+            list(pool.map(lambda b: writer.write(*b, sample.arrays[b[0]][b[1] : b[1] + 1]), blocks))
+        writer.finish({"run_time": 1.5})
+    with open_map(tmp_path / "m.h5") as opened:
+        xr.testing.assert_identical(opened, sample.expected())
+
+
+def test_equal_results_are_equal_files(tmp_path):
+    first = Sample().save(tmp_path / "first.h5")
+    sample = Sample()
+    with sample.writer(tmp_path / "second.nc") as writer:
+        sample.fill(writer, step=7)
+        writer.finish({"run_time": 1.5})
+    assert digest(first) == digest(tmp_path / "second.nc")
+    assert digest(first) != digest(Sample(seed=1).save(tmp_path / "third.h5"))
+
+
+def test_dimensions_of_equal_length_keep_their_names_in_netcdf4(tmp_path):
+    path = Sample().save(tmp_path / "m.h5")
+    with netCDF4.Dataset(path) as file:
+        assert file["omega4_max"].dimensions == ("a2", "a3")
+        assert file["B_x"].dimensions == ("a2", "a3", "branch", "theta1")
+        assert file["B_x"].coordinates == "a1"
+        assert file["count"].dimensions == ("a2", "a3", "theta1")
+        assert file["omega4_max"].units == "rad s⁻¹"
+
+
+def test_the_layout_is_contiguous_aligned_and_without_slack(tmp_path):
+    axis = np.linspace(1.0, 2.0, 100)
+    coords = coordinates(grid(a2=axis, a3=axis), DESCRIBED, {})
+    variables = [Variable(name, ("a2", "a3"), (100, 100), np.dtype("f8"), {}) for name in ("x", "y")]
+    path = tmp_path / "m.h5"
+    with Writer(path, coords, variables, {}) as writer:
+        for name in ("x", "y"):
+            writer.write(name, 0, np.ones(10_000))
+        writer.finish({})
+    with h5py.File(path) as file:
+        for name in ("x", "y"):
+            assert file[name].chunks is None
+            assert file[name].id.get_offset() % 4096 == 0
+            assert "_FillValue" not in file[name].attrs
+            assert h5py.h5g.get_objinfo(file.id, name.encode()).mtime == 0
+        assert "_FillValue" not in file["a2"].attrs
+    assert 160_000 < path.stat().st_size < 160_000 + 40_000
+
+
+def test_a_variable_without_dimensions(tmp_path):
+    coords = coordinates(grid(a1=0.4), DESCRIBED, {})
+    with Writer(tmp_path / "m.h5", coords, [Variable("x", (), (), np.dtype("f8"), {})], {}) as writer:
+        writer.write("x", 0, np.array([2.5]))
+        writer.finish({})
+    for engine in ("h5netcdf", "netcdf4"):
+        with xr.open_dataset(tmp_path / "m.h5", engine=engine) as opened:
+            assert opened["x"].dims == ()
+            assert float(opened["x"]) == 2.5
+
+
+def test_values_are_read_only_when_used(tmp_path):
+    with open_map(Sample().save(tmp_path / "m.h5")) as opened:
+        assert not opened["B_x"].variable._in_memory
+        assert opened["B_x"].isel(a2=0).load().variable._in_memory
+        assert not opened["B_x"].variable._in_memory
+
+
+# --- how it appears --------------------------------------------------------------------------------
+
+
+def test_the_name_exists_only_when_the_file_is_complete(tmp_path):
+    sample = Sample()
+    with sample.writer(tmp_path / "m.h5") as writer:
+        sample.fill(writer)
+        assert left_in(tmp_path) == ["m.h5.part"]
+        with pytest.raises(
+            InputError, match=r"there is no such file; m\.h5\.part is of a run that has not finished"
+        ):
+            open_map(tmp_path / "m.h5")
+        writer.finish({})
+        assert left_in(tmp_path) == ["m.h5"]
+
+
+@pytest.mark.parametrize("moment", ["before", "between"])
+@pytest.mark.parametrize("error", [KeyboardInterrupt, ZeroDivisionError])
+def test_a_failed_run_leaves_nothing(tmp_path, moment, error):
+    def fail():
+        assert left_in(tmp_path) == ["m.h5.part"]
+        raise error
+
+    with pytest.raises(error):
+        Sample().save(tmp_path / "m.h5", **{moment: fail})
+    assert left_in(tmp_path) == []
+
+
+def test_a_run_that_is_not_finished_leaves_nothing(tmp_path):
+    with Sample().writer(tmp_path / "m.h5") as writer:
+        pass
+    assert left_in(tmp_path) == []
+    with pytest.raises(ValueError, match="the file is closed"):
+        writer.write("status", 0, np.zeros(1, "i1"))
+    with pytest.raises(RuntimeError, match="0 of 9 values of omega4_max were written"):
+        writer.finish({})
+
+
+def test_an_incomplete_file_is_not_published(tmp_path):
+    sample = Sample()
+    del sample.arrays["B_x"]
+    with pytest.raises(RuntimeError, match=r"m\.h5: 0 of 36 values of B_x were written"):
+        sample.save(tmp_path / "m.h5")
+    assert left_in(tmp_path) == []
+
+
+def test_a_last_attribute_that_cannot_be_stored_leaves_nothing(tmp_path):
+    with pytest.raises(TypeError, match="attribute 'run_time'"):
+        Sample().save(tmp_path / "m.h5", last=None)
+    assert left_in(tmp_path) == []
+
+
+def test_a_variable_that_cannot_be_laid_out_leaves_nothing(tmp_path):
+    sample = Sample()
+    sample.variables[0].attrs["x"] = None
+    with pytest.raises(TypeError, match="attribute 'x'"):
+        sample.writer(tmp_path / "m.h5")
+    assert left_in(tmp_path) == []
+
+
+def test_who_has_an_overwritten_file_open_goes_on_reading_it(tmp_path):
+    old, new = Sample(seed=0), Sample(seed=1)
+    path = old.save(tmp_path / "m.h5")
+    with open_map(path) as reader:
+        new.save(path, overwrite=True)
+        xr.testing.assert_identical(reader, old.expected())
+    with open_map(path) as reader:
+        xr.testing.assert_identical(reader, new.expected())
+    assert left_in(tmp_path) == ["m.h5"]
+
+
+def test_an_existing_file_is_kept_unless_overwritten(tmp_path):
+    path = Sample().save(tmp_path / "m.h5")
+    before = digest(path)
+    with pytest.raises(InputError) as caught:
+        Sample(seed=1).writer(path)
+    assert str(caught.value) == f"to: {path}: the file exists; choose another name, or write overwrite=True"
+    assert digest(path) == before
+    assert left_in(tmp_path) == ["m.h5"]
+
+
+@pytest.mark.parametrize("link", [os.link, raising(errno.EPERM)], ids=["links", "no links"])
+def test_a_file_that_appears_during_the_run_is_kept_and_so_is_the_result(tmp_path, monkeypatch, link):
+    monkeypatch.setattr(os, "link", link)
+    path = tmp_path / "m.h5"
+    sample = Sample()
+    with pytest.raises(InputError) as caught:
+        sample.save(path, between=lambda: path.write_text("mine"))
+    assert str(caught.value) == (
+        f"to: {path}: cannot give the complete file its name (File exists); it is kept as {path}.part, rename it"
+    )
+    assert path.read_text() == "mine"
+    path.with_name("m.h5.part").rename(tmp_path / "kept.h5")
+    with open_map(tmp_path / "kept.h5") as opened:
+        xr.testing.assert_identical(opened, sample.expected())
+
+
+@pytest.mark.parametrize("overwrite", [False, True])
+def test_a_file_can_be_read_from_its_first_moment_on(tmp_path, monkeypatch, overwrite):
+    path = tmp_path / "m.h5"
+    read = []
+    name = "replace" if overwrite else "link"
+    give_name = getattr(os, name)
+
+    def give_name_and_read(source, to):
+        give_name(source, to)
+        if to == path:
+            with open_map(path) as opened:
+                read.append(opened.title)
+
+    monkeypatch.setattr(os, name, give_name_and_read)
+    Sample().save(path, overwrite=overwrite)
+    assert read == ["übung"]
+
+
+def test_a_link_is_followed(tmp_path):
+    (tmp_path / "there").mkdir()
+    (tmp_path / "link.h5").symlink_to(tmp_path / "there" / "m.h5")
+    Sample().save(tmp_path / "link.h5")
+    assert left_in(tmp_path / "there") == ["m.h5"]
+    assert (tmp_path / "link.h5").is_symlink()
+
+
+# --- what is refused -------------------------------------------------------------------------------
+
+
+BLOCKS = {
+    "other type": ("omega4_max", 0, np.zeros(2, "f4"), TypeError, "block is float32, the variable float64"),
+    "other byte order": ("omega4_max", 0, np.zeros(2, ">f8"), TypeError, "block is >f8"),
+    "strided": ("omega4_max", 0, np.zeros(4)[::2], ValueError, "block is not C-contiguous"),
+    "other rows": ("B_x", 0, np.zeros((2, 2, 4)), ValueError, r"a block of shape \(2, 2, 4\) is no rows of"),
+    "scalar": ("omega4_max", 0, np.float64(1.0)[()], ValueError, "is no rows of"),
+    "too many dimensions": ("omega4_max", 0, np.zeros((1, 1, 1, 1)), ValueError, "is no rows of"),
+    "before the first": ("omega4_max", -1, np.zeros(2), ValueError, "designs -1 to 1 of 9"),
+    "beyond the last": ("omega4_max", 8, np.zeros(2), ValueError, "designs 8 to 10 of 9"),
+}
+
+
+@pytest.mark.parametrize(("name", "start", "block", "error", "message"), BLOCKS.values(), ids=BLOCKS)
+def test_a_block_that_does_not_fit_is_refused(tmp_path, name, start, block, error, message):
+    with Sample().writer(tmp_path / "m.h5") as writer, pytest.raises(error, match=f"^{name}: .*{message}"):
+        writer.write(name, start, np.asarray(block) if np.ndim(block) == 0 else block)
+
+
+def test_a_variable_along_an_unknown_dimension_is_refused(tmp_path):
+    sample = Sample()
+    sample.variables.append(Variable("x", ("extremum",), (2,), np.dtype("f8"), {}))
+    with pytest.raises(ValueError, match="x: 2 along 'extremum', its coordinate None"):
+        sample.writer(tmp_path / "m.h5")
+    assert left_in(tmp_path) == []
+
+
+def test_leaving_waits_for_writes_under_way(tmp_path, monkeypatch):
+    sample = Sample()
+    writing, go = threading.Event(), threading.Event()
+    pwrite, closed = os.pwrite, []
+
+    def slow(fd, data, at):
+        writing.set()
+        assert go.wait(30)
+        closed.append(writer._fd == fd and os.fstat(fd).st_nlink)
+        return pwrite(fd, data, at)
+
+    monkeypatch.setattr(os, "pwrite", slow)
+    with ThreadPoolExecutor(1) as pool:
+        with sample.writer(tmp_path / "m.h5") as writer:
+            future = pool.submit(writer.write, "status", 0, sample.arrays["status"])
+            assert writing.wait(30)
+            threading.Timer(0.1, go.set).start()
+        future.result()
+    assert closed == [1]
+    assert left_in(tmp_path) == []
+
+
+def test_files_that_cannot_be_opened(tmp_path):
+    def message(path):
+        with pytest.raises(InputError) as caught:
+            open_map(path)
+        return str(caught.value)
+
+    path = tmp_path / "m.h5"
+    assert message(str(path)) == f"{path}: there is no such file; give the path of a written map"
+    assert message(tmp_path) == f"{tmp_path}: is a folder; give the path of a map that a sweep has written"
+    path.write_text("text")
+    assert message(path).startswith(f"{path}: cannot be read as HDF5 (")
+    assert message(path).endswith("); give a map that a sweep has written")
+    assert "\n" not in message(path)
+    whole = Sample().save(tmp_path / "whole.h5").read_bytes()
+    path.write_bytes(whole[: len(whole) // 2])
+    assert message(path).startswith(f"{path}: cannot be read as HDF5 (")
+    xr.Dataset({"x": 1.0}).to_netcdf(tmp_path / "other.nc", engine="h5netcdf")
+    assert message(tmp_path / "other.nc") == (
+        f"{tmp_path / 'other.nc'}: is no finished map (it has no attribute 'fastlink_map'); "
+        "other files open with xarray.open_dataset"
+    )
+    with h5py.File(tmp_path / "whole.h5", "r+") as file:
+        file.attrs["fastlink_map"] = 2
+    assert message(tmp_path / "whole.h5") == (
+        f"{tmp_path / 'whole.h5'}: has format 2, this version reads up to 1; update fastlink"
+    )
+
+
+def test_the_examples_run():
+    result = doctest.testmod(store)
+    assert result.attempted > 0
+    assert result.failed == 0

@@ -1,0 +1,326 @@
+"""The place of a map file: other processes, systems that lack something, full disks, bad places."""
+
+import errno
+import multiprocessing
+import os
+import resource
+import signal
+import threading
+from concurrent.futures import ThreadPoolExecutor
+
+import numpy as np
+import pytest
+import xarray as xr
+from tests.support.map_files import DESCRIBED, Sample, digest, left_in, raising
+
+from fastlink.errors import InputError
+from fastlink.io import partial_file as target
+from fastlink.io import writer as store
+from fastlink.io.dataset import Variable, coordinates
+from fastlink.io.skeleton import lay_out
+from fastlink.io.writer import Writer, check_target, open_map
+from fastlink.space.samplers import grid
+
+# --- other processes -------------------------------------------------------------------------------
+
+
+def start_and_wait(path, ready, killed):
+    sample = Sample()
+    writer = sample.writer(path)
+    sample.fill(writer)
+    ready.set()
+    if killed:
+        os.kill(os.getpid(), signal.SIGKILL)
+    threading.Event().wait()
+
+
+@pytest.fixture
+def other_process():
+    """Start a run in another process that is killed before its end, or waits."""
+    context = multiprocessing.get_context("spawn")
+    started = []
+
+    def start(path, *, killed):
+        ready = context.Event()
+        process = context.Process(target=start_and_wait, args=(path, ready, killed))
+        process.start()
+        started.append(process)
+        assert ready.wait(60)
+        if killed:
+            process.join()
+        return process
+
+    yield start
+    for process in started:
+        process.kill()
+        process.join()
+
+
+def test_what_a_killed_run_left_is_replaced(tmp_path, other_process):
+    path = tmp_path / "m.h5"
+    other_process(path, killed=True)
+    (tmp_path / "m.h5.part.new").write_text("of a run killed earlier still")
+    assert left_in(tmp_path) == ["m.h5.part", "m.h5.part.new"]
+    with pytest.raises(InputError, match="is no finished map"):
+        open_map(tmp_path / "m.h5.part")
+    sample = Sample(seed=1)
+    sample.save(path)
+    assert left_in(tmp_path) == ["m.h5"]
+    with open_map(path) as opened:
+        xr.testing.assert_identical(opened, sample.expected())
+
+
+def test_the_room_of_what_a_killed_run_left_is_given_back_first(tmp_path, monkeypatch):
+    part = tmp_path / "m.h5.part"
+    part.write_bytes(b"x" * 1_000_000)
+    sizes = []
+
+    def observed(*args):
+        sizes.append(part.stat().st_size)
+        return lay_out(*args)
+
+    monkeypatch.setattr(store, "lay_out", observed)
+    Sample().save(tmp_path / "m.h5")
+    assert sizes == [0]
+
+
+@pytest.mark.parametrize("next_run", [False, True])
+def test_a_partial_file_that_gets_its_name_while_it_is_claimed_is_left_alone(tmp_path, monkeypatch, next_run):
+    part, other = tmp_path / "m.h5.part", tmp_path / "other.h5"
+    part.write_text("complete")
+    lock = target._lock
+
+    def published_meanwhile(fd, path):
+        if not other.exists():
+            part.rename(other)
+            if next_run:
+                part.write_text("killed early")
+        lock(fd, path)
+
+    monkeypatch.setattr(target, "_lock", published_meanwhile)
+    with target.claimed(part):
+        assert other.read_text() == "complete"
+        assert part.read_bytes() == b""
+
+
+def test_a_file_that_another_process_is_writing_is_refused(tmp_path, other_process):
+    path = tmp_path / "m.h5"
+    process = other_process(path, killed=False)
+    before = digest(tmp_path / "m.h5.part")
+    for attempt in (lambda: check_target(path, 0, True), lambda: Sample().writer(path, overwrite=True)):
+        with pytest.raises(InputError) as caught:
+            attempt()
+        assert str(caught.value) == (
+            f"to: {path}.part: another run is writing it; wait for it or choose another name"
+        )
+    assert digest(tmp_path / "m.h5.part") == before
+    process.kill()
+    process.join()
+    assert Sample().save(path).exists()
+
+
+def test_of_two_runs_that_start_at_once_one_is_refused(tmp_path):
+    sample, path = Sample(), tmp_path / "m.h5"
+    barrier = threading.Barrier(2)
+
+    def start():
+        barrier.wait()
+        try:
+            return sample.writer(path)
+        except InputError as error:
+            return error
+
+    for _ in range(10):
+        with ThreadPoolExecutor(2) as pool:
+            results = [future.result() for future in [pool.submit(start), pool.submit(start)]]
+        (writer,) = [result for result in results if isinstance(result, Writer)]
+        (error,) = [result for result in results if isinstance(result, InputError)]
+        assert "another run is writing it" in str(error)
+        with writer:
+            sample.fill(writer)
+            writer.finish({"run_time": 1.5})
+        with open_map(path) as opened:
+            xr.testing.assert_identical(opened, sample.expected())
+        path.unlink()
+
+
+# --- systems that lack something -------------------------------------------------------------------
+
+LACKS = {
+    "pwrite": lambda patch: patch.delattr(os, "pwrite"),
+    "room for a whole write": lambda patch: patch.setattr(
+        os, "pwrite", lambda fd, data, at, write=os.pwrite: write(fd, data[:7], at)
+    ),
+    "fcntl": lambda patch: patch.setattr(target, "fcntl", None),
+    "locks": lambda patch: patch.setattr(target.fcntl, "flock", raising(errno.ENOSYS)),
+    "posix_fallocate": lambda patch: patch.delattr(os, "posix_fallocate"),
+    "reserving": lambda patch: patch.setattr(os, "posix_fallocate", raising(errno.EOPNOTSUPP)),
+    "hard links": lambda patch: patch.setattr(os, "link", raising(errno.EPERM)),
+}
+
+
+@pytest.mark.parametrize("lack", LACKS.values(), ids=LACKS)
+def test_the_same_file_comes_out_where_the_system_lacks(tmp_path, monkeypatch, lack):
+    expected = digest(Sample().save(tmp_path / "usual.h5"))
+    lack(monkeypatch)
+    assert digest(Sample().save(tmp_path / "m.h5")) == expected
+    Sample().save(tmp_path / "m.h5", overwrite=True)
+    with Sample().writer(tmp_path / "failed.h5"):
+        pass
+    assert left_in(tmp_path) == ["m.h5", "usual.h5"]
+
+
+def save_in_environment(path, setting):
+    os.environ["HDF5_USE_FILE_LOCKING"] = setting
+    Sample().save(path)
+
+
+@pytest.mark.parametrize("setting", ["TRUE", "FALSE"])
+def test_the_environment_may_force_the_locks_of_hdf5(tmp_path, setting):
+    process = multiprocessing.get_context("spawn").Process(
+        target=save_in_environment, args=(tmp_path / "m.h5", setting)
+    )
+    process.start()
+    process.join()
+    assert process.exitcode == 0
+    with open_map(tmp_path / "m.h5") as opened:
+        xr.testing.assert_identical(opened, Sample().expected())
+
+
+# --- full disks ------------------------------------------------------------------------------------
+
+
+def test_a_disk_that_is_too_small_is_refused_before_anything_is_written(tmp_path):
+    with pytest.raises(InputError) as caught:
+        check_target(tmp_path / "m.h5", 10**15, False)
+    message = str(caught.value)
+    assert message.startswith(f"to: {tmp_path / 'm.h5'} needs 1e+03 TB but ")
+    assert message.endswith(" are free; ask for fewer quantities or designs, or choose another disk")
+    assert left_in(tmp_path) == []
+
+
+def test_what_a_killed_run_left_counts_as_free(tmp_path, monkeypatch):
+    (tmp_path / "m.h5.part").write_bytes(b"x" * 4_000_000)
+    monkeypatch.setattr(target, "_free", lambda path: target.SLACK)
+    assert check_target(tmp_path / "m.h5", 3_900_000, False) == tmp_path / "m.h5"
+    with pytest.raises(InputError, match=r"needs 4\.2 MB but 1\.05 MB are free"):
+        check_target(tmp_path / "m.h5", 4_200_000, False)
+
+
+@pytest.mark.parametrize("good_calls", [0, 1], ids=["for the labels", "for the values"])
+def test_a_disk_that_fills_up_as_room_is_reserved(tmp_path, monkeypatch, good_calls):
+    calls = []
+
+    def reserve(*args):
+        calls.append(args)
+        if len(calls) > good_calls:
+            raising(errno.ENOSPC)()
+
+    monkeypatch.setattr(os, "posix_fallocate", reserve)
+    sample = Sample()
+    with pytest.raises(InputError) as caught:
+        sample.writer(tmp_path / "m.h5")
+    assert len(calls) == good_calls + 1
+    assert sample.coords.nbytes == 74
+    assert str(caught.value).startswith(
+        f"to: {tmp_path / 'm.h5'} needs 731 B but "
+    )  # 657 of values, 74 of labels
+    assert " are free (No space left on device); ask for fewer quantities" in str(caught.value)
+    assert left_in(tmp_path) == []
+
+
+FAILURES = {
+    "full during the run": (
+        "before",
+        "pwrite",
+        errno.ENOSPC,
+        "needs 731 B but .* are free \\(No space left on device\\); .*",
+    ),
+    "broken during the run": (
+        "before",
+        "pwrite",
+        errno.EIO,
+        "cannot be written \\(Input/output error\\); choose another place",
+    ),
+    "broken at the end": (
+        "between",
+        "fsync",
+        errno.EIO,
+        "cannot be written \\(Input/output error\\); choose another place",
+    ),
+}
+
+
+@pytest.mark.parametrize(("moment", "call", "number", "message"), FAILURES.values(), ids=FAILURES)
+def test_a_disk_that_fails(tmp_path, monkeypatch, moment, call, number, message):
+    failing = {moment: lambda: monkeypatch.setattr(os, call, raising(number))}
+    with pytest.raises(InputError, match=f"^to: {tmp_path}/m\\.h5 {message}$"):
+        Sample().save(tmp_path / "m.h5", **failing)
+    assert left_in(tmp_path) == []
+
+
+def write_with_limit(path, limit, queue):
+    resource.setrlimit(resource.RLIMIT_FSIZE, (limit, limit))
+    axis = np.arange(1.0, 1001.0)
+    coords = coordinates(grid(a2=axis, a3=axis), DESCRIBED, {})
+    try:
+        Writer(path, coords, [Variable("x", ("a2", "a3"), (1000, 1000), np.dtype("f8"), {})], {})
+        queue.put("written")
+    except InputError as error:
+        queue.put(str(error))
+
+
+@pytest.mark.parametrize("limit", [4096, 4_000_000, 8_500_000])
+def test_a_limit_on_the_size_of_files(tmp_path, limit):
+    context = multiprocessing.get_context("spawn")
+    queue = context.Queue()
+    process = context.Process(target=write_with_limit, args=(tmp_path / "m.h5", limit, queue))
+    process.start()
+    message = queue.get(timeout=20)
+    process.join()
+    assert process.exitcode == 0
+    assert message.startswith(f"to: {tmp_path / 'm.h5'} ")
+    assert "\n" not in message
+    assert "File too large" in message
+    assert left_in(tmp_path) == []
+
+
+# --- bad places ------------------------------------------------------------------------------------
+
+
+def test_places_that_cannot_be_written(tmp_path, monkeypatch):
+    def message(path):
+        with pytest.raises(InputError) as caught:
+            check_target(path, 0, True)
+        return str(caught.value)
+
+    assert (
+        message(tmp_path) == f"to: {tmp_path} is a folder; add a file name, for instance {tmp_path}/maps.h5"
+    )
+    assert "there is no folder" in message("~nobody-of-that-name/m.h5")
+    missing = tmp_path / "none" / "m.h5"
+    assert (
+        message(missing) == f"to: {missing}: there is no folder {tmp_path}/none; create it or choose another"
+    )
+    assert message("/dev/null") == "to: /dev/null is a device or a pipe; choose another name"
+    assert message("a\0b").endswith(" cannot be written (embedded null byte); choose another place")
+    long = tmp_path / ("x" * 254)
+    assert message(long) == f"to: {long} cannot be written (File name too long); choose another place"
+    monkeypatch.setattr(target.tempfile, "TemporaryFile", raising(errno.EACCES))
+    path = tmp_path / "m.h5"
+    assert message(path) == f"to: {path} cannot be written (Permission denied); choose another place"
+
+
+def test_a_folder_that_cannot_be_written(tmp_path):
+    # /proc refuses files to everyone, a folder of mode 0o500 to all but the superuser
+    folder = "/proc" if os.geteuid() == 0 else str(tmp_path)
+    tmp_path.chmod(0o500)
+    with pytest.raises(InputError, match=r"^.*m\.h5 cannot be written \(.*\); choose another place$"):
+        check_target(f"{folder}/m.h5", 0, False)
+    tmp_path.chmod(0o700)
+
+
+def test_a_good_place_is_given_back_absolute_and_untouched(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    assert check_target("m.h5", 1000, False) == tmp_path / "m.h5"
+    assert left_in(tmp_path) == []

@@ -1,0 +1,183 @@
+"""Status of focal mechanisms at and next to every boundary, bad input, and the studies at reduced size."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from tests.support.focal_designs import FACTS, FOCAL, NUMBERS, facts
+
+import fastlink as fl
+from fastlink.errors import InputError
+from fastlink.mechanisms.focal.status import STATUS_FLAGS
+from fastlink.precision.reference import UNIT
+from fastlink.study.study import run_study
+
+STUDIES = Path(__file__).parents[3] / "data" / "studies"
+CODES = {meaning: float(code) for code, meaning in STATUS_FLAGS.items()}
+FOUR_BAR = {"a": 5.0, "b": 5.0, "c": 2.0, "d": 4.0}
+#: What needs the bars of the completion, and what needs the crank.
+BARS, CRANK = ("m", "n", "p", "q"), ("r", "FT", "transmission_angle_PQ_least")
+UP, DOWN = np.inf, -np.inf
+
+
+def status(given="rho", completion=1.0, **design):
+    return facts({name: [value] for name, value in design.items()}, completion, ["status"], given)["status"][
+        0
+    ]
+
+
+def beside(x, where):
+    """Return the next double."""
+    return float(np.nextafter(x, where))
+
+
+# In small numbers W is exact: 4 for rho = 1, a = b = 1; 1 for rho = -2, a = 2, b = 1; 9 for rho = -4, a = 4, b = 1.
+BOUNDARIES = [
+    ("completed", {"a": 1.0, "b": 1.0, "c": 0.5, "d": 1.5, "rho": 1.0}),
+    ("no_real_lambda_or_rho", {"a": 1.0, "b": 1.0, "c": 0.5, "d": beside(1.5, UP), "rho": 1.0}),
+    ("no_real_lambda_or_rho", {"a": 1.0, "b": beside(1.0, DOWN), "c": 0.5, "d": 1.5, "rho": 1.0}),
+    ("completed", {"a": 2.0, "b": 1.0, "c": 2.0, "d": 1.0, "rho": -2.0}),
+    ("completed", {"a": 2.0, "b": 1.0, "c": beside(2.0, UP), "d": 1.0, "rho": -2.0}),
+    ("no_real_lambda_or_rho", {"a": 2.0, "b": 1.0, "c": beside(2.0, DOWN), "d": 1.0, "rho": -2.0}),
+    ("no_real_lambda_or_rho", {"a": 4.0, "b": 1.0, "c": 1.0, "d": 2.0, "rho": -4.0}),
+    ("p_q_and_r_imaginary", {"a": 4.0, "b": 1.0, "c": 1.0, "d": beside(2.0, DOWN), "rho": -4.0}),
+    ("four_bar_never_assembles", {"a": 4.0, "b": 1.0, "c": 1.0, "d": beside(2.0, DOWN), "rho": 4.0}),
+    ("four_bar_never_assembles", {"a": 1.0, "b": 1.0, "c": 1.0, "d": beside(3.0, UP), "rho": 4.0}),
+    ("F_on_a_straight_line", {"a": 3.0, "b": 6.0, "c": 7.0, "d": 6.0, "rho": -1.0}),
+    ("completed", {"a": 3.0, "b": 6.0, "c": 7.0, "d": 6.0, "rho": beside(-1.0, UP)}),
+    ("completed", {"a": 3.0, "b": 6.0, "c": 7.0, "d": 6.0, "rho": beside(-1.0, DOWN)}),
+    ("lambda_is_0", {"a": 3.0, "b": 6.0, "c": 3.0, "d": 6.0, "rho": -1.0}),
+    ("lambda_is_0", {"a": 3.0, "b": 6.0, "c": 3.0, "d": 6.0, "rho": -0.25}),
+    ("completed", {"a": 3.0, "b": 6.0, "c": 3.0, "d": 6.0, "rho": beside(-0.25, UP)}),
+    ("S_in_M_or_N", {**FOUR_BAR, "rho": 0.0}),
+    ("S_in_M_or_N", {**FOUR_BAR, "s": 0.0}),
+    ("S_in_M_or_N", {**FOUR_BAR, "s": 4.0}),
+    ("completed", {**FOUR_BAR, "s": beside(4.0, UP)}),
+    ("completed", {**FOUR_BAR, "s": beside(4.0, DOWN)}),
+    ("S_in_M_or_N", {**FOUR_BAR, "lambda_": 1.0}),
+    ("completed", {**FOUR_BAR, "lambda_": 6.0}),
+    ("no_real_lambda_or_rho", {**FOUR_BAR, "lambda_": 2.0}),
+    ("lambda_is_0", {"a": 3.0, "b": 6.0, "c": 3.0, "d": 6.0, "lambda_": 0.0}),
+    ("F_on_a_straight_line", {"a": 3.0, "b": 6.0, "c": 3.0, "d": 6.0, "lambda_": 0.75}),
+    ("invalid_input", {**FOUR_BAR, "a": -5.0, "rho": 1.0}),
+    ("invalid_input", {**FOUR_BAR, "c": np.nan, "rho": 1.0}),
+    ("invalid_input", {**FOUR_BAR, "d": np.inf, "rho": 1.0}),
+    ("invalid_input", {**FOUR_BAR, "rho": np.nan}),
+    ("invalid_input", {**FOUR_BAR, "completion": 3.0, "rho": 1.0}),
+]
+
+
+@pytest.mark.parametrize(("meaning", "design"), BOUNDARIES)
+def test_status_at_and_next_to_its_boundaries(meaning, design):
+    design = dict(design)
+    given = next(name for name in ("rho", "s", "lambda_") if name in design)
+    completion = design.pop("completion", 1.0)
+    assert status(given, completion, **design) == CODES[meaning]
+
+
+def test_every_status_is_met():
+    assert {meaning for meaning, _ in BOUNDARIES} == set(STATUS_FLAGS.values())
+
+
+@pytest.mark.parametrize(("meaning", "design"), BOUNDARIES)
+def test_what_is_not_there_is_no_number(meaning, design):
+    design = dict(design)
+    given = next(name for name in ("rho", "s", "lambda_") if name in design)
+    completion = design.pop("completion", 1.0)
+    found = facts({name: [value] for name, value in design.items()}, completion, FACTS, given)
+    there = {name: bool(np.isfinite(found[name][0])) for name in NUMBERS}
+    assert {there[name] for name in CRANK} == {meaning == "completed"}
+    assert {there[name] for name in BARS} == {meaning in ("completed", "F_on_a_straight_line")}
+    assert there["line_x"] == (meaning == "F_on_a_straight_line")
+    assert (found["crank_type"][0] == 5.0) == (meaning != "completed")
+    if meaning == "F_on_a_straight_line":
+        assert not any(there[name] for name in ("s", "S_x", "T_ratio"))
+    if meaning == "invalid_input" and completion != 3.0 and not np.isnan(design.get("rho", 0.0)):
+        # the sum of the lengths alone is told of what is no linkage
+        assert not any(there[name] for name in NUMBERS if name != "lambda_")
+
+
+def test_both_completions_are_one_where_they_meet():
+    one, other = (facts({name: [value] for name, value in BOUNDARIES[0][1].items()}, k) for k in (1.0, 2.0))
+    for name in FACTS:
+        # S/d and c/S are two roundings off one number, of which lambda is made
+        np.testing.assert_allclose(one[name], other[name], rtol=16 * UNIT, err_msg=name)
+
+
+def test_change_points_are_told_as_such():
+    # a + b = c + d: everything may lie in line
+    found = facts({"a": [5.0], "b": [3.0], "c": [2.0], "d": [6.0], "rho": [1.0]}, 1.0)
+    assert found["crank_type"][0] == 4.0
+    assert found["transmission_angle_PQ_least"][0] == found["transmission_angle_F_least"][0] == 0.0
+    flags = FOCAL.facts["grashof_class"].flags
+    kites = {"a": [2.0, 1.0], "b": [1.0, 2.0], "c": [1.0, 1.0], "d": [2.0, 2.0], "rho": [1.0, 1.0]}
+    found = facts(kites, 1.0)["grashof_class"]
+    assert [flags[int(code)] for code in found] == ["change_point_kite_a_d", "change_point_kite_a_c"]
+
+
+@pytest.mark.parametrize(
+    ("design", "message"),
+    [
+        ({"rho": 1.0, "s": 2.0}, "s and rho determine each other; leave one of them out"),
+        ({"s": 1.0, "lambda_": 2.0}, "determine each other; leave one of them out"),
+        ({}, "rho is missing"),
+        ({"rho": 1.0, "completion": 3}, "completion is 3.0"),
+        (
+            {"rho": 1.0, "a": -1.0},
+            "a is -1.0 (length of the rocker MA); write a finite number greater than 0",
+        ),
+        ({"rho": np.nan}, "rho is nan; write a finite number"),
+        ({"s": 1.0}, "quantity 's' is given, and a coordinate of the result; leave it out"),
+    ],
+)
+def test_bad_designs_are_refused_in_a_line(design, message):
+    with pytest.raises(InputError) as refused:
+        fl.sweep("focal", fl.grid(**FOUR_BAR | design), ["s"])
+    assert message in str(refused.value)
+    assert "\n" not in str(refused.value)
+
+
+# -- studies --------------------------------------------------------------------------------------------------
+
+
+def test_the_study_of_drives_finds_every_double_rocker(tmp_path):
+    text = (STUDIES / "crank_driven_rockers.toml").read_text(encoding="utf-8")
+    assert "21 x 21 x 64 x 41 = 1,157,184" in text
+    assert 21 * 21 * 64 * 41 == 1_157_184
+    for large, fewer in ((", 21]", ", 9]"), (", 64]", ", 8]"), (", 41]", ", 5]")):
+        text = text.replace(large, fewer)
+    study = tmp_path / "drives.toml"
+    study.write_text(text, encoding="utf-8")
+    with run_study(study, to=tmp_path / "drives.h5") as maps:
+        found = maps.load()
+    assert dict(found.sizes) == {"a": 9, "b": 9, "c": 8, "rho": 5, "completion": 2}
+    rockers = (found.grashof_class == 2).broadcast_like(found.crank_type)
+    assert int(rockers.sum()) > 200
+    first, second = (found.crank_type.sel(completion=k).values for k in (1, 2))
+    rockers = rockers.sel(completion=1).values
+    assert (first[rockers] == 0).all()
+    assert (second[rockers] == 3).all()
+    # the crank is shorter than every other bar of M S F P
+    for name in ("m", "p", "s"):
+        lengths = found[name]
+        lengths = lengths.sel(completion=1) if "completion" in lengths.dims else lengths
+        shorter = abs(lengths) - found.r.sel(completion=1)
+        assert (shorter.broadcast_like(found.r.sel(completion=1)).values[rockers] > 0.0).all()
+
+
+def test_the_study_of_chebyshev_s_linkage(tmp_path):
+    text = (STUDIES / "chebyshev_drive.toml").read_text(encoding="utf-8")
+    asked = text[text.index("quantities") : text.index("[design]")]
+    study = tmp_path / "drive.toml"
+    study.write_text(text.replace(asked, 'quantities = ["crank_type", "T_x", "T_y"]\n\n'), encoding="utf-8")
+    with run_study(study, to=tmp_path / "drive.h5") as maps:
+        found = maps.load()
+    assert int(found.crank_type) == 0
+    one = found.sel(branch=1)
+    assert bool(np.isfinite(one.T_y).all())
+    # T moves in a straight line for some two fifths of the turn, 4 above MN
+    straight = abs(one.T_y - 4.0) < 0.01
+    assert 0.3 < float(straight.mean()) < 0.6
+    assert float(one.T_x.where(straight).max() - one.T_x.where(straight).min()) > 3.0

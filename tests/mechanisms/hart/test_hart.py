@@ -1,0 +1,308 @@
+"""Hart's linkage: the line, the loop of the paper's equations, the stroke by brute force, the kite, what is refused."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import mpmath as mp
+import numpy as np
+import pytest
+from tests.support.configurations import DIGITS, UNIT
+from tests.support.hart_configurations import HART, INPUTS, OF_THE_CRANK, QUANTITIES, WUNDERLICH, at, family
+
+import fastlink as fl
+from fastlink.engine.evaluate import read_facts
+from fastlink.errors import InputError
+from fastlink.mechanisms.hart.line import KITE_FLAGS, STATUS_FLAGS
+from fastlink.precision.reference import CONTEXT, Exact
+from fastlink.study.study import run_study
+
+
+def exact(names, one):
+    """Return facts of one configuration with 50 digits."""
+    return Exact(HART, names, one).at(one)
+
+
+def assembled(rng, n):
+    """Return designs that assemble, as inputs by name."""
+    found = family("random", rng, n)
+    return {name: found[name] for name in INPUTS[:-1]}
+
+
+def configurations(n, seed):
+    """Yield configurations that assemble, with the branch."""
+    found = family("random", np.random.default_rng(seed), n)
+    for i in range(n):
+        for branch in (1, 2):
+            yield {name: float(values[i]) for name, values in found.items()} | {"branch": branch}
+
+
+# -- the equations of the paper -------------------------------------------------------------------------------
+
+
+def test_the_loop_of_equations_1_3_and_1_4_closes():
+    """By substitution, with u, v of the bars MP, NQ and w of the angle omega: independent of the four-bar."""
+    tested = 0
+    for one in configurations(60, 3):
+        found = exact(
+            ["psi", "omega_angle", "F_x", "F_y", *"pqabc", "lambda_", "A_x", "A_y", "B_x", "B_y"], one
+        )
+        if mp.isnan(found["psi"]):
+            continue
+        with mp.workdps(DIGITS):
+            m, n, d, kappa = (mp.mpf(one[name]) for name in INPUTS[:-1])
+            p, q, a, b, c, factor = (mp.mpf(found[name]) for name in (*"pqabc", "lambda_"))
+            turned = 1 if factor > 0 else -1  # phi and psi are the directions of MA, NB
+            u, v = turned * mp.expj(one["phi"]), turned * mp.expj(found["psi"])
+            w, z = mp.expj(found["omega_angle"]), mp.mpc(found["F_x"], found["F_y"])
+            off = [
+                m * u - p * u * w - z,  # (1.3)
+                d + n * v + q * v * w - z,  # (1.4)
+                a * u - mp.mpc(found["A_x"], found["A_y"]),
+                d + b * v - mp.mpc(found["B_x"], found["B_y"]),
+                abs(a * u - b * v - d) - abs(c),  # (2.3)
+                m * p + n * q,  # section 7
+                1 + p * q / (m * n) - factor,  # (2.6)
+                d / 2 + (1 - kappa * kappa) * (m * m - n * n) / (2 * d) - z.real,  # (7.5), corrected
+            ]
+            assert max(map(abs, off)) <= mp.mpf(10) ** (5 - DIGITS)
+        tested += 1
+    assert tested > 60
+
+
+def test_held_at_AB_the_line_is_that_of_1_over_kappa():
+    """Section 7: fixing AB, F moves along a straight line perpendicular to AB."""
+    for one in configurations(40, 4):
+        found = exact(["A_x", "A_y", "B_x", "B_y", "F_x", "F_y", "c"], one)
+        if mp.isnan(found["F_y"]):
+            continue
+        with mp.workdps(DIGITS):
+            A, B, F = (mp.mpc(found[f"{point}_x"], found[f"{point}_y"]) for point in "ABF")
+            along = ((F - A) * mp.conj(B - A)).real / abs(B - A)
+            m, n, d, kappa = (mp.mpf(one[name]) for name in INPUTS[:-1])
+            bars = {"m": kappa**2 * m, "n": kappa**2 * n, "d": abs(kappa) * d, "kappa": 1 / abs(kappa)}
+            facts = Exact(HART, ["line_x", "stroke"], list(bars))
+            assert abs(facts.at(bars)["line_x"] - along) <= mp.mpf(10) ** (5 - DIGITS)
+
+
+@pytest.mark.parametrize("name", ["F_y", "psi"])
+def test_rates_by_phi_are_differences(name):
+    rate = {"F_y": "dF_y_dphi", "psi": "dpsi_dphi"}[name]
+    step = CONTEXT.mpf(10) ** -20
+    for one in configurations(20, 5):
+        facts = Exact(HART, [name, rate], one)
+        here = facts.at(one)
+        if mp.isnan(here[name]):
+            continue
+        there = facts.moved(here, {"phi": here["phi"] + step})
+        # The second difference is below 10^6 of the step in these designs, which stay clear of toggles.
+        assert abs((there[name] - here[name]) / step - here[rate]) <= 1e-14 * (1 + abs(here[rate]))
+
+
+def test_the_sign_of_kappa_is_that_of_p_q_and_c_alone():
+    design = {"m": 0.9, "n": 1.2, "d": 1.5, "phi": np.linspace(-3.0, 3.0, 13)}
+    plus, minus = (at(list(HART.public), kappa=kappa, **design) for kappa in (0.7, -0.7))
+    for name in HART.public:
+        if name == "omega_angle":
+            turned = np.abs(plus[name] - minus[name])
+            # two arctangents of 2 units in the last place of pi each
+            np.testing.assert_allclose(turned[np.isfinite(turned)], np.pi, atol=16 * UNIT)
+        else:
+            np.testing.assert_array_equal(minus[name], plus[name] * (-1.0 if name in "pqc" else 1.0))
+
+
+# -- the stroke -----------------------------------------------------------------------------------------------
+
+
+def graded_angles(design):
+    """Return angles that crowd at the toggles, where F runs fastest by phi."""
+    found = read_facts(HART, ["Z0", "C0"], design)
+    low, high = max(found["Z0"], 0.0), min(1.0 - found["C0"], 1.0)
+    share = 0.5 - 0.5 * np.cos(np.linspace(0.0, np.pi, 4001))
+    half = 2.0 * np.arcsin(np.sqrt(low + (high - low) * share))
+    return np.concatenate([-half[::-1], half])
+
+
+def test_the_stroke_is_what_F_traces():
+    """By brute force: over phi and both branches, F covers the segments and nothing else."""
+    designs = assembled(np.random.default_rng(6), 40)
+    seen = set()
+    for i in range(40):
+        design = {name: float(values[i]) for name, values in designs.items()}
+        told = at(["F_y_outer", "F_y_inner", "stroke", "status"], **design)
+        outer, inner, stroke = told["F_y_outer"], told["F_y_inner"], told["stroke"]
+        place = {"phi": graded_angles(design)[:, None], "branch": np.array([1.0, 2.0])}
+        with np.errstate(invalid="ignore"):  # by NumPy's sines: evaluate tables 40 digits of each angle
+            y = read_facts(HART, ["F_y"], design | place)["F_y"]
+        y = np.sort(y[np.isfinite(y)])
+        two = STATUS_FLAGS[int(told["status"])] == "two_segments"
+        seen.add(two)
+        np.testing.assert_allclose(stroke, outer - inner if two else 2.0 * outer, rtol=64 * UNIT)
+        # F is off by a few roundings of m sin(phi) and of the toggles: 2^-40 is far more
+        assert np.abs(y).max() <= outer * (1.0 + 2.0**-40)
+        assert np.abs(y).min() >= inner * (1.0 - 2.0**-40)
+        # 4001 angles, crowded at toggles: the steps of F are about 1/1000 of the segment; a hole would be more.
+        steps = np.diff(np.concatenate([[-outer], y, [outer]]))
+        holes = steps > 0.01 * stroke
+        assert holes.sum() == two
+        if two:
+            np.testing.assert_allclose(steps[holes], 2.0 * inner, atol=0.02 * stroke)
+    assert seen == {True, False}
+
+
+def test_the_dyads_keep_their_side_along_the_stroke():
+    """The sign of sin(omega) is one way of the motion; it changes at the ends of the segment alone."""
+    phi = np.linspace(-np.pi, np.pi, 2001)
+    found = at(["F_y", "omega_angle", "F_y_outer"], m=1.0, n=1.4, d=2.5, kappa=0.6, phi=phi, branch=1)
+    omega = found["omega_angle"]
+    closes = np.isfinite(omega[1:]) & np.isfinite(omega[:-1])
+    changes = closes & (np.sign(omega[1:]) != np.sign(omega[:-1]))
+    assert changes.any()
+    # A step of 2 pi/2000 from where F stands still, F_y'' of order 1: within 1e-4.
+    near = np.minimum(np.abs(found["F_y"][1:]), np.abs(found["F_y"][:-1]))
+    np.testing.assert_allclose(near[changes], found["F_y_outer"][0], rtol=1e-4)
+
+
+def test_the_greatest_height_over_phi_is_the_end_of_the_stroke():
+    """By the search of extremes over the whole range of phi, which knows nothing of the stroke."""
+    designs = assembled(np.random.default_rng(7), 200)
+    maps = fl.sweep("hart", fl.table(designs), ["F_y_max", "F_y_min", "F_y_outer"], threads=1)
+    assert maps.F_y_max.attrs["extrema"] == "refined"
+    # F_y is flat there; its few roundings are of lengths up to some ten times as great as the height.
+    for name, sign in (("F_y_max", 1.0), ("F_y_min", -1.0)):
+        reached = (sign * maps[name]).max("branch")
+        np.testing.assert_allclose(reached, maps.F_y_outer, rtol=64 * UNIT)
+
+
+# -- the example of the paper, kites, codes --------------------------------------------------------------------
+
+
+def test_the_linkage_of_figures_6_and_7():
+    told = at(
+        [*"pqabc", "line_x", "is_kite", "stroke", "ellipse_a", "ellipse_b", "grashof_class"], **WUNDERLICH
+    )
+    # (7.7) with q = -2; F runs from 8 to -8, where M, P, F and N, Q, F are in line
+    assert [float(told[name]) for name in "pqabc"] == [4.0, -2.0, 3.0, 6.0, 3.0]
+    assert (told["line_x"], told["stroke"], told["ellipse_a"], told["ellipse_b"]) == (0.0, 16.0, 6.0, 2.0)
+    assert KITE_FLAGS[int(told["is_kite"])] == "kite_with_m_equal_p"
+    assert HART.facts["grashof_class"].flags[int(told["grashof_class"])] == "change_point_kite_a1_a2"
+
+
+def test_the_study_of_the_example(tmp_path):
+    study = Path(__file__).parents[3] / "data" / "studies" / "hart_8.toml"
+    with run_study(study, to=tmp_path / "hart_8.h5") as maps:
+        maps.load()
+    assert maps.F_deviation.max() <= 3.0
+    # sixteen joints of about four roundings each, over the longest bar
+    assert maps.closure_residual.max() <= 16 * UNIT
+    assert (maps.F_x == 0.0).all()
+    moves = (maps.branch == 2) == (maps.phi < np.pi)
+    # at M, C and Z being a rounding apart
+    assert abs(maps.F_y.where(~moves)).max() <= 8 * 16 * UNIT
+    # the figures: y = 2 m sin(phi), the ellipse about M; P runs on a circle of 4, twice as low as F
+    assert abs(maps.F_y - 8.0 * np.sin(maps.phi)).where(moves).max() <= 32 * UNIT
+    round_M = (maps.PF_mid_x / maps.ellipse_b) ** 2 + (maps.PF_mid_y / maps.ellipse_a) ** 2
+    assert abs(round_M - 1.0).where(moves).max() <= 16 * UNIT
+
+
+@pytest.mark.parametrize("kappa", [0.1, 0.5, -0.3, 0.9, 1.5, -4.0])
+@pytest.mark.parametrize("n", [0.3, 8.0, 1e150])
+def test_kites_in_decimals(kappa, n):
+    """(7.6) as a user computes it, a few roundings off: a kite, through M; mirrored, through N."""
+    small, ground = abs(kappa) * n, abs(1.0 - kappa * kappa) * n
+    phi = np.linspace(0.1, 3.0, 9)
+    for m, other, kite in ((small, n, 1), (n, small, 2)):
+        given = {"m": m, "n": other, "d": ground, "kappa": kappa}
+        told = at(["is_kite", "status", "line_x", "stroke", "ellipse_a", "ellipse_b"], **given)
+        assert (told["is_kite"], told["status"]) == (kite, 2)
+        assert np.isfinite(told["ellipse_a"]) == (kite == 1)
+        # the line runs through M or N within the rounding of three lengths
+        assert abs(told["line_x"] - (0.0 if kite == 1 else ground)) <= 8 * UNIT * (m + other + ground)
+        np.testing.assert_allclose(told["stroke"], 4.0 * small, rtol=8 * UNIT)
+        if kite == 1:
+            found = at(["PF_mid_x", "PF_mid_y", "F_y"], branch=np.array([[1], [2]]), phi=phi, **given)
+            moves = np.abs(found["F_y"]) > 1e-6 * small  # in the other branch F stays at M
+            assert moves.sum() == phi.size
+            x, y = found["PF_mid_x"] / told["ellipse_b"], found["PF_mid_y"] / told["ellipse_a"]
+            # the lengths are off the kite by 2 roundings, each coordinate by 4
+            np.testing.assert_allclose((x * x + y * y)[moves], 1.0, rtol=32 * UNIT)
+
+
+@pytest.mark.parametrize(
+    ("status", "changes"),
+    [
+        ("one_segment", {"d": 5.0}),
+        ("two_segments", {"m": 1.0, "n": 8.0, "d": 7.0}),
+        ("change_point", {}),
+        ("change_point", {"m": 8.0, "n": 8.0, "d": 8.0}),
+        ("rigid", {"m": 8.0, "n": 8.0, "d": 24.0}),
+        ("rigid", {"m": 1.0, "n": 8.0, "d": 3.5}),
+        ("never_assembles", {"d": 18.000001}),
+        ("never_assembles", {"d": 1.999999}),
+        ("kappa_is_0", {"kappa": 0.0}),
+        ("kappa_is_1_or_minus_1", {"kappa": 1.0}),
+        ("kappa_is_1_or_minus_1", {"kappa": -1.0}),
+        ("invalid_input", {"kappa": 1e70}),
+        ("invalid_input", {"kappa": 1e-70}),
+        ("invalid_input", {"kappa": np.nan}),
+        ("invalid_input", {"d": -6.0}),
+        ("invalid_input", {"m": np.inf}),
+        ("invalid_input", {"n": 0.0, "kappa": 0.0}),
+    ],
+)
+def test_every_status(status, changes):
+    with np.errstate(all="ignore"):
+        told = at(["status", *QUANTITIES], phi=1.0, branch=2, **(WUNDERLICH | changes))
+    assert STATUS_FLAGS[int(told["status"])] == status
+    none = status not in ("one_segment", "two_segments", "change_point", "rigid")
+    assert np.isnan(told["stroke"]) == none
+    if none:
+        assert np.isnan(told["line_x"])
+        assert all(np.isnan(told[q]) for q in QUANTITIES if HART.varies(q) and q not in OF_THE_CRANK)
+    if none and status != "never_assembles":
+        assert all(np.isnan(told[name]) for name in QUANTITIES)
+
+
+def test_status_agrees_with_the_four_bar():
+    """A design assembles, is rigid or not, as the planar 4R of the same lengths does."""
+    rng = np.random.default_rng(8)
+    m, n, d = rng.integers(1, 12, (3, 4000)).astype(float)
+    kappa = rng.choice([0.25, 0.5, 0.75, 1.5, 2.0], 4000) * rng.choice([-1.0, 1.0], 4000)
+    with np.errstate(all="ignore"):
+        told = at(["status", "grashof_class"], m=m, n=n, d=d, kappa=kappa)
+        factor = abs(1.0 - kappa * kappa)
+        four = {"a1": factor * m, "a2": abs(kappa) * d, "a3": factor * n, "a4": d}
+        bars = fl.evaluate("planar_4r", ["status", "grashof_class"], theta1=1.0, **four)
+    np.testing.assert_array_equal(told["status"] == 4, bars["status"] == 2)
+    np.testing.assert_array_equal(told["grashof_class"], bars["grashof_class"])
+    lengths = np.sort([*four.values()], axis=0)
+    np.testing.assert_array_equal(told["status"] == 3, lengths[3] == lengths[:3].sum(axis=0))
+
+
+# -- bad input ------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        ({"m": -4.0}, "design: m is -4.0 (length of MP); write a finite number greater than 0"),
+        ({"d": 0.0}, "design: d is 0.0 (length of the ground link MN); write a finite number greater than 0"),
+        ({"k": 0.5}, "design: k is unknown to hart"),
+        ({"rho": -1.0}, "design: rho is unknown to hart"),
+    ],
+)
+def test_bad_designs_are_refused(changes, message):
+    with pytest.raises(InputError) as refused:
+        fl.sweep("hart", fl.grid(**(WUNDERLICH | changes)), ["stroke"])
+    assert message in str(refused.value)
+
+
+def test_what_is_missing_or_misnamed_is_told():
+    with pytest.raises(InputError, match="kappa is missing"):
+        fl.sweep("hart", fl.grid(m=4.0, n=8.0, d=6.0), ["stroke"])
+    with pytest.raises(InputError, match="'strok' is unknown to hart; did you mean 'stroke'"):
+        fl.sweep("hart", fl.grid(**WUNDERLICH), ["strok"])
+    with pytest.raises(InputError, match="branch: 3 is no assembly mode of hart"):
+        fl.sweep("hart", fl.grid(**WUNDERLICH), ["F_y"], branch=3)
+    with pytest.raises(InputError, match="theta1: the input is phi"):
+        fl.sweep("hart", fl.grid(**WUNDERLICH), ["F_y"], theta1=[1.0])

@@ -1,0 +1,82 @@
+"""The Minkowskian 4R at adversarial lengths, rapidities and coupler points: right, or flagged, never a quiet NaN."""
+
+from __future__ import annotations
+
+import mpmath as mp
+import numpy as np
+import pytest
+from tests.support.configurations import UNIT, condition_sums, reference
+from tests.support.minkowski_configurations import adversarial
+
+import fastlink as fl
+from fastlink.mechanisms import catalogue
+
+MINKOWSKI = catalogue("minkowski_4r")
+ALL = [name for name in MINKOWSKI.public if MINKOWSKI.varies(name)]
+#: What tells why a quantity is no finite number, if it is not `configuration_status`.
+FLAGS = {
+    **dict.fromkeys(("X_x", "X_y", "sextic_residual"), "coupler_point_status"),
+    **dict.fromkeys(("dpsi_dtheta", "d2psi_dtheta2"), "rates_status"),
+}
+BRANCHES = np.array([[1], [2]])
+#: In roundings times condition, as in test_minkowski_4r.py.
+MULTIPLE = 4
+
+
+@pytest.mark.parametrize("seed", [1, pytest.param(2, marks=pytest.mark.stress)])
+def test_what_is_no_finite_number_has_a_flag(seed):
+    inputs = adversarial(np.random.default_rng(seed), 20000 * seed**4)
+    found = fl.evaluate("minkowski_4r", ALL, branch=BRANCHES, **inputs)
+    for name in ALL:
+        missing = ~np.isfinite(found[name])
+        assert (found[FLAGS.get(name, "configuration_status")][missing] != 0).all(), name
+    # Each flag is met, but for both roots' exceptions at once, and none is there without a cause.
+    for name in ("configuration_status", "coupler_point_status", "rates_status"):
+        met = set(np.unique(found[name]).astype(int))
+        assert met | {9} >= set(MINKOWSKI.public[name].flags)
+        told = [of for of in ALL if FLAGS.get(of, "configuration_status") == name]
+        missing = np.any([~np.isfinite(found[of]) for of in told], axis=0)
+        if name == "configuration_status":
+            missing |= found[name] == 4  # at a limit, where the rates are infinite
+        assert (missing[found[name] != 0]).all(), name
+
+
+def test_what_each_flag_of_a_closed_loop_says_is_so():
+    inputs = adversarial(np.random.default_rng(3), 20000)
+    found = fl.evaluate("minkowski_4r", ALL, branch=BRANCHES, **inputs)
+    code = found["configuration_status"]
+    angles = ("psi", "AB_rapidity", "phi", "A_x", "A_y", "B_x", "B_y", "cosh_zeta", "loop_residual")
+    for closes in (0, 7, 8, 9):
+        assert all(np.isfinite(found[name][code == closes]).all() for name in angles)
+    inside = (code == 7) | (code == 9)
+    np.testing.assert_array_equal(
+        np.isnan(found["zeta"][(code == 0) | (code >= 7)]), inside[(code == 0) | (code >= 7)]
+    )
+    assert (found["cosh_zeta"][inside] <= -1.0).all()
+    assert (found["half_angle_root"][(code == 8) | (code == 9)] == np.inf).all()
+
+
+@pytest.mark.parametrize("n", [60, pytest.param(1500, marks=pytest.mark.stress)])
+def test_what_has_no_flag_is_right(n):
+    inputs = adversarial(np.random.default_rng(7), n)
+    names = [name for name in ALL if not MINKOWSKI.public[name].flags and "residual" not in name]
+    found = fl.evaluate("minkowski_4r", [*names, *set(FLAGS.values())], branch=BRANCHES, **inputs)
+    tested = 0
+    for i in range(n):
+        for k in (0, 1):
+            one = {name: float(values[i]) for name, values in inputs.items()} | {"branch": k + 1}
+            here = [name for name in names if np.isfinite(found[name][k, i])]
+            # A power of two of the lengths too many and the reference itself underflows.
+            if not here or abs(one["theta"]) > 1e5 or not all(np.isfinite([*one.values()])):
+                continue
+            true = reference(here, one, catalogue=MINKOWSKI)
+            sums = condition_sums(here, one, catalogue=MINKOWSKI)
+            for name in here:
+                if mp.isnan(sums[name]):  # an end of what closes: no neighbour to measure by
+                    continue
+                # Rates that fall like e^-|theta| underflow where they are below 1e-200.
+                bound = MULTIPLE * UNIT * (sums[name] + abs(true[name])) + (1e-200 if name in FLAGS else 0.0)
+                error = abs(mp.mpf(float(found[name][k, i])) - true[name])
+                assert error <= bound, (name, one, float(found[name][k, i]), true[name])
+                tested += 1
+    assert tested > 5 * n

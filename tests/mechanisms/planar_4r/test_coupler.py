@@ -1,0 +1,353 @@
+"""The coupler curve: derivatives, curvature, sextic and cognates, each against another way to it."""
+
+from __future__ import annotations
+
+import mpmath as mp
+import numpy as np
+import pytest
+from tests.support.configurations import LENGTHS, PLANAR, UNIT
+from tests.support.curve_designs import CURVE, evaluate, random_designs
+
+import fastlink as fl
+from fastlink.analysis.planar import (
+    cognates,
+    curve_area,
+    curve_length,
+    curve_straightness,
+    inflections,
+    sextic,
+    straightness,
+)
+from fastlink.engine.evaluate import read_facts
+
+# -- derivatives -------------------------------------------------------------------------------------
+
+
+def place(given, branch, t):
+    """P as a complex number for a (complex) input angle, by the cosine law alone: no fact is used."""
+    a1, a2, a3, a4, u, v = (given[name] for name in CURVE)
+    A_x, A_y = a1 * mp.cos(t), a1 * mp.sin(t)
+    x, y = a4 - A_x, -A_y
+    square = x * x + y * y
+    along = (a2**2 - a3**2 + square) / (2 * square)
+    across = (1 if branch == 2 else -1) * mp.sqrt(a2**2 / square - along**2)
+    b_x, b_y = (along * x - across * y) / a2, (along * y + across * x) / a2
+    return A_x + u * b_x - v * b_y, A_y + u * b_y + v * b_x
+
+
+@pytest.mark.parametrize("branch", [1, 2])
+def test_derivatives_against_complex_step_and_finite_differences(branch):
+    inputs, theta = random_designs(31, 60)
+    inputs["omega1"] = np.linspace(-3.0, 4.0, 60)
+    names = ["P_x", "P_y", "P_vx", "P_vy", "P_ax", "P_ay", "P_speed", "curvature"]
+    tested = 0
+    with mp.workdps(50):
+        for i, angle in enumerate(theta):
+            given = {name: mp.mpf(float(values[i])) for name, values in inputs.items()}
+            t = mp.mpf(float(angle))
+            facts = read_facts(PLANAR, names, given | {"theta1": t, "branch": mp.mpf(branch)})
+            if mp.isnan(facts["P_x"]):
+                continue
+            step = mp.mpf(10) ** -20
+            # f(t + i h) = f + i h f' + O(h^2): its imaginary part over h is f' within h^2 f'''/6.
+            by_step = [value.imag / step for value in place(given, branch, mp.mpc(t, step))]
+            low, mid, high = (place(given, branch, t + k * mp.mpf(10) ** -12) for k in (-1, 0, 1))
+            h = mp.mpf(10) ** -12
+            second = [(low[k] - 2 * mid[k] + high[k]) / h**2 for k in (0, 1)]
+            w = given["omega1"]
+            speed = mp.hypot(*by_step)
+            turn = (by_step[0] * second[1] - by_step[1] * second[0]) / speed**3
+            # Derivatives grow by 1/(distance to the toggle) each: 1e-24 times two of them squared, and 50 digits
+            # of the difference over h^2 leave 26: random angles are farther than 1e-3 from toggles.
+            for name, expected in (
+                ("P_x", mid[0]),
+                ("P_y", mid[1]),
+                ("P_vx", w * by_step[0]),
+                ("P_vy", w * by_step[1]),
+                ("P_speed", abs(w) * speed),
+                ("P_ax", w**2 * second[0]),
+                ("P_ay", w**2 * second[1]),
+                ("curvature", turn),
+            ):
+                assert mp.almosteq(facts[name], expected, rel_eps=mp.mpf(10) ** -15), (name, i)
+            tested += 1
+    assert tested > 25
+
+
+def test_curvature_of_circles():
+    theta = np.linspace(0.1, 6.0, 40)
+    lengths = {"a1": 0.4, "a2": 1.2, "a3": 0.8, "a4": 1.0}
+    for branch in (1, 2):
+        at_A = evaluate(["curvature"], lengths | {"P_u": 0.0, "P_v": 0.0}, theta, branch)["curvature"]
+        # A dozen operations on the exact circle.
+        np.testing.assert_allclose(at_A, 1 / 0.4, rtol=16 * UNIT)
+        at_B = evaluate(
+            ["curvature", "omega4"], lengths | {"P_u": 1.2, "P_v": 0.0, "omega1": 1.0}, theta, branch
+        )
+        # B runs around D: left while the output link turns left; relative error 1/omega4 times a few roundings.
+        allowed = 64 * UNIT * (1 + 1 / np.abs(at_B["omega4"])) ** 3
+        assert np.all(np.abs(0.8 * at_B["curvature"] - np.sign(at_B["omega4"])) <= allowed)
+
+
+def test_curvature_needs_no_input_speed_and_keeps_the_scale():
+    one = {"a1": 0.4, "a2": 1.2, "a3": 0.8, "a4": 1.0, "P_u": 0.7, "P_v": 0.5}
+    plain = evaluate(["curvature"], one, 1.1, 1)["curvature"]
+    for exponent in (-600, 600):
+        scaled = {name: value * 2.0**exponent for name, value in one.items()}
+        assert evaluate(["curvature"], scaled, 1.1, 1)["curvature"] == plain * 2.0**-exponent
+        speed = evaluate(["P_speed"], scaled | {"omega1": -2.0}, 1.1, 1)["P_speed"]
+        assert speed == evaluate(["P_speed"], one | {"omega1": 2.0}, 1.1, 1)["P_speed"] * 2.0**exponent
+
+
+@pytest.mark.parametrize("extreme", [[], ["curvature_max"]])
+def test_compiled_facts_have_the_bits_of_the_plain_ones(extreme):
+    names = ["P_x", "P_y", "P_vx", "P_vy", "P_ax", "P_ay", "P_speed", "curvature"]
+    numbers = {"a1": 0.4, "a3": 0.8, "a4": 1.0, "P_u": 0.3, "P_v": -0.2, "omega1": 25.0}
+    space = fl.grid(a2=np.linspace(0.7, 1.6, 13), **numbers)
+    swept = fl.sweep("planar_4r", space, [*names, *extreme], theta1=30, extrema="sampled")
+    plain = evaluate(names, numbers | {"a2": swept.a2}, swept.theta1, swept.branch)
+    for name in names:
+        np.testing.assert_array_equal(swept[name].transpose(*plain[name].dims), plain[name])
+
+
+# -- sextic ------------------------------------------------------------------------------------------
+
+
+def majorant(inputs, X, Y):
+    """Every term of the sextic with its absolute value: what one relative rounding each may do to it.
+
+    Lengths, coordinates and their errors enter it homogeneously, of degree eight before the division by a2^2.
+    """
+    a1, a2, a3, a4, u, v = (np.abs(inputs[name]) for name in CURVE)
+    z = np.abs(X) + np.abs(Y)
+    p = u + v
+    k = p * p + a1 * a1
+    middle = 2 * a2 * u + a1 * a1 + a2 * a2 + a3 * a3 + a4 * a4
+    W = (z * z + k) * (z + a4) + p / a2 * (a4 * z * z + middle * z + k * a4)
+    V = a4 * z * (p * p / a2 + u) + v * (z * z + a4 * z)
+    return W * W + 4 * V * V
+
+
+@pytest.mark.parametrize("branch", [1, 2])
+def test_the_sextic_vanishes_on_the_curve(branch):
+    inputs, _ = random_designs(32, 3000)
+    inputs = {name: values[:, None] for name, values in inputs.items()}
+    theta = np.linspace(0.01, 6.2, 24)
+    got = evaluate(["P_x", "P_y"], inputs, theta, branch)
+    c = sextic(**inputs)
+    assert c.shape == (3000, 1, 7, 7)
+    X, Y = got["P_x"], got["P_y"]
+    closes = np.isfinite(X)
+    assert closes.sum() > 30000
+    values = sum(c[..., i, j] * X**i * Y**j for i in range(7) for j in range(7 - i))
+    # (X, Y) is a point of a linkage whose lengths are within a rounding or two of these: of degree eight in
+    # lengths and coordinates, 16. Coefficients and powers add roundings of their partial sums: worst seen 0.9.
+    assert np.all(np.abs(values)[closes] <= 16 * UNIT * majorant(inputs, X, Y)[closes])
+    # It does not vanish elsewhere: the bound tells points from their neighbours.
+    off = sum(c[..., i, j] * (X + 1e-3) ** i * Y**j for i in range(7) for j in range(7 - i))
+    assert np.mean(np.abs(off)[closes] > 1e3 * UNIT * majorant(inputs, X, Y)[closes]) > 0.99
+
+
+def test_the_sextic_anywhere_is_the_product_over_both_assemblies_with_the_crank():
+    """At any point, place A on its two circles, B beside it, and ask how far B is from its circle."""
+    inputs, _ = random_designs(33, 60)
+    c = sextic(**inputs)
+    points = np.random.default_rng(34).uniform(-3.0, 3.0, (2, 60))
+    with mp.workdps(50):
+        for i in range(60):
+            a1, a2, a3, a4, u, v = (mp.mpf(float(inputs[name][i])) for name in CURVE)
+            X, Y = (mp.mpf(float(x)) for x in points[:, i])
+            z, p, square = mp.mpc(X, Y), mp.mpc(u, v), X * X + Y * Y
+            # A = z - p e with |A| = a1: e is a unit (or, off the reach, complex reciprocal) root of a quadratic.
+            lead, middle = -p * mp.conj(z), square + abs(p) ** 2 - a1**2
+            root = mp.sqrt(middle**2 - 4 * lead * mp.conj(lead))
+            e1, e2 = (root - middle) / (2 * lead), (-root - middle) / (2 * lead)
+            product = mp.mpf(1)
+            for e in (e1, e2):
+                # (B - a4)(conj B - a4), the conjugate written with 1/e.
+                B, mirror = z - (p - a2) * e, mp.conj(z) - (mp.conj(p) - a2) / e
+                product *= (B - a4) * (mirror - a4) - a3**2
+            expected = (square * abs(p) ** 2 * product / a2**2).real
+            found = mp.fsum(float(c[i, m, n]) * X**m * Y**n for m in range(7) for n in range(7))
+            size = majorant({name: float(inputs[name][i]) for name in CURVE}, float(X), float(Y))
+            # The coefficients alone are rounded here: sums of products of at most 24 operations each.
+            assert abs(found - expected) <= 32 * UNIT * size
+
+
+def test_the_sextic_is_tricircular_and_sees_both_branches_of_a_design():
+    c = sextic([0.4, 0.5], 1.2, 0.8, 1.0, 0.3, 0.2)
+    top = np.array([[c[0, i, 6 - i] for i in range(7)], [c[1, i, 6 - i] for i in range(7)]])
+    np.testing.assert_array_equal(top, [[1, 0, 3, 0, 3, 0, 1]] * 2)
+    assert not any(c[:, i, j].any() for i in range(7) for j in range(7 - i, 7))
+    np.testing.assert_array_equal(c[1], sextic(0.5, 1.2, 0.8, 1.0, 0.3, 0.2))
+
+
+# -- cognates ----------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("branch", [1, 2])
+def test_cognates_trace_the_same_points(branch):
+    inputs, theta = random_designs(35, 4000)
+    names = ["P_x", "P_y", "theta2", "theta4"]
+    got = evaluate(names, inputs, theta, branch)
+    closes = np.isfinite(got["P_x"])
+    assert closes.sum() > 1500
+    lengths = np.array([inputs[name] for name in LENGTHS])
+    reach = lengths.sum(axis=0) + np.hypot(inputs["P_u"], inputs["P_v"])
+    sine = np.abs(np.sin(got["theta4"] - got["theta2"]))
+    sine_cognate = np.abs(np.sin(got["theta4"] - theta))
+    for cognate in cognates(inputs):
+        angle, side = cognate.configuration(theta, got["theta2"], got["theta4"])
+        np.testing.assert_array_equal(side[closes & (cognate.number == 1)], branch)
+        own = cognate.design
+        traced = evaluate(["P_x", "P_y"], own, angle, side)
+        X, Y = cognate.to_ground(traced["P_x"], traced["P_y"])
+        # Each closure amplifies the roundings of lengths and angles by 1/sine of its own transmission angle and
+        # by the ratio of its sizes; where the product nears 1e-6 even the branch may be rounded away.
+        shortest = np.minimum(lengths.min(axis=0), np.min([own[name] for name in LENGTHS], axis=0))
+        spread = (1 + reach / shortest) / (sine * (sine_cognate if cognate.number > 1 else sine))
+        good = closes & (spread < 1e6)
+        assert good.sum() > 0.95 * closes.sum()
+        allowed = 8 * UNIT * reach * spread
+        assert np.all(np.hypot(X - got["P_x"], Y - got["P_y"])[good] <= allowed[good]), cognate.number
+
+
+def test_cognates_share_the_sextic_and_the_third_pivot():
+    inputs, _ = random_designs(36, 200)
+    first, second, third = cognates(inputs)
+    np.testing.assert_array_equal([second.O_x, second.O_y], np.zeros((2, 200)))
+    np.testing.assert_array_equal([second.D_x, second.D_y], [third.D_x, third.D_y])
+    # Each of the ground triangle's sides is the ground link of one linkage, up to roundings of its coordinates.
+    for cognate in (first, second, third):
+        side = np.hypot(cognate.D_x - cognate.O_x, cognate.D_y - cognate.O_y)
+        scale = np.abs(cognate.D_x) + np.abs(cognate.O_x) + np.abs(cognate.D_y)
+        assert np.all(np.abs(side - cognate.design["a4"]) <= 16 * UNIT * scale)
+    # The cognates of a cognate are the same three.
+    again = cognates(second.design)
+    for name in CURVE:
+        # Its own second is similar by the inverse ratio: a dozen roundings of what is divided by |P|/a2.
+        size = 1.0 + np.abs(inputs["P_u"]) + np.abs(inputs["P_v"])
+        assert np.all(np.abs(again[1].design[name] - inputs[name]) <= 64 * UNIT * size * inputs["a2"]), name
+    # A circle is traced by P = A: the second linkage has shrunk to nothing there.
+    _, shrunk, whole = cognates(dict(zip(CURVE, (0.4, 1.2, 0.8, 1.0, 0.0, 0.0), strict=True)))
+    assert shrunk.design["a1"] == shrunk.design["a4"] == 0.0
+    assert np.isnan(shrunk.design["P_u"])
+    assert np.isfinite(whole.design["P_u"])
+
+
+# -- length, area, straightness ----------------------------------------------------------------------
+
+
+def test_length_and_area_against_polygons():
+    design = (0.4, 1.2, 0.8, 1.0, 0.7, 0.5)
+    theta = np.arange(20000) * (2 * np.pi / 20000)
+    got = evaluate(["P_x", "P_y"], dict(zip(CURVE, design, strict=True)), theta, 2)
+    X, Y = got["P_x"], got["P_y"]
+    # A chord is short of its arc by h^2/24 of (curvature speed)^2, a segment's area h^2/12: below h^2 of the size.
+    allowed = (2 * np.pi / 20000) ** 2
+    length = np.hypot(X - np.roll(X, 1), Y - np.roll(Y, 1)).sum()
+    assert curve_length(*design, branch=2) == pytest.approx(length, rel=allowed)
+    area = (np.roll(X, 1) * Y - X * np.roll(Y, 1)).sum() / 2
+    assert curve_area(*design, branch=2) == pytest.approx(area, rel=allowed * length**2 / abs(area))
+    # Doubling the samples changes nothing: the rule has converged to roundings of a mean over 720.
+    for quantity in (curve_length, curve_area):
+        assert quantity(*design, samples=1440) == pytest.approx(quantity(*design), rel=1e-13)
+    several = curve_length([0.4, 0.9], *design[1:], branch=2)
+    assert several[0] == curve_length(*design, branch=2)
+    assert np.isnan(several[1])
+
+
+def test_straightness():
+    s = np.linspace(-1.0, 1.0, 101)
+    bow = 0.01 * (1 - s**2)
+    for angle in (0.0, 0.7, 2.0, -1.5):
+        x, y = s * np.cos(angle) - bow * np.sin(angle), s * np.sin(angle) + bow * np.cos(angle)
+        # Half of the bow's height: coordinates of size 1 and edges as directions, a few roundings of the length 2.
+        assert straightness(x, y) == pytest.approx(0.005, abs=32 * UNIT)
+        assert straightness(s * np.cos(angle), s * np.sin(angle)) <= 32 * UNIT
+    assert straightness(np.r_[s, np.nan], np.r_[bow, 0.0]) == pytest.approx(0.005, abs=32 * UNIT)
+    assert np.isnan(straightness([np.nan], [0.0]))
+    assert straightness([2.0, 3.0], [1.0, 1.0]) == straightness([2.0], [1.0]) == 0.0
+    assert straightness(s * 2.0**600, bow * 2.0**600) == straightness(s, bow) * 2.0**600
+    # Against strips of 7200 directions, which are off by half a step times the extent at most.
+    x, y = np.random.default_rng(42).normal(size=(2, 20, 3, 50))
+    angle = np.linspace(0.0, np.pi, 7200)[:, None]
+    found = straightness(x, y)
+    assert found.shape == (20, 3)
+    for place in np.ndindex(found.shape):
+        strips = 0.5 * np.ptp(np.cos(angle) * y[place] - np.sin(angle) * x[place], axis=1)
+        assert strips.min() - 8 * np.pi / 14400 <= found[place] <= strips.min() + 32 * UNIT
+
+
+def test_straightness_of_curves():
+    # Chebyshev's approximate straight line, 1 : 2.5 : 2.5 : 2, P at 2 a2: flat around theta1 = pi.
+    theta = np.linspace(np.pi - 1.2, np.pi + 1.2, 201)
+    lambda_linkage = {"a1": 1.0, "a2": 2.5, "a3": 2.5, "a4": 2.0, "P_u": 5.0, "P_v": 0.0}
+    got = evaluate(["P_x", "P_y"], lambda_linkage, theta, 2)
+    length = np.hypot(np.ptp(got["P_x"]), np.ptp(got["P_y"]))
+    part = straightness(got["P_x"], got["P_y"])
+    assert part < 0.01 * length
+    ends = {"theta1": (np.pi - 1.2, np.pi + 1.2), "branch": 2}
+    assert curve_straightness(**lambda_linkage, **ends, samples=201) == part
+    assert curve_straightness(**lambda_linkage, branch=2) > 50 * part
+
+
+def test_what_is_of_no_use_is_said_in_one_line():
+    design = dict(zip(CURVE, (0.4, 1.2, 0.8, 1.0, 0.3, 0.2), strict=True))
+    for given, message in (
+        ({"a2": -1.0}, "sextic: a2 must be positive and finite"),
+        ({"P_v": "high"}, "sextic: P_v is not a number"),
+        ({"a1": [0.4, 0.5], "P_u": [1.0, 2.0, 3.0]}, r"do not broadcast: a1 \(2,\), P_u \(3,\)"),
+    ):
+        with pytest.raises(fl.InputError, match=message):
+            sextic(**design | given)
+    with pytest.raises(fl.InputError, match="the design lacks a4, P_v; give a1, a2, a3, a4, P_u, P_v"):
+        cognates({name: design[name] for name in ("a1", "a2", "a3", "P_u")})
+    for part in ((2.0, 1.0), (0.0, np.inf)):
+        with pytest.raises(fl.InputError, match="give \\(least, greatest\\) in rad"):
+            curve_straightness(**design, theta1=part)
+    with pytest.raises(fl.InputError, match="samples is 0"):
+        curve_length(**design, samples=0)
+
+
+# -- inflections -------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("branch", [1, 2])
+def test_inflections_against_the_turns_of_polylines(branch):
+    """Where a chord after chord stops turning left and turns right, or the other way."""
+    inputs, _ = random_designs(39, 60)
+    samples = 2000
+    theta1, X, Y, count = inflections(**inputs, branch=branch, samples=samples)
+    step = 2 * np.pi / samples
+    middles = (np.arange(-1, samples + 2) + 0.5) * step
+    got = evaluate(
+        ["P_x", "P_y"], {name: values[:, None] for name, values in inputs.items()}, middles, branch
+    )
+    chord = np.diff(got["P_x"] + 1j * got["P_y"], axis=1)
+    turn = (chord[:, :-1].conj() * chord[:, 1:]).imag
+    changes = np.isfinite(turn[:, :-1] * turn[:, 1:]) & (np.sign(turn[:, :-1]) != np.sign(turn[:, 1:]))
+    # At a toggle the polyline has a vertex less; a change within a step of it is in one of the two only.
+    assert np.mean(changes.sum(axis=1) == count) >= 0.95
+    assert count.max() >= 3
+    for i in range(60):
+        mine = theta1[i, : count[i]]
+        assert np.all(np.diff(mine) > 0)
+        places = middles[1:-2][changes[i]]
+        if places.size == count[i]:
+            # The sign of a vertex is that of the curvature within a step of it.
+            apart = np.abs(np.angle(np.exp(1j * (mine[:, None] - places - step / 2))))
+            assert np.all(apart.min(axis=1, initial=np.inf) <= 2 * step)
+        one = {name: values[i] for name, values in inputs.items()}
+        # The curve turns on both sides by different signs, close by.
+        near = evaluate(["curvature", "P_x", "P_y"], one, mine + np.array([[-1e-9], [0.0], [1e-9]]), branch)
+        assert np.all(near["curvature"][0] * near["curvature"][2] < 0)
+        np.testing.assert_array_equal([near["P_x"][1], near["P_y"][1]], [X[i, : count[i]], Y[i, : count[i]]])
+
+
+def test_inflections_of_circles_and_of_many_designs():
+    assert inflections(0.4, 1.2, 0.8, 1.0, 0.0, 0.0)[3] == 0
+    theta1, X, _Y, count = inflections([[0.4], [0.3]], 1.2, 0.8, 1.0, [0.0, 0.7, 0.8], 0.5, branch=2)
+    assert count.shape == (2, 3)
+    assert theta1.shape == X.shape == (2, 3, count.max())
+    np.testing.assert_array_equal(np.isfinite(theta1).sum(axis=-1), count)

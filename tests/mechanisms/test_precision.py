@@ -1,0 +1,112 @@
+"""What holds for every quantity of every mechanism, by every input, in configurations easy and hard.
+
+A sum of |x df/dx| over the inputs, times the unit rounding, is what rounding the inputs alone does to f. The facts are
+short chains of operations that do not cancel, so the error of the computed f must be a small multiple of that and of
+one rounding of f: the `multiple` of the entry in `support/registry.py`.
+"""
+
+from __future__ import annotations
+
+import re
+
+import numpy as np
+import pytest
+from tests.support.precision import compiled, in_every_mode, plain, wrong
+from tests.support.registry import ENTRIES
+
+from fastlink.mechanisms import NAMES, inputs_of
+
+FAMILIES = [(entry, kind) for entry in ENTRIES for kind in entry.families]
+
+
+def of(pairs):
+    """Return parameters with readable names."""
+    return [pytest.param(*pair, id="-".join(map(str, pair))) for pair in pairs]
+
+
+@pytest.mark.parametrize(
+    ("mechanism", "drive"), [(name, drive) for name in NAMES for drive in inputs_of(name)]
+)
+def test_every_mechanism_and_input_is_tested_and_every_quantity(mechanism, drive):
+    entries = [entry for entry in ENTRIES if (entry.mechanism, entry.input) == (mechanism, drive)]
+    assert entries, f"no entry of {mechanism} driven by {drive} in tests/support/registry.py"
+    tested = {name for entry in entries for name in entry.names}
+    reasons = {name for entry in entries for name, reason in entry.elsewhere.items() if reason}
+    assert tested | reasons >= set(entries[0].catalogue.public)
+
+
+def held(entry, kind, n):
+    """Assert the rule for n configurations of a family; return how many numbers were held to it."""
+    drawn = entry.drawn(kind, n, n)
+    inputs = in_every_mode(entry, drawn)
+    found = compiled(entry, entry.names, inputs)
+    if entry.solver == "eliminated":  # NumPy's LU is another than that of the kernels
+        for name, values in plain(entry, entry.names, inputs).items():
+            np.testing.assert_array_equal(found[name], values, err_msg=name)
+    too_far_off, numbers = wrong(entry, entry.names, inputs, found, kind)
+    assert not too_far_off
+    return numbers
+
+
+@pytest.mark.parametrize(("entry", "kind"), of(FAMILIES))
+def test_every_quantity_is_a_few_roundings_off(entry, kind):
+    numbers = held(entry, kind, entry.few)
+    assert numbers >= entry.few * len(entry.names) // 8
+
+
+@pytest.mark.stress
+@pytest.mark.parametrize(("entry", "kind"), of(FAMILIES))
+def test_every_quantity_is_a_few_roundings_off_in_many_configurations(entry, kind):
+    assert held(entry, kind, entry.many) >= entry.many * len(entry.names) // 8
+
+
+@pytest.mark.parametrize("mechanism", NAMES)
+def test_an_error_in_the_fifteenth_digit_is_noticed(mechanism):
+    entry = next(entry for entry in ENTRIES if entry.mechanism == mechanism)
+    inputs = in_every_mode(entry, entry.drawn("random", 1, 2))
+    computed = {name: values * (1.0 + 2.0**-46) for name, values in plain(entry, entry.names, inputs).items()}
+    noticed = {name for name, *_ in wrong(entry, entry.names, inputs, computed)[0]}
+    # All but what is nothing but an error, zeros, and what has a condition beyond 30: 2^-46 is 128 roundings.
+    assert len(noticed) > 0.7 * len(entry.names)
+
+
+# -- units of length ----------------------------------------------------------------------------------------------
+
+
+def power_of_length(units):
+    """Return how a number with these units grows with the unit of length, where masses and times stay."""
+    of = {"m": 1, "N": 1, "J": 2, "W": 2}
+    found = (re.fullmatch("([A-Za-z]+)(-?[0-9]*)", unit) for unit in units.split() if unit != "1")
+    return sum(of.get(unit, 0) * int(power or 1) for unit, power in (match.groups() for match in found))
+
+
+#: Gaussian elimination chooses its pivots by the sizes of forces and moments, which grow unlike each other.
+SCALED = [entry for entry in ENTRIES if entry.solver == "eliminated"]
+
+
+@pytest.mark.parametrize("entry", SCALED, ids=str)
+def test_a_power_of_two_of_all_lengths_changes_no_bit(entry):
+    """Every operation is exact in the exponent as long as nothing leaves the range of the doubles."""
+    catalogue, tested = entry.catalogue, 0
+    for kind in entry.families:
+        inputs = in_every_mode(entry, entry.drawn(kind, 5, 20))
+        declared = catalogue.known_inputs(catalogue.chosen_by(inputs)) | {entry.input: catalogue.position}
+        powers = {name: power_of_length(declared[name].units) for name in inputs if name != "branch"}
+        lengths = np.abs([inputs[name] for name, of in powers.items() if of == 1])
+        ordinary = np.all((lengths > 1e-16) & (lengths < 1e16), axis=0)
+        if not ordinary.any():
+            continue
+        inputs = {name: values[ordinary] for name, values in inputs.items()}
+        here = plain(entry, entry.names, inputs)
+        labels = {name: catalogue.require(name) for name in entry.names}
+        of = {name: 0 if one.flags else power_of_length(one.units) for name, one in labels.items()}
+        for power in (-400, -7, 3, 400):
+            scaled = {name: np.ldexp(values, power * powers.get(name, 0)) for name, values in inputs.items()}
+            there = plain(entry, entry.names, scaled)
+            sizes = [np.frexp(here[name])[1] + power * of[name] for name in entry.names]
+            within = np.all(np.abs(sizes) < 1000, axis=0)  # beyond, codes may say so
+            for name in entry.names:
+                expected = np.ldexp(here[name][within], power * of[name])
+                np.testing.assert_array_equal(there[name][within], expected, err_msg=name)
+                tested += np.count_nonzero(np.isfinite(expected))
+    assert tested > 60 * len(entry.names)

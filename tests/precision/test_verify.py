@@ -1,0 +1,228 @@
+"""What a sweep says of its own errors: right where it is right, and not silent where it is not."""
+
+from __future__ import annotations
+
+from importlib import import_module
+
+import numpy as np
+import pytest
+from tests.support.configurations import PLANAR, UNIT
+
+import fastlink as fl
+from fastlink.precision import Verification
+from fastlink.precision.extrema import outermost
+from fastlink.precision.reference import CONTEXT, Exact
+from fastlink.precision.stationary import Stationary
+
+# What tests/mechanisms/test_precision.py allows of every quantity.
+ROUNDINGS = 4
+LENGTHS = {"a1": (0.2, 1.8), "a2": (0.3, 2.0), "a3": (0.3, 2.0), "a4": (0.3, 2.0)}
+CRANK = {"a1": 0.4, "a2": 1.2, "a3": 0.8, "a4": 1.0}
+BARS = fl.round_bar(density=7750.0, radius=0.01)
+
+
+def errors(maps):
+    """Return by variable the largest error in roundings, where one was measured."""
+    return {
+        str(name): float(array.attrs["error_max_roundings"])
+        for name, array in maps.data_vars.items()
+        if "error_max_roundings" in array.attrs
+    }
+
+
+def assert_right(maps, names):
+    found = errors(maps)
+    assert set(names) <= set(found)
+    assert max(found.values()) <= ROUNDINGS
+    assert maps.attrs["verify_mismatches"] == 0
+    assert "verify_failed" not in maps.attrs
+
+
+def test_every_kind_of_result_is_measured():
+    space = fl.sobol(40, seed=3, **LENGTHS, omega1=25.0)
+    names = ["theta4", "theta1_low", "omega4_max", "theta1_at_omega4_max", "omega4_extrema"]
+    maps = fl.sweep("planar_4r", space, [*names, "omega4_rms", "loop_residual"], theta1=24, verify=12)
+    assert_right(maps, [*names, "theta1_at_omega4_extrema", "omega4_rms"])
+    assert maps.verified_designs == 12
+    assert maps.attrs["verify_left_out"] == "loop_residual"  # it is an error itself
+    for code in ("status", "omega4_extrema_count", "omega4_extrema_kind"):
+        assert maps[code].attrs["verified_values"] > 0
+        assert "error_max_relative" not in maps[code].attrs
+    assert maps.omega4_max.attrs["error_max_relative"] < 1e-13
+    assert maps.omega4_max.attrs["error_median_relative"] < 4 * UNIT
+
+
+@pytest.mark.parametrize("options", [{}, {"solver": "dense"}, {"extrema": "sampled"}])
+def test_forces_by_every_solver(options):
+    space = fl.sobol(16, seed=4, **LENGTHS, omega1=25.0)
+    names = ["T41_max", "T41_mean"]
+    maps = fl.sweep("planar_4r", space, names, links=BARS, theta1=12, verify=8, **options)
+    # LU of the 9x9 has 4 times the error (tests/mechanisms/test_precision.py)
+    assert maps.attrs["verify_mismatches"] == 0
+    assert set(names) <= set(errors(maps))
+    assert max(errors(maps).values()) <= 4 * ROUNDINGS
+
+
+def test_other_inputs_and_mechanisms():
+    space = fl.sobol(16, seed=1, a=(0.3, 2.0), b=(0.3, 2.0), g=(0.3, 2.0), h=(0.3, 2.0))
+    names = ["psi", "CB_orientation", "psi_max", "theta_at_psi_max"]
+    maps = fl.sweep("minkowski_4r", space, names, verify=8)
+    assert_right(maps, ["psi", "psi_max"])
+    assert maps.theta_at_psi_max.attrs["error_max_relative"] == 0.0
+    driven = fl.sobol(16, seed=1, **LENGTHS, joint_omega_2=3.0)
+    maps = fl.sweep(
+        "planar_4r",
+        driven,
+        ["joint_angle_3", "joint_omega_4_max"],
+        input="joint_angle_2",
+        angles=12,
+        verify=8,
+    )
+    assert_right(maps, ["joint_angle_3", "joint_omega_4_max"])
+
+
+def test_small_sweeps_are_verified_whole_and_none_unless_asked_in_memory():
+    maps = fl.sweep("planar_4r", fl.grid(**CRANK), ["theta4"], theta1=8, verify=64)
+    assert maps.verified_designs == 1
+    assert maps.theta4.attrs["verified_values"] == 4
+    without = fl.sweep("planar_4r", fl.grid(**CRANK), ["theta4"], theta1=8)
+    assert not [
+        name for name in {**without.attrs, **without.theta4.attrs} if "verif" in name or "error" in name
+    ]
+
+
+def test_a_file_says_its_errors_and_the_summary_shows_them(tmp_path):
+    with fl.sweep("planar_4r", fl.grid(**CRANK), ["theta4"], theta1=8, to=tmp_path / "m.h5") as maps:
+        assert maps.theta4.attrs["error_max_roundings"] <= ROUNDINGS
+        assert maps.attrs["verify_seed"] == 0
+        assert maps.attrs["verify_time_s"] > 0.0
+        lines = [line for line in fl.summary(maps).splitlines() if line.startswith("largest error")]
+    assert len(lines) == 1
+    assert "theta4" in lines[0]
+    assert "roundings, of 4" in lines[0]
+    with fl.sweep(
+        "planar_4r", fl.grid(**CRANK), ["theta4"], theta1=8, verify=0, to=tmp_path / "n.h5"
+    ) as maps:
+        assert "verified_designs" not in maps.attrs
+
+
+def test_the_same_designs_give_the_same_errors_and_bits_do_not_depend_on_them():
+    space = fl.sobol(64, seed=5, **LENGTHS, omega1=25.0)
+    first, second = (fl.sweep("planar_4r", space, ["omega4_max"], verify=10, block=b) for b in (None, 7))
+    assert errors(first) == errors(second)
+    without = fl.sweep("planar_4r", space, ["omega4_max"])
+    np.testing.assert_array_equal(first.omega4_max, without.omega4_max)
+
+
+class Spoiled(Verification):
+    """A verification of results that are not what the sweep found."""
+
+    factor, missing = 1.0, False
+
+    def take(self, start, stop, arrays):
+        spoiled = [array * self.factor if array.dtype == np.float64 else array + 1 for array in arrays]
+        if self.missing:
+            spoiled = [np.full_like(a, np.nan) if a.dtype == np.float64 else a for a in spoiled]
+        super().take(start, stop, spoiled)
+
+
+@pytest.mark.parametrize("names", [["theta4"], ["omega4_max"], ["omega4_rms"]])
+def test_a_wrong_digit_is_seen(monkeypatch, names):
+    monkeypatch.setattr(import_module("fastlink.engine.sweep"), "Verification", Spoiled)
+    monkeypatch.setattr(Spoiled, "factor", 1.0 + 1e-9)
+    space = fl.grid(**CRANK, omega1=25.0)
+    maps = fl.sweep("planar_4r", space, names, theta1=12, verify=4)
+    assert maps[names[0]].attrs["error_max_relative"] == pytest.approx(1e-9, rel=1e-5)
+    assert maps.status.attrs["verify_mismatches"] > 0  # the code is another
+
+
+@pytest.mark.parametrize("name", ["theta4", "omega4_max", "omega4_rms", "omega4_extrema"])
+def test_a_missing_value_is_a_mismatch(monkeypatch, name):
+    monkeypatch.setattr(import_module("fastlink.engine.sweep"), "Verification", Spoiled)
+    monkeypatch.setattr(Spoiled, "missing", True)
+    maps = fl.sweep("planar_4r", fl.grid(**CRANK, omega1=25.0), [name], theta1=12, verify=4)
+    assert maps[name].attrs["verify_mismatches"] > 0
+    assert "NOT AS WITH 50 DIGITS" in fl.summary(maps)
+
+
+def test_what_fails_or_is_interrupted_leaves_the_file(monkeypatch, tmp_path):
+    def fail(self):
+        raise ZeroDivisionError("of all things")
+
+    monkeypatch.setattr(Verification, "_measured", fail)
+    with fl.sweep("planar_4r", fl.grid(**CRANK), ["theta4"], theta1=8, to=tmp_path / "m.h5") as maps:
+        assert maps.attrs["verify_failed"] == "ZeroDivisionError: of all things"
+        assert "errors" in fl.summary(maps)
+
+    def interrupt(self):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(Verification, "_measured", interrupt)
+    with pytest.raises(KeyboardInterrupt):
+        fl.sweep("planar_4r", fl.grid(**CRANK), ["theta4"], theta1=8, to=tmp_path / "n.h5")
+    with fl.open(tmp_path / "n.h5") as maps:
+        assert np.isfinite(maps.theta4).all()
+
+
+@pytest.mark.parametrize("verify", [-1, 1.5, True, "all"])
+def test_bad_numbers_of_designs(verify):
+    with pytest.raises(
+        fl.InputError, match=r"^verify: .*; write how many designs to compute again, 0 for none$"
+    ):
+        fl.sweep("planar_4r", fl.grid(**CRANK), ["theta4"], verify=verify)
+
+
+def test_exact_extremes_are_those_of_a_dense_scan():
+    """The reference has another way to extremes than the kernels; here is a third one."""
+    lengths = {"a1": [0.4, 1.0], "a2": [1.2, 1.1], "a3": [0.8, 0.9], "a4": [1.0, 0.7]}
+    inputs = {name: np.array(values) for name, values in lengths.items()} | {"omega1": np.array([25.0, 25.0])}
+    stationary = Stationary(PLANAR, "omega4", inputs, np.array([2.0, 2.0]))
+    theta1 = np.linspace(0.0, 2 * np.pi, 20001)
+    for design in range(2):
+        one = {name: float(values[design]) for name, values in inputs.items()}
+        curve = fl.evaluate("planar_4r", ["omega4"], **one, branch=2, theta1=theta1)["omega4"]
+        for sign, value in ((1, np.max(curve)), (-1, np.min(curve))):
+            exact = outermost(stationary, design, sign)
+            # between samples a curve changes by its second derivative, of the size of itself here, times h^2/8
+            assert 0 <= sign * (float(exact.value) - value) <= 20 * abs(value) * (theta1[1] ** 2) / 8
+            at = Exact(PLANAR, ["d_omega4_d_theta1"], [*one, "theta1", "branch"])
+            slope = at.at({**one, "branch": 2, "theta1": exact.place})["d_omega4_d_theta1"]
+            assert abs(slope) < 1e-12  # theta1 of the graded range has the rounding of 2 pi
+
+
+def test_toggles_are_infinite_and_bounded_quantities_have_their_limits():
+    inputs = {name: np.array([value]) for name, value in {"a1": 1.0, "a2": 0.7, "a3": 0.6, "a4": 1.1}.items()}
+    rates = Stationary(PLANAR, "omega4", inputs | {"omega1": np.array([1.0])}, np.array([1.0]))
+    assert [outermost(rates, 0, sign).value for sign in (1, -1)] == [CONTEXT.inf, -CONTEXT.inf]
+    angle = Stationary(PLANAR, "transmission_angle", inputs, np.array([1.0]))
+    assert abs(outermost(angle, 0, 1).value - CONTEXT.pi) < 1e-20
+
+
+def test_division_by_zero_and_choices_are_as_in_doubles():
+    """At the fold of a change point rates are NaN; a massless link has no torque."""
+    folded = {"a1": 0.5, "a2": 1.0, "a3": 0.5, "a4": 1.0, "omega1": 1.0, "theta1": 0.0, "branch": 1}
+    found = Exact(PLANAR, ["omega4", "status"], folded).at(folded)
+    assert CONTEXT.isnan(found["omega4"])
+    assert (
+        found["status"]
+        == fl.sweep("planar_4r", fl.grid(**CRANK | {"a1": 0.5, "a2": 1.0, "a3": 0.5}), ["status"]).status
+    )
+
+
+def test_studies_say_how_many_designs_are_verified(folder):
+    study = """
+mechanism = "planar_4r"
+quantities = ["theta4"]
+design = {a1 = 0.4, a2 = {values = [1.0, 1.1, 1.2]}, a3 = 0.8, a4 = 1.0}
+cycle = {theta1 = 8}
+output = {verify = VERIFY}
+"""
+    place = folder / "study.toml"
+    place.write_text(study.replace("VERIFY", "2"))
+    with fl.run_study(place) as maps:
+        assert maps.verified_designs == 2
+    with fl.run_study(place, overwrite=True, verify=0) as maps:
+        assert "verified_designs" not in maps.attrs
+    place.write_text(study.replace("VERIFY", "-1"))
+    with pytest.raises(fl.InputError, match=r"output.verify is -1; write how many designs to compute again"):
+        fl.run_study(place, overwrite=True)

@@ -1,0 +1,149 @@
+"""The tables of quantities: what is in them, and that the documentation is what they say."""
+
+import doctest
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+import fastlink as fl
+from fastlink.engine.labels import variable
+from fastlink.engine.resolve import resolve
+from fastlink.mechanisms import NAMES
+from fastlink.mechanisms import catalogue as find_catalogue
+from fastlink.plan.reductions import REDUCTIONS
+from fastlink.report import quantities as listing
+from fastlink.report.quantities import Quantity, QuantityList, document
+
+DOCUMENT = Path(__file__).parents[2] / "docs" / "quantities.md"
+LISTED = [(name, row) for name in NAMES for row in fl.quantities(name)]
+
+
+#: Designs of each mechanism over one swept input, with what further options they need.
+SPACES = {
+    "planar_4r": (
+        {"a1": [0.3, 0.4], "a2": 1.2, "a3": 0.8, "a4": 1.0, "omega1": 25.0, "P_u": 0.5, "P_v": 0.1},
+        {"links": fl.round_bar(7750.0, 0.01), "angles": 4},
+    ),
+    "minkowski_4r": (
+        {"a": [1.0, 1.2], "b": 0.8, "g": 1.5, "h": 0.7, "x": 0.5, "y": 0.1},
+        {"angles": [-1.0, 0.0, 0.5, 1.0]},
+    ),
+    "focal": (
+        {"a": [4.0, 5.0], "b": 5.0, "c": 2.0, "d": 4.0, "rho": 1.0, "completion": 1, "omega": 2.0},
+        {"angles": 4},
+    ),
+    "hart": ({"m": [0.4, 0.5], "n": 0.8, "d": 0.6, "kappa": 0.5}, {"angles": 4}),
+}
+
+
+@pytest.fixture(scope="module")
+def results():
+    """What a sweep says of every public quantity of each mechanism, over a swept input; nothing is compiled."""
+    found = {}
+    for mechanism, (inputs, options) in SPACES.items():
+        asked = resolve(
+            mechanism, fl.grid(**inputs), [row.name for row in fl.quantities(mechanism)], **options
+        )
+        labels = (asked.plan, asked.space, asked.positions.size)
+        found[mechanism] = {output.name: variable(output, *labels) for output in asked.plan.outputs}
+    return found
+
+
+def test_the_documentation_is_up_to_date():
+    assert DOCUMENT.read_text(encoding="utf-8") == document(), (
+        "stale: run `python -m fastlink.report.quantities > docs/quantities.md`"
+    )
+
+
+def test_the_documentation_is_written_by_the_module():
+    done = subprocess.run(
+        [sys.executable, "-m", "fastlink.report.quantities"],
+        capture_output=True,
+        check=True,
+        encoding="utf-8",
+    )
+    assert done.stdout == document()
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_every_public_quantity_is_listed_once(name):
+    names = [row.name for row in fl.quantities(name)]
+    assert sorted(names) == sorted(find_catalogue(name).offered)
+
+
+@pytest.mark.parametrize(("mechanism", "row"), LISTED, ids=[row.name for _, row in LISTED])
+def test_a_row_says_what_the_result_says(mechanism, row, results):
+    assert isinstance(row, Quantity)
+    found = results[mechanism][row.name]
+    over = next(name for name, value in SPACES[mechanism][0].items() if isinstance(value, list))
+    swept = tuple("design" if dim == over else dim for dim in found.dims)
+    assert row.dims == swept
+    assert row.units == found.attrs.get("units", "1")
+    assert row.meaning == found.attrs["long_name"]
+    assert row.source == found.attrs["references"]
+
+
+def test_the_table_shows_every_row():
+    listed = fl.quantities("planar_4r")
+    text = str(listed)
+    assert isinstance(listed, QuantityList)
+    assert repr(listed) == text
+    lines = text.splitlines()
+    assert lines[2].split() == ["name", "units", "dims", "meaning", "source"]
+    for row in listed:
+        (line,) = [line for line in lines if line.split(" ")[0] == row.name]
+        assert f"({', '.join(row.dims)})" in line
+    assert all(line == line.rstrip() for line in lines)
+
+
+def test_the_inputs_are_a_table_of_their_own():
+    listed = fl.quantities("planar_4r")
+    rows = {given.name: given for given in listed.inputs}
+    assert rows["a1"].allowed == "greater than 0"
+    assert rows["omega1"].links == ""
+    assert rows["m1"].links == "given by round_bar"
+    assert rows["radius"].links == "of round_bar"
+    assert rows["omega1"].units == "rad s-1"
+    below = str(listed).split("Inputs;")[1]
+    assert all(f"\n{name} " in below for name in rows)
+
+
+def test_how_names_are_formed_is_said_once_and_is_true():
+    listed = fl.quantities("planar_4r")
+    for text in (str(listed), listed.markdown()):
+        for suffix in REDUCTIONS:
+            assert text.count(f"NAME_{suffix}") == (2 if REDUCTIONS[suffix].has_place else 1)
+        assert text.count("theta1_at_NAME_max") == 1
+    space = fl.grid(a1=[0.3, 0.4], a2=1.2, a3=0.8, a4=1.0, omega1=25.0)
+    maps = fl.sweep("planar_4r", space, ["omega4_rms", "theta1_at_omega4_max"], theta1=4)
+    assert maps["omega4_rms"].dims == maps["theta1_at_omega4_max"].dims == ("a1", "branch")
+    assert maps["theta1_at_omega4_max"].attrs["units"] == "rad"
+
+
+def test_internal_steps_come_after_the_public_quantities():
+    public, every = fl.quantities("planar_4r"), fl.quantities("planar_4r", internal=True)
+    assert list(every[: len(public)]) == list(public)
+    further = {row.name: row.dims for row in every[len(public) :]}
+    assert further["s1"] == ("design",)
+    assert further["cos_theta1"] == ("theta1",)
+    assert further["p"] == ("design", "theta1")
+    assert further["AB_x"] == ("design", "branch", "theta1")
+
+
+def test_markdown_tables_are_regular():
+    for line in document().splitlines():
+        if line.startswith("|"):
+            assert line.replace("\\|", "").count("|") == 6
+
+
+def test_an_unknown_mechanism_is_refused():
+    with pytest.raises(fl.InputError, match="mechanism: 'planar_4R' is unknown; did you mean 'planar_4r'"):
+        fl.quantities("planar_4R")
+
+
+def test_the_examples_run():
+    result = doctest.testmod(listing)
+    assert result.attempted > 0
+    assert result.failed == 0

@@ -1,0 +1,286 @@
+"""Design spaces: numbering, filling, sampling, and what is refused."""
+
+import ast
+import doctest
+import importlib
+import pickle
+import tracemalloc
+from concurrent.futures import ThreadPoolExecutor
+from fractions import Fraction
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from numpy.testing import assert_array_equal
+from scipy.stats import qmc
+
+from fastlink.errors import InputError
+from fastlink.space import design_space as space
+from fastlink.space import samplers as design
+from fastlink.space.samplers import grid, latin_hypercube, sobol
+
+table = importlib.import_module("fastlink.space.table")  # `fastlink.table` is the function
+
+
+def filled(designs, names, start, stop):
+    out = np.full((len(names), stop - start), np.nan)
+    designs.fill(names, start, stop, out)
+    return out
+
+
+@settings(max_examples=60, deadline=None)
+@given(st.lists(st.integers(1, 7), min_size=0, max_size=4), st.data())
+def test_a_grid_fills_any_range_in_c_order(lengths, data):
+    axes = {f"a{k}": np.arange(length) + 10.0 * k for k, length in enumerate(lengths)}
+    designs = grid(omega1=25.0, **axes)
+    assert designs.dims == tuple(axes)
+    assert designs.shape == tuple(lengths)
+    mesh = dict(zip(axes, np.meshgrid(*axes.values(), indexing="ij"), strict=True)) if axes else {}
+    expected = {name: values.ravel() for name, values in mesh.items()}
+    expected["omega1"] = np.full(designs.size, 25.0)
+    start = data.draw(st.integers(0, designs.size))
+    stop = data.draw(st.integers(start, designs.size))
+    names = data.draw(st.permutations(sorted(expected)))[: data.draw(st.integers(0, len(expected)))]
+    for row, name in zip(filled(designs, names, start, stop), names, strict=True):
+        assert_array_equal(row, expected[name][start:stop])
+
+
+def test_fill_leaves_the_rest_of_a_longer_buffer():
+    out = np.full((3, 10), -1.0)
+    grid(a1=0.4, a2=[1.0, 2.0, 3.0]).fill(["a2", "a1"], 1, 3, out)
+    assert_array_equal(out[0], [2.0, 3.0] + [-1.0] * 8)
+    assert_array_equal(out[1], [0.4, 0.4] + [-1.0] * 8)
+    assert_array_equal(out[2], -1.0)
+
+
+def test_a_grid_of_a_thousand_million_designs_costs_its_axes():
+    tracemalloc.start()
+    axis = np.linspace(1.0, 2.0, 1000)
+    designs = grid(a2=axis, a3=axis, a4=axis)
+    out = filled(designs, ["a2", "a3", "a4"], 10**9 - 4096, 10**9)
+    _, peak = tracemalloc.get_traced_memory()
+    tracemalloc.stop()
+    assert designs.size == 10**9
+    flat = np.arange(10**9 - 4096, 10**9)
+    assert_array_equal(out, axis[np.array(np.unravel_index(flat, designs.shape))])
+    assert peak < 2**20
+
+
+def test_threads_fill_the_same_values_as_one():
+    designs = grid(a2=np.linspace(1, 2, 37), a3=np.linspace(3, 4, 41), a4=np.linspace(5, 6, 43))
+    names = ["a4", "a2", "a3"]
+    whole = filled(designs, names, 0, designs.size)
+    buffers = np.full_like(whole, np.nan)
+
+    def block(start):
+        stop = min(start + 512, designs.size)
+        designs.fill(names, start, stop, buffers[:, start:stop])
+
+    with ThreadPoolExecutor(4) as pool:
+        list(pool.map(block, range(0, designs.size, 512)))
+    assert_array_equal(buffers, whole)
+
+
+def test_one_design_has_no_dimensions():
+    designs = grid(a1=0.4, a2=np.float64(1.2), a3=np.array(0.8), a4=Fraction(1, 2))
+    assert (designs.dims, designs.shape, designs.size) == ((), (), 1)
+    assert designs.constants == {"a1": 0.4, "a2": 1.2, "a3": 0.8, "a4": 0.5}
+    assert_array_equal(filled(designs, ["a4", "a1"], 0, 1), [[0.5], [0.4]])
+
+
+def test_an_axis_of_one_value_is_still_a_dimension():
+    assert grid(a1=[0.4], a2=1.2).dims == ("a1",)
+
+
+def test_a_space_keeps_its_values_whatever_the_caller_does():
+    axis = np.array([1.0, 2.0])
+    designs = grid(a2=axis)
+    axis[0] = 9.0
+    assert_array_equal(designs.values("a2"), [1.0, 2.0])
+    with pytest.raises(ValueError, match="read-only"):
+        designs.values("a2")[0] = 9.0
+
+
+def test_values_and_names():
+    designs = grid(a1=0.4, a2=[1, 2])
+    assert designs.names == ("a2", "a1")
+    assert designs.values("a2").dtype == np.float64
+    assert_array_equal(designs.values("a1"), [0.4])
+
+
+def test_a_space_travels_to_another_process():
+    designs = pickle.loads(pickle.dumps(sobol(8, a1=(0, 1), a2=2.0)))
+    assert_array_equal(designs.columns["a1"], sobol(8, a1=(0, 1), a2=2.0).columns["a1"])
+    assert designs.constants == {"a2": 2.0}
+
+
+def test_with_constants_adds_only_what_is_missing():
+    designs = grid(a1=0.4, a2=[1.0, 2.0]).with_constants({"a1": 9.0, "a2": 9.0, "omega1": 1})
+    assert designs.constants == {"a1": 0.4, "omega1": 1.0}
+    assert_array_equal(designs.axes["a2"], [1.0, 2.0])
+    with pytest.raises(InputError, match=r"^constants: m1 is inf; write a finite number$"):
+        designs.with_constants({"m1": np.inf})
+
+
+@pytest.mark.parametrize(
+    "designs", [grid(a1=[1.0, 2.0], a2=[3.0, 4.0, 5.0]), table.table({"a1": [6.0, 7.0, 8.0]})]
+)
+def test_one_more_axis_repeats_every_design(designs):
+    crossed = designs.with_axis("completion", (1, 2))
+    assert crossed.dims == (*designs.dims, "completion")
+    assert crossed.size == 2 * designs.size
+    before, after = np.empty((1, designs.size)), np.empty((2, 5))
+    designs.fill(["a1"], 0, designs.size, before)
+    crossed.fill(["a1", "completion"], 1, 6, after)
+    np.testing.assert_array_equal(after[0], np.repeat(before[0], 2)[1:6])
+    np.testing.assert_array_equal(after[1], [2, 1, 2, 1, 2])
+
+
+def test_an_input_without_a_value_is_named_with_the_nearest():
+    message = "^design: 'omega_1' has no value; did you mean 'omega1'\\?$"
+    with pytest.raises(InputError, match=message):
+        grid(omega1=1.0).values("omega_1")
+    with pytest.raises(InputError, match=message):
+        filled(grid(omega1=1.0), ["omega_1"], 0, 1)
+
+
+@pytest.mark.parametrize(("start", "stop"), [(-1, 1), (0, 3), (2, 1)])
+def test_designs_outside_the_space_are_refused(start, stop):
+    with pytest.raises(ValueError, match=f"designs {start} to {stop} asked of a design space of 2"):
+        grid(a1=[1.0, 2.0]).fill(["a1"], start, stop, np.empty((1, 4)))
+
+
+GRID_ERRORS = {
+    "empty": ([], "grid: a2 is an empty axis; give it at least one value"),
+    "nan constant": (np.nan, "grid: a2 is nan; write a finite number"),
+    "inf in axis": ([1.0, -np.inf], "grid: a2[1] is -inf; write a finite number"),
+    "masked": (
+        np.ma.masked_array([1, 2], mask=[False, True]),
+        "grid: a2[1] is nan; write a finite number",
+    ),
+    "repeat": ([1.0, 2.0, 3.0, 2.0], "grid: a2 holds 2.0 twice (at 1 and 3); give each value once"),
+    "signed zeros": ([0.0, -0.0], "grid: a2 holds 0.0 twice (at 0 and 1); give each value once"),
+    "two dimensions": (
+        np.ones((2, 2)),
+        "grid: a2 has 2 dimensions; write a number or a flat list of numbers",
+    ),
+    "ragged": ([[1.0], [1.0, 2.0]], "grid: a2 is a ragged list; write a number or a flat list of numbers"),
+    "text": ("1.0", "grid: a2 is '1.0', not a number; write a number or a flat list of numbers"),
+    "none": (None, "grid: a2 is None, not a number; write a number or a flat list of numbers"),
+    "text in list": ([1.0, "x"], "grid: a2[1] is 'x', not a number; write a number"),
+    "truth": (True, "grid: a2 is True, not a number; write a number or a flat list of numbers"),
+    "truths": (np.array([True]), "grid: a2[0] is True, not a number; write a number"),
+    "complex": ([1.0, 1j], "grid: a2[1] is 1j, not a number; write a number"),
+    "durations": (np.array([1], "m8[ns]"), "grid: a2 holds dates or durations; write numbers"),
+    "too large": (10**400, "grid: a2 holds a number beyond the range of a double; write a smaller one"),
+}
+
+
+@pytest.mark.parametrize(("values", "message"), GRID_ERRORS.values(), ids=GRID_ERRORS)
+def test_a_bad_axis_is_refused_in_one_line(values, message):
+    with pytest.raises(InputError) as caught:
+        grid(a1=0.4, a2=values)
+    assert str(caught.value) == message
+
+
+def test_more_designs_than_can_be_numbered_are_refused():
+    axis = np.arange(2.0**16)
+    with pytest.raises(InputError) as caught:
+        grid(a=axis, b=axis, c=axis, d=axis)
+    assert str(caught.value) == (
+        "grid: 1.84e+19 designs are too many; shorten an axis (a: 65536, b: 65536, c: 65536, d: 65536)"
+    )
+
+
+@pytest.mark.parametrize("n", [1, 2, 7, 64, 1000, 2**16 + 3])
+def test_sobol_gives_the_first_points_of_scipys_sequence(n):
+    designs = sobol(n, seed=3, a1=(0.2, 0.4), a4=1.0, a2=(-1.0, 1.0))
+    assert (designs.dims, designs.shape) == (("design",), (n,))
+    points = qmc.Sobol(2, scramble=True, rng=np.random.default_rng(3)).random(2**17)[:n]
+    assert_array_equal(designs.columns["a1"], 0.2 + points[:, 0] * (0.4 - 0.2))
+    assert_array_equal(designs.columns["a2"], -1.0 + points[:, 1] * 2.0)
+    assert designs.constants == {"a4": 1.0}
+
+
+def test_a_latin_hypercube_has_one_design_in_each_slice():
+    designs = latin_hypercube(100, seed=1, a1=(0.0, 100.0), a2=(5.0, 6.0))
+    assert_array_equal(np.sort(np.floor(designs.columns["a1"])), np.arange(100))
+    assert_array_equal(np.sort(np.floor((designs.columns["a2"] - 5.0) * 100)), np.arange(100))
+
+
+@pytest.mark.parametrize("sample", [sobol, latin_hypercube])
+def test_a_sample_is_repeated_by_its_seed_and_says_where_it_comes_from(sample):
+    designs = sample(20, seed=5, a1=(0.2, 0.4))
+    assert_array_equal(designs.columns["a1"], sample(20, seed=5, a1=(0.2, 0.4)).columns["a1"])
+    assert not np.array_equal(designs.columns["a1"], sample(20, a1=(0.2, 0.4)).columns["a1"])
+    assert designs.attrs["design_kind"] == designs.kind == sample.__name__
+    assert designs.attrs["design_n"] == 20
+    assert designs.attrs["design_seed"] == 5
+    assert designs.attrs["design_ranges"] == "a1=(0.2, 0.4)"
+    assert "." in designs.attrs["design_scipy"]
+
+
+def test_a_sample_fills_a_range():
+    designs = sobol(10, a1=(0.2, 0.4), a4=1.0)
+    out = filled(designs, ["a4", "a1"], 3, 7)
+    assert_array_equal(out, [np.ones(4), designs.columns["a1"][3:7]])
+
+
+def test_a_range_is_not_left_by_rounding():
+    assert -0.1 + 1.0 * (0.2 - -0.1) > 0.2
+
+    def corner(n, dimensions, seed):
+        yield np.ones((n, dimensions))
+
+    assert_array_equal(design._sample("sobol", 1, 0, {"a1": (-0.1, 0.2)}, corner).columns["a1"], 0.2)
+
+
+SAMPLE_ERRORS = {
+    "no designs": ({"n": 0}, "n is 0; write an integer from 1 to 1073741824"),
+    "too many": ({"n": 2**30 + 1}, "n is 1073741825; write an integer from 1 to 1073741824"),
+    "fraction": ({"n": 8.0}, "n is 8.0; write an integer from 1 to 1073741824"),
+    "truth": ({"n": True}, "n is True; write an integer from 1 to 1073741824"),
+    "no seed": ({"seed": None}, "seed is None; write an integer of 0 or more"),
+    "negative seed": ({"seed": -1}, "seed is -1; write an integer of 0 or more"),
+    "three": ({"a1": (1, 2, 3)}, "a1 holds 3 values; write (lo, hi), or a number for a constant"),
+    "reversed": ({"a1": (0.5, 0.4)}, "a1 runs from 0.5 to 0.4; write (lo, hi) with lo < hi"),
+    "equal": ({"a1": (0.5, 0.5)}, "a1 runs from 0.5 to 0.5; write (lo, hi) with lo < hi"),
+    "infinite": ({"a1": (0.5, np.inf)}, "a1 runs from 0.5 to inf; write finite ends"),
+    "nan": ({"a1": (np.nan, 1.0)}, "a1 runs from nan to 1.0; write finite ends"),
+    "too wide": ({"a1": (-1e308, 1e308)}, "a1 runs from -1e+308 to 1e+308; write finite ends"),
+    "nan constant": ({"a2": np.nan}, "a2 is nan; write a finite number"),
+    "text": ({"a1": "0..1"}, "a1 is '0..1', not a number; write a number or a flat list of numbers"),
+    "no range": ({"a1": 1.0}, "no input has a range; write (lo, hi) for at least one, or use a grid"),
+}
+
+
+@pytest.mark.parametrize("sample", [sobol, latin_hypercube])
+@pytest.mark.parametrize(("change", "message"), SAMPLE_ERRORS.values(), ids=SAMPLE_ERRORS)
+def test_a_bad_sample_is_refused_in_one_line(sample, change, message):
+    with pytest.raises(InputError) as caught:
+        sample(**{"n": 8, "a1": (0.2, 0.4), **change})
+    assert str(caught.value) == f"{sample.__name__}: {message}"
+
+
+def top_level_imports(path):
+    for node in ast.parse(path.read_text()).body:
+        if isinstance(node, ast.Import):
+            yield from (alias.name.split(".")[0] for alias in node.names)
+        elif isinstance(node, ast.ImportFrom):
+            yield node.module.split(".")[0]
+
+
+@pytest.mark.parametrize("module", [space, design, table])
+def test_nothing_heavy_is_imported_with_the_module(module):
+    imported = set(top_level_imports(Path(module.__file__)))
+    assert "numpy" in imported
+    assert not imported & {"scipy", "xarray", "pandas", "h5py"}
+
+
+@pytest.mark.parametrize("module", [design, table])
+def test_the_examples_run(module):
+    result = doctest.testmod(module)
+    assert result.attempted > 0
+    assert result.failed == 0

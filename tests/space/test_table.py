@@ -1,0 +1,218 @@
+"""Tables of designs from mappings, data frames, datasets and CSV files, and what is refused."""
+
+from decimal import Decimal
+
+import numpy as np
+import pandas as pd
+import pytest
+import xarray as xr
+from numpy.testing import assert_array_equal
+
+from fastlink.errors import InputError
+from fastlink.space.table import table
+
+COLUMNS = {"a1": [0.4, 0.5, 0.6], "a2": [1.0, 1.5, 1.0]}
+
+
+def assert_is_the_table(designs):
+    assert (designs.kind, designs.dims, designs.shape) == ("table", ("design",), (3,))
+    assert list(designs.columns) == list(COLUMNS)
+    for name, values in COLUMNS.items():
+        assert_array_equal(designs.columns[name], values)
+        assert designs.columns[name].dtype == np.float64
+
+
+def test_a_mapping():
+    designs = table({**COLUMNS, "a4": 1})
+    assert_is_the_table(designs)
+    assert designs.constants == {"a4": 1.0}
+    assert designs.attrs == {"design_kind": "table"}
+    assert_array_equal(designs.values("a2"), [1.0, 1.5, 1.0])
+
+
+def test_decimals_of_a_database():
+    assert_is_the_table(table({name: [Decimal(str(value)) for value in v] for name, v in COLUMNS.items()}))
+
+
+def test_a_data_frame():
+    designs = table(pd.DataFrame(COLUMNS, index=["x", "y", "z"]))
+    assert_is_the_table(designs)
+    assert designs.constants == {}
+
+
+def test_a_dataset():
+    dataset = xr.Dataset(
+        {"a1": ("design", COLUMNS["a1"]), "a4": 1.0},
+        coords={
+            "design": [5, 6, 7],
+            "a2": ("design", COLUMNS["a2"]),
+            "label": ("design", ["x", "y", "z"]),
+            "rank": ("design", [3, 1, 2]),
+            "a3": 0.8,
+            "theta1": [0.0, 1.0],
+        },
+    )
+    designs = table(dataset)
+    assert_is_the_table(designs)
+    assert designs.constants == {"a4": 1.0, "a3": 0.8}
+
+
+def test_a_dataset_along_a_dimension_of_any_name():
+    assert_is_the_table(table(xr.Dataset({name: ("row", values) for name, values in COLUMNS.items()})))
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "a1,a2\n0.4,1.0\n0.5,1.5\n0.6,1\n",
+        "\ufeffa1,a2\r\n0.4,1.0\r\n0.5,1.5\r\n0.6,1e0",
+        '\n a1 , "a2"\n\n0.4, 1.0\n , \n"0.5",1.5\n\n0.6,+1.00\n\n',
+    ],
+    ids=["plain", "byte-order mark and CRLF", "blank lines, spaces and quotes"],
+)
+@pytest.mark.parametrize("kind", [str, lambda path: path])
+def test_a_csv_file(tmp_path, text, kind):
+    path = tmp_path / "designs.csv"
+    path.write_text(text, encoding="utf-8", newline="")
+    designs = table(kind(path))
+    assert_is_the_table(designs)
+    assert designs.attrs == {"design_kind": "table", "design_source": "designs.csv"}
+
+
+def test_invalid_designs_are_kept_when_allowed(tmp_path):
+    path = tmp_path / "designs.csv"
+    path.write_text("a1,a2\n0.4,\nnan,1.5\n-inf,1.0\n")
+    expected = {"a1": [0.4, np.nan, -np.inf], "a2": [np.nan, 1.5, 1.0]}
+    for source in (path, expected, pd.DataFrame(expected)):
+        designs = table(source, allow_invalid=True)
+        for name, values in expected.items():
+            assert_array_equal(designs.columns[name], values)
+
+
+KEEP = "write a finite number, or pass allow_invalid=True to keep such designs"
+TABLE_ERRORS = {
+    "unequal": (
+        {"a1": [1, 2, 3], "a2": [1, 2]},
+        "column a2 has 2 values but a1 has 3; give one per design",
+    ),
+    "nan": ({"a1": [1, 2], "a2": [1, np.nan]}, f"row 1 (counted from 0) of column a2 is nan; {KEEP}"),
+    "inf": ({"a1": [np.inf, 2]}, f"row 0 (counted from 0) of column a1 is inf; {KEEP}"),
+    "nan constant": ({"a1": [1, 2], "a2": np.nan}, "a2 is nan; write a finite number"),
+    "text": ({"a1": [1, "two"]}, "a1[1] is 'two', not a number; write a number"),
+    "no rows": ({"a1": []}, "column a1 is empty; give at least one row"),
+    "empty": ({}, "the table is empty; give at least one column of values, or use grid"),
+    "constants": (
+        {"a1": 1.0, "a2": 2.0},
+        "the table holds only single numbers (a1, a2); give at least one column of values, or use grid",
+    ),
+    "number as name": ({1: [1.0]}, "column 1 is named 1; name it by the input it holds"),
+    "dimension": (
+        {"a1": [1.0], "design": [0]},
+        "'design' is the name of the dimension; leave out or rename that column",
+    ),
+    "frame of unnamed columns": (
+        pd.DataFrame([[1.0, 2.0]]),
+        "column 1 is named 0; name it by the input it holds",
+    ),
+    "frame with twins": (
+        pd.DataFrame([[1.0, 2.0]], columns=["a1", "a1"]),
+        "two columns are named 'a1'; name each by the input it holds",
+    ),
+    "frame with a gap": (
+        pd.DataFrame({"a1": [1.0, None]}),
+        f"row 1 (counted from 0) of column a1 is nan; {KEEP}",
+    ),
+    "map": (
+        xr.Dataset({"omega4_max": (("design", "branch"), np.ones((3, 2)))}),
+        "omega4_max has dimensions ('design', 'branch'); give 1-D variables, for instance by "
+        "dataset[['a1', 'a2']]",
+    ),
+    "two dimensions": (
+        xr.Dataset({"a1": ("x", [1.0]), "a2": ("y", [1.0])}),
+        "a1 along 'x' but a2 along 'y'; give variables along one common dimension",
+    ),
+    "list": (
+        [1.0],
+        "[1.0] is no table; give a mapping, an xarray.Dataset, a pandas.DataFrame or the path of a CSV file",
+    ),
+}
+
+
+@pytest.mark.parametrize(("source", "message"), TABLE_ERRORS.values(), ids=TABLE_ERRORS)
+def test_a_bad_table_is_refused_in_one_line(source, message):
+    with pytest.raises(InputError) as caught:
+        table(source)
+    assert str(caught.value) == f"table: {message}"
+
+
+CSV_ERRORS = {
+    "no text": (
+        "",
+        "d.csv is empty; write the names of the columns in line 1, then one line per design",
+    ),
+    "blank": (
+        "\n \n",
+        "d.csv is empty; write the names of the columns in line 1, then one line per design",
+    ),
+    "no header": (
+        "0.4,1.0\n0.5,1.0\n",
+        "d.csv line 1 holds 0.4 instead of a name; write the names of the columns in line 1",
+    ),
+    "no rows": ("a1,a2\n", "d.csv has a header but no rows; write one line per design"),
+    "unnamed": (",a1\n0,0.4\n", "d.csv line 1: column 1 is named ''; name it by the input it holds"),
+    "twins": (
+        "a1,a1\n1,2\n",
+        "d.csv line 1: two columns are named 'a1'; name each by the input it holds",
+    ),
+    "semicolons": ("a1;a2\n1;2\n", "d.csv line 1 reads 'a1;a2'; separate the columns by commas"),
+    "comment": (
+        "# a1,a2\n1,2\n",
+        "d.csv line 1 starts with '#'; write the names of the columns alone in line 1",
+    ),
+    "short row": (
+        "a1,a2\n1,2\n\n3\n",
+        "d.csv line 4 has 1 cells but the header has 2; write one cell per column",
+    ),
+    "text": (
+        "a1,a2\n1,2\n3,four\n",
+        "row 1 (line 3) of column a2 in d.csv is 'four', not a number; write a number",
+    ),
+    "empty cell": ("a1,a2\n1,\n", f"row 0 (line 2) of column a2 in d.csv is empty; {KEEP}"),
+    "nan": ("a1,a2\n1,2\n\nNaN,2\n", f"row 1 (line 4) of column a1 in d.csv is NaN; {KEEP}"),
+    "overflow": ("a1\n1e999\n", f"row 0 (line 2) of column a1 in d.csv is 1e999; {KEEP}"),
+}
+
+
+@pytest.mark.parametrize(("text", "message"), CSV_ERRORS.values(), ids=CSV_ERRORS)
+def test_a_bad_csv_file_is_refused_in_one_line(tmp_path, text, message):
+    path = tmp_path / "d.csv"
+    path.write_text(text)
+    with pytest.raises(InputError) as caught:
+        table(path)
+    assert str(caught.value) == f"table: {message}"
+
+
+def test_text_is_refused_even_where_invalid_designs_are_allowed(tmp_path):
+    path = tmp_path / "d.csv"
+    path.write_text("a1\nfour\n")
+    with pytest.raises(InputError, match="is 'four', not a number"):
+        table(path, allow_invalid=True)
+
+
+def test_files_that_cannot_be_read(tmp_path):
+    missing = tmp_path / "none.csv"
+    with pytest.raises(InputError) as caught:
+        table(str(missing))
+    assert str(caught.value) == (
+        f"table: cannot read {missing}: No such file or directory; give the path of a CSV file"
+    )
+    with pytest.raises(InputError, match=r"cannot read ~nobody-of-that-name/d\.csv: No such file"):
+        table("~nobody-of-that-name/d.csv")
+    with pytest.raises(InputError, match=r"Is a directory; give the path of a CSV file$"):
+        table(tmp_path)
+    binary = tmp_path / "binary.csv"
+    binary.write_bytes(b"a1,a2\n\xff\xfe\x00\n")
+    with pytest.raises(
+        InputError, match=r"binary\.csv is no CSV text \(.*\); save it as comma-separated UTF-8$"
+    ):
+        table(binary)

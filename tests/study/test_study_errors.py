@@ -1,0 +1,294 @@
+"""Study files: one clear line for each thing that is wrong with them."""
+
+from pathlib import Path
+
+import pytest
+from tests.support.study_files import BARE, GOOD, LENGTHS, written
+
+import fastlink as fl
+from fastlink.errors import MOST_LINES
+from fastlink.study.study import run_study
+
+
+def refused(text, **options):
+    """Return the lines with which a study is refused, without the name of the file."""
+    path = written(text)
+    with pytest.raises(fl.InputError) as caught:
+        run_study(path, **options)
+    lines = str(caught.value).splitlines()
+    assert all(line.startswith("study.toml: ") for line in lines)
+    return [line.removeprefix("study.toml: ") for line in lines]
+
+
+def assert_told(text, key, remedy):
+    """Assert that one problem of a study is told: at its key, with its remedy."""
+    (line,) = refused(text)
+    assert line.split(" ")[0].rstrip(":") == key
+    assert remedy in line.partition("; ")[2]
+    assert not any(word in line for word in ("numpy", "allow_invalid", "(lo, hi)"))
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "key", "remedy"),
+    [
+        ("mechanism", "mechanim", "mechanim", "did you mean 'mechanism'?"),
+        ("[design]", "[desing]", "desing", "did you mean 'design'?"),
+        ("linspace", "linspce", "design.a2.linspce", "did you mean 'linspace'?"),
+        ("theta1", "teta1", "cycle.teta1", "did you mean 'theta1'?"),
+        ("[cycle]", "[output]\nfiel = 'x'\n[cycle]", "output.fiel", "did you mean 'file'?"),
+        ("a4 = 1", "a4 = 1\nomega_1 = 2", "design.omega_1", "did you mean 'omega1'?"),
+        (
+            "[cycle]",
+            "[links]\nmodel = 'round_bar'\nradus = 1\n[cycle]",
+            "links.radus",
+            "did you mean 'radius'?",
+        ),
+        (
+            "a2 = {linspace = [1.0, 1.4, 3]}",
+            "sobool = {n = 4, a2 = [1, 2]}",
+            "design.sobool",
+            "did you mean 'sobol'?",
+        ),
+        (
+            "theta1 = 8",
+            "theta1 = {geomspace = [1, 2, 3]}",
+            "cycle.theta1.geomspace",
+            "did you mean 'linspace'?",
+        ),
+        ('"planar_4r"', '"planar_4"', "mechanism", "did you mean 'planar_4r'?"),
+        ("omega4_max", "omga4_max", "quantities[0]", "did you mean 'omega4_max'?"),
+        ("[cycle]", "[links]\nmodel = 'round_ba'\n[cycle]", "links.model", "did you mean 'round_bar'?"),
+        ("[cycle]", "[cycle]\nsolver = 'dens'", "cycle.solver", "did you mean 'dense'?"),
+        ("[cycle]", "[cycle]\nbranch = 3", "cycle.branch", "write some of 1, 2"),
+        ('"planar_4r"', "4", "mechanism", "write a text that is not empty"),
+        (
+            '["omega4_max", "theta4"]',
+            '"theta4"',
+            "quantities",
+            'write a list of names, such as ["omega4_max"]',
+        ),
+        ('"theta4"]', "4]", "quantities[1]", "write the name of a quantity as text"),
+        ("a1 = 0.4", 'a1 = "0.4"', "design.a1", "write a finite number, or {linspace = [lo, hi, n]},"),
+        ("a1 = 0.4", "a1 = [0.4, 0.5]", "design.a1", "write a finite number, or {linspace = [lo, hi, n]},"),
+        ("a1 = 0.4", "a1 = true", "design.a1", "write a finite number, or {linspace = [lo, hi, n]},"),
+        ("a1 = 0.4", "a1 = nan", "design.a1", "write a finite number, or {linspace = [lo, hi, n]},"),
+        ("a1 = 0.4", "a1 = 1e999", "design.a1", "write a finite number, or {linspace = [lo, hi, n]},"),
+        (
+            "1.4, 3]",
+            "1.4, 3.0]",
+            "design.a2.linspace",
+            "write [lo, hi, n] with finite lo and hi and a whole number",
+        ),
+        (
+            "1.4, 3]",
+            "1.4]",
+            "design.a2.linspace",
+            "write [lo, hi, n] with finite lo and hi and a whole number",
+        ),
+        ("[0.8, 0.7]", '[0.8, "x"]', "design.a3.values[1]", "write a finite number"),
+        (
+            "theta1 = 8",
+            "theta1 = 8.5",
+            "cycle.theta1",
+            "write a number of angles from 1 to 10000000, {linspace =",
+        ),
+        ("[cycle]", "[cycle]\nbranch = 'left'", "cycle.branch", "write assembly modes, such as [1, 2]"),
+        ("[cycle]", "[output]\noverwrite = 1\n[cycle]", "output.overwrite", "write true or false"),
+        (
+            "[cycle]",
+            "[links]\nmodel = 'round_bar'\ndensity = 1\nradius = {values = [1]}\n[cycle]",
+            "links.radius",
+            "write one finite number; to sweep it, make it an axis in",
+        ),
+        ('["omega4_max", "theta4"]', "[]", "quantities", 'write a list of names, such as ["omega4_max"]'),
+        (
+            "1.4, 3]",
+            "1.4, 0]",
+            "design.a2.linspace",
+            "write [lo, hi, n] with finite lo and hi and a whole number",
+        ),
+        (
+            "1.4, 3]",
+            "1.4, 10000001]",
+            "design.a2.linspace",
+            "write [lo, hi, n] with finite lo and hi and a whole number",
+        ),
+        ("[0.8, 0.7]", "[]", "design.a3.values", "write a list of one or more finite numbers"),
+        ("{values = [0.8, 0.7]}", "{}", "design.a3", "write exactly one of geomspace, linspace, values"),
+        (
+            "{values = [0.8, 0.7]}",
+            "{values = [1], linspace = [1, 2, 3]}",
+            "design.a3",
+            "write exactly one of geomspace, linspace, values",
+        ),
+        (
+            "linspace = [1.0",
+            "geomspace = [-1.0",
+            "design.a2.geomspace",
+            "write [lo, hi, n] with finite lo and hi of one sign,",
+        ),
+        (
+            "linspace = [1.0",
+            "geomspace = [inf",
+            "design.a2.geomspace",
+            "write [lo, hi, n] with finite lo and hi of one sign,",
+        ),
+        ("[0.8, 0.7]", "[0.8, 0.8]", "design.a3", "give each value once"),
+        ("a1 = 0.4", "a1 = -0.4", "design.a1", "write a finite number greater than 0"),
+        ("[0.8, 0.7]", "[0.8, 0.0]", "design.a3[1]", "write a finite number greater than 0"),
+        ("[cycle]", "[cycle]\nbranch = []", "cycle.branch", "write some of 1, 2"),
+        ("[cycle]", "[cycle]\nbranch = [1, 1]", "cycle.branch", "write each once"),
+        ("theta1 = 8", "theta1 = {values = [1, 1]}", "cycle.theta1", "give each position once"),
+        ('"theta4"]', '"omega4_max"]', "quantities[1]", "name it once"),
+        ('quantities = ["omega4_max", "theta4"]', "", "quantities", 'write quantities = ["omega4_max"]'),
+        ("omega1 = 25.0", "", "design.omega1", "omega4_max depends on it: add it"),
+        ("[cycle]", "[links]\ndensity = 1.0\n[cycle]", "links.model", 'write model = "round_bar"'),
+    ],
+)
+def test_bad_input(folder, old, new, key, remedy):
+    assert old in GOOD
+    assert_told(GOOD.replace(old, new, 1), key, remedy)
+
+
+@pytest.mark.parametrize(
+    ("design", "key", "remedy"),
+    [
+        ("", "design", "write a table [design] with a number or an axis for each"),
+        ("[design]\n", "design", "write a number or an axis for each input"),
+        ("[[design]]\na1 = 1\n", "design", "write a table of keys, such as [design]"),
+        (
+            "[design]\nsobol = {n = 4, a1 = [1, 2]}\na2 = {values = [1]}\n",
+            "design",
+            "write one of them, beside constants",
+        ),
+        (
+            "[design]\nsobol = {n = 4, a1 = [1, 2]}\nlatin_hypercube = {n = 4, a1 = [1, 2]}\n",
+            "design",
+            "write one of them, beside constants",
+        ),
+        (
+            "[design]\nsobol = {n = 0, a1 = [1, 2]}\n",
+            "design.sobol.n",
+            "write an integer from 1 to 1073741824",
+        ),
+        ("[design]\nsobol = {a1 = [1, 2]}\n", "design.sobol.n", "write n = 1024, the number of designs"),
+        ("[design]\nsobol = {n = 4}\n", "design.sobol", "write [lo, hi] for at least one, or use a grid"),
+        ("[design]\nsobol = {n = 4, a1 = [2, 1]}\n", "design.sobol.a1", "write [lo, hi] with lo < hi"),
+        (
+            "[design]\nsobol = {n = 4, a1 = [1, 2, 3]}\n",
+            "design.sobol.a1",
+            "write [lo, hi] with finite lo < hi, or one finite number",
+        ),
+        ("[design]\nsobol = {n = 4, a1 = [1, 2]}\na1 = 3\n", "design.sobol", "write it once"),
+        (
+            "[design]\na1 = 0.4\na2 = 1.2\na3 = 0.8\na4 = 1.0\nsobol = {n = 4, omga1 = [1, 2]}\n",
+            "design.sobol.omga1",
+            "did you mean 'omega1'?",
+        ),
+        ("[design]\ntable = 3\n", "design.table", 'write the path of a CSV file, such as "designs.csv"'),
+        ("[design]\ntable = 'absent.csv'\n", "design.table", "give the path of a CSV file"),
+        ("[design]\ntable = 'holes.csv'\n", "design.table", "write a finite number"),
+        (
+            "[design]\na1 = 0.4\na2 = 1.2\na3 = 0.8\na4 = 1.0\nradius = 0.01\n",
+            "design.radius",
+            "choose that model, or leave it out",
+        ),
+    ],
+)
+def test_bad_designs(folder, design, key, remedy):
+    Path("holes.csv").write_text("a1,a2\n1,2\n1,\n")
+    assert_told(BARE + design, key, remedy)
+
+
+def test_links_that_lack_a_value(folder):
+    text = BARE.replace("theta4", "T41") + f"[design]\nomega1 = 1\n{LENGTHS}[links]\nmodel = 'round_bar'\n"
+    assert refused(text) == [
+        "links.density is missing (density of the round bars [kg m-3]); T41 depends on it: add it",
+        "links.radius is missing (radius of the round bars [m]); T41 depends on it: add it",
+    ]
+
+
+def test_every_missing_input_is_named_once(folder):
+    lines = refused(BARE.replace('["theta4"]', '["omega4", "alpha4"]') + "[design]\na1 = 1.0\na4 = 2.0\n")
+    assert [line.split(" ")[0] for line in lines] == ["design.a2", "design.a3", "design.omega1"]
+
+
+def test_several_problems_are_a_line_each(folder):
+    text = (
+        GOOD.replace("a1 = 0.4", "a1 = -1")
+        .replace("theta1 = 8", "theta1 = 8\nbranch = 7")
+        .replace("ga4", "ga")
+    )
+    keys = [line.split(" ")[0].rstrip(":") for line in refused(text)]
+    assert sorted(keys) == ["cycle.branch", "design.a1", "quantities[0]"]
+
+
+def test_very_many_problems_are_counted(folder):
+    names = ", ".join(f'"wrong{k}"' for k in range(MOST_LINES + 5))
+    lines = refused(GOOD.replace('"omega4_max", "theta4"', names))
+    assert len(lines) == MOST_LINES + 1
+    assert lines[-1] == "and 5 more problems"
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        (GOOD.replace("a1 = 0.4", "a1 = "), "is no TOML: Invalid value (at line 5, column 6)"),
+        (GOOD + "a1\n", "is no TOML: Expected '=' after a key in a key/value pair (at line 12, column 3)"),
+    ],
+)
+def test_toml_faults_have_their_line(folder, text, message):
+    with pytest.raises(fl.InputError) as caught:
+        run_study(written(text))
+    assert str(caught.value) == f"study.toml: {message}"
+
+
+def test_files_that_cannot_be_read(folder):
+    with pytest.raises(fl.InputError, match=r"^absent\.toml: cannot be read \(No such file"):
+        run_study("absent.toml")
+    with pytest.raises(fl.InputError, match=r"cannot be read .*; give the path of a study file"):
+        run_study(folder)
+    Path("latin.toml").write_bytes("# Länge".encode("latin-1"))
+    with pytest.raises(fl.InputError, match=r"^latin\.toml: is no UTF-8 text .* at byte 3"):
+        run_study("latin.toml")
+
+
+def of_the_caller(text, **options):
+    """Return the error of what the study does not say, but its caller."""
+    with pytest.raises(fl.InputError) as caught:
+        run_study(written(text), **options)
+    return caught.value
+
+
+def test_output_that_cannot_be_written(folder):
+    (line,) = refused(GOOD + '[output]\nfile = "no/map.h5"\n')
+    assert line.startswith("output.file: ")
+    assert line.endswith("there is no folder " + f"{folder / 'no'}; create it or choose another")
+    assert of_the_caller(GOOD, to="no/map.h5").where == ("to",)
+    assert_told(GOOD + '[output]\nfile = ""\n', "output.file", "write a text that is not empty")
+
+
+@pytest.mark.parametrize("name", ["study.toml", "designs.csv"])
+def test_a_study_never_replaces_what_it_is_read_from(folder, name):
+    Path("designs.csv").write_text("a1,a2\n0.4,1.2\n")
+    text = f'{BARE}[design]\ntable = "designs.csv"\na3 = 0.8\na4 = 1.0\n'
+    error = of_the_caller(text, to=name, overwrite=True)
+    assert error.where == ("to",)
+    assert error.what == f"{name}: the study is read from that file"
+    assert Path("designs.csv").read_text() == "a1,a2\n0.4,1.2\n"
+
+
+def test_what_the_caller_says_is_told_in_the_words_of_the_caller(folder):
+    assert of_the_caller(GOOD, threads=0).where == ("threads",)
+    assert of_the_caller(GOOD, verify=-1).where == ("verify",)
+    assert not Path("study.h5").exists()
+
+
+def test_an_existing_file_is_replaced_when_the_study_or_the_caller_says_so(folder):
+    path = written(GOOD)
+    run_study(path).close()
+    (line,) = refused(GOOD)
+    assert line.startswith("output.file: ")
+    assert line.endswith("overwrite = true")
+    run_study(path, overwrite=True).close()
+    run_study(written(GOOD + "[output]\noverwrite = true\n")).close()

@@ -1,0 +1,94 @@
+"""Random configurations of Hart's linkage, easy and hard."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+import fastlink as fl
+from fastlink.mechanisms import catalogue
+from fastlink.precision.reference import CONTEXT, Exact
+
+HART = catalogue("hart")
+INPUTS = ("m", "n", "d", "kappa", "phi")
+#: The linkage of Figures 6 and 7.
+WUNDERLICH = {"m": 4.0, "n": 8.0, "d": 6.0, "kappa": 0.5}
+MEASURES = ("F_deviation", "closure_residual")
+QUANTITIES = [name for name, fact in HART.public.items() if not fact.flags and name not in MEASURES]
+# There though the loop does not close.
+OF_THE_CRANK = {"A_x", "A_y", "P_x", "P_y"}
+FAMILIES = [
+    *("random", "kappa 1e-3", "kappa 1e-9", "near 1 1e-3", "near 1 1e-9", "near 1 1e-15"),
+    *("kite 0", "kite 1e-9", "kite 1e-13", "gap 1e-4", "gap 1e-9", "toggle 1e-3", "toggle 1e-9"),
+    *("scale 1e-150", "scale 1e150", "folded 1e-9", "great"),
+]
+
+
+def family(kind: str, rng: np.random.Generator, n: int) -> dict[str, np.ndarray]:
+    """Return configurations that assemble at phi in one branch or the other, most of them."""
+    name, *_, size = kind.split(" ") if " " in kind else (kind, "1")
+    m, n_, kappa = rng.uniform(0.3, 2.0, n), rng.uniform(0.3, 2.0, n), some_kappa(rng, n)
+    sign = rng.choice([-1.0, 1.0], n)
+    if name == "kappa":
+        kappa = sign * float(size) * rng.uniform(1.0, 2.0, n)
+    elif name == "near":
+        kappa = sign * (1.0 + float(size) * rng.choice([-1.0, 1.0], n))
+    elif name == "great":
+        kappa = sign * rng.uniform(5.0, 100.0, n)
+    K = abs(kappa)
+    low, high = abs(1.0 - K) * abs(m - n_), (1.0 + K) * (m + n_)
+    d = low + (high - low) * rng.uniform(0.02, 0.98, n)
+    if name == "kite":
+        m = K * n_
+        d = abs((1.0 - K) * (1.0 + K)) * n_ + float(size) * rng.uniform(-1.0, 1.0, n)
+    elif name == "gap":
+        reach = np.where(rng.random(n) < 0.5, abs(1.0 - K) * (m + n_), (1.0 + K) * abs(m - n_))
+        d = reach + float(size) * rng.uniform(-1.0, 1.0, n)
+    e = np.where(K < 1.0, d, -d)
+    Z0 = -((1.0 - K) * (m + n_) - e) * ((1.0 + K) * (m - n_) - e) / (4.0 * m * e)
+    C0 = ((1.0 - K) * (m + n_) + e) * ((1.0 + K) * (m - n_) + e) / (4.0 * m * e)
+    first, last = np.clip(Z0, 0.0, 1.0), np.clip(1.0 - C0, 0.0, 1.0)
+    share = rng.uniform(0.01, 0.99, n)
+    if name == "toggle":
+        share = np.where(rng.random(n) < 0.5, float(size), 1.0 - float(size))
+    phi = 2.0 * np.arcsin(np.sqrt(np.clip(first + (last - first) * share, 0.0, 1.0)))
+    if name == "folded":
+        phi = float(size) * rng.uniform(0.5, 2.0, n)
+    scale = float(size) if name == "scale" else 1.0
+    return {"m": m * scale, "n": n_ * scale, "d": d * scale, "kappa": kappa, "phi": phi * sign}
+
+
+def folded(facts: Mapping[str, Any]) -> bool:
+    """Tell whether the mechanism is a kite folded up: B stays at M, and F with it, so that phi is undetermined."""
+    return abs(facts["F_y"]) <= 1e-10 * facts["stroke"]
+
+
+def along_line(kind: str, rng: np.random.Generator, n: int) -> dict[str, np.ndarray]:
+    """Return the configurations of a family, of both branches, as driven by F: F_y is rounded."""
+    inputs = family(kind, rng, n)
+    facts = Exact(HART, ["sigma", "sine_part", "F_y", "stroke"], [*INPUTS, "branch"])
+    rows = []
+    for i in range(n):
+        one = {name: float(values[i]) for name, values in inputs.items()}
+        for branch in (1, 2):
+            found = facts.at(one | {"branch": branch})
+            if not (CONTEXT.isnan(found["sigma"]) or folded(found)):
+                rows.append(
+                    {name: one[name] for name in INPUTS[:-1]}
+                    | {"F_y": float(found["F_y"]), "branch": 1.0 if found["sine_part"] > 0 else 2.0}
+                )
+    return {name: np.array([row[name] for row in rows]) for name in (*INPUTS[:-1], "F_y", "branch")}
+
+
+def some_kappa(rng: np.random.Generator, n: int) -> np.ndarray:
+    """Values of kappa of either sign, below and above 1."""
+    below = rng.uniform(0.1, 0.9, n)
+    return np.where(rng.random(n) < 0.6, below, 1.0 / below) * rng.choice([-1.0, 1.0], n)
+
+
+def at(names, **given):
+    """Evaluate at one input position unless it is given; what cannot be is NaN."""
+    with np.errstate(all="ignore"):
+        return fl.evaluate("hart", names, **({"phi": 1.0} | given))
