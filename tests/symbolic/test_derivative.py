@@ -249,7 +249,9 @@ def test_what_has_no_derivative_is_told(name, message):
 
 
 def test_a_linear_system_has_no_derivatives():
-    with pytest.raises(InputError, match="d_T41_d_a1': a linear system determines T41; write solver='eliminated'"):
+    with pytest.raises(
+        InputError, match="d_T41_d_a1': a linear system determines T41; write solver='eliminated'"
+    ):
         make_plan(PLANAR, ["d_T41_d_a1"], given=PLANAR.inputs, alternatives=("dense",))
 
 
