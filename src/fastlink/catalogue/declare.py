@@ -7,6 +7,7 @@ from dataclasses import replace
 from itertools import count
 from typing import Any, TypeVar
 
+from fastlink.catalogue.rows import DerivativeRows, Rows
 from fastlink.facts.fact import CatalogueError, Fact, GradedRange, Input, Rule, System, parameters
 from fastlink.facts.names import Derivative, ListOfExtrema, Name, Reduced, form_of, parse, reading_of, root_of
 from fastlink.symbolic.derivative import derivative_name, labelled
@@ -148,6 +149,14 @@ class Declarations:
 
         return declare
 
+    def quantities(self, *, units: str, source: str, alternative: str | None = None) -> Rows:
+        """Return what declares quantities that users ask for, row by row."""
+        return Rows([self], units, source, internal=False, alternative=alternative)
+
+    def steps(self, *, units: str, source: str, alternative: str | None = None) -> Rows:
+        """Return what declares steps on the way, row by row."""
+        return Rows([self], units, source, internal=True, alternative=alternative)
+
     def over_positions(self, *, units: str, symbol: str, source: str) -> Callable[[F], F]:
         """Declare a quantity that is made of whole curves: those of public facts, over all positions asked for.
 
@@ -230,6 +239,10 @@ class Declarations:
             name for step in steps for name in (step.unknowns if isinstance(step, System) else (step.name,))
         }
         return not names.isdisjoint(solved | slopes)
+
+    def derivatives(self, by: str, *, alternative: str | None = None) -> DerivativeRows:
+        """Return what declares derivatives with respect to an input or the position, row by row."""
+        return DerivativeRows(self, by, alternative)
 
     @property
     def variables(self) -> dict[str, Input]:

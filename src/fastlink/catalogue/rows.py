@@ -1,0 +1,89 @@
+"""Declare facts in rows: where one law holds for several quantities, each has a row of plain data."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from fastlink.catalogue.declare import Declarations
+
+__all__ = ["DerivativeRows", "Rows"]
+
+
+@dataclass(frozen=True)
+class Rows:
+    """Facts with common labels, declared by calling it: one call is one row.
+
+    Attributes
+    ----------
+    catalogues : sequence of Declarations
+        The mechanisms that the facts belong to: the same one by several inputs, for example.
+    units, source : str
+        The labels of all rows but those that have their own.
+    internal : bool
+        Whether the facts are steps on the way.
+    alternative : str or None
+        The set of facts that they belong to.
+    """
+
+    catalogues: Sequence[Declarations]
+    units: str
+    source: str
+    internal: bool
+    alternative: str | None = None
+
+    def __call__(
+        self,
+        law: Callable[..., Any],
+        name: str,
+        symbol: str,
+        meaning: str | None = None,
+        /,
+        *,
+        units: str | None = None,
+        source: str | None = None,
+        flags: Mapping[int, str] | None = None,
+        low: str | None = None,
+        **given: str,
+    ) -> None:
+        """Declare a fact.
+
+        Parameters
+        ----------
+        law : callable
+            Its text.
+        name, symbol, meaning : str
+            What it is called, the paper's symbol, and what it is: unless given, the first line of the law's docstring.
+        units, source, flags, low
+            As in `Declarations.quantity`, where they differ from those of the other rows.
+        **given : str
+            What stands for the law's parameters; a parameter that is not named here stands for itself.
+        """
+        for catalogue in self.catalogues:
+            catalogue.quantity(
+                units=units or self.units,
+                symbol=symbol,
+                source=source or self.source,
+                internal=self.internal,
+                flags=flags,
+                alternative=self.alternative,
+                name=name,
+                meaning=meaning,
+                given=given,
+                low=low,
+            )(law)
+
+
+@dataclass(frozen=True)
+class DerivativeRows:
+    """Derivatives with respect to one input or the position, declared by calling it: one call is one row."""
+
+    catalogue: Declarations
+    by: str
+    alternative: str | None = None
+
+    def __call__(self, law: Callable[..., Any], name: str, /, **given: str) -> None:
+        """Declare the derivative of the fact or table `name`; `given` is what stands for the law's parameters."""
+        self.catalogue.derivative(name, self.by, given=given, alternative=self.alternative)(law)
