@@ -149,9 +149,16 @@ class Declarations:
 
         return declare
 
-    def quantities(self, *, units: str, source: str, alternative: str | None = None) -> Rows:
+    def quantities(
+        self,
+        *,
+        units: str,
+        source: str,
+        alternative: str | None = None,
+        flags: Mapping[int, str] | None = None,
+    ) -> Rows:
         """Return what declares quantities that users ask for, row by row."""
-        return Rows([self], units, source, internal=False, alternative=alternative)
+        return Rows([self], units, source, internal=False, alternative=alternative, flags=flags)
 
     def steps(self, *, units: str, source: str, alternative: str | None = None) -> Rows:
         """Return what declares steps on the way, row by row."""

@@ -26,6 +26,8 @@ class Rows:
         Whether the facts are steps on the way.
     alternative : str or None
         The set of facts that they belong to.
+    flags : mapping of int to str or None
+        For quantities that are codes: the meanings of their values.
     """
 
     catalogues: Sequence[Declarations]
@@ -33,6 +35,7 @@ class Rows:
     source: str
     internal: bool
     alternative: str | None = None
+    flags: Mapping[int, str] | None = None
 
     def __call__(
         self,
@@ -44,7 +47,6 @@ class Rows:
         *,
         units: str | None = None,
         source: str | None = None,
-        flags: Mapping[int, str] | None = None,
         low: str | None = None,
         **given: str,
     ) -> None:
@@ -56,7 +58,7 @@ class Rows:
             Its text.
         name, symbol, meaning : str
             What it is called, the paper's symbol, and what it is: unless given, the first line of the law's docstring.
-        units, source, flags, low
+        units, source, low
             As in `Declarations.quantity`, where they differ from those of the other rows.
         **given : str
             What stands for the law's parameters; a parameter that is not named here stands for itself.
@@ -67,7 +69,7 @@ class Rows:
                 symbol=symbol,
                 source=source or self.source,
                 internal=self.internal,
-                flags=flags,
+                flags=self.flags,
                 alternative=self.alternative,
                 name=name,
                 meaning=meaning,

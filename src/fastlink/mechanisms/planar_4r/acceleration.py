@@ -39,25 +39,21 @@ def jerk(replaced: Any, omega1: Any, alpha1: Any, slope: Any) -> Any:
     return replaced + (3.0 * (omega1 * alpha1)) * slope
 
 
-for _name, _law, _further in (
-    ("alpha2", plus_product, "coupler_ratio"),
-    ("alpha4", plus_product, "output_ratio"),
-    ("joint_alpha_3", plus_product, "joint_ratio_3"),
-    ("a_Ax", less_product, "A_y"),
-    ("a_Ay", plus_product, "A_x"),
-    ("P_ax", plus_product, "P_dx"),
-    ("P_ay", plus_product, "P_dy"),
-    ("p1_x", less_product, "m1_OG_y"),
-    ("p1_y", plus_product, "m1_OG_x"),
-    ("couple1", plus_product, "I1_G"),
-    ("T41", plus_product, "I1_O"),
-    ("shaking_moment", less_product, "I1_O"),
-):
-    build_on(ACCELERATED, _name, _law, further=_further)
+build_on(ACCELERATED, "alpha2", plus_product, further="coupler_ratio")
+build_on(ACCELERATED, "alpha4", plus_product, further="output_ratio")
+build_on(ACCELERATED, "joint_alpha_3", plus_product, further="joint_ratio_3")
+build_on(ACCELERATED, "a_Ax", less_product, further="A_y")
+build_on(ACCELERATED, "a_Ay", plus_product, further="A_x")
+build_on(ACCELERATED, "P_ax", plus_product, further="P_dx")
+build_on(ACCELERATED, "P_ay", plus_product, further="P_dy")
+build_on(ACCELERATED, "p1_x", less_product, further="m1_OG_y")
+build_on(ACCELERATED, "p1_y", plus_product, further="m1_OG_x")
+build_on(ACCELERATED, "couple1", plus_product, further="I1_G")
+build_on(ACCELERATED, "T41", plus_product, further="I1_O")
+build_on(ACCELERATED, "shaking_moment", less_product, further="I1_O")
+build_on(ACCELERATED, "jerk2", jerk, slope="coupler_slope")
+build_on(ACCELERATED, "jerk4", jerk, slope="output_slope")
 
 # theta2 - theta1 gains a difference of its own, which does not cancel.
 steady = str(Below(Quantity("alpha2"), ACCELERATED))
 build_on(ACCELERATED, "joint_alpha_2", plus_product, replaced=steady, further="joint_ratio_2")
-
-for _name, _slope in (("jerk2", "coupler_slope"), ("jerk4", "output_slope")):
-    build_on(ACCELERATED, _name, jerk, slope=_slope)

@@ -43,16 +43,10 @@ def unless_rounding(factor: Any, gap_rounding: Any) -> Any:
     return zero_where(abs(factor) <= gap_rounding, factor)
 
 
-for _name in ("A1", "B1", "C1"):
-    planar_4r.quantity(
-        units="1",
-        symbol=f"{_name[0]}_{_name[1]}",
-        source=STATUS,
-        internal=True,
-        name=f"sure_{_name}",
-        meaning=f"{_name}, zero within the rounding of the lengths",
-        given={"factor": f"factor_{_name}"},
-    )(unless_rounding)
+step = planar_4r.steps(units="1", source=STATUS)
+step(unless_rounding, "sure_A1", "A_1", "A1, zero within the rounding of the lengths", factor="factor_A1")
+step(unless_rounding, "sure_B1", "B_1", "B1, zero within the rounding of the lengths", factor="factor_B1")
+step(unless_rounding, "sure_C1", "C_1", "C1, zero within the rounding of the lengths", factor="factor_C1")
 
 
 @planar_4r.quantity(units="1", symbol="class", source=STATUS, flags=CLASS_FLAGS)
@@ -90,48 +84,38 @@ def grashof_excess(sure_A1: Any, sure_B1: Any, sure_C1: Any, lift: Any, unit: An
 
 
 def limit_root(x: Any, y: Any) -> Any:
-    """Return the square root of a product of two factors, 0 where there is no such limit."""
+    """Half-angle sine or cosine at a limit, over a common factor: the root of x y, 0 where there is no such limit."""
     product = x * y
     return select(product > 0.0, sqrt(product), 0.0)
 
 
 def opposite_limit_root(x: Any, y: Any) -> Any:
-    """Return the square root of minus a product of two factors, 0 where there is no such limit."""
+    """Half-angle sine or cosine at a limit, over a common factor: the root of -x y, 0 where there is no such limit."""
     product = -(x * y)
     return select(product > 0.0, sqrt(product), 0.0)
 
 
 def product_root(x: Any, y: Any) -> Any:
-    """Return the square root of a product of factors that are both positive where the design assembles."""
+    """Half-angle sine or cosine at a limit, over a common factor: the root of x y, both of them positive."""
     return sqrt(x) * sqrt(y)
 
 
 def opposite_product_root(x: Any, y: Any) -> Any:
-    """Return the square root of a product of a positive and a negative factor, the second."""
+    """Half-angle sine or cosine at a limit, over a common factor: the root of -x y, y being negative."""
     return sqrt(x) * sqrt(-y)
 
 
-for _name, _symbol, _law, _x, _y in (
-    ("sine_low_1", "sqrt(-A_1 B_1)", opposite_limit_root, "sure_A1", "sure_B1"),
-    ("cosine_low_1", "sqrt(C_2 D_2)", product_root, "factor_C2", "factor_D2"),
-    ("sine_high_1", "sqrt(-A_2 B_2)", opposite_product_root, "factor_A2", "factor_B2"),
-    ("cosine_high_1", "sqrt(C_1 D_1)", limit_root, "sure_C1", "factor_D1"),
-    ("sine_low_4", "sqrt(-B_1 D_1)", opposite_limit_root, "sure_B1", "factor_D1"),
-    ("cosine_low_4", "sqrt(A_2 C_2)", product_root, "factor_A2", "factor_C2"),
-    ("sine_high_4", "sqrt(-B_2 D_2)", opposite_product_root, "factor_D2", "factor_B2"),
-    ("cosine_high_4", "sqrt(A_1 C_1)", limit_root, "sure_A1", "sure_C1"),
-    ("sine_least_mu", "sqrt(A_1 B_1)", limit_root, "sure_A1", "sure_B1"),
-    ("cosine_greatest_mu", "sqrt(-C_1 D_1)", opposite_limit_root, "sure_C1", "factor_D1"),
-):
-    planar_4r.quantity(
-        units="1",
-        symbol=_symbol,
-        source=TOGGLES,
-        internal=True,
-        name=_name,
-        meaning=f"{_symbol}, which a half-angle's sine or cosine is in proportion to",
-        given={"x": _x, "y": _y},
-    )(_law)
+step = planar_4r.steps(units="1", source=TOGGLES)
+step(opposite_limit_root, "sine_low_1", "sqrt(-A_1 B_1)", x="sure_A1", y="sure_B1")
+step(product_root, "cosine_low_1", "sqrt(C_2 D_2)", x="factor_C2", y="factor_D2")
+step(opposite_product_root, "sine_high_1", "sqrt(-A_2 B_2)", x="factor_A2", y="factor_B2")
+step(limit_root, "cosine_high_1", "sqrt(C_1 D_1)", x="sure_C1", y="factor_D1")
+step(opposite_limit_root, "sine_low_4", "sqrt(-B_1 D_1)", x="sure_B1", y="factor_D1")
+step(product_root, "cosine_low_4", "sqrt(A_2 C_2)", x="factor_A2", y="factor_C2")
+step(opposite_product_root, "sine_high_4", "sqrt(-B_2 D_2)", x="factor_D2", y="factor_B2")
+step(limit_root, "cosine_high_4", "sqrt(A_1 C_1)", x="sure_A1", y="sure_C1")
+step(limit_root, "sine_least_mu", "sqrt(A_1 B_1)", x="sure_A1", y="sure_B1")
+step(opposite_limit_root, "cosine_greatest_mu", "sqrt(-C_1 D_1)", x="sure_C1", y="factor_D1")
 
 
 def twice_arctangent(sine: Any, cosine: Any, assembles: Any) -> Any:
@@ -139,34 +123,55 @@ def twice_arctangent(sine: Any, cosine: Any, assembles: Any) -> Any:
     return select(assembles == 1.0, 2.0 * atan2(sine, cosine), NOT_A_NUMBER)
 
 
-for _name, _symbol, _source, _sine, _cosine, _meaning in (
-    ("theta1_low", "theta_1", TOGGLES, "sine_low_1", "cosine_low_1", "least reachable |theta1|, 0 if none"),
-    (
-        *("theta1_high", "theta_1", TOGGLES, "sine_high_1", "cosine_high_1"),
-        "greatest reachable |theta1|, pi if none",
-    ),
-    ("theta4_low", "theta_4", TOGGLES, "sine_low_4", "cosine_low_4", "least reachable |theta4|, 0 if none"),
-    (
-        *("theta4_high", "theta_4", TOGGLES, "sine_high_4", "cosine_high_4"),
-        "greatest reachable |theta4|, pi if none",
-    ),
-    (
-        *("transmission_angle_least", "mu", TOGGLES, "sine_least_mu", "sine_high_1"),
-        "least transmission angle over the reachable range: at theta1 = 0, or 0 at a toggle",
-    ),
-    (
-        *("transmission_angle_greatest", "mu", TOGGLES, "cosine_low_1", "cosine_greatest_mu"),
-        "greatest transmission angle over the reachable range: at theta1 = pi, or pi at a toggle",
-    ),
-):
-    planar_4r.quantity(
-        units="rad",
-        symbol=_symbol,
-        source=_source,
-        name=_name,
-        meaning=_meaning,
-        given={"sine": _sine, "cosine": _cosine},
-    )(twice_arctangent)
+limit = planar_4r.quantities(units="rad", source=TOGGLES)
+limit(
+    twice_arctangent,
+    "theta1_low",
+    "theta_1",
+    "least reachable |theta1|, 0 if none",
+    sine="sine_low_1",
+    cosine="cosine_low_1",
+)
+limit(
+    twice_arctangent,
+    "theta1_high",
+    "theta_1",
+    "greatest reachable |theta1|, pi if none",
+    sine="sine_high_1",
+    cosine="cosine_high_1",
+)
+limit(
+    twice_arctangent,
+    "theta4_low",
+    "theta_4",
+    "least reachable |theta4|, 0 if none",
+    sine="sine_low_4",
+    cosine="cosine_low_4",
+)
+limit(
+    twice_arctangent,
+    "theta4_high",
+    "theta_4",
+    "greatest reachable |theta4|, pi if none",
+    sine="sine_high_4",
+    cosine="cosine_high_4",
+)
+limit(
+    twice_arctangent,
+    "transmission_angle_least",
+    "mu",
+    "least transmission angle over the reachable range: at theta1 = 0, or 0 at a toggle",
+    sine="sine_least_mu",
+    cosine="sine_high_1",
+)
+limit(
+    twice_arctangent,
+    "transmission_angle_greatest",
+    "mu",
+    "greatest transmission angle over the reachable range: at theta1 = pi, or pi at a toggle",
+    sine="cosine_low_1",
+    cosine="cosine_greatest_mu",
+)
 
 
 @planar_4r.quantity(units="rad", symbol="Delta theta_4", source=TOGGLES)

@@ -6,6 +6,7 @@ direction is that of the link's frame: pi (the default) is opposite to the link.
 
 from __future__ import annotations
 
+from functools import partial
 from typing import Any
 
 from fastlink.mechanisms.planar_4r import loads  # noqa: F401 (declares what is replaced)
@@ -30,40 +31,36 @@ def spin(mass: Any, radius: Any) -> Any:
     return mass * (radius * radius)
 
 
-def fact(number: int, name: str, units: str, symbol: str, law: Any, **given: str) -> None:
-    """Declare a fact that holds with the counterweight of one link."""
-    planar_4r.quantity(
-        units=units,
-        symbol=symbol,
-        source=COUNTERWEIGHTS,
-        internal=True,
-        alternative=f"counterweight{number}",
-        name=name,
-        given=given,
-    )(law)
+def declare_counterweight(link: int) -> None:
+    """Declare the counterweight of one link, and what it adds wherever it is."""
+    name = f"counterweight{link}"
+    mass, radius, direction = f"{name}_mass", f"{name}_radius", f"{name}_direction"
+    given = partial(planar_4r.input, alternative=name)
+    on = f"counterweight on the {LINKS[link]}"
+    given(mass, units="kg", symbol=f"m_W{link}", meaning=f"{on}: mass", rule="non-negative")
+    given(
+        radius,
+        units="m",
+        symbol=f"r_W{link}",
+        meaning=f"{on}: distance from the link's fixed pivot",
+        rule="non-negative",
+    )
+    given(
+        direction,
+        units="rad",
+        symbol=f"psi_W{link}",
+        meaning=f"{on}: direction in the link's frame",
+        default=PI,
+    )
+    step = planar_4r.steps(units="kg m", source=COUNTERWEIGHTS, alternative=name)
+    step(along, f"{name}_along", f"m_W{link} r cos psi", mass=mass, radius=radius, direction=direction)
+    step(across, f"{name}_across", f"m_W{link} r sin psi", mass=mass, radius=radius, direction=direction)
+    step(spin, f"{name}_spin", f"m_W{link} r^2", mass=mass, radius=radius, units="kg m2")
+    build_on(name, f"mass{link}", plus, further=mass)
 
 
-for _i in (1, 3):
-    for _name, _units, _symbol, _meaning, _rule, _default in (
-        ("mass", "kg", "m", "mass", "non-negative", None),
-        ("radius", "m", "r", "distance from the link's fixed pivot", "non-negative", None),
-        ("direction", "rad", "psi", "direction in the link's frame", "any", PI),
-    ):
-        planar_4r.input(
-            f"counterweight{_i}_{_name}",
-            units=_units,
-            symbol=f"{_symbol}_W{_i}",
-            meaning=f"counterweight on the {LINKS[_i]}: {_meaning}",
-            rule=_rule,  # type: ignore[arg-type]
-            alternative=f"counterweight{_i}",
-            default=_default,
-        )
-    _inputs = {name: f"counterweight{_i}_{name}" for name in ("mass", "radius", "direction")}
-    _massive = {name: _inputs[name] for name in ("mass", "radius")}
-    fact(_i, f"counterweight{_i}_along", "kg m", f"m_W{_i} r cos psi", along, **_inputs)
-    fact(_i, f"counterweight{_i}_across", "kg m", f"m_W{_i} r sin psi", across, **_inputs)
-    fact(_i, f"counterweight{_i}_spin", "kg m2", f"m_W{_i} r^2", spin, **_massive)
-    build_on(f"counterweight{_i}", f"mass{_i}", plus, further=f"counterweight{_i}_mass")
+declare_counterweight(1)
+declare_counterweight(3)
 
 
 # -- on the crank ---------------------------------------------------------------------------------
@@ -74,9 +71,10 @@ def inward(replaced: Any, omega1_squared: Any, further: Any) -> Any:
     return replaced - omega1_squared * further
 
 
-for _axis, _where in (("u", "along"), ("v", "across")):
-    build_on("counterweight1", f"m1_G1_{_axis}", plus, further=f"counterweight1_{_where}")
-    build_on("counterweight1", f"crank_force_{_where}", inward, further=f"counterweight1_{_where}")
+build_on("counterweight1", "m1_G1_u", plus, further="counterweight1_along")
+build_on("counterweight1", "m1_G1_v", plus, further="counterweight1_across")
+build_on("counterweight1", "crank_force_along", inward, further="counterweight1_along")
+build_on("counterweight1", "crank_force_across", inward, further="counterweight1_across")
 build_on("counterweight1", "I1_O", plus, further="counterweight1_spin")
 
 
@@ -88,10 +86,8 @@ def plus_quotient(replaced: Any, further: Any, length: Any) -> Any:
     return replaced + further / length
 
 
-for _where in ("along", "across"):
-    build_on(
-        "counterweight3", f"m3_G3_{_where}", plus_quotient, further=f"counterweight3_{_where}", length="a3"
-    )
+build_on("counterweight3", "m3_G3_along", plus_quotient, further="counterweight3_along", length="a3")
+build_on("counterweight3", "m3_G3_across", plus_quotient, further="counterweight3_across", length="a3")
 build_on("counterweight3", "I3_D", plus, further="counterweight3_spin")
 
 
@@ -122,12 +118,28 @@ def about_centre(
     return replaced + ((own * per_mass) * mass) * (u * u + v * v)
 
 
-for _i, _pivot in ((1, "O"), (3, "D")):
-    fact(_i, f"per_mass{_i}", "kg-1", f"1/m_{_i}", reciprocal, whole=f"mass{_i}")
-    for _axis in "xy":
-        _given = {"part": f"m{_i}_{_pivot}G_{_axis}", "per_mass": f"per_mass{_i}"}
-        fact(_i, f"{_pivot}G_{_axis}", "m", f"{_pivot}G_{_i}{_axis}", centre, **_given)
-    _given = {name: f"counterweight{_i}_{name}" for name in ("mass", "radius", "direction")}
-    _given |= {"own": f"m{_i}", "per_mass": f"per_mass{_i}", "G_u": f"G{_i}_u", "G_v": f"G{_i}_v"}
-    build_on(f"counterweight{_i}", f"I{_i}_G", about_centre, **_given)
-fact(3, "DG_cross_DB", "m2", "DG_3 x DB", leaning, part="m3_G3_across", per_mass="per_mass3", length="a3")
+def declare_centre(link: int, pivot: str) -> None:
+    """Declare the mass centre of a link with its counterweight, and its moment of inertia about it."""
+    name, per_mass = f"counterweight{link}", f"per_mass{link}"
+    step = planar_4r.steps(units="m", source=COUNTERWEIGHTS, alternative=name)
+    step(reciprocal, per_mass, f"1/m_{link}", whole=f"mass{link}", units="kg-1")
+    step(centre, f"{pivot}G_x", f"{pivot}G_{link}x", part=f"m{link}_{pivot}G_x", per_mass=per_mass)
+    step(centre, f"{pivot}G_y", f"{pivot}G_{link}y", part=f"m{link}_{pivot}G_y", per_mass=per_mass)
+    build_on(
+        name,
+        f"I{link}_G",
+        about_centre,
+        own=f"m{link}",
+        mass=f"{name}_mass",
+        per_mass=per_mass,
+        radius=f"{name}_radius",
+        direction=f"{name}_direction",
+        G_u=f"G{link}_u",
+        G_v=f"G{link}_v",
+    )
+
+
+declare_centre(1, "O")
+declare_centre(3, "D")
+step = planar_4r.steps(units="m2", source=COUNTERWEIGHTS, alternative="counterweight3")
+step(leaning, "DG_cross_DB", "DG_3 x DB", part="m3_G3_across", per_mass="per_mass3", length="a3")

@@ -54,46 +54,39 @@ def quarter_Z0(Z0: Any) -> Any:
     return 0.25 * Z0
 
 
-for _name, _symbol, _meaning, _law, _given in (
-    (
-        "coupler_ratio",
-        "n",
-        "omega2/omega1",
-        rates.omega2,
-        {"mean_rate": "mean_ratio", "odd_rate": "half_H"},
-    ),
-    (
-        "mean_slope",
-        "T'/2",
-        "derivative of the mean of the ratios",
-        rates.mean_acceleration,
-        {"gamma_rate": "half_log_rate"},
-    ),
-    (
-        "H_slope",
-        "H'/2",
-        "half the derivative of H",
-        rates.H_rate,
-        {"C0_squared_rate": "quarter_C0", "Z0_squared_rate": "quarter_Z0"},
-    ),
-    (
-        "kappa_slope",
-        "H kappa gamma'/(2 gamma^2)",
-        "half of H times the derivative of -kappa/gamma",
-        rates.kappa_rate,
-        {"gamma_rate": "half_log_rate"},
-    ),
-    (
-        "coupler_slope",
-        "n'",
-        "derivative of omega2/omega1 by the input angle",
-        rates.alpha2,
-        {"mean_acceleration": "mean_slope", "H_rate": "H_slope", "kappa_rate": "kappa_slope"},
-    ),
-):
-    planar_4r.quantity(
-        units="1", symbol=_symbol, source=RATES, internal=True, name=_name, meaning=_meaning, given=_given
-    )(_law)
+step = planar_4r.steps(units="1", source=RATES)
+step(rates.omega2, "coupler_ratio", "n", "omega2/omega1", mean_rate="mean_ratio", odd_rate="half_H")
+step(
+    rates.mean_acceleration,
+    "mean_slope",
+    "T'/2",
+    "derivative of the mean of the ratios",
+    gamma_rate="half_log_rate",
+)
+step(
+    rates.H_rate,
+    "H_slope",
+    "H'/2",
+    "half the derivative of H",
+    C0_squared_rate="quarter_C0",
+    Z0_squared_rate="quarter_Z0",
+)
+step(
+    rates.kappa_rate,
+    "kappa_slope",
+    "H kappa gamma'/(2 gamma^2)",
+    "half of H times the derivative of -kappa/gamma",
+    gamma_rate="half_log_rate",
+)
+step(
+    rates.alpha2,
+    "coupler_slope",
+    "n'",
+    "derivative of omega2/omega1 by the input angle",
+    mean_acceleration="mean_slope",
+    H_rate="H_slope",
+    kappa_rate="kappa_slope",
+)
 
 
 @planar_4r.quantity(units="m", symbol="P_x'", source=COUPLER, internal=True)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import partial
 from typing import Any
 
 from fastlink.catalogue.catalogue import Catalogue, Input
@@ -12,7 +13,6 @@ NUMERICS = "docs/numerics.md"
 
 #: The moving links by number.
 LINKS = {1: "crank OA", 2: "coupler AB", 3: "output link DB"}
-LINK_FRAMES = {1: "from O along OA", 2: "from A along AB", 3: "from D along DB"}
 
 planar_4r = Catalogue(
     "planar_4r",
@@ -24,41 +24,35 @@ planar_4r = Catalogue(
     position=Input("theta1", "rad", "theta_1", "input angle: direction of OA in the ground frame"),
 )
 
-for _name, _meaning in (
-    ("a1", "length of the input crank OA"),
-    ("a2", "length of the coupler AB"),
-    ("a3", "length of the output link DB"),
-    ("a4", "length of the ground link OD"),
-):
-    planar_4r.input(_name, units="m", symbol=f"a_{_name[1]}", meaning=_meaning, rule="positive")
+length = partial(planar_4r.input, units="m", rule="positive")
+length("a1", symbol="a_1", meaning="length of the input crank OA")
+length("a2", symbol="a_2", meaning="length of the coupler AB")
+length("a3", symbol="a_3", meaning="length of the output link DB")
+length("a4", symbol="a_4", meaning="length of the ground link OD")
 
 planar_4r.input(
     "omega1", units="rad s-1", symbol="omega_1", meaning="angular velocity of the crank, constant"
 )
 
-for _axis, _where in (("u", "along AB from A"), ("v", "to the left of AB")):
-    planar_4r.input(f"P_{_axis}", units="m", symbol=f"P_{_axis}", meaning=f"coupler point, {_where}")
+planar_4r.input("P_u", units="m", symbol="P_u", meaning="coupler point, along AB from A")
+planar_4r.input("P_v", units="m", symbol="P_v", meaning="coupler point, to the left of AB")
 
-for _i, _link in LINKS.items():
-    planar_4r.input(
-        f"m{_i}", units="kg", symbol=f"m_{_i}", meaning=f"mass of the {_link}", rule="non-negative"
-    )
-    planar_4r.input(
-        f"I{_i}",
-        units="kg m2",
-        symbol=f"I_{_i}",
-        meaning=f"moment of inertia of the {_link} about its mass centre",
-        rule="non-negative",
-    )
-    planar_4r.input(
-        f"G{_i}_u", units="m", symbol=f"G_{_i}u", meaning=f"mass centre of the {_link}, {LINK_FRAMES[_i]}"
-    )
-    planar_4r.input(
-        f"G{_i}_v",
-        units="m",
-        symbol=f"G_{_i}v",
-        meaning=f"mass centre of the {_link}, to the left of its axis",
-    )
+
+def declare_link(number: int, link: str, frame: str) -> None:
+    """Declare the mass data of a moving link, in its own frame."""
+    centre = f"mass centre of the {link}"
+    inertia = f"moment of inertia of the {link} about its mass centre"
+    massive = partial(planar_4r.input, rule="non-negative")
+    massive(f"m{number}", units="kg", symbol=f"m_{number}", meaning=f"mass of the {link}")
+    massive(f"I{number}", units="kg m2", symbol=f"I_{number}", meaning=inertia)
+    at = partial(planar_4r.input, units="m")
+    at(f"G{number}_u", symbol=f"G_{number}u", meaning=f"{centre}, {frame}")
+    at(f"G{number}_v", symbol=f"G_{number}v", meaning=f"{centre}, to the left of its axis")
+
+
+declare_link(1, LINKS[1], "from O along OA")
+declare_link(2, LINKS[2], "from A along AB")
+declare_link(3, LINKS[3], "from D along DB")
 
 
 def build_on(chosen: str, name: str, law: Callable[..., Any], **given: str) -> None:

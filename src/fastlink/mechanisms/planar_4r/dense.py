@@ -57,16 +57,11 @@ def about_centre(inertia: Any) -> Any:
     return inertia
 
 
-for _i, _link in (("1", "crank"), ("3", "output link")):
-    planar_4r.quantity(
-        units="kg m2",
-        symbol=f"I_CG{_i}",
-        source=EQUATION_9,
-        internal=True,
-        name=f"I{_i}_G",
-        meaning=f"Moment of inertia of the {_link} about its mass centre",
-        given={"inertia": f"I{_i}"},
-    )(about_centre)
+step = planar_4r.steps(units="kg m2", source=EQUATION_9)
+step(about_centre, "I1_G", "I_CG1", "Moment of inertia of the crank about its mass centre", inertia="I1")
+step(
+    about_centre, "I3_G", "I_CG3", "Moment of inertia of the output link about its mass centre", inertia="I3"
+)
 
 
 @planar_4r.quantity(units="N m", symbol="I_CG3 alpha_3", source=EQUATION_9, internal=True)

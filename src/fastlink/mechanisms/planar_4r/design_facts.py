@@ -23,25 +23,14 @@ STATUS_FLAGS = {
 }
 
 
-for _law, _units, _anchor in (
-    (lengths.valid, "1", "status"),
-    (lengths.lift, "1", "scaling"),
-    (lengths.unit, "m", "scaling"),
-):
-    planar_4r.quantity(units=_units, symbol=_law.__name__, source=f"{NUMERICS}#{_anchor}", internal=True)(
-        _law
-    )
-
-for _i, _link in (LINKS | {4: "ground link OD"}).items():
-    planar_4r.quantity(
-        units="1",
-        symbol=f"s_{_i}",
-        source=f"{NUMERICS}#scaling",
-        internal=True,
-        name=f"s{_i}",
-        meaning=f"scaled length of the {_link}",
-        given={"length": f"a{_i}"},
-    )(lengths.scaled)
+step = planar_4r.steps(units="1", source=f"{NUMERICS}#scaling")
+step(lengths.valid, "valid", "valid", source=f"{NUMERICS}#status")
+step(lengths.lift, "lift", "lift")
+step(lengths.unit, "unit", "unit", units="m")
+step(lengths.scaled, "s1", "s_1", f"scaled length of the {LINKS[1]}", length="a1")
+step(lengths.scaled, "s2", "s_2", f"scaled length of the {LINKS[2]}", length="a2")
+step(lengths.scaled, "s3", "s_3", f"scaled length of the {LINKS[3]}", length="a3")
+step(lengths.scaled, "s4", "s_4", "scaled length of the ground link OD", length="a4")
 
 
 @planar_4r.quantity(units="m-1", symbol="1/unit", source=f"{NUMERICS}#scaling", internal=True)

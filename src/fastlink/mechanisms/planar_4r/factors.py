@@ -122,54 +122,44 @@ def residual_minus_cross(squares: Any, cross: Any, Y_i: Any, Y_j: Any) -> Any:
     return squares - cross * Y_i * Y_j
 
 
-for _x, _y in ("13", "24"):
-    planar_4r.quantity(
-        units="1",
-        symbol=f"8 a_{_x} a_{_y}",
-        source=f"{HAYES}, eqs. (1) to (6)",
-        internal=True,
-        name=f"io_cross_{_x}{_y}",
-        meaning=f"8 a{_x} a{_y} over the squared sum of the lengths",
-        given={"x": f"s{_x}", "y": f"s{_y}"},
-    )(io_cross)
+step = planar_4r.steps(units="1", source=f"{HAYES}, eqs. (1) to (6)")
+step(io_cross, "io_cross_13", "8 a_1 a_3", "8 a1 a3 over the squared sum of the lengths", x="s1", y="s3")
+step(io_cross, "io_cross_24", "8 a_2 a_4", "8 a2 a4 over the squared sum of the lengths", x="s2", y="s4")
 
-for _pair, (_equation, *_products) in IO_PRODUCTS.items():
-    _i, _j = _pair[0], _pair[1]
-    _given = {
-        f"{_letter}_{_k}": f"joint_{_letter}{_n}" for _k, _n in (("i", _i), ("j", _j)) for _letter in "SC"
-    }
-    _source = f"{HAYES}, eq. ({_equation})"
-    for _term, _product in zip(("vivj", "vi", "vj", "one"), _products, strict=True):
-        _first, _second = _product.split()
-        _given[_term] = f"io_{_pair}_{_term}"
-        planar_4r.quantity(
-            units="1",
-            symbol=f"{_first[0]}_{_first[1]} {_second[0]}_{_second[1]}",
-            source=_source,
-            internal=True,
-            name=_given[_term],
-            meaning=f"{_first} {_second} over the squared sum of the lengths",
-            given={"first": f"factor_{_first}", "second": f"factor_{_second}"},
-        )(io_product)
-    _labels: Any = {
-        "units": "1",
-        "symbol": f"r_{_pair}",
-        "source": _source,
-        "name": f"io_residual_{_pair}",
-        "meaning": f"residual of the input-output equation of joints {_i} and {_j}, over the squared sum of lengths",
-    }
-    if _pair in IO_CROSS:
-        _squares = {"name": f"io_{_pair}_squares", "meaning": f"{_labels['meaning']}, but for v_i v_j"}
-        planar_4r.quantity(**_labels | _squares, internal=True, given=_given)(residual)
-        _number, _x, _y = IO_CROSS[_pair]
-        _given = {
-            "squares": _squares["name"],
-            "cross": f"io_cross_{_x}{_y}",
-            "Y_i": f"joint_Y{_i}",
-            "Y_j": f"joint_Y{_j}",
-        }
-        planar_4r.quantity(**_labels, given=_given)(
-            residual_plus_cross if _number > 0.0 else residual_minus_cross
+
+def declare_residual(pair: str) -> None:
+    """Declare the residual of the equation of two joints, and its coefficients."""
+    i, j = pair[0], pair[1]
+    equation, *products = IO_PRODUCTS[pair]
+    source = f"{HAYES}, eq. ({equation})"
+    step = planar_4r.steps(units="1", source=source)
+    terms = {"S_i": f"joint_S{i}", "C_i": f"joint_C{i}", "S_j": f"joint_S{j}", "C_j": f"joint_C{j}"}
+    for term, product in zip(("vivj", "vi", "vj", "one"), products, strict=True):
+        first, second = str(product).split()
+        terms[term] = f"io_{pair}_{term}"
+        step(
+            io_product,
+            terms[term],
+            f"{first[0]}_{first[1]} {second[0]}_{second[1]}",
+            f"{first} {second} over the squared sum of the lengths",
+            first=f"factor_{first}",
+            second=f"factor_{second}",
         )
-    else:
-        planar_4r.quantity(**_labels, given=_given)(residual)
+    name, symbol = f"io_residual_{pair}", f"r_{pair}"
+    meaning = f"residual of the input-output equation of joints {i} and {j}, over the squared sum of lengths"
+    quantity = planar_4r.quantities(units="1", source=source)
+    if pair not in IO_CROSS:
+        quantity(residual, name, symbol, meaning, **terms)
+        return
+    number, x, y = IO_CROSS[pair]
+    squares = f"io_{pair}_squares"
+    step(residual, squares, symbol, f"{meaning}, but for v_i v_j", **terms)
+    with_cross = residual_plus_cross if number > 0.0 else residual_minus_cross
+    cross = f"io_cross_{x}{y}"
+    quantity(
+        with_cross, name, symbol, meaning, squares=squares, cross=cross, Y_i=f"joint_Y{i}", Y_j=f"joint_Y{j}"
+    )
+
+
+for _pair in IO_PRODUCTS:
+    declare_residual(_pair)

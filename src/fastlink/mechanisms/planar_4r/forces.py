@@ -159,16 +159,27 @@ def about_pivot(inertia: Any, mass: Any, G_u: Any, G_v: Any) -> Any:
     return inertia + mass * (G_u * G_u + G_v * G_v)
 
 
-for _i, _pivot, _link in (("1", "O", "crank"), ("3", "D", "output link")):
-    planar_4r.quantity(
-        units="kg m2",
-        symbol=f"I_{_i}{_pivot}",
-        source=CENTRES,
-        internal=True,
-        name=f"I{_i}_{_pivot}",
-        meaning=f"Moment of inertia of the {_link} about {_pivot}",
-        given={"inertia": f"I{_i}", "mass": f"m{_i}", "G_u": f"G{_i}_u", "G_v": f"G{_i}_v"},
-    )(about_pivot)
+step = planar_4r.steps(units="kg m2", source=CENTRES)
+step(
+    about_pivot,
+    "I1_O",
+    "I_1O",
+    "Moment of inertia of the crank about O",
+    inertia="I1",
+    mass="m1",
+    G_u="G1_u",
+    G_v="G1_v",
+)
+step(
+    about_pivot,
+    "I3_D",
+    "I_3D",
+    "Moment of inertia of the output link about D",
+    inertia="I3",
+    mass="m3",
+    G_u="G3_u",
+    G_v="G3_v",
+)
 
 
 @planar_4r.quantity(units="N m", symbol="M_2", source=REACTIONS, internal=True)
@@ -260,20 +271,34 @@ def force_magnitude(x: Any, y: Any) -> Any:
     return magnitude(x, y)
 
 
-for _name, _symbol, _meaning in (
-    ("F41", "F_41", "Force of the ground on the crank at O"),
-    ("F21", "F_21", "Force of the coupler on the crank at A"),
-    ("F32", "F_32", "Force of the output link on the coupler at B"),
-    ("F43", "F_43", "Force of the ground on the output link at D"),
-):
-    planar_4r.quantity(
-        units="N",
-        symbol=f"|{_symbol}|",
-        source=REACTIONS,
-        name=_name,
-        meaning=f"{_meaning}, magnitude",
-        given={"x": f"{_name}_x", "y": f"{_name}_y"},
-    )(force_magnitude)
+force = planar_4r.quantities(units="N", source=REACTIONS)
+force(
+    force_magnitude, "F41", "|F_41|", "Force of the ground on the crank at O, magnitude", x="F41_x", y="F41_y"
+)
+force(
+    force_magnitude,
+    "F21",
+    "|F_21|",
+    "Force of the coupler on the crank at A, magnitude",
+    x="F21_x",
+    y="F21_y",
+)
+force(
+    force_magnitude,
+    "F32",
+    "|F_32|",
+    "Force of the output link on the coupler at B, magnitude",
+    x="F32_x",
+    y="F32_y",
+)
+force(
+    force_magnitude,
+    "F43",
+    "|F_43|",
+    "Force of the ground on the output link at D, magnitude",
+    x="F43_x",
+    y="F43_y",
+)
 
 
 @planar_4r.quantity(units="W", symbol="P_in", source=f"{REACTIONS}, T_41 omega_1")

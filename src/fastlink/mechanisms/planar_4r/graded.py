@@ -8,6 +8,7 @@ positive terms, without any trigonometric function and without the second word o
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any
 
 from fastlink.catalogue.catalogue import GradedRange
@@ -62,21 +63,11 @@ def below_zero(x: Any) -> Any:
     return select(x < 0.0, -x, 0.0)
 
 
-for _name, _symbol, _law, _need in (
-    ("Z_least", "max(Z_0, 0)", above_zero, "Z0"),
-    ("p_least", "max(-Z_0, 0)", below_zero, "Z0"),
-    ("C_least", "max(C_0, 0)", above_zero, "C0"),
-    ("q_least", "max(-C_0, 0)", below_zero, "C0"),
-):
-    planar_4r.quantity(
-        units="1",
-        symbol=_symbol,
-        source=EXTREMES,
-        internal=True,
-        name=_name,
-        meaning=f"least {_name[0]} of the reachable range",
-        given={"x": _need},
-    )(_law)
+step = planar_4r.steps(units="1", source=EXTREMES)
+step(above_zero, "Z_least", "max(Z_0, 0)", "least Z of the reachable range", x="Z0")
+step(below_zero, "p_least", "max(-Z_0, 0)", "least p of the reachable range", x="Z0")
+step(above_zero, "C_least", "max(C_0, 0)", "least C of the reachable range", x="C0")
+step(below_zero, "q_least", "max(-C_0, 0)", "least q of the reachable range", x="C0")
 
 
 def grade(near: Any, width: Any) -> Any:
@@ -112,24 +103,17 @@ def is_toggle(limit: Any) -> Any:
     return select(limit > 0.0, 1.0, 0.0)
 
 
-for _end, _where, _limit in (("low", "lower", "Z0"), ("high", "upper", "C0")):
-    _near = {"near": f"near_{_end}", "width": "range_width"}
-    _from = {"limit": _limit, "scale": f"scale_{_end}"}
-    _first = (first_place_low, _from | {"gamma0": "gamma0"}) if _end == "low" else (first_place, _from)
-    for _name, _part, _meaning, _given in (
-        ("scale", grade, "scale of the graded samples", _near),
-        ("start", _first[0], "place of the first sample", _first[1]),
-        ("toggle", is_toggle, "1 for a toggle, else 0", {"limit": _limit}),
-    ):
-        planar_4r.quantity(
-            units="1",
-            symbol=_name,
-            source=EXTREMES,
-            internal=True,
-            name=f"{_name}_{_end}",
-            meaning=f"{_meaning}, at the {_where} end of the range",
-            given=_given,
-        )(_part)
+def declare_end(end: str, where: str, limit: str, first: Callable[..., Any]) -> None:
+    """Declare what grades the samples at one end of the range."""
+    at = f"at the {where} end of the range"
+    near, scale = f"near_{end}", f"scale_{end}"
+    step(grade, scale, "scale", f"scale of the graded samples, {at}", near=near, width="range_width")
+    step(first, f"start_{end}", "start", f"place of the first sample, {at}", limit=limit, scale=scale)
+    step(is_toggle, f"toggle_{end}", "toggle", f"1 for a toggle, else 0, {at}", limit=limit)
+
+
+declare_end("low", "lower", "Z0", first_place_low)
+declare_end("high", "upper", "C0", first_place)
 
 planar_4r.graded = GradedRange(
     name="graded",
@@ -168,17 +152,11 @@ def from_end(least: Any, range_width: Any, fraction: Any) -> Any:
     return least + range_width * fraction
 
 
-for _name, _fraction in (("Z", "from_low"), ("p", "from_low"), ("C", "from_high"), ("q", "from_high")):
-    planar_4r.quantity(
-        units="1",
-        symbol=_name,
-        source=EXTREMES,
-        internal=True,
-        alternative="graded",
-        name=_name,
-        meaning=f"{_name} at a place of the graded range",
-        given={"least": f"{_name}_least", "fraction": _fraction},
-    )(from_end)
+place = planar_4r.steps(units="1", source=EXTREMES, alternative="graded")
+place(from_end, "Z", "Z", "Z at a place of the graded range", least="Z_least", fraction="from_low")
+place(from_end, "p", "p", "p at a place of the graded range", least="p_least", fraction="from_low")
+place(from_end, "C", "C", "C at a place of the graded range", least="C_least", fraction="from_high")
+place(from_end, "q", "q", "q at a place of the graded range", least="q_least", fraction="from_high")
 
 
 @planar_4r.quantity(units="1", symbol="sin theta_1", source=EXTREMES, internal=True, alternative="graded")

@@ -219,42 +219,29 @@ def joint_Y3(root_p: Any, root_q: Any, per_p_plus_q: Any, branch_sign: Any) -> A
 
 
 def squared_half_sine(x: Any, length: Any) -> Any:
-    """Return the squared sine of half the angle of a vector of known length."""
+    """Squared sine of half the angle of a vector of known length."""
     return 0.5 - 0.5 * (x / length)
 
 
 def squared_half_cosine(x: Any, length: Any) -> Any:
-    """Return the squared cosine of half the angle of a vector of known length."""
+    """Squared cosine of half the angle of a vector of known length."""
     return 0.5 + 0.5 * (x / length)
 
 
 def half_of_sine(y: Any, length: Any) -> Any:
-    """Return half the sine of the angle of a vector of known length."""
+    """Half the sine of the angle of a vector of known length."""
     return 0.5 * (y / length)
 
 
 def minus_half_of_sine(y: Any, length: Any) -> Any:
-    """Return minus half the sine of the angle of a vector of known length."""
+    """Minus half the sine of the angle of a vector of known length."""
     return -0.5 * (y / length)
 
 
-for _i, _name, _law, _symbol, _meaning, _component in (
-    (2, "S", squared_half_sine, "sin^2(theta_2/2)", "squared sine of half", "x"),
-    (2, "C", squared_half_cosine, "cos^2(theta_2/2)", "squared cosine of half", "x"),
-    (2, "Y", half_of_sine, "sin(theta_2)/2", "half the sine of", "y"),
-    (4, "S", squared_half_sine, "sin^2(theta_4/2)", "squared sine of half", "x"),
-    (4, "C", squared_half_cosine, "cos^2(theta_4/2)", "squared cosine of half", "x"),
-    (4, "Y", minus_half_of_sine, "sin(theta_4)/2", "half the sine of", "y"),
-):
-    planar_4r.quantity(
-        units="1",
-        symbol=_symbol,
-        source=JOINTS,
-        internal=True,
-        name=f"joint_{_name}{_i}",
-        meaning=f"{_meaning} joint angle {_i}",
-        given={
-            _component: {"2x": "AB_u", "2y": "AB_v", "4x": "DB_x", "4y": "DB_y"}[f"{_i}{_component}"],
-            "length": f"a{_i if _i == 2 else 3}",
-        },
-    )(_law)
+step = planar_4r.steps(units="1", source=JOINTS)
+step(squared_half_sine, "joint_S2", "sin^2(theta_2/2)", x="AB_u", length="a2")
+step(squared_half_cosine, "joint_C2", "cos^2(theta_2/2)", x="AB_u", length="a2")
+step(half_of_sine, "joint_Y2", "sin(theta_2)/2", y="AB_v", length="a2")
+step(squared_half_sine, "joint_S4", "sin^2(theta_4/2)", x="DB_x", length="a3")
+step(squared_half_cosine, "joint_C4", "cos^2(theta_4/2)", x="DB_x", length="a3")
+step(minus_half_of_sine, "joint_Y4", "sin(theta_4)/2", y="DB_y", length="a3")

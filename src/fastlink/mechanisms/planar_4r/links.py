@@ -60,26 +60,18 @@ def on_axis(length: Any) -> Any:
     return 0.0 * length
 
 
+bar = planar_4r.quantities(units="m", source=SOURCE, alternative=ROUND_BAR)
 for _i, _link in LINKS.items():
-    for _name, _units, _symbol, _meaning, _law, _given in (
-        (f"m{_i}", "kg", f"m_{_i}", f"mass of the {_link}", bar_mass, {}),
-        (
-            f"I{_i}",
-            "kg m2",
-            f"I_{_i}",
-            f"moment of inertia of the {_link} about its centre",
-            bar_inertia,
-            {"mass": f"m{_i}"},
-        ),
-        (f"G{_i}_u", "m", f"G_{_i}u", f"mass centre of the {_link} at mid-length", mid_length, {}),
-        (f"G{_i}_v", "m", f"G_{_i}v", f"mass centre of the {_link} on its axis", on_axis, {}),
-    ):
-        planar_4r.quantity(
-            units=_units,
-            symbol=_symbol,
-            source=SOURCE,
-            alternative=ROUND_BAR,
-            name=_name,
-            meaning=_meaning,
-            given={"length": f"a{_i}"} | _given,
-        )(_law)
+    _a, _m = f"a{_i}", f"m{_i}"
+    bar(bar_mass, _m, f"m_{_i}", f"mass of the {_link}", length=_a, units="kg")
+    bar(
+        bar_inertia,
+        f"I{_i}",
+        f"I_{_i}",
+        f"moment of inertia of the {_link} about its centre",
+        mass=_m,
+        length=_a,
+        units="kg m2",
+    )
+    bar(mid_length, f"G{_i}_u", f"G_{_i}u", f"mass centre of the {_link} at mid-length", length=_a)
+    bar(on_axis, f"G{_i}_v", f"G_{_i}v", f"mass centre of the {_link} on its axis", length=_a)

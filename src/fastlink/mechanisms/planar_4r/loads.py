@@ -22,24 +22,27 @@ GRAVITY, COUPLER_FORCE, OUTPUT_TORQUE, MOMENT_POINT = (
     "moment_point",
 )
 
-for _set, _name, _units, _symbol, _meaning in (
-    (GRAVITY, "gravity_x", "m s-2", "g_x", "acceleration of gravity, x"),
-    (GRAVITY, "gravity_y", "m s-2", "g_y", "acceleration of gravity, y"),
-    (COUPLER_FORCE, "FP_x", "N", "F_Px", "load on the coupler point P, x"),
-    (COUPLER_FORCE, "FP_y", "N", "F_Py", "load on the coupler point P, y"),
-    (OUTPUT_TORQUE, "T_load", "N m", "T_0", "load torque on the output link, constant part"),
-    (OUTPUT_TORQUE, "T_load_linear", "N m s", "T_1", "load torque on the output link over omega4"),
-    (
-        OUTPUT_TORQUE,
-        "T_load_quadratic",
-        "N m s2",
-        "T_2",
-        "load torque on the output link over omega4 |omega4|",
-    ),
-    (MOMENT_POINT, "M_x", "m", "M_x", "point that shaking_moment_at is taken about, x"),
-    (MOMENT_POINT, "M_y", "m", "M_y", "point that shaking_moment_at is taken about, y"),
-):
-    planar_4r.input(_name, units=_units, symbol=_symbol, meaning=_meaning, alternative=_set, default=0.0)
+
+def load(variant: str, name: str, units: str, symbol: str, meaning: str) -> None:
+    """Declare an input of a load, 0 unless given."""
+    planar_4r.input(name, units=units, symbol=symbol, meaning=meaning, alternative=variant, default=0.0)
+
+
+load(GRAVITY, "gravity_x", "m s-2", "g_x", "acceleration of gravity, x")
+load(GRAVITY, "gravity_y", "m s-2", "g_y", "acceleration of gravity, y")
+load(COUPLER_FORCE, "FP_x", "N", "F_Px", "load on the coupler point P, x")
+load(COUPLER_FORCE, "FP_y", "N", "F_Py", "load on the coupler point P, y")
+load(OUTPUT_TORQUE, "T_load", "N m", "T_0", "load torque on the output link, constant part")
+load(OUTPUT_TORQUE, "T_load_linear", "N m s", "T_1", "load torque on the output link over omega4")
+load(
+    OUTPUT_TORQUE,
+    "T_load_quadratic",
+    "N m s2",
+    "T_2",
+    "load torque on the output link over omega4 |omega4|",
+)
+load(MOMENT_POINT, "M_x", "m", "M_x", "point that shaking_moment_at is taken about, x")
+load(MOMENT_POINT, "M_y", "m", "M_y", "point that shaking_moment_at is taken about, y")
 
 
 # -- whole links ----------------------------------------------------------------------------------
@@ -55,29 +58,11 @@ def first_moment(mass: Any, centre: Any) -> Any:
     return mass * centre
 
 
-for _name, _units, _symbol, _meaning, _law, _given in (
-    ("mass1", "kg", "m_1", "whole mass of the crank", as_given, {"value": "m1"}),
-    ("mass3", "kg", "m_3", "whole mass of the output link", as_given, {"value": "m3"}),
-    (
-        "m1_G1_u",
-        "kg m",
-        "m_1 G_1u",
-        "mass times centre of the crank, along",
-        first_moment,
-        {"mass": "m1", "centre": "G1_u"},
-    ),
-    (
-        "m1_G1_v",
-        "kg m",
-        "m_1 G_1v",
-        "mass times centre of the crank, across",
-        first_moment,
-        {"mass": "m1", "centre": "G1_v"},
-    ),
-):
-    planar_4r.quantity(
-        units=_units, symbol=_symbol, source=LOADS, internal=True, name=_name, meaning=_meaning, given=_given
-    )(_law)
+step = planar_4r.steps(units="kg m", source=LOADS)
+step(as_given, "mass1", "m_1", "whole mass of the crank", value="m1", units="kg")
+step(as_given, "mass3", "m_3", "whole mass of the output link", value="m3", units="kg")
+step(first_moment, "m1_G1_u", "m_1 G_1u", "mass times centre of the crank, along", mass="m1", centre="G1_u")
+step(first_moment, "m1_G1_v", "m_1 G_1v", "mass times centre of the crank, across", mass="m1", centre="G1_v")
 
 
 @planar_4r.quantity(units="kg m", symbol="m_1 OG_1x", source=LOADS, internal=True)
@@ -100,9 +85,12 @@ def less_weight(replaced: Any, mass: Any, gravity: Any) -> Any:
     return replaced - mass * gravity
 
 
-for _link, _mass in (("1", "mass1"), ("2", "m2"), ("3", "mass3")):
-    for _axis in "xy":
-        build_on(GRAVITY, f"p{_link}_{_axis}", less_weight, mass=_mass, gravity=f"gravity_{_axis}")
+build_on(GRAVITY, "p1_x", less_weight, mass="mass1", gravity="gravity_x")
+build_on(GRAVITY, "p1_y", less_weight, mass="mass1", gravity="gravity_y")
+build_on(GRAVITY, "p2_x", less_weight, mass="m2", gravity="gravity_x")
+build_on(GRAVITY, "p2_y", less_weight, mass="m2", gravity="gravity_y")
+build_on(GRAVITY, "p3_x", less_weight, mass="mass3", gravity="gravity_x")
+build_on(GRAVITY, "p3_y", less_weight, mass="mass3", gravity="gravity_y")
 
 
 def weight_moment(x: Any, y: Any, gravity_x: Any, gravity_y: Any) -> Any:
@@ -115,20 +103,23 @@ def pull_less(replaced: Any, further: Any, unit_per_2_a1_a4: Any, per_sigma: Any
     return replaced - further * (branch_sign * (unit_per_2_a1_a4 * per_sigma))
 
 
-for _name, _symbol, _meaning, _first in (
-    ("weight_moment1", "OG_1 x m_1 g", "Moment of the crank's weight about O", "m1_OG"),
-    ("weight_moment3", "DG_3 x m_3 g", "Moment of the output link's weight about D", "m3_DG"),
-):
-    planar_4r.quantity(
-        units="N m",
-        symbol=_symbol,
-        source=LOADS,
-        internal=True,
-        alternative=GRAVITY,
-        name=_name,
-        meaning=_meaning,
-        given={"x": f"{_first}_x", "y": f"{_first}_y"},
-    )(weight_moment)
+step = planar_4r.steps(units="N m", source=LOADS, alternative=GRAVITY)
+step(
+    weight_moment,
+    "weight_moment1",
+    "OG_1 x m_1 g",
+    "Moment of the crank's weight about O",
+    x="m1_OG_x",
+    y="m1_OG_y",
+)
+step(
+    weight_moment,
+    "weight_moment3",
+    "DG_3 x m_3 g",
+    "Moment of the output link's weight about D",
+    x="m3_DG_x",
+    y="m3_DG_y",
+)
 
 build_on(GRAVITY, "pull_along_AB", pull_less, further="weight_moment3")
 build_on(GRAVITY, "spin_rate3", less, further="weight_moment3")
@@ -160,13 +151,12 @@ def load_moment_G(AP_x: Any, AP_y: Any, AG_x: Any, AG_y: Any, FP_x: Any, FP_y: A
 build_on(COUPLER_FORCE, "moment2_A", less, further="load_moment_A")
 build_on(COUPLER_FORCE, "spin_rate2", less, further="load_moment_of_A")
 build_on(COUPLER_FORCE, "couple2", less, further="load_moment_G")
-for _axis in "xy":
-    for _name, _sign in (
-        (f"F21_{_axis}", plus),
-        (f"shaking_force_{_axis}", plus),
-        (f"joint_force2_{_axis}", less),
-    ):
-        build_on(COUPLER_FORCE, _name, _sign, further=f"FP_{_axis}")
+build_on(COUPLER_FORCE, "F21_x", plus, further="FP_x")
+build_on(COUPLER_FORCE, "F21_y", plus, further="FP_y")
+build_on(COUPLER_FORCE, "shaking_force_x", plus, further="FP_x")
+build_on(COUPLER_FORCE, "shaking_force_y", plus, further="FP_y")
+build_on(COUPLER_FORCE, "joint_force2_x", less, further="FP_x")
+build_on(COUPLER_FORCE, "joint_force2_y", less, further="FP_y")
 
 
 # -- torque on the output link --------------------------------------------------------------------

@@ -178,19 +178,21 @@ def bend(mean_bend: Any, H_bend: Any, share: Any, kappa_bend: Any, branch_sign: 
     return mean_bend + branch_sign * (H_bend * share - kappa_bend)
 
 
-for _name, _share, _symbol, _of in (
-    ("output_bend", "output_share", "n_4''", "omega4/omega1"),
-    ("coupler_bend", "coupler_share", "n''", "omega2/omega1"),
-):
-    planar_4r.quantity(
-        units="1",
-        symbol=_symbol,
-        source=RATES,
-        internal=True,
-        name=_name,
-        meaning=f"second derivative of {_of} by the input angle",
-        given={"share": _share},
-    )(bend)
+step = planar_4r.steps(units="1", source=RATES)
+step(
+    bend,
+    "output_bend",
+    "n_4''",
+    "second derivative of omega4/omega1 by the input angle",
+    share="output_share",
+)
+step(
+    bend,
+    "coupler_bend",
+    "n''",
+    "second derivative of omega2/omega1 by the input angle",
+    share="coupler_share",
+)
 
 
 @planar_4r.quantity(units="rad3 s-3", symbol="omega_1^3", source=RATES, internal=True)
@@ -204,15 +206,14 @@ def product(x: Any, y: Any) -> Any:
     return x * y
 
 
-for _name, _link, _bend, _source in (
-    ("jerk4", "output link", "output_bend", f"{HAYES}, eq. (8), differentiated"),
-    ("jerk2", "coupler", "coupler_bend", f"{HAYES}, eq. (8) for the pair 1-2, differentiated"),
-):
-    planar_4r.quantity(
-        units="rad s-3",
-        symbol=f"jerk_{_name[-1]}",
-        source=_source,
-        name=_name,
-        meaning=f"Angular jerk of the {_link}",
-        given={"x": "omega1_cubed", "y": _bend},
-    )(product)
+jerk = planar_4r.quantities(units="rad s-3", source=f"{HAYES}, eq. (8), differentiated")
+jerk(product, "jerk4", "jerk_4", "Angular jerk of the output link", x="omega1_cubed", y="output_bend")
+jerk(
+    product,
+    "jerk2",
+    "jerk_2",
+    "Angular jerk of the coupler",
+    x="omega1_cubed",
+    y="coupler_bend",
+    source=f"{HAYES}, eq. (8) for the pair 1-2, differentiated",
+)

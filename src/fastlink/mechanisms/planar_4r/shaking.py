@@ -26,14 +26,15 @@ def shaking_force_y(p1_y: Any, p2_y: Any, p3_y: Any) -> Any:
     return -(p1_y + p2_y + p3_y)
 
 
-planar_4r.quantity(
-    units="N",
-    symbol="|F|",
-    source=SHAKING,
-    name="shaking_force",
-    meaning="Shaking force on the ground, magnitude",
-    given={"x": "shaking_force_x", "y": "shaking_force_y"},
-)(force_magnitude)
+force = planar_4r.quantities(units="N", source=SHAKING)
+force(
+    force_magnitude,
+    "shaking_force",
+    "|F|",
+    "Shaking force on the ground, magnitude",
+    x="shaking_force_x",
+    y="shaking_force_y",
+)
 
 
 @planar_4r.quantity(units="N m", symbol="dL_2/dt", source=SHAKING, internal=True)

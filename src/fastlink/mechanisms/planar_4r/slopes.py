@@ -20,16 +20,17 @@ from fastlink.numerics.elementary import INFINITY, select
 RATES = f"{NUMERICS}#rates"
 
 
-for _name, _of, _symbol, _law, _given in (
-    ("output_ratio", "omega4/omega1", "n_4", rates.omega4, {"mean_rate": "mean_ratio", "odd_rate": "half_H"}),
-    (
-        *("output_slope", "derivative of omega4/omega1 by the input angle", "n_4'", rates.alpha4),
-        {"mean_acceleration": "mean_slope", "H_rate": "H_slope", "kappa_rate": "kappa_slope"},
-    ),
-):
-    planar_4r.quantity(
-        units="1", symbol=_symbol, source=RATES, internal=True, name=_name, meaning=_of, given=_given
-    )(_law)
+step = planar_4r.steps(units="1", source=RATES)
+step(rates.omega4, "output_ratio", "n_4", "omega4/omega1", mean_rate="mean_ratio", odd_rate="half_H")
+step(
+    rates.alpha4,
+    "output_slope",
+    "n_4'",
+    "derivative of omega4/omega1 by the input angle",
+    mean_acceleration="mean_slope",
+    H_rate="H_slope",
+    kappa_rate="kappa_slope",
+)
 
 
 @planar_4r.quantity(units="1", symbol="n - 1", source=RATES, internal=True)
@@ -90,60 +91,48 @@ def half_tangent_1(Z: Any) -> Any:
     return select(Z == 0.0, INFINITY, 0.5 / Z)
 
 
+# of what is tabled, or given by a place of the graded range
 for _set in (None, "graded"):
-    for _of, _sign, _need in (
-        ("Z", same, "half_sine"),
-        ("C", opposite, "half_sine"),
-        ("p", same, "half_sine"),
-        ("q", opposite, "half_sine"),
-        ("sin_theta1", same, "cos_theta1"),
-        ("cos_theta1", opposite, "sin_theta1"),
-    ):
-        planar_4r.derivative(_of, "theta1", given={"x": _need}, alternative=_set)(_sign)
+    derivative = planar_4r.derivatives("theta1", alternative=_set)
+    derivative(same, "Z", x="half_sine")
+    derivative(opposite, "C", x="half_sine")
+    derivative(same, "p", x="half_sine")
+    derivative(opposite, "q", x="half_sine")
+    derivative(same, "sin_theta1", x="cos_theta1")
+    derivative(opposite, "cos_theta1", x="sin_theta1")
 
-for _of, _need in (
-    ("transmission_angle", "H"),
-    ("half_H", "H_slope"),
-    ("H_slope", "H_bend"),
-    ("mean_ratio", "mean_slope"),
-    ("mean_slope", "mean_bend"),
-    ("theta2", "coupler_ratio"),
-    ("coupler_ratio", "coupler_slope"),
-    ("coupler_slope", "coupler_bend"),
-    ("theta4", "output_ratio"),
-    ("output_ratio", "output_slope"),
-    ("output_slope", "output_bend"),
-    *((f"joint_angle_{_i}", f"joint_ratio_{_i}") for _i in (2, 3, 4)),
-):
-    planar_4r.derivative(_of, "theta1", given={"x": _need})(same)
-
-for _of, _x, _y in (
-    ("omega2", "omega1", "coupler_slope"),
-    ("omega4", "omega1", "output_slope"),
-    ("joint_omega_2", "omega1", "coupler_slope"),
-    ("alpha2", "omega1_squared", "coupler_bend"),
-    ("alpha4", "omega1_squared", "output_bend"),
-    ("H_rate", "omega1_squared", "H_bend"),
-    ("AB_y", "coupler_ratio", "AB_x"),
-    ("DB_y", "output_ratio", "DB_x"),
-    ("B_y", "output_ratio", "DB_x"),
-    ("AB_v", "joint_ratio_2", "AB_u"),
-):
-    planar_4r.derivative(_of, "theta1", given={"x": _x, "y": _y})(rates.product)
-
-for _of, _x, _y in (
-    ("AB_x", "coupler_ratio", "AB_y"),
-    ("DB_x", "output_ratio", "DB_y"),
-    ("B_x", "output_ratio", "DB_y"),
-    ("AB_u", "joint_ratio_2", "AB_v"),
-):
-    planar_4r.derivative(_of, "theta1", given={"x": _x, "y": _y})(opposite_product)
-
-for _i in (2, 3, 4):
-    planar_4r.derivative(f"v{_i}", "theta1", given={"v": f"v{_i}", "ratio": f"joint_ratio_{_i}"})(
-        half_tangent
-    )
-
-planar_4r.derivative("H", "theta1", given={"x": "H_slope"})(twice)
-planar_4r.derivative("sigma", "theta1")(sigma_slope)
-planar_4r.derivative("v1", "theta1")(half_tangent_1)
+derivative = planar_4r.derivatives("theta1")
+derivative(same, "transmission_angle", x="H")
+derivative(same, "half_H", x="H_slope")
+derivative(same, "H_slope", x="H_bend")
+derivative(same, "mean_ratio", x="mean_slope")
+derivative(same, "mean_slope", x="mean_bend")
+derivative(same, "theta2", x="coupler_ratio")
+derivative(same, "coupler_ratio", x="coupler_slope")
+derivative(same, "coupler_slope", x="coupler_bend")
+derivative(same, "theta4", x="output_ratio")
+derivative(same, "output_ratio", x="output_slope")
+derivative(same, "output_slope", x="output_bend")
+derivative(same, "joint_angle_2", x="joint_ratio_2")
+derivative(same, "joint_angle_3", x="joint_ratio_3")
+derivative(same, "joint_angle_4", x="joint_ratio_4")
+derivative(rates.product, "omega2", x="omega1", y="coupler_slope")
+derivative(rates.product, "omega4", x="omega1", y="output_slope")
+derivative(rates.product, "joint_omega_2", x="omega1", y="coupler_slope")
+derivative(rates.product, "alpha2", x="omega1_squared", y="coupler_bend")
+derivative(rates.product, "alpha4", x="omega1_squared", y="output_bend")
+derivative(rates.product, "H_rate", x="omega1_squared", y="H_bend")
+derivative(rates.product, "AB_y", x="coupler_ratio", y="AB_x")
+derivative(rates.product, "DB_y", x="output_ratio", y="DB_x")
+derivative(rates.product, "B_y", x="output_ratio", y="DB_x")
+derivative(rates.product, "AB_v", x="joint_ratio_2", y="AB_u")
+derivative(opposite_product, "AB_x", x="coupler_ratio", y="AB_y")
+derivative(opposite_product, "DB_x", x="output_ratio", y="DB_y")
+derivative(opposite_product, "B_x", x="output_ratio", y="DB_y")
+derivative(opposite_product, "AB_u", x="joint_ratio_2", y="AB_v")
+derivative(half_tangent_1, "v1")
+derivative(half_tangent, "v2", v="v2", ratio="joint_ratio_2")
+derivative(half_tangent, "v3", v="v3", ratio="joint_ratio_3")
+derivative(half_tangent, "v4", v="v4", ratio="joint_ratio_4")
+derivative(twice, "H", x="H_slope")
+derivative(sigma_slope, "sigma")
