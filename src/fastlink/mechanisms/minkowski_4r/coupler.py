@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any
 
 from fastlink.mechanisms.minkowski_4r import position  # noqa: F401 (on which it builds)
@@ -103,29 +104,23 @@ def C_y(g: Any) -> Any:
     return 0.0 * g
 
 
+def declare_coordinate(name: str, meaning: str, equation: str, law: Callable[..., Any], **given: str) -> None:
+    """Declare a coordinate of a point, and what it is whatever its size."""
+    point, source = f"point_{name}", f"{HEGEDUS}, {equation}; {POSITION}"
+    minkowski_4r.steps(units="m", source=source)(law, point, name, f"{meaning}, whatever its size", **given)
+    minkowski_4r.quantities(units="m", source=source)(finite, name, name, meaning, x=point)
+
+
 _B = {"along_u": "b", "along_v": "b", "u": "CB_far", "v": "CB_v"}
 _X = {"along_u": "X_along_u", "along_v": "X_along_v", "u": "AB_far", "v": "AB_v"}
-for _name, _meaning, _eq, _law, _given in (
-    ("A_x", "moving pivot A, first coordinate", "eq. (5)", product, {"x": "a", "y": "cosh_theta"}),
-    ("A_y", "moving pivot A, second coordinate", "eq. (5)", product, {"x": "a", "y": "sinh_theta"}),
-    ("B_x", "moving pivot B, first coordinate", "eq. (5)", first, {"offset": "g", **_B}),
-    ("B_y", "moving pivot B, second coordinate", "eq. (5)", second, {"offset": "C_y", **_B}),
-    ("X_x", "coupler point X, first coordinate", "section 3.5", first, {"offset": "point_A_x", **_X}),
-    ("X_y", "coupler point X, second coordinate", "section 3.5", second, {"offset": "point_A_y", **_X}),
-):
-    _source = f"{HEGEDUS}, {_eq}; {POSITION}"
-    minkowski_4r.quantity(
-        units="m",
-        symbol=_name,
-        source=_source,
-        internal=True,
-        name=f"point_{_name}",
-        meaning=f"{_meaning}, whatever its size",
-        given=_given,
-    )(_law)
-    minkowski_4r.quantity(
-        units="m", symbol=_name, source=_source, name=_name, meaning=_meaning, given={"x": f"point_{_name}"}
-    )(finite)
+declare_coordinate("A_x", "moving pivot A, first coordinate", "eq. (5)", product, x="a", y="cosh_theta")
+declare_coordinate("A_y", "moving pivot A, second coordinate", "eq. (5)", product, x="a", y="sinh_theta")
+declare_coordinate("B_x", "moving pivot B, first coordinate", "eq. (5)", first, offset="g", **_B)
+declare_coordinate("B_y", "moving pivot B, second coordinate", "eq. (5)", second, offset="C_y", **_B)
+declare_coordinate("X_x", "coupler point X, first coordinate", "section 3.5", first, offset="point_A_x", **_X)
+declare_coordinate(
+    "X_y", "coupler point X, second coordinate", "section 3.5", second, offset="point_A_y", **_X
+)
 
 
 # -- what went wrong ---------------------------------------------------------------------------------------------

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from functools import partial
+
 from fastlink.catalogue.catalogue import Catalogue, Input
 
 HEGEDUS = "Hegedüs, Moore"
@@ -21,13 +23,13 @@ minkowski_4r = Catalogue(
     positions=(-4.0, 4.0, 401),
 )
 
-for _name, _link in LINKS.items():
-    minkowski_4r.input(
-        _name, units="m", symbol=_name, meaning=f"hyperbolic length of the {_link}", rule="positive"
-    )
+length = partial(minkowski_4r.input, units="m", rule="positive")
+length("a", symbol="a", meaning=f"hyperbolic length of the {LINKS['a']}")
+length("b", symbol="b", meaning=f"hyperbolic length of the {LINKS['b']}")
+length("g", symbol="g", meaning=f"hyperbolic length of the {LINKS['g']}")
+length("h", symbol="h", meaning=f"hyperbolic length of the {LINKS['h']}")
 
-for _name, _where in (
-    ("x", "along AB from A"),
-    ("y", "across AB, of rapidity AB where AB is future-pointing"),
-):
-    minkowski_4r.input(_name, units="m", symbol=_name, meaning=f"coupler point, {_where}")
+minkowski_4r.input("x", units="m", symbol="x", meaning="coupler point, along AB from A")
+minkowski_4r.input(
+    "y", units="m", symbol="y", meaning="coupler point, across AB, of rapidity AB where AB is future-pointing"
+)

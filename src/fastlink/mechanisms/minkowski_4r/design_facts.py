@@ -15,23 +15,14 @@ from fastlink.numerics.compensated import gap, gap_product_quotient, power_of_tw
 POSITION = f"{NUMERICS}#position"
 SCALING = f"{NUMERICS}#scaling"
 
-_FOUR = {f"a{_k}": _name for _k, _name in enumerate(LINKS, 1)}
-_SHARED: tuple[tuple[Any, str], ...] = ((lengths.valid, "1"), (lengths.lift, "1"), (lengths.unit, "m"))
-for _law, _units in _SHARED:
-    minkowski_4r.quantity(units=_units, symbol=_law.__name__, source=SCALING, internal=True, given=_FOUR)(
-        _law
-    )
-
-for _name, _link in LINKS.items():
-    minkowski_4r.quantity(
-        units="1",
-        symbol=f"s_{_name}",
-        source=SCALING,
-        internal=True,
-        name=f"s_{_name}",
-        meaning=f"scaled hyperbolic length of the {_link}",
-        given={"length": _name},
-    )(lengths.scaled)
+step = minkowski_4r.steps(units="1", source=SCALING)
+step(lengths.valid, "valid", "valid", a1="a", a2="b", a3="g", a4="h")
+step(lengths.lift, "lift", "lift", a1="a", a2="b", a3="g", a4="h")
+step(lengths.unit, "unit", "unit", a1="a", a2="b", a3="g", a4="h", units="m")
+step(lengths.scaled, "s_a", "s_a", f"scaled hyperbolic length of the {LINKS['a']}", length="a")
+step(lengths.scaled, "s_b", "s_b", f"scaled hyperbolic length of the {LINKS['b']}", length="b")
+step(lengths.scaled, "s_g", "s_g", f"scaled hyperbolic length of the {LINKS['g']}", length="g")
+step(lengths.scaled, "s_h", "s_h", f"scaled hyperbolic length of the {LINKS['h']}", length="h")
 
 
 def power_of_two(length: Any) -> Any:
@@ -44,19 +35,10 @@ def fraction(length: Any, power: Any) -> Any:
     return length / power
 
 
-for _name in ("a", "g"):
-    for _law, _suffix, _given in (
-        (power_of_two, "two", {"length": f"s_{_name}"}),
-        (fraction, "one", {"length": f"s_{_name}", "power": f"{_name}_two"}),
-    ):
-        minkowski_4r.quantity(
-            units="1",
-            symbol=f"{_name}_{_suffix}",
-            source=SCALING,
-            internal=True,
-            name=f"{_name}_{_suffix}",
-            given=_given,
-        )(_law)
+step(power_of_two, "a_two", "a_two", length="s_a")
+step(power_of_two, "g_two", "g_two", length="s_g")
+step(fraction, "a_one", "a_one", length="s_a", power="a_two")
+step(fraction, "g_one", "g_one", length="s_g", power="g_two")
 
 
 @minkowski_4r.quantity(units="1", symbol="kappa", source=SCALING, internal=True)
@@ -85,17 +67,23 @@ def limit(s_a: Any, s_b: Any, s_g: Any, reach: Any, a_one: Any, g_one: Any, vali
     return high * valid, low
 
 
-for _name, _of, _reach in (("inner", "theta_min", "s_h"), ("outer", "theta_max", "minus_s_h")):
-    minkowski_4r.quantity(
-        units="1",
-        symbol="S_0",
-        source=POSITION,
-        internal=True,
-        name=f"{_name}_limit",
-        meaning=f"kappa sinh^2({_of}/2), negative if there is no such limit",
-        given={"reach": _reach},
-        low=f"{_name}_limit_low",
-    )(limit)
+step = minkowski_4r.steps(units="1", source=POSITION)
+step(
+    limit,
+    "inner_limit",
+    "S_0",
+    "kappa sinh^2(theta_min/2), negative if there is no such limit",
+    reach="s_h",
+    low="inner_limit_low",
+)
+step(
+    limit,
+    "outer_limit",
+    "S_0",
+    "kappa sinh^2(theta_max/2), negative if there is no such limit",
+    reach="minus_s_h",
+    low="outer_limit_low",
+)
 
 
 @minkowski_4r.quantity(units="1", symbol="g/a", source=POSITION, internal=True, low="ground_share_low")
@@ -109,16 +97,20 @@ def arm_share(length: Any, g_one: Any) -> Any:
     return length / (2.0 * g_one)
 
 
-for _name, _length in (("b_share", "s_b"), ("h_share", "s_h")):
-    minkowski_4r.quantity(
-        units="1",
-        symbol=_name,
-        source=POSITION,
-        internal=True,
-        name=_name,
-        meaning=f"length of the {LINKS[_name[0]]} in units of the roots of the quadratic",
-        given={"length": _length},
-    )(arm_share)
+step(
+    arm_share,
+    "b_share",
+    "b_share",
+    f"length of the {LINKS['b']} in units of the roots of the quadratic",
+    length="s_b",
+)
+step(
+    arm_share,
+    "h_share",
+    "h_share",
+    f"length of the {LINKS['h']} in units of the roots of the quadratic",
+    length="s_h",
+)
 
 
 def arm_product(length: Any, other: Any, product_one: Any) -> Any:
@@ -126,18 +118,9 @@ def arm_product(length: Any, other: Any, product_one: Any) -> Any:
     return length * (length + other) / product_one
 
 
-for _name, _given in (
-    ("CB_inner", {"length": "s_b", "other": "s_h"}),
-    ("CB_outer", {"length": "s_b", "other": "minus_s_h"}),
-    ("AB_inner", {"length": "s_h", "other": "s_b"}),
-    ("AB_outer", {"length": "minus_s_h", "other": "s_b"}),
-):
-    minkowski_4r.quantity(
-        units="1",
-        symbol="b (b + h)",
-        source=POSITION,
-        internal=True,
-        name=_name,
-        meaning=f"half the middle coefficient of the quadratic of {_name[:2]} at the {_name[3:]} limit",
-        given=_given,
-    )(arm_product)
+_CB = "half the middle coefficient of the quadratic of CB"
+_AB = "half the middle coefficient of the quadratic of AB"
+step(arm_product, "CB_inner", "b (b + h)", f"{_CB} at the inner limit", length="s_b", other="s_h")
+step(arm_product, "CB_outer", "b (b + h)", f"{_CB} at the outer limit", length="s_b", other="minus_s_h")
+step(arm_product, "AB_inner", "b (b + h)", f"{_AB} at the inner limit", length="s_h", other="s_b")
+step(arm_product, "AB_outer", "b (b + h)", f"{_AB} at the outer limit", length="minus_s_h", other="s_b")

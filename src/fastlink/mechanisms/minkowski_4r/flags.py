@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any
 
 from fastlink.mechanisms.minkowski_4r import coupler, rates, sextic  # noqa: F401 (of which they tell)
@@ -29,19 +30,16 @@ def code_of_rates(dpsi_dtheta: Any, d2psi_dtheta2: Any) -> Any:
     return select(abs(dpsi_dtheta) < INFINITY, select(abs(d2psi_dtheta2) < INFINITY, 0.0, 3.0), 2.0)
 
 
-for _name, _law, _meaning, _third in (
-    ("coupler_point", code_of_point, "the coupler point", "sextic_residual_beyond_the_range_of_numbers"),
-    ("rates", code_of_rates, "a rate of psi", "second_rate_beyond_the_range_of_numbers"),
-):
-    minkowski_4r.quantity(
-        units="1", symbol=_name, source=CONFIGURATIONS, internal=True, name=f"{_name}_code"
-    )(_law)
-    minkowski_4r.quantity(
-        units="1",
-        symbol=_name.replace("_", " "),
-        source=CONFIGURATIONS,
-        flags=THERE | {3: _third},
-        name=f"{_name}_status",
-        meaning=f"Why {_meaning} is no finite number",
-        given={"code": f"{_name}_code"},
-    )(told)
+def declare_flags(name: str, law: Callable[..., Any], what: str, third: str) -> None:
+    """Declare the code of what is missing, by itself and with the configuration's reason before it."""
+    step = minkowski_4r.steps(units="1", source=CONFIGURATIONS)
+    step(law, f"{name}_code", name)
+    status = minkowski_4r.quantities(units="1", source=CONFIGURATIONS, flags=THERE | {3: third})
+    meaning = f"Why {what} is no finite number"
+    status(told, f"{name}_status", name.replace("_", " "), meaning, code=f"{name}_code")
+
+
+declare_flags(
+    "coupler_point", code_of_point, "the coupler point", "sextic_residual_beyond_the_range_of_numbers"
+)
+declare_flags("rates", code_of_rates, "a rate of psi", "second_rate_beyond_the_range_of_numbers")

@@ -8,6 +8,7 @@ sum of all four lengths then counts as 0. Ratios are taken length by length, so 
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any
 
 from fastlink.mechanisms.minkowski_4r.declare import HEGEDUS, minkowski_4r
@@ -16,6 +17,7 @@ from fastlink.numerics.elementary import INFINITY, NOT_A_NUMBER, select, sqrt
 from fastlink.numerics.logarithm import arsinh
 from fastlink.numerics.vectors import sign, zero_where
 
+Law = Callable[..., Any]
 LIMITS = f"{HEGEDUS}, section 3.6"
 BRANCHING = f"{HEGEDUS}, Corollaries 3.2 to 3.4"
 THEOREMS = "docs/minkowski_theorems.md"
@@ -127,62 +129,44 @@ def zero_within(replaced: Any, tolerance: Any, length_sum: Any) -> Any:
     return zero_where(abs(replaced) <= tolerance * length_sum, replaced)
 
 
-def _declare_sure(name: str, of: str, symbol: str, source: str) -> None:
-    """Declare a sum as it is, and in the set of facts that a tolerance chooses 0 within it."""
-    labels: dict[str, Any] = {
-        "units": "m",
-        "symbol": symbol,
-        "source": source,
-        "internal": True,
-        "name": name,
-    }
-    labels["meaning"] = f"{symbol}, 0 within the tolerance if one is given"
-    minkowski_4r.quantity(**labels, given={"value": of})(as_it_is)
-    minkowski_4r.quantity(**labels, given={"replaced": name}, alternative=TOLERANCE)(zero_within)
+def declare_sure(name: str, symbol: str, source: str) -> None:
+    """Declare a sum as it is, and where a tolerance is given, 0 within it."""
+    sure, meaning = f"sure_{name}", f"{symbol}, 0 within the tolerance if one is given"
+    minkowski_4r.steps(units="m", source=source)(as_it_is, sure, symbol, meaning, value=name)
+    with_tolerance = minkowski_4r.steps(units="m", source=source, alternative=TOLERANCE)
+    with_tolerance(zero_within, sure, symbol, meaning, replaced=sure)
 
 
+def declare_sum(name: str, meaning: str, law: Law, sign_law: Law, source: str = LIMITS, **given: str) -> None:
+    """Declare a sum T_i, what counts as 0 of it, and a number of its sign."""
+    symbol = f"T_{name[1]}"
+    declare = minkowski_4r.quantities if source == LIMITS else minkowski_4r.steps
+    declare(units="m", source=source)(law, name, symbol, meaning, **given)
+    declare_sure(name, symbol, LIMITS)
+    labels = f"sign_{name}", symbol, f"number of the sign of {symbol}"
+    minkowski_4r.steps(units="m", source=LIMITS)(sign_law, *labels, **given)
+    with_tolerance = minkowski_4r.steps(units="m", source=LIMITS, alternative=TOLERANCE)
+    with_tolerance(as_it_is, *labels, value=f"sure_{name}")
+
+
+def declare_difference(p: str, q: str) -> None:
+    """Declare the difference of two lengths, and what counts as 0 of it."""
+    name, symbol = f"{p}_minus_{q}", f"{p} - {q}"
+    minkowski_4r.steps(units="m", source=THEOREMS)(difference, name, symbol, symbol, p=p, q=q)
+    declare_sure(name, symbol, THEOREMS)
+
+
+declare_sum("T1", "g + b - h - a", two_against_two, sign_of_two, p="g", q="b", r="h", s="a")
+declare_sum("T2", "a + b - g - h", two_against_two, sign_of_two, p="a", q="b", r="g", s="h")
+declare_sum("T3", "g - a - b - h", one_against_three, sign_of_one, p="g", q="a", r="b", s="h")
+declare_sum("T4", "g + b + h - a", three_against_one, sign_of_three, p="g", q="b", r="h", s="a")
+declare_sum("T5", "a + g + b - h", three_against_one, sign_of_three, p="a", q="g", r="b", s="h")
 # T6 and T8 are not in the paper: the fourth condition of "normal", and the third pairing of Grashof's criterion.
-for _name, _law, _p, _q, _r, _s in (
-    ("T1", two_against_two, "g", "b", "h", "a"),
-    ("T2", two_against_two, "a", "b", "g", "h"),
-    ("T3", one_against_three, "g", "a", "b", "h"),
-    ("T4", three_against_one, "g", "b", "h", "a"),
-    ("T5", three_against_one, "a", "g", "b", "h"),
-    ("T6", three_against_one, "a", "g", "h", "b"),
-    ("T8", two_against_two, "b", "h", "a", "g"),
-):
-    _signs, _sign_law = {
-        two_against_two: ("+--", sign_of_two),
-        three_against_one: ("++-", sign_of_three),
-        one_against_three: ("---", sign_of_one),
-    }[_law]
-    _given = {"p": _p, "q": _q, "r": _r, "s": _s}
-    minkowski_4r.quantity(
-        units="m",
-        symbol=f"T_{_name[1]}",
-        source=LIMITS if _name not in ("T6", "T8") else THEOREMS,
-        internal=_name in ("T6", "T8"),
-        name=_name,
-        meaning=_p + "".join(f" {sign} {x}" for sign, x in zip(_signs, (_q, _r, _s), strict=True)),
-        given=_given,
-    )(_law)
-    _declare_sure(f"sure_{_name}", _name, f"T_{_name[1]}", LIMITS)
-    _labels: dict[str, Any] = {"units": "m", "symbol": f"T_{_name[1]}", "source": LIMITS, "internal": True}
-    _labels |= {"name": f"sign_{_name}", "meaning": f"number of the sign of T_{_name[1]}"}
-    minkowski_4r.quantity(**_labels, given=_given)(_sign_law)
-    minkowski_4r.quantity(**_labels, given={"value": f"sure_{_name}"}, alternative=TOLERANCE)(as_it_is)
-
-for _p, _q in (("g", "a"), ("b", "h"), ("g", "b")):
-    minkowski_4r.quantity(
-        units="m",
-        symbol=f"{_p} - {_q}",
-        source=THEOREMS,
-        internal=True,
-        name=f"{_p}_minus_{_q}",
-        meaning=f"{_p} - {_q}",
-        given={"p": _p, "q": _q},
-    )(difference)
-    _declare_sure(f"sure_{_p}_minus_{_q}", f"{_p}_minus_{_q}", f"{_p} - {_q}", THEOREMS)
+declare_sum("T6", "a + g + h - b", three_against_one, sign_of_three, THEOREMS, p="a", q="g", r="h", s="b")
+declare_sum("T8", "b + h - a - g", two_against_two, sign_of_two, THEOREMS, p="b", q="h", r="a", s="g")
+declare_difference("g", "a")
+declare_difference("b", "h")
+declare_difference("g", "b")
 
 
 # -- limits ---------------------------------------------------------------------------------------------------
@@ -210,51 +194,32 @@ def angle_below(first: Any, second: Any, x: Any, y: Any) -> Any:
     return select(sign(first) * sign(second) < 0.0, angle, NOT_A_NUMBER)
 
 
-for _name, _theorem, _cosh, _angle, _first, _second, _x, _y, _meaning in (
-    (
-        "theta_min",
-        3.8,
-        cosh_above,
-        angle_above,
-        "sure_T3",
-        "sure_T4",
-        "a",
-        "g",
-        "greatest |theta| of the inner",
-    ),
-    ("theta_max", 3.8, cosh_below, angle_below, "sure_T1", "sure_T2", "a", "g", "least |theta| of the outer"),
-    (
-        "psi_min",
-        "3.10",
-        cosh_below,
-        angle_below,
-        "sure_T4",
-        "sure_T5",
-        "b",
-        "g",
-        "greatest |psi| of the inner",
-    ),
-    ("psi_max", "3.10", cosh_below, angle_below, "sure_T1", "T7", "b", "g", "least |psi| of the outer"),
-):
-    _given = {"first": _first, "second": _second, "x": _x, "y": _y}
-    _symbol = _name.replace("_", "_{") + "}"
+def declare_limit(
+    name: str, meaning: str, theorem: str, laws: tuple[Law, Law], factors: tuple[str, str], lengths: str
+) -> None:
+    """Declare a limit of a crank, as an angle and as its hyperbolic cosine."""
+    cosh_law, angle_law = laws
+    given = {"first": factors[0], "second": factors[1], "x": lengths[0], "y": lengths[1]}
+    symbol, source = name.replace("_", "_{") + "}", f"{HEGEDUS}, Theorem {theorem}"
+    quantity = minkowski_4r.quantities(units="1", source=source)
+    cosine = f"hyperbolic cosine of {name} as the theorem has it: no angle below 1"
+    quantity(cosh_law, f"cosh_{name}", f"ch({symbol})", cosine, **given)
     minkowski_4r.quantity(
         units="1",
-        symbol=f"ch({_symbol})",
-        source=f"{HEGEDUS}, Theorem {_theorem}",
-        name=f"cosh_{_name}",
-        meaning=f"hyperbolic cosine of {_name} as the theorem has it: no angle below 1",
-        given=_given,
-    )(_cosh)
-    minkowski_4r.quantity(
-        units="1",
-        symbol=_symbol,
-        source=f"{HEGEDUS}, Theorem {_theorem}",
-        name=_name,
-        meaning=f"{_meaning} range; NaN where there is no such limit",
-        given=_given,
+        symbol=symbol,
+        source=source,
+        name=name,
+        meaning=f"{meaning} range; NaN where there is no such limit",
+        given=given,
         hides_reduction=True,  # psi_max is the limit, not the greatest psi of a cycle
-    )(_angle)
+    )(angle_law)
+
+
+ABOVE, BELOW = (cosh_above, angle_above), (cosh_below, angle_below)
+declare_limit("theta_min", "greatest |theta| of the inner", "3.8", ABOVE, ("sure_T3", "sure_T4"), "ag")
+declare_limit("theta_max", "least |theta| of the outer", "3.8", BELOW, ("sure_T1", "sure_T2"), "ag")
+declare_limit("psi_min", "greatest |psi| of the inner", "3.10", BELOW, ("sure_T4", "sure_T5"), "bg")
+declare_limit("psi_max", "least |psi| of the outer", "3.10", BELOW, ("sure_T1", "T7"), "bg")
 
 
 @minkowski_4r.quantity(units="1", symbol="ln(g/a)", source=f"{HEGEDUS}, eq. (3); {THEOREMS}#escape")

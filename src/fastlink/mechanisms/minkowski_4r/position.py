@@ -8,6 +8,7 @@ tabled and computed times r, a power of two near 1/p, so nothing overflows.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any
 
 from fastlink.mechanisms.minkowski_4r.declare import HEGEDUS, minkowski_4r
@@ -209,59 +210,47 @@ def orientation(takes_sum: Any, sum_orientation: Any, other_orientation: Any) ->
     return select(takes_sum == 1.0, sum_orientation, other_orientation)
 
 
-for _arm, _length in (("CB", "b_share"), ("AB", "h_share")):
-    _given = {
-        "half": f"{_arm}_half",
-        "takes_sum": f"{_arm}_takes_sum",
-        "length": _length,
-        "ratio": f"{_arm}_ratio",
-        "scale": f"{_arm}_scale",
-        "total": f"{_arm}_sum",
-        "sum_rapidity": f"{_arm}_sum_rapidity",
-        "other_rapidity": f"{_arm}_other_rapidity",
-        "sum_orientation": f"{_arm}_sum_orientation",
-        "other_orientation": f"{_arm}_other_orientation",
+def declare_arm(arm: str, length: str, angle: tuple[str, str, str, str]) -> None:
+    """Declare the null coordinates, the rapidity and the orientation of CB or AB."""
+    given = {
+        "half": f"{arm}_half",
+        "takes_sum": f"{arm}_takes_sum",
+        "length": length,
+        "ratio": f"{arm}_ratio",
+        "scale": f"{arm}_scale",
+        "total": f"{arm}_sum",
+        "sum_rapidity": f"{arm}_sum_rapidity",
+        "other_rapidity": f"{arm}_other_rapidity",
+        "sum_orientation": f"{arm}_sum_orientation",
+        "other_orientation": f"{arm}_other_orientation",
     }
-    for _law, _name, _meaning in (
-        (takes_sum, "takes_sum", "1 where the sum of half and root does not cancel"),
-        (arm_sum, "sum", "the sum of half and root that does not cancel"),
-        (
-            sum_rapidity,
-            "sum_rapidity",
-            "rapidity where that sum is the first null coordinate, for abs(theta)",
-        ),
-        (other_rapidity, "other_rapidity", "rapidity where it is not, for abs(theta)"),
-        (sum_orientation, "sum_orientation", "orientation where that sum is the first null coordinate"),
-        (other_orientation, "other_orientation", "orientation where it is not"),
-        (arm_ratio, "ratio", "first null coordinate over the length, times scale"),
-        (scale_of, "scale", "what the ratio is multiplied by"),
-        (grown, "u", "first null coordinate over the length, times r"),
-        (far, "far", "first null coordinate over the length"),
-        (shrunk, "v", "second null coordinate over the length"),
-    ):
-        minkowski_4r.quantity(
-            units="1",
-            symbol=_name,
-            source=POSITION,
-            internal=True,
-            name=f"{_arm}_{_name}",
-            meaning=f"{_meaning}, of {_arm}",
-            given=_given,
-        )(_law)
-    minkowski_4r.quantity(
-        units="1",
-        symbol="psi" if _arm == "CB" else "theta + phi - pi",
-        source=f"{HEGEDUS}, eq. (3); {POSITION}" if _arm == "CB" else f"{HEGEDUS}, eq. (9); {POSITION}",
-        name="psi" if _arm == "CB" else "AB_rapidity",
-        meaning=f"rapidity of {'the output crank CB' if _arm == 'CB' else 'the coupler AB'}",
-        given=_given,
-    )(rapidity)
-    minkowski_4r.quantity(
-        units="1",
-        symbol=f"sgn {_arm}",
-        source=POSITION,
-        flags=ORIENTATION_FLAGS,
-        name=f"{_arm}_orientation",
-        meaning=f"whether {_arm} is future- or past-pointing; 0 where it is not determined",
-        given=_given,
-    )(orientation)
+    steps = minkowski_4r.steps(units="1", source=POSITION)
+
+    def step(law: Callable[..., Any], name: str, meaning: str) -> None:
+        steps(law, f"{arm}_{name}", name, f"{meaning}, of {arm}", **given)
+
+    step(takes_sum, "takes_sum", "1 where the sum of half and root does not cancel")
+    step(arm_sum, "sum", "the sum of half and root that does not cancel")
+    step(
+        sum_rapidity,
+        "sum_rapidity",
+        "rapidity where that sum is the first null coordinate, for abs(theta)",
+    )
+    step(other_rapidity, "other_rapidity", "rapidity where it is not, for abs(theta)")
+    step(sum_orientation, "sum_orientation", "orientation where that sum is the first null coordinate")
+    step(other_orientation, "other_orientation", "orientation where it is not")
+    step(arm_ratio, "ratio", "first null coordinate over the length, times scale")
+    step(scale_of, "scale", "what the ratio is multiplied by")
+    step(grown, "u", "first null coordinate over the length, times r")
+    step(far, "far", "first null coordinate over the length")
+    step(shrunk, "v", "second null coordinate over the length")
+    name, symbol, of, equation = angle
+    quantity = minkowski_4r.quantities(units="1", source=f"{HEGEDUS}, {equation}; {POSITION}")
+    quantity(rapidity, name, symbol, f"rapidity of {of}", **given)
+    code = minkowski_4r.quantities(units="1", source=POSITION, flags=ORIENTATION_FLAGS)
+    meaning = f"whether {arm} is future- or past-pointing; 0 where it is not determined"
+    code(orientation, f"{arm}_orientation", f"sgn {arm}", meaning, **given)
+
+
+declare_arm("CB", "b_share", ("psi", "psi", "the output crank CB", "eq. (3)"))
+declare_arm("AB", "h_share", ("AB_rapidity", "theta + phi - pi", "the coupler AB", "eq. (9)"))

@@ -268,24 +268,23 @@ def half_angle_slope(CB_ratio: Any, CB_scale: Any, dpsi_dtheta: Any) -> Any:
     return 2.0 * (CB_ratio / below) * (CB_scale / below) * dpsi_dtheta
 
 
-for _of in ("side", "twos", "r"):
-    minkowski_4r.derivative(_of, "theta")(constant)
-for _of, _law, _need in (
-    ("p_r", growing, "p_r"),
-    ("per_p", shrinking, "per_p"),
-    ("cosh_theta", same, "sinh_theta"),
-    ("sinh_theta", same, "cosh_theta"),
-    ("psi", same, "dpsi_dtheta"),
-    ("AB_rapidity", same, "AB_rate"),
-    ("dpsi_dtheta", same, "d2psi_dtheta2"),
-):
-    minkowski_4r.derivative(_of, "theta", given={"x": _need})(_law)
-minkowski_4r.derivative("S_r", "theta")(half_sinh)
-minkowski_4r.derivative("sinh_r", "theta")(cosh_part)
-minkowski_4r.derivative("half_angle_root", "theta")(half_angle_slope)
-for _arm, _rate in (("CB", "dpsi_dtheta"), ("AB", "AB_rate")):
-    for _of, _slope in (
-        *((f"{_arm}_u", arm_grows), (f"{_arm}_far", arm_grows)),
-        (f"{_arm}_v", arm_shrinks),
-    ):
-        minkowski_4r.derivative(_of, "theta", given={"x": _of, "rate": _rate})(_slope)
+derivative = minkowski_4r.derivatives("theta")
+derivative(constant, "side")
+derivative(constant, "twos")
+derivative(constant, "r")
+derivative(growing, "p_r", x="p_r")
+derivative(shrinking, "per_p", x="per_p")
+derivative(half_sinh, "S_r")
+derivative(cosh_part, "sinh_r")
+derivative(same, "cosh_theta", x="sinh_theta")
+derivative(same, "sinh_theta", x="cosh_theta")
+derivative(same, "psi", x="dpsi_dtheta")
+derivative(same, "AB_rapidity", x="AB_rate")
+derivative(same, "dpsi_dtheta", x="d2psi_dtheta2")
+derivative(half_angle_slope, "half_angle_root")
+derivative(arm_grows, "CB_u", x="CB_u", rate="dpsi_dtheta")
+derivative(arm_grows, "CB_far", x="CB_far", rate="dpsi_dtheta")
+derivative(arm_shrinks, "CB_v", x="CB_v", rate="dpsi_dtheta")
+derivative(arm_grows, "AB_u", x="AB_u", rate="AB_rate")
+derivative(arm_grows, "AB_far", x="AB_far", rate="AB_rate")
+derivative(arm_shrinks, "AB_v", x="AB_v", rate="AB_rate")

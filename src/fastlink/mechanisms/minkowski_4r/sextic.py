@@ -30,23 +30,31 @@ def traced(crank: Any, input_null: Any, along: Any, coupler_null: Any) -> Any:
     return crank * input_null + along * coupler_null
 
 
-for _name, _law, _meaning, _given in (
-    ("s_x", lengths.scaled, "scaled coupler point along AB", {"length": "x"}),
-    ("s_y", lengths.scaled, "scaled coupler point across AB", {"length": "y"}),
-    ("s_u", first_null, "first null coordinate of X in the coupler", {"along": "s_x", "across": "s_y"}),
-    ("s_v", second_null, "second null coordinate of X in the coupler", {"along": "s_x", "across": "s_y"}),
-    (
-        *("X_u", traced, "first null coordinate of X, scaled, times r"),
-        {"crank": "s_a", "input_null": "p_r", "along": "s_u", "coupler_null": "AB_u"},
-    ),
-    (
-        *("X_v", traced, "second null coordinate of X, scaled"),
-        {"crank": "s_a", "input_null": "per_p", "along": "s_v", "coupler_null": "AB_v"},
-    ),
-):
-    minkowski_4r.quantity(
-        units="1", symbol=_name, source=SEXTIC, internal=True, name=_name, meaning=_meaning, given=_given
-    )(_law)
+step = minkowski_4r.steps(units="1", source=SEXTIC)
+step(lengths.scaled, "s_x", "s_x", "scaled coupler point along AB", length="x")
+step(lengths.scaled, "s_y", "s_y", "scaled coupler point across AB", length="y")
+step(first_null, "s_u", "s_u", "first null coordinate of X in the coupler", along="s_x", across="s_y")
+step(second_null, "s_v", "s_v", "second null coordinate of X in the coupler", along="s_x", across="s_y")
+step(
+    traced,
+    "X_u",
+    "X_u",
+    "first null coordinate of X, scaled, times r",
+    crank="s_a",
+    input_null="p_r",
+    along="s_u",
+    coupler_null="AB_u",
+)
+step(
+    traced,
+    "X_v",
+    "X_v",
+    "second null coordinate of X, scaled",
+    crank="s_a",
+    input_null="per_p",
+    along="s_v",
+    coupler_null="AB_v",
+)
 
 
 @minkowski_4r.quantity(units="1", symbol="f", source=f"{HEGEDUS}, eq. (14), section 3.5; {SEXTIC}")
