@@ -10,9 +10,8 @@ and (1.4).
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from functools import cache
-from typing import Any, TypeVar
+from typing import Any
 
 from fastlink.catalogue.catalogue import Catalogue, Input
 from fastlink.mechanisms import lengths
@@ -22,7 +21,6 @@ from fastlink.mechanisms.planar_4r.rates import product
 from fastlink.numerics.compensated import UNIT_ROUNDING
 from fastlink.numerics.elementary import NOT_A_NUMBER, atan2, select, sqrt
 
-F = TypeVar("F", bound=Callable[..., Any])
 DRIVE = f"{PAGE}#driven-along-the-line"
 POSITION = f"{WUNDERLICH}, eqs. (1.2) to (1.4); {DRIVE}"
 
@@ -39,53 +37,46 @@ by_line = Catalogue(
 by_line.inputs = hart.inputs
 
 
-def _step(symbol: str, **labels: Any) -> Callable[[F], F]:
-    """Declare a step on the way."""
-    return by_line.quantity(units="1", symbol=symbol, source=POSITION, internal=True, **labels)
+step = by_line.steps(units="1", source=POSITION)
+step(lengths.scaled, "s_t", "t", "scaled height of F", length="F_y")
 
 
-_step("t", name="s_t", meaning="scaled height of F", given={"length": "F_y"})(lengths.scaled)
-
-
-@_step("h")
+@by_line.quantity(units="1", symbol="h", source=POSITION, internal=True)
 def omega_sign(branch: Any) -> Any:
     """1 in branch 1, -1 in branch 2."""
     return 3.0 - 2.0 * branch
 
 
-@_step("2 sqrt(K m n) cos(omega/2)")
+@by_line.quantity(units="1", symbol="2 sqrt(K m n) cos(omega/2)", source=POSITION, internal=True)
 def to_outer(outer_end: Any, s_t: Any) -> Any:
     """Root of G + H - t^2, scaled; NaN where F cannot be."""
     return sqrt(outer_end - abs(s_t)) * sqrt(outer_end + abs(s_t))
 
 
-@_step("2 sqrt(K m n) sin(omega/2)")
+@by_line.quantity(units="1", symbol="2 sqrt(K m n) sin(omega/2)", source=POSITION, internal=True)
 def to_inner(inner_end: Any, stays_off: Any, s_t: Any, omega_sign: Any) -> Any:
     """Root of t^2 - (G - H), scaled, with the sign of omega; NaN where F cannot be."""
     below = sqrt(abs(s_t) - inner_end) * sqrt(abs(s_t) + inner_end)
     return omega_sign * select(stays_off == 1.0, below, sqrt(s_t * s_t + inner_end * inner_end))
 
 
-@_step("2 sqrt(K m n)")
+@by_line.quantity(units="1", symbol="2 sqrt(K m n)", source=POSITION, internal=True)
 def omega_scale(to_outer: Any, to_inner: Any) -> Any:
     """Root of 4 K m n, from the two: so that the squares of sine and cosine make 1."""
     return sqrt(to_outer * to_outer + to_inner * to_inner)
 
 
-for _name, _symbol, _part in (
-    ("half_cosine", "cos(omega/2)", "to_outer"),
-    ("half_sine", "sin(omega/2)", "to_inner"),
-):
-    _step(_symbol, name=_name, meaning=_symbol, given={"x": _part, "y": "omega_scale"})(quotient)
+step(quotient, "half_cosine", "cos(omega/2)", "cos(omega/2)", x="to_outer", y="omega_scale")
+step(quotient, "half_sine", "sin(omega/2)", "sin(omega/2)", x="to_inner", y="omega_scale")
 
 
-@_step("sin omega")
+@by_line.quantity(units="1", symbol="sin omega", source=POSITION, internal=True)
 def w_y(half_sine: Any, half_cosine: Any) -> Any:
     """Sine of omega."""
     return 2.0 * (half_sine * half_cosine)
 
 
-@_step("cos omega")
+@by_line.quantity(units="1", symbol="cos omega", source=POSITION, internal=True)
 def w_x(half_sine: Any, half_cosine: Any) -> Any:
     """Cosine of omega."""
     return (half_cosine - half_sine) * (half_cosine + half_sine)
@@ -123,20 +114,16 @@ def from_N(line_x: Any, d: Any, lift: Any, unit: Any) -> Any:
     return (line_x - d) * lift / unit
 
 
-_law: Any
-for _u, _bar, _pivot, _own, _other, _from in (
-    ("u", "MP", "M", "s_m", "s_n", from_M),
-    ("v", "NQ", "N", "s_n", "s_m", from_N),
-):
-    _step("x", name=f"{_pivot}_line", meaning=f"scaled x of the line from {_pivot}")(_from)
-    _seen = {"x": f"{_pivot}_line", "y": "s_t", "arm_x": f"{_pivot}_arm_x", "arm_y": f"{_pivot}_arm_y"}
-    for _name, _law, _given in (
-        (f"{_pivot}_arm_x", arm_x, {"own": _own, "other": _other}),
-        (f"{_pivot}_arm_y", arm_y, {"other": _other}),
-        (f"{_u}_x", turned_x, _seen),
-        (f"{_u}_y", turned_y, _seen),
-    ):
-        _step(_name, name=_name, given=_given)(_law)
+step(from_M, "M_line", "x", "scaled x of the line from M")
+step(arm_x, "M_arm_x", "M_arm_x", own="s_m", other="s_n")
+step(arm_y, "M_arm_y", "M_arm_y", other="s_n")
+step(turned_x, "u_x", "u_x", x="M_line", y="s_t", arm_x="M_arm_x", arm_y="M_arm_y")
+step(turned_y, "u_y", "u_y", x="M_line", y="s_t", arm_x="M_arm_x", arm_y="M_arm_y")
+step(from_N, "N_line", "x", "scaled x of the line from N")
+step(arm_x, "N_arm_x", "N_arm_x", own="s_n", other="s_m")
+step(arm_y, "N_arm_y", "N_arm_y", other="s_m")
+step(turned_x, "v_x", "v_x", x="N_line", y="s_t", arm_x="N_arm_x", arm_y="N_arm_y")
+step(turned_y, "v_y", "v_y", x="N_line", y="s_t", arm_x="N_arm_x", arm_y="N_arm_y")
 
 
 # -- what is told ---------------------------------------------------------------------------------------------
@@ -170,43 +157,49 @@ def F_x(line_x: Any, w_y: Any) -> Any:
     return select(w_y == w_y, line_x, NOT_A_NUMBER)
 
 
-for _name, _units, _meaning, _law, _given in (
-    ("phi", "rad", "Direction of MA in the ground frame", direction, {"x": "u_x", "y": "u_y"}),
-    ("psi", "rad", "Direction of NB in the ground frame", direction, {"x": "v_x", "y": "v_y"}),
-    ("P_x", "m", "Joint P, x", product, {"x": "m", "y": "u_x"}),
-    ("P_y", "m", "Joint P, y", product, {"x": "m", "y": "u_y"}),
-    ("A_x", "m", "Joint A, x", product, {"x": "a", "y": "u_x"}),
-    ("A_y", "m", "Joint A, y", product, {"x": "a", "y": "u_y"}),
-    ("Q_x", "m", "Joint Q, x", along, {"start": "d", "length": "n", "share": "v_x"}),
-    ("Q_y", "m", "Joint Q, y", product, {"x": "n", "y": "v_y"}),
-    ("B_x", "m", "Joint B, x", along, {"start": "d", "length": "b", "share": "v_x"}),
-    ("B_y", "m", "Joint B, y", product, {"x": "b", "y": "v_y"}),
-    ("PF_mid_x", "m", "Middle of PF, x", mean, {"x": "P_x", "y": "F_x"}),
-    ("PF_mid_y", "m", "Middle of PF, y", mean, {"x": "P_y", "y": "F_y"}),
-):
-    by_line.quantity(units=_units, symbol=_name, source=POSITION, name=_name, meaning=_meaning, given=_given)(
-        _law
-    )
-
-for _name, _what, _given in (
-    ("dphi_dF_y", "MA", {"x": "M_line", "own": "s_m", "other": "s_n"}),
-    ("dpsi_dF_y", "NB", {"x": "N_line", "own": "s_n", "other": "s_m"}),
-):
-    by_line.quantity(
-        units="rad m-1",
-        symbol=_name,
-        source=f"{PAGE}#rates-and-extremes",
-        name=_name,
-        meaning=f"Rate of the direction of {_what} by the height of F",
-        given={"y": "s_t", **_given},
-    )(rate)
-
-by_line.quantity(
-    units="rad",
-    symbol="omega",
+angle = by_line.quantities(units="rad", source=POSITION)
+angle(direction, "phi", "phi", "Direction of MA in the ground frame", x="u_x", y="u_y")
+angle(direction, "psi", "psi", "Direction of NB in the ground frame", x="v_x", y="v_y")
+angle(
+    omega_angle,
+    "omega_angle",
+    "omega",
     source=hart.facts["omega_angle"].source,
-    given={"sine_part": "w_y", "cosine_part": "w_x"},
-)(omega_angle)
+    sine_part="w_y",
+    cosine_part="w_x",
+)
+joint = by_line.quantities(units="m", source=POSITION)
+joint(product, "P_x", "P_x", "Joint P, x", x="m", y="u_x")
+joint(product, "P_y", "P_y", "Joint P, y", x="m", y="u_y")
+joint(product, "A_x", "A_x", "Joint A, x", x="a", y="u_x")
+joint(product, "A_y", "A_y", "Joint A, y", x="a", y="u_y")
+joint(along, "Q_x", "Q_x", "Joint Q, x", start="d", length="n", share="v_x")
+joint(product, "Q_y", "Q_y", "Joint Q, y", x="n", y="v_y")
+joint(along, "B_x", "B_x", "Joint B, x", start="d", length="b", share="v_x")
+joint(product, "B_y", "B_y", "Joint B, y", x="b", y="v_y")
+joint(mean, "PF_mid_x", "PF_mid_x", "Middle of PF, x", x="P_x", y="F_x")
+joint(mean, "PF_mid_y", "PF_mid_y", "Middle of PF, y", x="P_y", y="F_y")
+turn = by_line.quantities(units="rad m-1", source=f"{PAGE}#rates-and-extremes")
+turn(
+    rate,
+    "dphi_dF_y",
+    "dphi_dF_y",
+    "Rate of the direction of MA by the height of F",
+    x="M_line",
+    y="s_t",
+    own="s_m",
+    other="s_n",
+)
+turn(
+    rate,
+    "dpsi_dF_y",
+    "dpsi_dF_y",
+    "Rate of the direction of NB by the height of F",
+    x="N_line",
+    y="s_t",
+    own="s_n",
+    other="s_m",
+)
 
 
 @by_line.quantity(units="1", symbol="u", source=DRIVE)

@@ -21,13 +21,9 @@ hart = Catalogue(
     position=Input("phi", "rad", "phi", "direction of MA in the ground frame"),
 )
 
-for _name, _meaning in (
-    ("m", "length of MP"),
-    ("n", "length of NQ"),
-    ("d", "length of the ground link MN"),
-):
-    hart.input(_name, units="m", symbol=_name, meaning=_meaning, rule="positive")
-
+hart.input("m", units="m", symbol="m", meaning="length of MP", rule="positive")
+hart.input("n", units="m", symbol="n", meaning="length of NQ", rule="positive")
+hart.input("d", units="m", symbol="d", meaning="length of the ground link MN", rule="positive")
 hart.input(
     "kappa", units="1", symbol="kappa", meaning="ratio PF/NQ = QF/MP = AB/MN; its sign is that of p and c"
 )

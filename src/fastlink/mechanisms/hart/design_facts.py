@@ -21,26 +21,15 @@ from fastlink.numerics.vectors import zero_where
 NUMERICS = f"{PAGE}#numerics"
 #: Beyond these powers of two the fourth power of kappa, or of its inverse, is no double.
 LEAST_KAPPA, GREATEST_KAPPA = 2.0**-200, 2.0**200
-#: What the facts of the scale, made for four lengths, take for the three that are given.
-_FOUR = {"a1": "m", "a2": "n", "a3": "d", "a4": "d"}
-_SHARED: tuple[tuple[str, str, Any], ...] = (
-    ("lengths_are_valid", "1", lengths.valid),
-    ("lift", "1", lengths.lift),
-    ("unit", "m", lengths.unit),
-)
-for _name, _units, _law in _SHARED:
-    hart.quantity(units=_units, symbol=_name, source=NUMERICS, internal=True, name=_name, given=_FOUR)(_law)
 
-for _name in "mnd":
-    hart.quantity(
-        units="1",
-        symbol=f"s_{_name}",
-        source=NUMERICS,
-        internal=True,
-        name=f"s_{_name}",
-        meaning=f"scaled length {_name}",
-        given={"length": _name},
-    )(lengths.scaled)
+step = hart.steps(units="1", source=NUMERICS)
+# the facts of the scale are made for four lengths: three are given
+step(lengths.valid, "lengths_are_valid", "lengths_are_valid", a1="m", a2="n", a3="d", a4="d")
+step(lengths.lift, "lift", "lift", a1="m", a2="n", a3="d", a4="d")
+step(lengths.unit, "unit", "unit", a1="m", a2="n", a3="d", a4="d", units="m")
+step(lengths.scaled, "s_m", "s_m", "scaled length m", length="m")
+step(lengths.scaled, "s_n", "s_n", "scaled length n", length="n")
+step(lengths.scaled, "s_d", "s_d", "scaled length d", length="d")
 
 
 @hart.quantity(units="1", symbol="K", source=NUMERICS, internal=True)
@@ -62,15 +51,10 @@ def lambda_sign(K: Any) -> Any:
     return select(K < 1.0, 1.0, -1.0)
 
 
-for _name, _meaning, _law, _given in (
-    ("minus_K", "-K", opposite, {"x": "K"}),
-    ("minus_s_n", "minus the scaled length n", opposite, {"x": "s_n"}),
-    ("e", "d, or -d where K > 1, scaled", product, {"x": "lambda_sign", "y": "s_d"}),
-    ("minus_e", "-e", opposite, {"x": "e"}),
-):
-    hart.quantity(
-        units="1", symbol=_name, source=NUMERICS, internal=True, name=_name, meaning=_meaning, given=_given
-    )(_law)
+step(opposite, "minus_K", "minus_K", "-K", x="K")
+step(opposite, "minus_s_n", "minus_s_n", "minus the scaled length n", x="s_n")
+step(product, "e", "e", "d, or -d where K > 1, scaled", x="lambda_sign", y="s_d")
+step(opposite, "minus_e", "minus_e", "-e", x="e")
 
 
 @hart.quantity(units="1", symbol="|lambda|", source=NUMERICS, internal=True, low="size_lambda_low")
@@ -104,45 +88,20 @@ def unless_rounding(reach: Any, reach_low: Any, other: Any, gap_rounding: Any) -
     return zero_where(abs(total) <= gap_rounding, total)
 
 
-for _name, _text, _K, _n in (
-    ("far_sum", "(1 + K)(m + n)", "K", "s_n"),
-    ("far_difference", "(1 + K)(m - n)", "K", "minus_s_n"),
-    ("near_sum", "(1 - K)(m + n)", "minus_K", "s_n"),
-    ("near_difference", "(1 - K)(m - n)", "minus_K", "minus_s_n"),
-):
-    _pair = {"reach": _name, "reach_low": f"{_name}_low"}
-    for _step, _meaning, _law, _given in (
-        (_name, _text, reach, {"K": _K, "s_n": _n}),
-        (f"{_name}_less", f"{_text} - e", unless_rounding, _pair | {"other": "minus_e"}),
-        (f"{_name}_plus", f"{_text} + e", unless_rounding, _pair | {"other": "e"}),
-        (
-            f"{_name}_excess",
-            f"square of {_text} less that of d",
-            product,
-            {"x": f"{_name}_less", "y": f"{_name}_plus"},
-        ),
-    ):
-        hart.quantity(
-            units="1",
-            symbol=_text,
-            source=NUMERICS,
-            internal=True,
-            name=_step,
-            meaning=_meaning,
-            given=_given,
-            low=f"{_name}_low" if _law is reach else None,
-        )(_law)
+def declare_reach(name: str, text: str, **given: str) -> None:
+    """Declare a reach, what it exceeds e and -e by, and what its square exceeds that of d by."""
+    low, less, plus = f"{name}_low", f"{name}_less", f"{name}_plus"
+    step(reach, name, text, text, low=low, **given)
+    step(unless_rounding, less, text, f"{text} - e", reach=name, reach_low=low, other="minus_e")
+    step(unless_rounding, plus, text, f"{text} + e", reach=name, reach_low=low, other="e")
+    step(product, f"{name}_excess", text, f"square of {text} less that of d", x=less, y=plus)
 
 
-hart.quantity(
-    units="1",
-    symbol="A_1",
-    source=NUMERICS,
-    internal=True,
-    name="sure_A1",
-    meaning="factor A1 of MABN over 1 + K",
-    given={"x": "lambda_sign", "y": "near_sum_less"},
-)(product)
+declare_reach("far_sum", "(1 + K)(m + n)", K="K", s_n="s_n")
+declare_reach("far_difference", "(1 + K)(m - n)", K="K", s_n="minus_s_n")
+declare_reach("near_sum", "(1 - K)(m + n)", K="minus_K", s_n="s_n")
+declare_reach("near_difference", "(1 - K)(m - n)", K="minus_K", s_n="minus_s_n")
+step(product, "sure_A1", "A_1", "factor A1 of MABN over 1 + K", x="lambda_sign", y="near_sum_less")
 
 
 @hart.quantity(units="1", symbol="assembles", source=f"{PAGE}#stroke", internal=True)
@@ -174,17 +133,21 @@ def toggle(
     return select(valid == 1.0, zero_where(none, high), NOT_A_NUMBER), zero_where(none, low)
 
 
-for _name, _meaning, _other in (
-    ("Z0", "squared sine of half of phi at the inner toggle, negative if none", "minus_e"),
-    ("C0", "squared cosine of half of phi at the outer toggle, negative if none", "e"),
-):
-    hart.quantity(
-        units="1",
-        symbol=f"{_name[0]}_0",
-        source=NUMERICS,
-        internal=True,
-        name=_name,
-        meaning=_meaning,
-        given={"other": _other, "divisor": _other},
-        low=f"{_name}_low",
-    )(toggle)
+step(
+    toggle,
+    "Z0",
+    "Z_0",
+    "squared sine of half of phi at the inner toggle, negative if none",
+    other="minus_e",
+    divisor="minus_e",
+    low="Z0_low",
+)
+step(
+    toggle,
+    "C0",
+    "C_0",
+    "squared cosine of half of phi at the outer toggle, negative if none",
+    other="e",
+    divisor="e",
+    low="C0_low",
+)

@@ -25,18 +25,14 @@ def size(x: Any) -> Any:
     return abs(x)
 
 
-_law: Any
-for _name, _meaning, _units, _law, _given in (
-    ("size_a", "length MA", "m", size, {"x": "a"}),
-    ("size_b", "length NB", "m", size, {"x": "b"}),
-    ("size_c", "length AB", "m", size, {"x": "c"}),
-    ("s_a", "scaled length MA", "1", product, {"x": "size_lambda", "y": "s_m"}),
-    ("s_b", "scaled length NB", "1", product, {"x": "size_lambda", "y": "s_n"}),
-    ("s_c", "scaled length AB", "1", product, {"x": "K", "y": "s_d"}),
-):
-    hart.quantity(
-        units=_units, symbol=_name, source=NUMERICS, internal=True, name=_name, meaning=_meaning, given=_given
-    )(_law)
+length = hart.steps(units="m", source=NUMERICS)
+length(size, "size_a", "size_a", "length MA", x="a")
+length(size, "size_b", "size_b", "length NB", x="b")
+length(size, "size_c", "size_c", "length AB", x="c")
+step = hart.steps(units="1", source=NUMERICS)
+step(product, "s_a", "s_a", "scaled length MA", x="size_lambda", y="s_m")
+step(product, "s_b", "s_b", "scaled length NB", x="size_lambda", y="s_n")
+step(product, "s_c", "s_c", "scaled length AB", x="K", y="s_d")
 
 
 @hart.quantity(units="1", symbol="MN - MA", source=NUMERICS, internal=True)

@@ -44,21 +44,29 @@ def minus_ratio_times(ratio: Any, length: Any, valid: Any) -> Any:
     return select(valid == 1.0, -(ratio * length), NOT_A_NUMBER)
 
 
-for _name, _equation, _meaning, _law, _ratio, _length in (
-    ("p", "7.2", "length of PF, kappa n, with the sign of kappa", ratio_times, "kappa", "n"),
-    ("q", "7.2", "length of QF, -kappa m, with the sign of -kappa", minus_ratio_times, "kappa", "m"),
-    ("a", "7.4", "length of MA along MP: negative on the extension beyond M", ratio_times, "lambda_", "m"),
-    ("b", "7.4", "length of NB along NQ: negative on the extension beyond N", ratio_times, "lambda_", "n"),
-    ("c", "7.4", "length of AB, kappa d, with the sign of kappa", ratio_times, "kappa", "d"),
-):
-    hart.quantity(
-        units="m",
-        symbol=_name,
-        source=f"{WUNDERLICH}, eq. ({_equation})",
-        name=_name,
-        meaning=_meaning,
-        given={"ratio": _ratio, "length": _length},
-    )(_law)
+length = hart.quantities(units="m", source=f"{WUNDERLICH}, eq. (7.2)")
+length(ratio_times, "p", "p", "length of PF, kappa n, with the sign of kappa", ratio="kappa", length="n")
+length(
+    minus_ratio_times, "q", "q", "length of QF, -kappa m, with the sign of -kappa", ratio="kappa", length="m"
+)
+length = hart.quantities(units="m", source=f"{WUNDERLICH}, eq. (7.4)")
+length(
+    ratio_times,
+    "a",
+    "a",
+    "length of MA along MP: negative on the extension beyond M",
+    ratio="lambda_",
+    length="m",
+)
+length(
+    ratio_times,
+    "b",
+    "b",
+    "length of NB along NQ: negative on the extension beyond N",
+    ratio="lambda_",
+    length="n",
+)
+length(ratio_times, "c", "c", "length of AB, kappa d, with the sign of kappa", ratio="kappa", length="d")
 
 
 @hart.quantity(

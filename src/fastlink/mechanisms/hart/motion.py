@@ -11,6 +11,7 @@ and e^(i omega) is minus PF over u and p.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any
 
 from fastlink.mechanisms.hart.declare import PAGE, WUNDERLICH, hart
@@ -68,37 +69,15 @@ def plus(x: Any, y: Any) -> Any:
     return x + y
 
 
-_law: Any
-_AXES = (("x", "cos_phi", "PF_along"), ("y", "sin_phi", "PF_across"))
-for _axis, _table_name, _direction in _AXES:
-    _bar = {"start": f"P_{_axis}", "length": "m_along", "direction": _direction}
-    for _name, _meaning, _law, _given in (
-        ("P", "Joint P", product, {"x": "m_along", "y": _table_name}),
-        ("PF_mid", "Middle of PF", middle, _bar),
-    ):
-        hart.quantity(
-            units="m",
-            symbol=f"{_name}_{_axis}",
-            source=POSITION,
-            name=f"{_name}_{_axis}",
-            meaning=f"{_meaning}, {_axis}",
-            given=_given,
-        )(_law)
-
-for _name, _law, _given in (
-    ("B_x", plus, {"x": "d", "y": "NB_x"}),
-    ("F_y", end, {"start": "P_y", "length": "m_along", "direction": "PF_across"}),
-    ("Q_x", from_start, {"start": "d", "x": "NB_x"}),
-    ("Q_y", quotient, {"x": "B_y", "y": "lambda_"}),
-):
-    hart.quantity(
-        units="m",
-        symbol=_name,
-        source=POSITION,
-        name=_name,
-        meaning=f"Joint {_name[0]}, {_name[-1]}",
-        given=_given,
-    )(_law)
+joint = hart.quantities(units="m", source=POSITION)
+joint(product, "P_x", "P_x", "Joint P, x", x="m_along", y="cos_phi")
+joint(product, "P_y", "P_y", "Joint P, y", x="m_along", y="sin_phi")
+joint(middle, "PF_mid_x", "PF_mid_x", "Middle of PF, x", start="P_x", length="m_along", direction="PF_along")
+joint(middle, "PF_mid_y", "PF_mid_y", "Middle of PF, y", start="P_y", length="m_along", direction="PF_across")
+joint(plus, "B_x", "B_x", "Joint B, x", x="d", y="NB_x")
+joint(end, "F_y", "F_y", "Joint F, y", start="P_y", length="m_along", direction="PF_across")
+joint(from_start, "Q_x", "Q_x", "Joint Q, x", start="d", x="NB_x")
+joint(quotient, "Q_y", "Q_y", "Joint Q, y", x="B_y", y="lambda_")
 
 
 @hart.quantity(units="m", symbol="F_x", source=f"{POSITION}, eq. (7.5)")
@@ -173,26 +152,19 @@ def size_q(K: Any, m: Any) -> Any:
     return K * m
 
 
-#: By how much the distance of two joints misses the length of their bar: names, ends and lengths.
-BAR_ERRORS = {
-    "AB_error": ("A", "B", "size_c"),
-    "PF_error": ("P", "F", "size_p"),
-    "QF_error": ("Q", "F", "size_q"),
-    "NB_error": ("N", "B", "size_b"),
-    "NQ_error": ("N", "Q", "n"),
-}
-for _name, (_from, _to, _length) in BAR_ERRORS.items():
-    _ends = {"x": f"{_to}_x", "y": f"{_to}_y", "length": _length}
-    _start = {"x0": "d"} if _from == "N" else {"x0": f"{_from}_x", "y0": f"{_from}_y"}
-    hart.quantity(
-        units="1",
-        symbol=f"{_from}{_to}",
-        source=NUMERICS,
-        internal=True,
-        name=_name,
-        meaning=f"by how much the distance {_from}{_to} misses the length of its bar, over the longest bar",
-        given=_ends | _start,
-    )(fixed_bar_error if _from == "N" else bar_error)
+def declare_bar(name: str, law: Callable[..., Any], ends: str, **given: str) -> None:
+    """Declare by how much the distance of two joints misses the length of their bar."""
+    meaning = f"by how much the distance {ends} misses the length of its bar, over the longest bar"
+    to = {"x": f"{ends[1]}_x", "y": f"{ends[1]}_y"}
+    hart.steps(units="1", source=NUMERICS)(law, name, ends, meaning, **to, **given)
+
+
+BAR_ERRORS = ("AB_error", "PF_error", "QF_error", "NB_error", "NQ_error")
+declare_bar("AB_error", bar_error, "AB", x0="A_x", y0="A_y", length="size_c")
+declare_bar("PF_error", bar_error, "PF", x0="P_x", y0="P_y", length="size_p")
+declare_bar("QF_error", bar_error, "QF", x0="Q_x", y0="Q_y", length="size_q")
+declare_bar("NB_error", fixed_bar_error, "NB", x0="d", length="size_b")
+declare_bar("NQ_error", fixed_bar_error, "NQ", x0="d", length="n")
 
 
 @hart.quantity(units="1", symbol="r", source=NUMERICS)
@@ -202,4 +174,4 @@ def closure_residual(AB_error: Any, PF_error: Any, QF_error: Any, NB_error: Any,
     return sqrt(moving + (NB_error * NB_error + NQ_error * NQ_error))
 
 
-hart.derivative("F_y", "phi", given={"x": "dF_y_dphi"})(same)
+hart.derivatives("phi")(same, "F_y", x="dF_y_dphi")
