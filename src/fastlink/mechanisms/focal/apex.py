@@ -9,7 +9,7 @@ from __future__ import annotations
 from typing import Any
 
 from fastlink.mechanisms.focal.declare import WUNDERLICH, focal
-from fastlink.mechanisms.focal.drives import either
+from fastlink.mechanisms.focal.drives import either, steps
 from fastlink.mechanisms.focal.points import FIGURES, POSITION, angle
 from fastlink.mechanisms.planar_4r.rates import product
 from fastlink.mechanisms.planar_4r.slopes import same
@@ -39,14 +39,15 @@ def s_SN(s_d: Any, rho_plus_1: Any) -> Any:
     return s_d / rho_plus_1
 
 
-for _name, _length, _law in (
-    *((f"near_{_length}", f"s_{_length}", of_crank) for _length in ("s", "r", "SN")),
-    *((f"near_{_length}", f"s_{_length}", of_dyad) for _length in "mnpq"),
-    ("far_s", "s_s", of_dyad),
-):
-    focal.quantity(
-        units="1", symbol=_length, source=POSITION, internal=True, name=_name, given={"length": _length}
-    )(_law)
+step = focal.steps(units="1", source=POSITION)
+step(of_crank, "near_s", "s_s", length="s_s")
+step(of_crank, "near_r", "s_r", length="s_r")
+step(of_crank, "near_SN", "s_SN", length="s_SN")
+step(of_dyad, "near_m", "s_m", length="s_m")
+step(of_dyad, "near_n", "s_n", length="s_n")
+step(of_dyad, "near_p", "s_p", length="s_p")
+step(of_dyad, "near_q", "s_q", length="s_q")
+step(of_dyad, "far_s", "s_s", length="s_s")
 
 # -- z of S; 0 where it is taken from P ---------------------------------------------------------------------------
 
@@ -63,15 +64,8 @@ def from_N_by_S_x(near_SN: Any, near_r: Any, g_x: Any) -> Any:
     return near_r * g_x - near_SN
 
 
-either(
-    units="1",
-    symbol="z_y",
-    source=f"{WUNDERLICH}, eq. (1.7)",
-    internal=True,
-    name="by_S_y",
-    meaning="Vector from M or N to F of what S says, y",
-    given={"x": "near_r", "y": "g_y"},
-)(product)
+step = steps(units="1", source=f"{WUNDERLICH}, eq. (1.7)")
+step(product, "by_S_y", "z_y", "Vector from M or N to F of what S says, y", x="near_r", y="g_y")
 
 # -- angles that F encloses ---------------------------------------------------------------------------------------
 
@@ -132,7 +126,7 @@ def near_per_p(near_crank: Any, s_p: Any) -> Any:
     return select(near_crank == 1.0, 1.0 / s_p, 0.0)
 
 
-focal.quantity(units="1", symbol="1", source=POSITION, internal=True, name="far_crank")(whether_far)
+focal.steps(units="1", source=POSITION)(whether_far, "far_crank", "1")
 
 
 @focal.quantity(units="1", symbol="sin omega", source=f"{WUNDERLICH}, eq. (1.3)", internal=True)
@@ -172,14 +166,8 @@ def SF_x(far_s: Any, near_r: Any, g_x: Any, near_m: Any, u_x: Any, near_p: Any, 
     return near_r * g_x + (near_m * u_x - near_p * f_x - far_s)
 
 
-focal.quantity(
-    units="rad",
-    symbol="sigma",
-    source=FIGURES,
-    name="sigma",
-    meaning="Direction of the crank SF in the ground frame",
-    given={"x": "SF_x", "y": "MF_y"},
-)(angle)
+angle_of_crank = focal.quantities(units="rad", source=FIGURES)
+angle_of_crank(angle, "sigma", "sigma", "Direction of the crank SF in the ground frame", x="SF_x", y="MF_y")
 
 
 @focal.quantity(units="1", symbol="(1 + rho) kappa b/(2 d |lambda|)", source=POSITION, internal=True)
@@ -194,4 +182,4 @@ def dsigma_dphi(crank_lever: Any, w_y: Any, bar_per_sigma: Any, branch_sign: Any
     return branch_sign * (crank_lever * w_y * bar_per_sigma)
 
 
-focal.derivative("sigma", focal.position.name, given={"x": "dsigma_dphi"})(same)
+focal.derivatives(focal.position.name)(same, "sigma", x="dsigma_dphi")

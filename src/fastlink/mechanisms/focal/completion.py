@@ -11,7 +11,6 @@ unknown is t u/v, where t and 1/t have the product 1: it is told by square roots
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from typing import Any
 
 from fastlink.mechanisms.focal.declare import DESIGN, GIVEN_LAMBDA, GIVEN_S, WUNDERLICH, focal
@@ -69,19 +68,10 @@ def x(lambda_: Any) -> Any:
     return two_sum(lambda_, -1.0)
 
 
-for _name, _of, _alternative in (
-    ("rho_low", "rho", None),
-    ("lambda_low", GIVEN_LAMBDA, GIVEN_LAMBDA),
-):
-    focal.quantity(
-        units="1",
-        symbol="0",
-        source=COMPLETION,
-        internal=True,
-        alternative=_alternative,
-        name=_name,
-        given={"exact": _of},
-    )(nothing)
+step = focal.steps(units="1", source=COMPLETION)
+step(nothing, "rho_low", "0", exact="rho")
+step = focal.steps(units="1", source=COMPLETION, alternative=GIVEN_LAMBDA)
+step(nothing, "lambda_low", "0", exact=GIVEN_LAMBDA)
 
 
 # -- the other ratio ------------------------------------------------------------------------------------------
@@ -159,37 +149,33 @@ def root_of_size(ratio: Any) -> Any:
     return sqrt(abs(ratio))
 
 
-BY_RHO = {"ratio": "rho", "ratio_low": "rho_low", "plus_1": "rho_plus_1", "plus_1_low": "rho_plus_1_low"}
-BY_RHO |= {"first": "s_a", "second": "s_b", "u": "s_c", "v": "s_d", "root": "root_x"}
-BY_X = {"ratio": "x", "ratio_low": "x_low", "plus_1": GIVEN_LAMBDA, "plus_1_low": "lambda_low"}
-BY_X |= {"first": "s_c", "second": "s_d", "u": "s_a", "v": "s_b", "root": "root_rho"}
+def declare_completion(
+    alternative: str | None, pair: dict[str, str], known: str, found: tuple[str, str, str]
+) -> None:
+    """Declare the ratio that is found, from the ratio that is given and the two pairs of lengths."""
+    root_found, ratio_found, plus_1_found = found
+    given = {**pair, "root": root_found}
+    step = focal.steps(units="1", source=COMPLETION, alternative=alternative)
+    step(sign, "ratio_sign", "sgn rho", x=pair["ratio"])
+    step(mixed, "mixed", "a^2 + rho b^2", low="mixed_low", **given)
+    step(common, "common", "W", **given)
+    step(excess, "excess", "|W - (c + d)^2|", **given)
+    step(far_excess, "far_excess", "|W - (c - d)^2|", **given)
+    step(root, "root_near", "sqrt|W - (c + d)^2|", value="excess")
+    step(root, "root_far", "sqrt|W - (c - d)^2|", value="far_excess")
+    step(root_of_size, known, "sqrt|rho|", **given)
+    step(root_of_ratio, root_found, "sqrt|lambda - 1|", **given)
+    step(with_sign, ratio_found, "lambda - 1", **given)
+    if plus_1_found != GIVEN_LAMBDA:
+        step(one_plus_found, plus_1_found, "lambda", **given)
+        return
+    quantity = focal.quantities(units="1", source=COMPLETION, alternative=alternative)
+    quantity(one_plus_found, GIVEN_LAMBDA, "lambda", "Factor a/m = b/n", **given)
 
-for _alternative, _given, _known, _found, _ratio, _plus_1 in (
-    (None, BY_RHO, "root_rho", "root_x", "x", GIVEN_LAMBDA),
-    (GIVEN_LAMBDA, BY_X, "root_x", "root_rho", "rho", "rho_plus_1"),
-):
-    _laws: tuple[tuple[Callable[..., Any], str, str, dict[str, str]], ...] = (
-        (sign, "ratio_sign", "sgn rho", {"x": _given["ratio"]}),
-        (mixed, "mixed", "a^2 + rho b^2", {}),
-        (common, "common", "W", {}),
-        (excess, "excess", "|W - (c + d)^2|", {}),
-        (far_excess, "far_excess", "|W - (c - d)^2|", {}),
-        (root, "root_near", "sqrt|W - (c + d)^2|", {"value": "excess"}),
-        (root, "root_far", "sqrt|W - (c - d)^2|", {"value": "far_excess"}),
-        (root_of_size, _known, "sqrt|rho|", {}),
-        (root_of_ratio, _found, "sqrt|lambda - 1|", {}),
-        (with_sign, _ratio, "lambda - 1", {}),
-        (one_plus_found, _plus_1, "lambda", {}),
-    )
-    for _law, _name, _symbol, _more in _laws:
-        focal.quantity(
-            units="1",
-            symbol=_symbol,
-            source=COMPLETION,
-            internal=_name != GIVEN_LAMBDA,
-            alternative=_alternative,
-            name=_name,
-            meaning="Factor a/m = b/n" if _name == GIVEN_LAMBDA else None,
-            given={**_given, **_more},
-            low="mixed_low" if _law is mixed else None,
-        )(_law)
+
+BY_RHO = {"ratio": "rho", "ratio_low": "rho_low", "plus_1": "rho_plus_1", "plus_1_low": "rho_plus_1_low"}
+BY_RHO |= {"first": "s_a", "second": "s_b", "u": "s_c", "v": "s_d"}
+BY_X = {"ratio": "x", "ratio_low": "x_low", "plus_1": GIVEN_LAMBDA, "plus_1_low": "lambda_low"}
+BY_X |= {"first": "s_c", "second": "s_d", "u": "s_a", "v": "s_b"}
+declare_completion(None, BY_RHO, "root_rho", ("root_x", "x", GIVEN_LAMBDA))
+declare_completion(GIVEN_LAMBDA, BY_X, "root_x", ("root_rho", "rho", "rho_plus_1"))

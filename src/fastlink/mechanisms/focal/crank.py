@@ -37,16 +37,23 @@ def mixed(at_0: Any, at_pi: Any, C: Any, Z: Any) -> Any:
     return at_0 * C + at_pi * Z
 
 
-for _name in ("sine", "cosine"):
-    by_crank.quantity(
-        units="1",
-        symbol=f"{_name}^2(omega/2)",
-        source=f"{WUNDERLICH}, eq. (1.5); {DYAD}",
-        internal=True,
-        name=f"squared_half_{_name}",
-        meaning=f"Squared {_name} of omega/2",
-        given={"at_0": f"{_name}_at_0", "at_pi": f"{_name}_at_pi"},
-    )(mixed)
+step = by_crank.steps(units="1", source=f"{WUNDERLICH}, eq. (1.5); {DYAD}")
+step(
+    mixed,
+    "squared_half_sine",
+    "sine^2(omega/2)",
+    "Squared sine of omega/2",
+    at_0="sine_at_0",
+    at_pi="sine_at_pi",
+)
+step(
+    mixed,
+    "squared_half_cosine",
+    "cosine^2(omega/2)",
+    "Squared cosine of omega/2",
+    at_0="cosine_at_0",
+    at_pi="cosine_at_pi",
+)
 
 
 @by_crank.quantity(units="1", symbol="cos omega", source=f"{WUNDERLICH}, eq. (1.5)", internal=True)
@@ -100,15 +107,8 @@ def NF_x(s_SN: Any, s_r: Any, g_x: Any) -> Any:
     return s_r * g_x - s_SN
 
 
-by_crank.quantity(
-    units="1",
-    symbol="z_y",
-    source=f"{WUNDERLICH}, eq. (1.7)",
-    internal=True,
-    name="MF_y",
-    meaning="Vector from M to F, scaled, y",
-    given={"x": "s_r", "y": "g_y"},
-)(product)
+step = by_crank.steps(units="1", source=f"{WUNDERLICH}, eq. (1.7)")
+step(product, "MF_y", "z_y", "Vector from M to F, scaled, y", x="s_r", y="g_y")
 
 
 def swing(of_sine: Any, of_cosine: Any, squared_half_sine: Any, squared_half_cosine: Any) -> Any:
@@ -121,24 +121,25 @@ def dyad_x(straight: Any, swing: Any) -> Any:
     return straight + swing
 
 
-for _pivot, _rocker, _symbol in (("M", "MP", "(m - p w)_x"), ("N", "NQ", "(n + q w)_x")):
-    _labels: dict[str, Any] = {
-        "units": "1",
-        "symbol": _symbol,
-        "source": f"{WUNDERLICH}, eqs. (1.3), (1.4)",
-        "internal": True,
-    }
-    by_crank.quantity(
-        **_labels,
-        name=f"swing_{_pivot}",
-        given={"of_sine": f"{_pivot}_of_sine", "of_cosine": f"{_pivot}_of_cosine"},
-    )(swing)
-    by_crank.quantity(
-        **_labels,
-        name=f"dyad_{_pivot}_x",
-        meaning=f"F seen from {_pivot}, scaled, along {_rocker}",
-        given={"straight": f"straight_{_pivot}", "swing": f"swing_{_pivot}"},
-    )(dyad_x)
+step = by_crank.steps(units="1", source=f"{WUNDERLICH}, eqs. (1.3), (1.4)")
+step(swing, "swing_M", "(m - p w)_x", of_sine="M_of_sine", of_cosine="M_of_cosine")
+step(swing, "swing_N", "(n + q w)_x", of_sine="N_of_sine", of_cosine="N_of_cosine")
+step(
+    dyad_x,
+    "dyad_M_x",
+    "(m - p w)_x",
+    "F seen from M, scaled, along MP",
+    straight="straight_M",
+    swing="swing_M",
+)
+step(
+    dyad_x,
+    "dyad_N_x",
+    "(n + q w)_x",
+    "F seen from N, scaled, along NQ",
+    straight="straight_N",
+    swing="swing_N",
+)
 
 
 @by_crank.quantity(units="1", symbol="(m - p w)_y", source=f"{WUNDERLICH}, eq. (1.3)", internal=True)
@@ -169,22 +170,17 @@ def turned_y(x: Any, y: Any, dyad_x: Any, dyad_y: Any, per: Any) -> Any:
     return (y * dyad_x - x * dyad_y) * per
 
 
-for _name, _pivot, _rocker, _bar in (("u", "M", "MA", "s_p"), ("v", "N", "NB", "s_q")):
-    _vectors = {"x": f"{_pivot}F_x", "y": "MF_y", "dyad_x": f"dyad_{_pivot}_x", "dyad_y": f"dyad_{_pivot}_y"}
-    for _fact, _law, _symbol in (
-        (f"per_{_pivot}F", per_lengths, f"1/{_pivot}F^2"),
-        (f"{_name}_x", turned_x, f"{_name}_x"),
-        (f"{_name}_y", turned_y, f"{_name}_y"),
-    ):
-        by_crank.quantity(
-            units="1",
-            symbol=_symbol,
-            source=f"{WUNDERLICH}, eqs. (1.3), (1.4)",
-            internal=True,
-            name=_fact,
-            meaning=f"Direction of {_rocker}" if _law is not per_lengths else f"1/{_pivot}F^2, scaled",
-            given=_vectors | {"per": f"per_{_pivot}F", "bar": _bar},
-        )(_law)
+def declare_rocker(name: str, pivot: str, rocker: str, bar: str) -> None:
+    """Declare the direction of a rocker: that of F from its pivot over that of the dyad."""
+    per = f"per_{pivot}F"
+    vectors = {"x": f"{pivot}F_x", "y": "MF_y", "dyad_x": f"dyad_{pivot}_x", "dyad_y": f"dyad_{pivot}_y"}
+    step(per_lengths, per, f"1/{pivot}F^2", f"1/{pivot}F^2, scaled", bar=bar, **vectors)
+    step(turned_x, f"{name}_x", f"{name}_x", f"Direction of {rocker}", per=per, **vectors)
+    step(turned_y, f"{name}_y", f"{name}_y", f"Direction of {rocker}", per=per, **vectors)
+
+
+declare_rocker("u", "M", "MA", "s_p")
+declare_rocker("v", "N", "NB", "s_q")
 
 declare_fifth(by_crank, "e", "AB", "g", "w")
 
@@ -199,15 +195,9 @@ declare_T(by_crank, "F", "FT_along", "uwv")
 
 # -- angles --------------------------------------------------------------------------------------------------
 
-for _name, _rocker, _bar in (("phi", "u", "MA"), ("psi", "v", "NB")):
-    by_crank.quantity(
-        units="rad",
-        symbol=_name,
-        source=FIGURES,
-        name=_name,
-        meaning=f"Direction of {_bar} in the ground frame",
-        given={"x": f"{_rocker}_x", "y": f"{_rocker}_y"},
-    )(angle)
+direction = by_crank.quantities(units="rad", source=FIGURES)
+direction(angle, "phi", "phi", "Direction of MA in the ground frame", x="u_x", y="u_y")
+direction(angle, "psi", "psi", "Direction of NB in the ground frame", x="v_x", y="v_y")
 
 # -- rates --------------------------------------------------------------------------------------------------------
 
@@ -231,28 +221,28 @@ def rate(
     return s_r * ((s_r + base * g_x) + turning) / (x * x + y * y)
 
 
-for _name, _pivot, _base, _bar, _rocker in (
-    ("phi", "M", "s_s", "s_p", "MA"),
-    ("psi", "N", "s_NS", "minus_s_q", "NB"),
-):
-    by_crank.quantity(
-        units="1",
-        symbol=f"d {_name}/d sigma",
-        source=POSITION,
-        name=f"d{_name}_dsigma",
-        meaning=f"Angular velocity of {_rocker} over that of the crank SF",
-        given={"base": _base, "bar": _bar, "x": f"{_pivot}F_x", "y": "MF_y"}
-        | {part: f"{part}_{_pivot}" for part in ("straight_lever", "swing")},
-    )(rate)
-    by_crank.quantity(
-        units="rad s-1",
-        symbol=f"d {_name}/dt",
-        source=POSITION,
-        name=f"{_name}_rate",
-        meaning=f"Angular velocity of {_rocker}",
-        given={"x": "omega", "y": f"d{_name}_dsigma"},
-    )(product)
-    by_crank.derivative(_name, SIGMA, given={"x": f"d{_name}_dsigma"})(same)
+def declare_rate(name: str, pivot: str, rocker: str, base: str, bar: str) -> None:
+    """Declare how fast a rocker turns."""
+    ratio = f"d{name}_dsigma"
+    by_crank.quantities(units="1", source=POSITION)(
+        rate,
+        ratio,
+        f"d {name}/d sigma",
+        f"Angular velocity of {rocker} over that of the crank SF",
+        base=base,
+        bar=bar,
+        x=f"{pivot}F_x",
+        y="MF_y",
+        straight_lever=f"straight_lever_{pivot}",
+        swing=f"swing_{pivot}",
+    )
+    velocity = by_crank.quantities(units="rad s-1", source=POSITION)
+    velocity(product, f"{name}_rate", f"d {name}/dt", f"Angular velocity of {rocker}", x="omega", y=ratio)
+    by_crank.derivatives(SIGMA)(same, name, x=ratio)
+
+
+declare_rate("phi", "M", "MA", "s_s", "s_p")
+declare_rate("psi", "N", "NB", "s_NS", "minus_s_q")
 
 
 @by_crank.quantity(units="1", symbol="sin(sigma)/2", source=POSITION, internal=True)
@@ -267,15 +257,12 @@ def sine_change(s_s: Any, s_r: Any, s_m: Any, s_p: Any) -> Any:
     return -((s_s / s_m) * (s_r / s_p))
 
 
+# of what is tabled, or given by a place of the graded range
 for _set in (None, "graded"):
-    for _name, _slope, _need in (
-        ("Z", same, "half_sine"),
-        ("C", opposite, "half_sine"),
-        ("g_x", opposite, "g_y"),
-        ("g_y", same, "g_x"),
-    ):
-        by_crank.derivative(_name, SIGMA, given={"x": _need}, alternative=_set)(_slope)
-    for _name, _change in (("squared_half_sine", product), ("squared_half_cosine", opposite_product)):
-        by_crank.derivative(_name, SIGMA, given={"x": "sine_change", "y": "half_sine"}, alternative=_set)(
-            _change
-        )
+    derivative = by_crank.derivatives(SIGMA, alternative=_set)
+    derivative(same, "Z", x="half_sine")
+    derivative(opposite, "C", x="half_sine")
+    derivative(opposite, "g_x", x="g_y")
+    derivative(same, "g_y", x="g_x")
+    derivative(product, "squared_half_sine", x="sine_change", y="half_sine")
+    derivative(opposite_product, "squared_half_cosine", x="sine_change", y="half_sine")

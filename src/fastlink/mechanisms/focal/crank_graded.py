@@ -6,7 +6,6 @@ at the upper: they are |D| p and |D| q of the planar 4R, D being how much they c
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from typing import Any
 
 from fastlink.catalogue.catalogue import GradedRange
@@ -16,15 +15,6 @@ from fastlink.mechanisms.planar_4r import graded
 from fastlink.numerics.elementary import select
 
 SIGMA = by_crank.position.name
-
-
-def declare(
-    law: Callable[..., Any], name: str, given: dict[str, str] | None = None, alternative: str | None = None
-) -> None:
-    """Declare a step on the way."""
-    by_crank.quantity(
-        units="1", symbol=name, source=DYAD, internal=True, name=name, given=given, alternative=alternative
-    )(law)
 
 
 def whether_sine_falls(sine_at_0: Any, sine_at_pi: Any) -> Any:
@@ -75,26 +65,30 @@ def mixed(sine_falls: Any, sine_grows: Any, falling: Any, growing: Any) -> Any:
     return sine_falls * falling + sine_grows * growing
 
 
-declare(whether_sine_falls, "sine_falls")
-declare(whether_sine_grows, "sine_grows")
-declare(change_of_squares, "change")
-for _place in ("at_0", "at_pi"):
-    _squares = {"falling": f"sine_{_place}", "growing": f"cosine_{_place}"}
-    declare(of_both, f"falling_{_place}", _squares)
-    declare(of_both, f"growing_{_place}", {"falling": _squares["growing"], "growing": _squares["falling"]})
-declare(minus_over, "Z0", {"x": "growing_at_0"})
-declare(minus_over, "C0", {"x": "falling_at_pi"})
-declare(range_width, "range_width")
-declare(width_of_squares, "width_of_squares")
-declare(graded.above_zero, "Z_least", {"x": "Z0"})
-declare(graded.above_zero, "C_least", {"x": "C0"})
-declare(graded.above_zero, "growing_least", {"x": "growing_at_0"})
-declare(graded.above_zero, "falling_least", {"x": "falling_at_pi"})
-for _end, _limit in (("low", "Z0"), ("high", "C0")):
-    declare(near, f"near_{_end}", {"limit": _limit})
-    declare(graded.grade, f"scale_{_end}", {"near": f"near_{_end}", "width": "range_width"})
-    declare(graded.first_place, f"start_{_end}", {"limit": _limit, "scale": f"scale_{_end}"})
-    declare(graded.is_toggle, f"toggle_{_end}", {"limit": _limit})
+step = by_crank.steps(units="1", source=DYAD)
+step(whether_sine_falls, "sine_falls", "sine_falls")
+step(whether_sine_grows, "sine_grows", "sine_grows")
+step(change_of_squares, "change", "change")
+step(of_both, "falling_at_0", "falling_at_0", falling="sine_at_0", growing="cosine_at_0")
+step(of_both, "growing_at_0", "growing_at_0", falling="cosine_at_0", growing="sine_at_0")
+step(of_both, "falling_at_pi", "falling_at_pi", falling="sine_at_pi", growing="cosine_at_pi")
+step(of_both, "growing_at_pi", "growing_at_pi", falling="cosine_at_pi", growing="sine_at_pi")
+step(minus_over, "Z0", "Z0", x="growing_at_0")
+step(minus_over, "C0", "C0", x="falling_at_pi")
+step(range_width, "range_width", "range_width")
+step(width_of_squares, "width_of_squares", "width_of_squares")
+step(graded.above_zero, "Z_least", "Z_least", x="Z0")
+step(graded.above_zero, "C_least", "C_least", x="C0")
+step(graded.above_zero, "growing_least", "growing_least", x="growing_at_0")
+step(graded.above_zero, "falling_least", "falling_least", x="falling_at_pi")
+step(near, "near_low", "near_low", limit="Z0")
+step(near, "near_high", "near_high", limit="C0")
+step(graded.grade, "scale_low", "scale_low", near="near_low", width="range_width")
+step(graded.grade, "scale_high", "scale_high", near="near_high", width="range_width")
+step(graded.first_place, "start_low", "start_low", limit="Z0", scale="scale_low")
+step(graded.first_place, "start_high", "start_high", limit="C0", scale="scale_high")
+step(graded.is_toggle, "toggle_low", "toggle_low", limit="Z0")
+step(graded.is_toggle, "toggle_high", "toggle_high", limit="C0")
 
 by_crank.graded = GradedRange(
     name="graded",
@@ -113,16 +107,27 @@ by_crank.graded = GradedRange(
         **dict.fromkeys(("omega_angle", "alpha", "beta", "chi"), "half_sine_omega"),
     },
 )
-_NAME = by_crank.graded.name
-for _name, _least, _width, _fraction in (
-    ("Z", "Z_least", "range_width", "from_low"),
-    ("C", "C_least", "range_width", "from_high"),
-    ("growing", "growing_least", "width_of_squares", "from_low"),
-    ("falling", "falling_least", "width_of_squares", "from_high"),
-):
-    declare(graded.from_end, _name, {"least": _least, "range_width": _width, "fraction": _fraction}, _NAME)
-declare(mixed, "squared_half_sine", alternative=_NAME)
-declare(mixed, "squared_half_cosine", {"falling": "growing", "growing": "falling"}, _NAME)
-declare(graded.cos_theta1, "g_x", alternative=_NAME)
-declare(graded.sin_theta1, "g_y", alternative=_NAME)
-declare(graded.theta1, SIGMA, alternative=_NAME)
+step = by_crank.steps(units="1", source=DYAD, alternative=by_crank.graded.name)
+step(graded.from_end, "Z", "Z", least="Z_least", fraction="from_low")
+step(graded.from_end, "C", "C", least="C_least", fraction="from_high")
+step(
+    graded.from_end,
+    "growing",
+    "growing",
+    least="growing_least",
+    range_width="width_of_squares",
+    fraction="from_low",
+)
+step(
+    graded.from_end,
+    "falling",
+    "falling",
+    least="falling_least",
+    range_width="width_of_squares",
+    fraction="from_high",
+)
+step(mixed, "squared_half_sine", "squared_half_sine")
+step(mixed, "squared_half_cosine", "squared_half_cosine", falling="growing", growing="falling")
+step(graded.cos_theta1, "g_x", "g_x")
+step(graded.sin_theta1, "g_y", "g_y")
+step(graded.theta1, SIGMA, SIGMA)

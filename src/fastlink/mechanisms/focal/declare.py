@@ -26,9 +26,10 @@ focal = Catalogue(
     position=Input("phi", "rad", "phi", "direction of MA in the ground frame"),
 )
 
-for _name, _link in LINKS.items():
-    focal.input(_name, units="m", symbol=_name, meaning=f"length of the {_link}", rule="positive")
-
+focal.input("a", units="m", symbol="a", meaning=f"length of the {LINKS['a']}", rule="positive")
+focal.input("b", units="m", symbol="b", meaning=f"length of the {LINKS['b']}", rule="positive")
+focal.input("c", units="m", symbol="c", meaning=f"length of the {LINKS['c']}", rule="positive")
+focal.input("d", units="m", symbol="d", meaning=f"length of the {LINKS['d']}", rule="positive")
 focal.input(
     "rho", units="1", symbol="rho", meaning="ratio mp : nq = MS : SN, negative where S is not between M and N"
 )

@@ -38,16 +38,9 @@ def carried(length: Any, lambda_: Any, x: Any, rho: Any) -> Any:
     return select((x / rho > 0.0) & (lambda_ != 0.0), length / lambda_, NOT_A_NUMBER)
 
 
-for _name, _of, _meaning in (("m", "a", "MP along MA"), ("n", "b", "NQ along NB")):
-    focal.quantity(
-        units="1",
-        symbol=_name,
-        source=f"{WUNDERLICH}, eq. (2.5)",
-        internal=True,
-        name=f"s_{_name}",
-        meaning=f"scaled length {_meaning}",
-        given={"length": f"s_{_of}"},
-    )(carried)
+step = focal.steps(units="1", source=f"{WUNDERLICH}, eq. (2.5)")
+step(carried, "s_m", "m", "scaled length MP along MA", length="s_a")
+step(carried, "s_n", "n", "scaled length NQ along NB", length="s_b")
 
 
 @focal.quantity(units="1", symbol="p", source=f"{WUNDERLICH}, eqs. (1.9), (2.6)", internal=True)
@@ -116,23 +109,18 @@ def length_of(scaled: Any, scale: Any) -> Any:
     return scaled * scale
 
 
-for _name, _scaled, _source, _meaning in (
-    ("m", "s_m", "eq. (2.5)", "Distance MP along MA, negative beyond M"),
-    ("n", "s_n", "eq. (2.5)", "Distance NQ along NB, negative beyond N"),
-    ("p", "s_p", "eqs. (1.9), (2.6)", "Length PF, of the sign of rho (see docs/focal.md)"),
-    ("q", "s_q", "eqs. (1.9), (2.6)", "Length QF"),
-    ("r", "s_r", "eq. (1.8)", "Length SF, radius of the circle of F: the crank"),
-    ("FT", "s_FT", "section 3", "Length FT"),
-    ("s", "s_s", "eqs. (1.8) corrected, (1.9)", "Crank support S on MN, from M towards N"),
-):
-    focal.quantity(
-        units="m",
-        symbol=_name,
-        source=f"{WUNDERLICH}, {_source}",
-        name=_name,
-        meaning=_meaning,
-        given={"scaled": _scaled},
-    )(length_of)
+length = focal.quantities(units="m", source=f"{WUNDERLICH}, eq. (2.5)")
+length(length_of, "m", "m", "Distance MP along MA, negative beyond M", scaled="s_m")
+length(length_of, "n", "n", "Distance NQ along NB, negative beyond N", scaled="s_n")
+length = focal.quantities(units="m", source=f"{WUNDERLICH}, eqs. (1.9), (2.6)")
+length(length_of, "p", "p", "Length PF, of the sign of rho (see docs/focal.md)", scaled="s_p")
+length(length_of, "q", "q", "Length QF", scaled="s_q")
+length = focal.quantities(units="m", source=f"{WUNDERLICH}, eq. (1.8)")
+length(length_of, "r", "r", "Length SF, radius of the circle of F: the crank", scaled="s_r")
+length = focal.quantities(units="m", source=f"{WUNDERLICH}, section 3")
+length(length_of, "FT", "FT", "Length FT", scaled="s_FT")
+length = focal.quantities(units="m", source=f"{WUNDERLICH}, eqs. (1.8) corrected, (1.9)")
+length(length_of, "s", "s", "Crank support S on MN, from M towards N", scaled="s_s")
 
 
 @focal.quantity(units="m", symbol="S_x", source=f"{WUNDERLICH}, eqs. (1.8) corrected, (1.9)")
@@ -174,15 +162,15 @@ def minus_s_c(s_c: Any) -> Any:
     return -s_c
 
 
-for _name, _c, _meaning in (("h1", "s_c", "MN and AB"), ("h2", "minus_s_c", "MN and the opposite AB")):
-    focal.quantity(
-        units="m",
-        symbol=f"h_{_name[1]}",
-        source=f"{WUNDERLICH}, eq. (6.2)",
-        name=_name,
-        meaning=f"Distance of parallel {_meaning} where a = b, NaN of others",
-        given={"c": _c},
-    )(height)
+trapezoid = focal.quantities(units="m", source=f"{WUNDERLICH}, eq. (6.2)")
+trapezoid(height, "h1", "h_1", "Distance of parallel MN and AB where a = b, NaN of others", c="s_c")
+trapezoid(
+    height,
+    "h2",
+    "h_2",
+    "Distance of parallel MN and the opposite AB where a = b, NaN of others",
+    c="minus_s_c",
+)
 
 
 @focal.quantity(units="m", symbol="x", source=f"{WUNDERLICH}, eq. (7.5) corrected")

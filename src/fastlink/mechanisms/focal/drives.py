@@ -12,6 +12,7 @@ from typing import Any, TypeVar
 from fastlink.catalogue.catalogue import Catalogue, Input
 from fastlink.errors import InputError, Setting
 from fastlink.mechanisms.focal.declare import focal
+from fastlink.rows import Rows
 
 F = TypeVar("F", bound=Callable[..., Any])
 
@@ -40,6 +41,16 @@ by_crank = _ByCrank(
     position=Input("sigma", "rad", "sigma", "direction of SF in the ground frame"),
 )
 by_crank.inputs, by_crank.alternative_inputs = focal.inputs, focal.alternative_inputs
+
+
+def quantities(*, units: str, source: str) -> Rows:
+    """Return what declares quantities whatever drives, row by row."""
+    return Rows((focal, by_crank), units, source, internal=False)
+
+
+def steps(*, units: str, source: str) -> Rows:
+    """Return what declares steps on the way whatever drives, row by row."""
+    return Rows((focal, by_crank), units, source, internal=True)
 
 
 def either(**labels: Any) -> Callable[[F], F]:

@@ -151,22 +151,19 @@ def of_half_angle(
     return (spin * lambda_sign) * per_dyad * both_per_K
 
 
-for _name, _side, _spin, _what in (
-    ("sine_at_0", "crank_sign", "lambda_sign", "sine of omega/2 at sigma = 0"),
-    ("sine_at_pi", "minus_crank_sign", "lambda_sign", "sine of omega/2 at sigma = pi"),
-    ("cosine_at_0", "minus_crank_sign", "minus_lambda_sign", "cosine of omega/2 at sigma = 0"),
-    ("cosine_at_pi", "crank_sign", "minus_lambda_sign", "cosine of omega/2 at sigma = pi"),
-):
-    focal.quantity(
-        units="1",
-        symbol="s",
-        source=DYAD,
-        internal=True,
-        name=_name,
-        meaning=f"Squared {_what}",
-        given={"side": _side, "spin": _spin}
-        | {factor.removeprefix("factor_"): f"{PREFIX}{factor}" for factor in FACTORS},
-    )(of_half_angle)
+_FACTORS = {factor.removeprefix("factor_"): f"{PREFIX}{factor}" for factor in FACTORS}
+step = focal.steps(units="1", source=DYAD)
+
+
+def declare_dyad(name: str, what: str, side: str, spin: str) -> None:
+    """Declare a squared sine or cosine of omega/2 with the crank in the ground line."""
+    step(of_half_angle, name, "s", f"Squared {what}", side=side, spin=spin, **_FACTORS)
+
+
+declare_dyad("sine_at_0", "sine of omega/2 at sigma = 0", "crank_sign", "lambda_sign")
+declare_dyad("sine_at_pi", "sine of omega/2 at sigma = pi", "minus_crank_sign", "lambda_sign")
+declare_dyad("cosine_at_0", "cosine of omega/2 at sigma = 0", "minus_crank_sign", "minus_lambda_sign")
+declare_dyad("cosine_at_pi", "cosine of omega/2 at sigma = pi", "crank_sign", "minus_lambda_sign")
 
 # -- F seen from M and N, where the dyads are straight: m - p or m + p, n + q or n - q ------------------------------
 
@@ -213,21 +210,11 @@ def minus_where_negative(sign: Any, length: Any) -> Any:
     return select(sign < 0.0, -2.0 * length, 0.0)
 
 
-for _name, _law, _sign, _length in (
-    ("M_of_sine", where_positive, "P_sign", "s_p"),
-    ("M_of_cosine", minus_where_negative, "P_sign", "s_p"),
-    ("N_of_sine", minus_where_negative, "lambda_sign", "s_q"),
-    ("N_of_cosine", where_positive, "lambda_sign", "s_q"),
-):
-    focal.quantity(
-        units="1",
-        symbol="2 p",
-        source=DYAD,
-        internal=True,
-        name=_name,
-        meaning="Change along the rocker with the squared half-angle",
-        given={"sign": _sign, "length": _length},
-    )(_law)
+_CHANGE = "Change along the rocker with the squared half-angle"
+step(where_positive, "M_of_sine", "2 p", _CHANGE, sign="P_sign", length="s_p")
+step(minus_where_negative, "M_of_cosine", "2 p", _CHANGE, sign="P_sign", length="s_p")
+step(minus_where_negative, "N_of_sine", "2 p", _CHANGE, sign="lambda_sign", length="s_q")
+step(where_positive, "N_of_cosine", "2 p", _CHANGE, sign="lambda_sign", length="s_q")
 
 
 @focal.quantity(units="1", symbol="p/m -+ 1", source=DYAD, internal=True)

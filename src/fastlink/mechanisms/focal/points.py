@@ -15,7 +15,7 @@ from typing import Any
 from fastlink.catalogue.catalogue import Catalogue
 from fastlink.mechanisms.focal.declare import DESIGN, WUNDERLICH
 from fastlink.mechanisms.focal.design_facts import length_of
-from fastlink.mechanisms.focal.drives import either
+from fastlink.mechanisms.focal.drives import either, quantities, steps
 from fastlink.mechanisms.planar_4r.rates import product
 from fastlink.numerics.elementary import atan2
 
@@ -44,22 +44,14 @@ def angle(x: Any, y: Any) -> Any:
     return atan2(y + 0.0, x)
 
 
-# -- the design -----------------------------------------------------------------------------------------------
-
-
 # -- directions of PF and QF ----------------------------------------------------------------------------------
 
-for _axis, _law in (("x", real_part), ("y", imaginary_part)):
-    for _name, _rocker, _bar in (("f", "u", "PF"), ("h", "v", "QF")):
-        either(
-            units="1",
-            symbol=f"{_rocker} w",
-            source=f"{WUNDERLICH}, eqs. (1.3), (1.4)",
-            internal=True,
-            name=f"{_name}_{_axis}",
-            meaning=f"Direction of {_bar} but for its sign, {_axis}",
-            given={"a_x": f"{_rocker}_x", "a_y": f"{_rocker}_y", "b_x": "w_x", "b_y": "w_y"},
-        )(_law)
+step = steps(units="1", source=f"{WUNDERLICH}, eqs. (1.3), (1.4)")
+_PF, _QF = "Direction of PF but for its sign", "Direction of QF but for its sign"
+step(real_part, "f_x", "u w", f"{_PF}, x", a_x="u_x", a_y="u_y", b_x="w_x", b_y="w_y")
+step(imaginary_part, "f_y", "u w", f"{_PF}, y", a_x="u_x", a_y="u_y", b_x="w_x", b_y="w_y")
+step(real_part, "h_x", "v w", f"{_QF}, x", a_x="v_x", a_y="v_y", b_x="w_x", b_y="w_y")
+step(imaginary_part, "h_y", "v w", f"{_QF}, y", a_x="v_x", a_y="v_y", b_x="w_x", b_y="w_y")
 
 
 def fifth_x(crank_sign: Any, uwv_x: Any, uwv_y: Any, x: Any, y: Any) -> Any:
@@ -74,88 +66,37 @@ def fifth_y(crank_sign: Any, uwv_x: Any, uwv_y: Any, x: Any, y: Any) -> Any:
 
 def declare_T(catalogue: Catalogue, start: str, length: str, direction: str) -> None:
     """Declare T, at a length along a direction from another joint."""
-    for axis in "xy":
-        catalogue.quantity(
-            units="m",
-            symbol=f"T_{axis}",
-            source=f"{WUNDERLICH}, eq. (3.2)",
-            name=f"T_{axis}",
-            meaning=f"Joint T on AB, {axis}",
-            given={"start": f"{start}_{axis}", "length": length, "direction": f"{direction}_{axis}"},
-        )(along)
+    T = catalogue.quantities(units="m", source=f"{WUNDERLICH}, eq. (3.2)")
+    T(along, "T_x", "T_x", "Joint T on AB, x", start=f"{start}_x", length=length, direction=f"{direction}_x")
+    T(along, "T_y", "T_y", "Joint T on AB, y", start=f"{start}_y", length=length, direction=f"{direction}_y")
 
 
 def declare_fifth(catalogue: Catalogue, name: str, bar: str, other: str, w: str) -> None:
     """Declare e or g, the direction of `bar`, from the other one of them."""
-    products = (real_part, imaginary_part)
+    step = catalogue.steps(units="1", source=POSITION)
     for made, one, two in (("uv", "u", "v"), ("uwv", "uv", w)):
-        for axis, law in zip("xy", products, strict=True):
-            catalogue.quantity(
-                units="1",
-                symbol=f"{made}_{axis}",
-                source=POSITION,
-                internal=True,
-                name=f"{made}_{axis}",
-                meaning=f"Product of directions, {axis}",
-                given={"a_x": f"{one}_x", "a_y": f"{one}_y", "b_x": f"{two}_x", "b_y": f"{two}_y"},
-            )(law)
-    for axis, fifth in (("x", fifth_x), ("y", fifth_y)):
-        catalogue.quantity(
-            units="1",
-            symbol=f"{name}_{axis}",
-            source=POSITION,
-            internal=True,
-            name=f"{name}_{axis}",
-            meaning=f"Direction of {bar}, {axis}",
-            given={"x": f"{other}_x", "y": f"{other}_y"},
-        )(fifth)
+        parts = {"a_x": f"{one}_x", "a_y": f"{one}_y", "b_x": f"{two}_x", "b_y": f"{two}_y"}
+        step(real_part, f"{made}_x", f"{made}_x", "Product of directions, x", **parts)
+        step(imaginary_part, f"{made}_y", f"{made}_y", "Product of directions, y", **parts)
+    from_other = {"x": f"{other}_x", "y": f"{other}_y"}
+    step(fifth_x, f"{name}_x", f"{name}_x", f"Direction of {bar}, x", **from_other)
+    step(fifth_y, f"{name}_y", f"{name}_y", f"Direction of {bar}, y", **from_other)
 
 
 # -- joints -----------------------------------------------------------------------------------------------------
 
-for _point, _bar, _length, _direction in (("A", "MA", "a", "u"), ("P", "MA", "m", "u")):
-    for _axis in "xy":
-        either(
-            units="m",
-            symbol=f"{_point}_{_axis}",
-            source=FIGURES,
-            name=f"{_point}_{_axis}",
-            meaning=f"Joint {_point} on {_bar}, {_axis}",
-            given={"x": _length, "y": f"{_direction}_{_axis}"},
-        )(product)
-
-for _point, _bar, _start, _length, _direction in (
-    ("B", "NB", "d", "b", "v"),
-    ("Q", "NB", "d", "n", "v"),
-):
-    either(
-        units="m",
-        symbol=f"{_point}_x",
-        source=FIGURES,
-        name=f"{_point}_x",
-        meaning=f"Joint {_point} on {_bar}, x",
-        given={"start": _start, "length": _length, "direction": f"{_direction}_x"},
-    )(along)
-
-for _point, _length in (("B", "b"), ("Q", "n")):
-    either(
-        units="m",
-        symbol=f"{_point}_y",
-        source=FIGURES,
-        name=f"{_point}_y",
-        meaning=f"Joint {_point} on NB, y",
-        given={"x": _length, "y": "v_y"},
-    )(product)
-
-for _axis in "xy":
-    either(
-        units="m",
-        symbol=f"F_{_axis}",
-        source=f"{WUNDERLICH}, eqs. (1.3), (1.7)",
-        name=f"F_{_axis}",
-        meaning=f"Joint F, {_axis}",
-        given={"scaled": f"MF_{_axis}"},
-    )(length_of)
+joint = quantities(units="m", source=FIGURES)
+joint(product, "A_x", "A_x", "Joint A on MA, x", x="a", y="u_x")
+joint(product, "A_y", "A_y", "Joint A on MA, y", x="a", y="u_y")
+joint(product, "P_x", "P_x", "Joint P on MA, x", x="m", y="u_x")
+joint(product, "P_y", "P_y", "Joint P on MA, y", x="m", y="u_y")
+joint(along, "B_x", "B_x", "Joint B on NB, x", start="d", length="b", direction="v_x")
+joint(product, "B_y", "B_y", "Joint B on NB, y", x="b", y="v_y")
+joint(along, "Q_x", "Q_x", "Joint Q on NB, x", start="d", length="n", direction="v_x")
+joint(product, "Q_y", "Q_y", "Joint Q on NB, y", x="n", y="v_y")
+joint = quantities(units="m", source=f"{WUNDERLICH}, eqs. (1.3), (1.7)")
+joint(length_of, "F_x", "F_x", "Joint F, x", scaled="MF_x")
+joint(length_of, "F_y", "F_y", "Joint F, y", scaled="MF_y")
 
 # -- angles -----------------------------------------------------------------------------------------------------
 

@@ -74,37 +74,37 @@ def least_acute_angle(
 
 
 #: Of the triangle with the sides a, b and d -+ c: squared half-angle sine and cosine between a and b, times 4 a b.
-for _function, _how, _law, _x, _y in (
-    ("sine", "parallel", opposite_product, "B1", "C1"),
-    ("cosine", "parallel", product, "A2", "D2"),
-    ("sine", "antiparallel", opposite_product, "B2", "C2"),
-    ("cosine", "antiparallel", product, "A1", "D1"),
-):
-    focal.quantity(
-        units="1",
-        symbol=f"{_x} {_y}",
-        source=CRANK,
-        internal=True,
-        name=f"{_function}_{_how}",
-        meaning=f"squared half-angle of MA and NB where AB is {_how} to MN, over a common factor",
-        given={"x": f"{PREFIX}factor_{_x}", "y": f"{PREFIX}factor_{_y}"},
-    )(_law)
+A1, A2, B1, B2, C1, C2, D1, D2 = (
+    f"{PREFIX}factor_{name}" for name in ("A1", "A2", "B1", "B2", "C1", "C2", "D1", "D2")
+)
+_PARALLEL = "squared half-angle of MA and NB where AB is parallel to MN, over a common factor"
+_ANTIPARALLEL = "squared half-angle of MA and NB where AB is antiparallel to MN, over a common factor"
+step = focal.steps(units="1", source=CRANK)
+step(opposite_product, "sine_parallel", "B1 C1", _PARALLEL, x=B1, y=C1)
+step(product, "cosine_parallel", "A2 D2", _PARALLEL, x=A2, y=D2)
+step(opposite_product, "sine_antiparallel", "B2 C2", _ANTIPARALLEL, x=B2, y=C2)
+step(product, "cosine_antiparallel", "A1 D1", _ANTIPARALLEL, x=A1, y=D1)
 
-for _name, _one, _other, _known, _meaning in (
-    ("PQ", "at_0", "at_pi", "has_crank", "MP and PF, that of NQ and QF"),
-    ("F", "parallel", "antiparallel", "assembles", "PF and QF, that of MA and NB"),
-):
-    focal.quantity(
-        units="rad",
-        symbol=f"mu_{_name}",
-        source=CRANK,
-        name=f"transmission_angle_{_name}_least",
-        meaning=f"Least acute angle between {_meaning}, over the whole motion",
-        given={
-            "sine": f"sine_{_one}",
-            "cosine": f"cosine_{_one}",
-            "other_sine": f"sine_{_other}",
-            "other_cosine": f"cosine_{_other}",
-            "known": _known,
-        },
-    )(least_acute_angle)
+least = focal.quantities(units="rad", source=CRANK)
+least(
+    least_acute_angle,
+    "transmission_angle_PQ_least",
+    "mu_PQ",
+    "Least acute angle between MP and PF, that of NQ and QF, over the whole motion",
+    sine="sine_at_0",
+    cosine="cosine_at_0",
+    other_sine="sine_at_pi",
+    other_cosine="cosine_at_pi",
+    known="has_crank",
+)
+least(
+    least_acute_angle,
+    "transmission_angle_F_least",
+    "mu_F",
+    "Least acute angle between PF and QF, that of MA and NB, over the whole motion",
+    sine="sine_parallel",
+    cosine="cosine_parallel",
+    other_sine="sine_antiparallel",
+    other_cosine="cosine_antiparallel",
+    known="assembles",
+)

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any
 
 from fastlink.mechanisms.focal.declare import WUNDERLICH
-from fastlink.mechanisms.focal.drives import either
+from fastlink.mechanisms.focal.drives import either, steps
 from fastlink.mechanisms.focal.points import POSITION
 from fastlink.numerics.compensated import square_sum
 from fastlink.numerics.elementary import select, sqrt
@@ -48,37 +49,26 @@ def longest_bar(
     return largest(four_bar, dyads, crank, 0.0)
 
 
-for _bar, _length in (("AB", "s_c"), ("PF", "s_p"), ("QF", "s_q"), ("TF", "s_FT")):
-    _ends = zip(("from", "to"), _bar, strict=True)
-    either(
-        units="1",
-        symbol="e",
-        source=POSITION,
-        internal=True,
-        name=f"error_{_bar}",
-        given={f"{end}_{axis}": f"{point}_{axis}" for end, point in _ends for axis in "xy"}
-        | {"length": _length, "size": "longest_bar"},
-    )(bar_error)
+def declare_bar(bar: str, law: Callable[..., Any], **given: str) -> None:
+    """Declare how far the ends of a bar are from its length."""
+    step(law, f"error_{bar}", "e", size="longest_bar", **given)
 
-for _bar, _law, _length, _place in (
-    ("MA", rocker_error, "s_a", ""),
-    ("NB", pivot_error, "s_b", "d"),
-    ("SF", pivot_error, "s_r", "S_x"),
-):
-    either(
-        units="1",
-        symbol="e",
-        source=POSITION,
-        internal=True,
-        name=f"error_{_bar}",
-        given={
-            "x": f"{_bar[1]}_x",
-            "y": f"{_bar[1]}_y",
-            "place": _place,
-            "length": _length,
-            "size": "longest_bar",
-        },
-    )(_law)
+
+def declare_moving(bar: str, length: str) -> None:
+    """Declare the same of a bar without an end on MN."""
+    start, end = bar[0], bar[1]
+    ends = {"from_x": f"{start}_x", "from_y": f"{start}_y", "to_x": f"{end}_x", "to_y": f"{end}_y"}
+    declare_bar(bar, bar_error, length=length, **ends)
+
+
+step = steps(units="1", source=POSITION)
+declare_moving("AB", "s_c")
+declare_moving("PF", "s_p")
+declare_moving("QF", "s_q")
+declare_moving("TF", "s_FT")
+declare_bar("MA", rocker_error, x="A_x", y="A_y", length="s_a")
+declare_bar("NB", pivot_error, x="B_x", y="B_y", place="d", length="s_b")
+declare_bar("SF", pivot_error, x="F_x", y="F_y", place="S_x", length="s_r")
 
 # -- the ratios -------------------------------------------------------------------------------------------------
 
@@ -110,18 +100,12 @@ def greater(x: Any, y: Any) -> Any:
     return select((x > y) | (x != x), x, y)
 
 
-_found = "error_MA"
-for _next in ("NB", "AB", "PF", "QF", "PQ"):
-    either(
-        units="1",
-        symbol="e",
-        source=POSITION,
-        internal=True,
-        name=f"greatest_to_{_next}",
-        meaning="Greatest error up to this one",
-        given={"x": _found, "y": f"error_{_next}"},
-    )(greater)
-    _found = f"greatest_to_{_next}"
+_UP_TO = "Greatest error up to this one"
+step(greater, "greatest_to_NB", "e", _UP_TO, x="error_MA", y="error_NB")
+step(greater, "greatest_to_AB", "e", _UP_TO, x="greatest_to_NB", y="error_AB")
+step(greater, "greatest_to_PF", "e", _UP_TO, x="greatest_to_AB", y="error_PF")
+step(greater, "greatest_to_QF", "e", _UP_TO, x="greatest_to_PF", y="error_QF")
+step(greater, "greatest_to_PQ", "e", _UP_TO, x="greatest_to_QF", y="error_PQ")
 
 
 @either(units="1", symbol="e", source=POSITION)

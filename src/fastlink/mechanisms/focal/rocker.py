@@ -67,17 +67,11 @@ def share(x: Any, length: Any) -> Any:
     return x / length
 
 
-for _bar, _of, _length in (("v", "NB", "b"), ("e", "AB", "c")):
-    for _axis in "xy":
-        focal.quantity(
-            units="1",
-            symbol=f"{_bar}_{_axis}",
-            source=FIGURES,
-            internal=True,
-            name=f"{_bar}_{_axis}",
-            meaning=f"Direction of {_of}, {_axis}",
-            given={"x": f"{_of}_{_axis}", "length": _length},
-        )(share)
+step = focal.steps(units="1", source=FIGURES)
+step(share, "v_x", "v_x", "Direction of NB, x", x="NB_x", length="b")
+step(share, "v_y", "v_y", "Direction of NB, y", x="NB_y", length="b")
+step(share, "e_x", "e_x", "Direction of AB, x", x="AB_x", length="c")
+step(share, "e_y", "e_y", "Direction of AB, y", x="AB_y", length="c")
 
 
 # -- w ----------------------------------------------------------------------------------------------------------
@@ -106,15 +100,9 @@ def weighted(weight: Any, u: Any, s_a: Any, v: Any) -> Any:
     return weight * u + s_a * v
 
 
-for _axis in "xy":
-    focal.quantity(
-        units="1",
-        symbol=f"(rho b u + a v)_{_axis}",
-        source=POSITION,
-        internal=True,
-        name=f"bars_{_axis}",
-        given={"u": f"u_{_axis}", "v": f"v_{_axis}"},
-    )(weighted)
+step = focal.steps(units="1", source=POSITION)
+step(weighted, "bars_x", "(rho b u + a v)_x", u="u_x", v="v_x")
+step(weighted, "bars_y", "(rho b u + a v)_y", u="u_y", v="v_y")
 
 
 @focal.quantity(units="1", symbol="1/|..|", source=POSITION, internal=True)
@@ -150,15 +138,6 @@ declare_T(focal, "A", "AT", "e")
 # -- rates ----------------------------------------------------------------------------------------------------------
 
 
-for _name, _ratio, _symbol, _link in (
-    ("psi_rate", "dpsi_dphi", "d psi/dt", "NB"),
-    ("sigma_rate", "dsigma_dphi", "d sigma/dt", "the crank SF"),
-):
-    focal.quantity(
-        units="rad s-1",
-        symbol=_symbol,
-        source=POSITION,
-        name=_name,
-        meaning=f"Angular velocity of {_link}",
-        given={"x": "omega", "y": _ratio},
-    )(product)
+rate = focal.quantities(units="rad s-1", source=POSITION)
+rate(product, "psi_rate", "d psi/dt", "Angular velocity of NB", x="omega", y="dpsi_dphi")
+rate(product, "sigma_rate", "d sigma/dt", "Angular velocity of the crank SF", x="omega", y="dsigma_dphi")
