@@ -138,9 +138,7 @@ class Declarations:
                 raise CatalogueError(f"{self.name}: fact {fact.name} has a low part, and is not internal")
             if hides_reduction:
                 self.hiding.add(fact.name)
-            known: dict[str, Any] = (
-                self.facts if alternative is None else self.alternatives.setdefault(alternative, {})
-            )
+            known: Any = self.alternatives.setdefault(alternative, {}) if alternative else self.facts
             for each in fact.names:
                 self._check_new(each, alternative)
                 self._check_reading(each, public=not fact.internal)

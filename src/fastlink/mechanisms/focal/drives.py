@@ -10,9 +10,9 @@ from functools import cache
 from typing import Any, TypeVar
 
 from fastlink.catalogue.catalogue import Catalogue, Input
+from fastlink.catalogue.rows import Rows
 from fastlink.errors import InputError, Setting
 from fastlink.mechanisms.focal.declare import focal
-from fastlink.rows import Rows
 
 F = TypeVar("F", bound=Callable[..., Any])
 
