@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -60,9 +59,9 @@ def family(kind: str, rng: np.random.Generator, n: int) -> dict[str, np.ndarray]
     return {"m": m * scale, "n": n_ * scale, "d": d * scale, "kappa": kappa, "phi": phi * sign}
 
 
-def folded(facts: Mapping[str, Any]) -> bool:
+def folded(F_y: Any, stroke: Any) -> bool:
     """Tell whether the mechanism is a kite folded up: B stays at M, and F with it, so that phi is undetermined."""
-    return abs(facts["F_y"]) <= 1e-10 * facts["stroke"]
+    return bool(abs(F_y) <= 1e-10 * stroke)
 
 
 def along_line(kind: str, rng: np.random.Generator, n: int) -> dict[str, np.ndarray]:
@@ -74,7 +73,7 @@ def along_line(kind: str, rng: np.random.Generator, n: int) -> dict[str, np.ndar
         one = {name: float(values[i]) for name, values in inputs.items()}
         for branch in (1, 2):
             found = facts.at(one | {"branch": branch})
-            if not (CONTEXT.isnan(found["sigma"]) or folded(found)):
+            if not (CONTEXT.isnan(found["sigma"]) or folded(found["F_y"], found["stroke"])):
                 rows.append(
                     {name: one[name] for name in INPUTS[:-1]}
                     | {"F_y": float(found["F_y"]), "branch": 1.0 if found["sine_part"] > 0 else 2.0}

@@ -9,9 +9,11 @@ import numpy as np
 import xarray as xr
 
 import fastlink as fl
+from fastlink.facts.fact import parameters
 from fastlink.plan.validate import alternatives_of
 from fastlink.precision.reference import CONTEXT as MP
 from fastlink.precision.reference import UNIT, Exact
+from fastlink.symbolic.derivative import NoDerivative
 from tests.support.registry import Entry
 
 #: So many configurations are compiled at once: every design is swept over the positions of all.
@@ -90,9 +92,14 @@ class Truth:
         Quantities.
     inputs : dict
         Configurations in every mode.
+    kind : str
+        Their family.
     """
 
-    def __init__(self, entry: Entry, names: tuple[str, ...], inputs: dict[str, np.ndarray]) -> None:
+    def __init__(
+        self, entry: Entry, names: tuple[str, ...], inputs: dict[str, np.ndarray], kind: str = "random"
+    ) -> None:
+        self.undetermined = entry.undetermined.get(kind, lambda: False)
         self.entry, self.names, self.inputs = entry, names, inputs
         catalogue = entry.catalogue
         self.alternatives = alternatives_of(catalogue, None, entry.solver, inputs)
@@ -100,13 +107,15 @@ class Truth:
         numbers = [name for name in inputs if name != "branch" and name not in codes]
         # Most is due to the position.
         self.numbers = sorted(numbers, key=lambda name: name != entry.input)
-        self.facts = Exact(catalogue, names, inputs, self.alternatives)
+        self.facts = Exact(catalogue, (*names, *parameters(self.undetermined)), inputs, self.alternatives)
 
     def rows(self) -> Iterator[tuple[int, dict[str, float], dict[str, Any]]]:
-        """Yield each configuration with its number and its facts."""
+        """Yield each configuration with its number and its facts, but where nothing is determined."""
         for i in range(len(next(iter(self.inputs.values())))):
             one = {name: float(values[i]) for name, values in self.inputs.items()}
-            yield i, one, self.facts.at(one)
+            true = self.facts.at(one)
+            if not self.undetermined(*(true[name] for name in parameters(self.undetermined))):
+                yield i, one, true
 
     def beyond(self, true: dict[str, Any], values: dict[str, float]) -> dict[str, float]:
         """Return the quantities of one configuration whose errors are too great, with these in their units.
@@ -148,13 +157,10 @@ def wrong(
     Where the family says that nothing is determined, nothing is tested. A code that is another one, and a number where
     there is none (or none where there is one), is infinitely wrong.
     """
-    catalogue, truth, tested = entry.catalogue, Truth(entry, names, inputs), 0
+    catalogue, truth, tested = entry.catalogue, Truth(entry, names, inputs, kind), 0
     codes = {name for name in names if catalogue.require(name).flags}
     found = []
-    undetermined = entry.undetermined.get(kind, lambda facts: False)
     for i, one, true in truth.rows():
-        if undetermined(true):
-            continue
         numbers = {}
         for name in names:
             value, exact = float(computed[name][i]), true[name]
@@ -172,3 +178,23 @@ def wrong(
         tested += len(numbers)
         found += [(name, error, one) for name, error in truth.beyond(true, numbers).items()]
     return found, tested
+
+
+def numbers_of(entry: Entry) -> tuple[str, ...]:
+    """Return the quantities of an entry that are neither codes nor nothing but errors."""
+    labels = {name: entry.catalogue.require(name) for name in entry.names}
+    return tuple(name for name, one in labels.items() if not one.flags and name not in entry.errors)
+
+
+def derivatives(
+    entry: Entry, names: tuple[str, ...], by: str, alternatives: tuple[str, ...]
+) -> dict[str, str]:
+    """Return the names of the derivatives by an input, of what has one."""
+    made = {}
+    for name in names:
+        try:
+            entry.catalogue.lookup(f"d_{name}_d_{by}", alternatives, alternatives)
+        except NoDerivative:
+            continue
+        made[name] = f"d_{name}_d_{by}"
+    return made

@@ -63,8 +63,13 @@ class Entry:
         What is nothing but an error, and has no condition: the greatest value.
     looseness, near_bounds : float
         The greatest median of error bounds over errors, and the least share of bounds below a hundred errors.
+    slopes : mapping of str to float
+        Of a family, the least share of derivatives that keep to the multiple, too: the rule is that of what they are
+        derivatives of, and forward mode may cancel where these do not.
+    kinks : tuple of str
+        Families with designs where something has no derivative, or none that differences show.
     undetermined : mapping of str to callable
-        Of a family, what tells by the facts of a configuration whether nothing is determined there.
+        Of a family, what tells by facts, which are its parameters, whether nothing is determined there.
     """
 
     mechanism: str
@@ -81,7 +86,9 @@ class Entry:
     errors: Mapping[str, float] = field(default_factory=dict)
     looseness: float = 25.0
     near_bounds: float = 0.95
-    undetermined: Mapping[str, Callable[[Mapping[str, Any]], bool]] = field(default_factory=dict)
+    slopes: Mapping[str, float] = field(default_factory=lambda: {"random": 0.9})
+    kinks: tuple[str, ...] = ()
+    undetermined: Mapping[str, Callable[..., bool]] = field(default_factory=dict)
 
     def __str__(self) -> str:
         return " ".join(filter(None, (self.mechanism, self.about, self.input)))
@@ -127,6 +134,8 @@ CLOSURE = {
     name: 64 * UNIT
     for name in ("loop_residual", *(f"io_residual_{pair}" for pair in ("12", "13", "14", "23", "24", "34")))
 }
+#: Derivatives that cancel are declared (`slopes.py`, or what takes its place).
+SLOPES = {"random": 1.0, "gap 1e-8": 1.0, "toggle 1e-6": 1.0}
 REACTIONS = (
     *("F41_x", "F41_y", "F21_x", "F21_y", "F32_x", "F32_y", "F43_x", "F43_y"),
     *("T41", "shaking_moment"),
@@ -140,6 +149,7 @@ PLANAR_4R = (
         few=30,
         many=600,
         errors=CLOSURE,
+        slopes=SLOPES,
     ),
     Entry(
         *("planar_4r", "theta1"),
@@ -148,6 +158,7 @@ PLANAR_4R = (
         few=4,
         many=300,
         errors=CLOSURE,
+        slopes=SLOPES,
     ),
     Entry(
         *("planar_4r", "theta1"),
@@ -164,6 +175,7 @@ PLANAR_4R = (
         *("planar_4r", "theta1"),
         about="designs of",
         families=families(by_name, configurations.CLASSES, configurations.LENGTHS, configurations.designs),
+        slopes={"random": 1.0},
         few=12,
         many=600,
     ),
@@ -174,6 +186,7 @@ PLANAR_4R = (
             few=8,
             many=300,
             errors=CLOSURE,
+            slopes=SLOPES,
         )
         for joint in (1, 2, 3, 4)
     ),
@@ -203,6 +216,7 @@ MINKOWSKI_4R = (
         *("minkowski_4r", "theta"),
         about="designs of",
         families=families(minkowskian_designs, minkowski_designs.FAMILIES),
+        slopes={"random": 1.0},
         looseness=10.0,
         few=12,
         many=600,
@@ -246,6 +260,7 @@ FOCAL = (
             few=8,
             many=300,
             elsewhere={given: "is an input"},
+            kinks=("a = b, c = d", "a = c, b = d", "a = d, b = c", "rho near -1"),
         )
         for given in focal_designs.GIVEN
     ),
@@ -264,6 +279,8 @@ HART = (
         many=300,
         # Three roundings of MP and PF, which sum to MP + PF; of each bar eight in its joints.
         errors={"F_deviation": 6.0, "closure_residual": 32 * UNIT},
+        # What rounding the lengths of a kite hides counts as nothing, and so do the steps of differences.
+        kinks=("kite 0",),
         undetermined=dict.fromkeys(("kite 0", "kite 1e-9", "kite 1e-13"), hart_configurations.folded),
     ),
     # 2.2 is the worst seen in 2000 configurations.
@@ -275,6 +292,7 @@ HART = (
         many=200,
         # Some ten roundings from F_y to P, those of PF, and of five bars each eight.
         errors={"F_deviation": 16.0, "closure_residual": 32 * UNIT},
+        kinks=("kite 0",),
     ),
 )
 

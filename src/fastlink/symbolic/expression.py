@@ -25,6 +25,8 @@ COMPARISONS: dict[str, ast.cmpop] = {
     "<": ast.Lt(), "<=": ast.LtE(), ">": ast.Gt(), ">=": ast.GtE(), "==": ast.Eq(), "!=": ast.NotEq(),
 }  # fmt: skip
 SIGNS = {type(node): sign for sign, node in (*OPERATORS.items(), *COMPARISONS.items())}
+#: So many operations deep an expression is written at most: Python parses and unparses by recursion.
+DEEPEST = 100
 NOT_FINITE = {"inf": "INFINITY", "nan": "NOT_A_NUMBER"}
 
 
@@ -225,27 +227,32 @@ class Graph:
         names: dict[str, None] = {}
         order: list[Node] = []
 
-        def visit(node: Node) -> None:
+        pending = [(root, False)]
+        while pending:  # each value after its arguments
+            node, over = pending.pop()
+            if over:
+                order.append(node)
+                continue
             uses[node] = uses.get(node, 0) + 1
             if uses[node] > 1:
-                return
+                continue
+            pending.append((node, True))
             if node in given or node.kind == "name":
                 names[given.get(node, node.value)] = None
             else:
-                for arg in node.args:
-                    visit(arg)
-            order.append(node)
-
-        visit(root)
+                pending += [(arg, False) for arg in reversed(node.args)]
         pairs = {node.args[0] for node in order if node.kind == "item" and node not in given}
         written: dict[Node, ast.expr] = {}
+        depths: dict[Node, int] = {}
         lines: list[str] = []
         for node in order:
             text = (
                 ast.Name(given[node]) if node in given else _expression(node, [written[a] for a in node.args])
             )
             short = node in given or node.kind in ("name", "number", "item")
-            if node in pairs or (uses[node] > 1 and not short):
+            depths[node] = 0 if short else 1 + max((depths[a] for a in node.args), default=0)
+            if node in pairs or (not short and (uses[node] > 1 or depths[node] == DEEPEST)):
+                depths[node] = 0
                 local = f"_{len(lines)}"
                 target = f"{local}_0, {local}_1" if node in pairs else local
                 lines.append(f"{target} = {ast.unparse(text)}")

@@ -7,7 +7,7 @@ from fractions import Fraction
 import mpmath as mp
 import numpy as np
 import pytest
-from tests.support.configurations import DIGITS, UNIT, condition_sums, reference
+from tests.support.configurations import DIGITS, UNIT
 from tests.support.minkowski_designs import FACTS, FAMILIES, LENGTHS, MANY, SUMS, all_kinds, decoded, facts
 from tests.support.minkowski_scan import quadratic_of_output
 
@@ -187,49 +187,6 @@ def test_input_and_output_exchange():
     for mine, theirs in (("cosh_psi_min", "cosh_theta_max"), ("cosh_psi_max", "cosh_theta_min")):
         bound = 16 * UNIT * (2.0 + abs(one[mine]))
         assert np.all(abs(one[mine] + other[theirs]) <= bound), mine
-
-
-SLOPES = [f"d_{name}_d_{by}" for name in ("theta_min", "theta_max", "psi_min", "psi_max") for by in LENGTHS]
-SLOPES += [f"d_{name}_d_{by}" for name in ("cosh_theta_branching", "theta_branching") for by in LENGTHS]
-SLOPES += [
-    "d_theta_escape_d_a",
-    "d_theta_escape_d_g",
-    "d_theta_max_future_d_g",
-    "d_T1_d_h",
-    "d_cosh_psi_max_d_b",
-]
-
-
-def test_derivatives_are_those_of_50_digit_differences_and_keep_to_the_rule_of_precision():
-    lengths = FAMILIES["random"](np.random.default_rng(20), 60)
-    lengths[2, ::3] += 2.0  # with an inner range
-    seen = set()
-    for one in lengths.T:
-        given = dict(zip(LENGTHS, one, strict=True))
-        exact = reference(SLOPES, given, (), minkowski_4r)
-        sums = condition_sums(SLOPES, given, (), minkowski_4r)
-        with np.errstate(all="ignore"):
-            found = read_facts(minkowski_4r, SLOPES, given)
-        for name in SLOPES:
-            of, by = name.removeprefix("d_").split("_d_")
-            if mp.isnan(exact[name]):
-                assert np.isnan(found[name])
-                continue
-            with mp.workdps(DIGITS):
-                step = mp.mpf(10) ** -20
-                ends = [reference_at(of, given, by, sign * step) for sign in (1, -1)]
-                # a central difference: third derivatives, below 1e12 here, times step^2
-                assert abs((ends[0] - ends[1]) / (2 * step) - exact[name]) <= mp.mpf(10) ** -25, name
-            # the multiple of tests/mechanisms/test_precision.py
-            error = abs(mp.mpf(float(found[name])) - exact[name])
-            assert error <= 4 * UNIT * (sums[name] + abs(exact[name])), name
-            seen.add(name)
-    assert seen == set(SLOPES)
-
-
-def reference_at(name, given, by, step):
-    values = {key: mp.mpf(float(value)) for key, value in given.items()}
-    return read_facts(minkowski_4r, [name], values | {by: values[by] + step})[name]
 
 
 # -- tolerance and bad input -----------------------------------------------------------------------------------
