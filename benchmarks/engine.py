@@ -21,10 +21,10 @@ def angles(theta1):
     return np.arange(theta1) * (2 * np.pi / theta1) if np.ndim(theta1) == 0 else np.asarray(theta1)
 
 
-def plan_of(case, K=360, *, further=(), alternatives=()):
+def plan_of(case, K=360, *, further=(), variants=()):
     """Return the plan of ``CASES[case]`` and further names, of designs that give every input."""
     names = (*CASES[case], *further)
-    return make_plan(catalogue("planar_4r"), names, given=INPUTS, alternatives=alternatives, angles=K)
+    return make_plan(catalogue("planar_4r"), names, given=INPUTS, variants=variants, angles=K)
 
 
 def rows_of(plan, x):

@@ -6,15 +6,15 @@ from benchmarks import numpy_baseline
 from benchmarks.engine import angles
 from benchmarks.inputs import CASES, INPUTS, angle_tables, designs
 from fastlink.mechanisms import catalogue
-from fastlink.precision.reference import Exact, in_roundings
+from fastlink.precision.reference import HighPrecision, error_in_roundings
 
 
 def in_units(values, inputs):
     """Return the largest error of the named values of one configuration, in that unit."""
-    facts = Exact(catalogue("planar_4r"), values, inputs)
+    facts = HighPrecision(catalogue("planar_4r"), values, inputs)
     exact = facts.at(inputs)
     sums = facts.condition(exact, (*INPUTS, "theta1"))
-    return max(in_roundings(value, exact[name], sums[name]) for name, value in values.items())
+    return max(error_in_roundings(value, exact[name], sums[name]) for name, value in values.items())
 
 
 def configurations(case, arrays, x, K, count):

@@ -92,11 +92,11 @@ FAMILIES: dict[str, Callable[[Rng, int], np.ndarray]] = {
 # -- configurations: lengths, and an input angle for each -----------------------------------------------------
 
 
-def near_change_point(rng: Rng, n: int, gap: float) -> tuple[np.ndarray, np.ndarray]:
+def near_change_point(rng: Rng, n: int, sum_of_four: float) -> tuple[np.ndarray, np.ndarray]:
     """Lengths with a1 + a2 = a3 + a4 - gap, and input angles near the folded position."""
     a2, a3, a4 = rng.uniform(1.0, 1.3, n), rng.uniform(0.6, 0.9, n), rng.uniform(1.2, 1.5, n)
     theta = rng.choice([-1.0, 1.0], n) * np.exp(rng.uniform(np.log(1e-6), np.log(1e-1), n))
-    return np.array([a3 + a4 - a2 - gap, a2, a3, a4]), theta
+    return np.array([a3 + a4 - a2 - sum_of_four, a2, a3, a4]), theta
 
 
 def near_toggle(rng: Rng, n: int, offset: float) -> tuple[np.ndarray, np.ndarray]:

@@ -16,7 +16,7 @@ def last_uses(steps, kept):
     """Return for each step the values that neither a later one nor a result needs."""
     dead, kept = [], set(kept)
     for step in reversed(steps):
-        names = {*step.needs, step.name} - kept
+        names = {*step.depends_on, step.name} - kept
         dead.append(names)
         kept |= names
     return dead[::-1]

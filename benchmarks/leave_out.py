@@ -48,13 +48,13 @@ def tenths(groups=TENTHS, n=8, K=360, rounds=12):
     everything = sum(groups, ())
     x = np.vstack([designs(n), np.full((2, n), 0.3)])
     space = fl.table(dict(zip(GIVEN, x, strict=True)))
-    calls, needs = {}, {}
+    calls, depends_on = {}, {}
     for names in (everything, *groups):
         asked = resolve("planar_4r", space, names, angles=K)
         (plan,) = asked.plan.parts
-        calls[names], needs[names] = bind_results(plan, GIVEN, x, asked.positions), operations(asked)
+        calls[names], depends_on[names] = bind_results(plan, GIVEN, x, asked.positions), operations(asked)
     best = race(calls, rounds)
-    whole, *alone = [best[names] / needs[names] for names in calls]
+    whole, *alone = [best[names] / depends_on[names] for names in calls]
     worst = max(alone) / whole
     shares = [best[names] / best[everything] for names in groups]
     return [

@@ -54,7 +54,7 @@ def families(n, seed=0):
     light[3] = h * np.abs(near)  # AB is short, its null coordinates are not
     long_min = np.arccosh((a * a + long[2] ** 2 - (b + h) ** 2) / (2 * a * long[2]))
 
-    def gap(of, rest):
+    def sum_of_four(of, rest):
         """Lengths of which number `of` nearly is the sum of the others, with the given signs."""
         found = x.copy()
         others = [x[k] * sign for k, sign in zip([k for k in range(4) if k != of], rest, strict=True)]
@@ -68,12 +68,12 @@ def families(n, seed=0):
         "theta near theta_max": (x, at((a * a + g * g - (b - h) ** 2) / (2 * a * g))),
         "theta near theta_min": (long, sides * long_min * (1 - np.abs(near))),
         "AB near lightlike (h from 1e-12 to 1e-3 of the others)": (light, rng.uniform(-4, 4, n)),
-        "T1 near 0, theta near 0": (gap(3, (-1, 1, 1)), near),
-        "T2 near 0, theta near 0": (gap(3, (1, 1, -1)), near),
-        "T3 near 0, theta near 0": (gap(2, (1, 1, 1)), near),
-        "T4 near 0, theta near 0": (gap(0, (1, 1, 1)), near),
-        "T5 near 0": (gap(3, (1, 1, 1)), anywhere),
-        "b near a + g + h": (gap(1, (1, 1, 1)), anywhere),
+        "T1 near 0, theta near 0": (sum_of_four(3, (-1, 1, 1)), near),
+        "T2 near 0, theta near 0": (sum_of_four(3, (1, 1, -1)), near),
+        "T3 near 0, theta near 0": (sum_of_four(2, (1, 1, 1)), near),
+        "T4 near 0, theta near 0": (sum_of_four(0, (1, 1, 1)), near),
+        "T5 near 0": (sum_of_four(3, (1, 1, 1)), anywhere),
+        "b near a + g + h": (sum_of_four(1, (1, 1, 1)), anywhere),
         "b near h": (equal, rng.uniform(-4, 4, n)),
         "theta from 10 to 300": (x, sides * rng.uniform(10, 300, n)),
         "theta from 400 to 700": (x, sides * rng.uniform(400, 700, n)),

@@ -12,7 +12,7 @@ from benchmarks.inputs import CASES, INPUTS, round_bars
 from fastlink.catalogue.tables import angle_tables
 from fastlink.engine.evaluate import read_facts
 from fastlink.mechanisms import catalogue
-from fastlink.precision.reference import UNIT, Exact
+from fastlink.precision.reference import UNIT, HighPrecision
 
 PLANAR = catalogue("planar_4r")
 #: What is compared, by what it is made of; a vector is measured by its longest error over its length.
@@ -78,7 +78,7 @@ def errors(family, n, seed=1):
     """Return for each quantity the errors (configuration) of both, in roundings; infinite where a number is missing."""
     lengths, theta1 = FAMILIES[family](np.random.default_rng(seed), n)
     x = dict(zip(INPUTS, round_bars(lengths), strict=True)) | {"theta1": theta1}
-    facts = Exact(PLANAR, NAMES, (*x, "branch"))
+    facts = HighPrecision(PLANAR, NAMES, (*x, "branch"))
     exact = [facts.at({name: values[i] for name, values in x.items()} | {"branch": 2}) for i in range(n)]
     exact = [value | {"area": value["a1"] * value["a4"] * value["sigma"]} for value in exact]
     closes = [i for i in range(n) if exact[i]["sigma"] == exact[i]["sigma"]]

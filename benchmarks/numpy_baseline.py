@@ -45,7 +45,7 @@ def two_product(a, b):
     return p, ((a_hi * b_hi - p) + a_hi * b_lo + a_lo * b_hi) + a_lo * b_lo
 
 
-def gap(u, v, a, d):
+def sum_of_four(u, v, a, d):
     """Return u v / (4 a d) to twice the working precision, u and v being (high, low)."""
     p, p_low = two_product(u[0], v[0])
     p_low = p_low + (u[0] * v[1] + u[1] * v[0])
@@ -59,9 +59,9 @@ def constants(x):
     """Return what depends on the design alone, as columns (design, 1); masses only if x has their rows."""
     i = {name: row[:, None] for name, row in zip(INPUTS, x, strict=False)}
     a, b, c, d, w = i["a1"], i["a2"], i["a3"], i["a4"], i["omega1"]
-    Z0, Z0_low = gap(sum4(a, -b, c, -d), sum4(a, b, -c, -d), a, d)
+    Z0, Z0_low = sum_of_four(sum4(a, -b, c, -d), sum4(a, b, -c, -d), a, d)
     o = {"a": a, "d": d, "w": w, "r": 1 / (4 * a * d), "Z0": -Z0, "Z0_low": -Z0_low}
-    o["C0"], o["C0_low"] = gap(sum4(a, -b, -c, d), sum4(a, b, c, d), a, d)
+    o["C0"], o["C0_low"] = sum_of_four(sum4(a, -b, -c, d), sum4(a, b, c, d), a, d)
     o["gamma0"] = (a - d) * (a - d) * o["r"]
     o["lambda"] = (a - d) / (2 * d)
     o["kappa"] = (b - c) * (b + c) * o["r"]
@@ -80,7 +80,7 @@ def constants(x):
 # ---- once per design and angle ----
 
 
-def closure(o, tables):
+def dependencies(o, tables):
     _, _, Z, Z_low, C, C_low = tables
     p = Z - o["Z0"]
     p += Z_low - o["Z0_low"]
@@ -214,7 +214,7 @@ def reactions(o, tables, kinematics, s, out):
 
 
 def all_kinematics(o, tables, rocker=True):
-    p, q, sigma, r_gamma = closure(o, tables)
+    p, q, sigma, r_gamma = dependencies(o, tables)
     A, AB, DB, odd = positions(o, tables, p, sigma, r_gamma, rocker)
     return (A, AB, DB, odd, *rates(o, tables, p, q, sigma, r_gamma))
 
@@ -225,7 +225,7 @@ def put_B(A, AB, odd, out):
 
 
 def piece_positions(o, tables, out):
-    p, _, sigma, r_gamma = closure(o, tables)
+    p, _, sigma, r_gamma = dependencies(o, tables)
     A, AB, _, odd = positions(o, tables, p, sigma, r_gamma, rocker=False)
     for axis in range(2):
         out[axis][...] = A[axis][:, None]

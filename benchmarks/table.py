@@ -73,7 +73,7 @@ def dense_rows(n, K, rounds, count):
     few = designs(n // 4)  # for LU in NumPy, which takes hundreds of times as long
     calls = {
         "eliminated": engine.bind("reactions", x, K),
-        "dense": engine.bind("reactions", x, K, alternatives=engine.DENSE),
+        "dense": engine.bind("reactions", x, K, variants=engine.DENSE),
         "solve": partial(dense_baseline.reactions, few, tables, dense_baseline.system(few, tables)),
     }
     best = race(calls, rounds)
@@ -82,7 +82,7 @@ def dense_rows(n, K, rounds, count):
     rows = []
     for label, name, options in (
         ("reactions against np.linalg.solve", "eliminated", {}),
-        ('solver="dense" against np.linalg.solve', "dense", {"alternatives": engine.DENSE}),
+        ('solver="dense" against np.linalg.solve', "dense", {"variants": engine.DENSE}),
     ):
         numbers = {"ns": 1e9 * best[name] / (2 * n * K), "NumPy": best["solve"] / best[name]}
         rows.append(empty | {"case": label} | numbers | {"error": error_of("reactions", K, count, **options)})

@@ -18,7 +18,7 @@ from tests.support.registry import MULTIPLE
 
 import fastlink as fl
 from fastlink.engine.evaluate import read_facts
-from fastlink.plan.validate import alternatives_of
+from fastlink.plan.validate import variants_of
 
 HAYES = {"a1": 0.4, "a2": 1.2, "a3": 0.8, "a4": 1.0, "omega1": 25.0}
 BARS = fl.round_bar(7750.0, 0.01)
@@ -41,8 +41,8 @@ def test_force_balance_leaves_no_shaking_force():
         got = fl.evaluate("planar_4r", [*names, "shaking_force"], **one)
         if np.isnan(got["shaking_force"]):
             continue
-        alternatives = alternatives_of(PLANAR, None, "eliminated", one)
-        sums = condition_sums(names, one, alternatives)
+        variants = variants_of(PLANAR, None, "eliminated", one)
+        sums = condition_sums(names, one, variants)
         for name in names:
             # The exact force is zero but for the roundings of the weights, up to 8 of each term that they balance;
             # each term stands in the sum as that of a mass. The facts add their MULTIPLE.

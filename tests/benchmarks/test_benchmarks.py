@@ -280,10 +280,10 @@ def test_what_was_measured_is_what_is_shown():
     text = report.text_of(kept["cases"], kept.get("answers", []), kept["machine"])
     written = (report.FOLDER / "benchmarks.md").read_text()
     assert written == f"{text}\n\n{report.fact_table(found)}\n"
-    shown = report.in_readme()
-    if shown is None:
+    short_repr = report.in_readme()
+    if short_repr is None:
         pytest.skip(f"README.md has no {report.BEGIN}")
-    assert shown == text
+    assert short_repr == text
 
 
 def test_the_readme_is_changed_between_its_markers_only(tmp_path, monkeypatch, results):

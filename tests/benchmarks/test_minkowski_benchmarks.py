@@ -68,9 +68,9 @@ def test_errors_are_measured():
 def test_the_table_of_the_docs_is_the_one_that_is_measured():
     page = Path(__file__).parents[2].joinpath("docs", "minkowski.md").read_text()
     head, _, *rows = minkowski_errors.error_table(2, rounds=1).splitlines()
-    shown = page[page.index(head) :].split("\n\n")[0].splitlines()[2:]
-    assert len(shown) == len(rows)
-    for row, measured in zip(shown, rows, strict=True):
+    short_repr = page[page.index(head) :].split("\n\n")[0].splitlines()[2:]
+    assert len(short_repr) == len(rows)
+    for row, measured in zip(short_repr, rows, strict=True):
         (name, own, by_eq3, *times), (of, _, now, *others) = (
             [cell.strip() for cell in line.strip("|").split("|")] for line in (row, measured)
         )

@@ -28,9 +28,9 @@ def catalogue():
     return made
 
 
-def declare(catalogue, name, needs, doc="Something.", **labels):
+def declare(catalogue, name, depends_on, doc="Something.", **labels):
     namespace = {}
-    exec(f"def {name}({', '.join(needs)}):\n    '''{doc}'''\n    return 0.0\n", namespace)
+    exec(f"def {name}({', '.join(depends_on)}):\n    '''{doc}'''\n    return 0.0\n", namespace)
     return catalogue.quantity(**LABELS | labels)(namespace[name])
 
 
@@ -66,7 +66,7 @@ def test_one_law_serves_several_quantities(catalogue):
 
     for name, of in (("b", "a"), ("c", "b")):
         catalogue.quantity(**LABELS, name=name, meaning=f"twice {of}", given={"x": of})(double)
-    assert catalogue.facts["c"].needs == ("b",)
+    assert catalogue.facts["c"].depends_on == ("b",)
     assert read_facts(catalogue, ["c"], {"a": 3.0})["c"] == 12.0
 
 
@@ -90,11 +90,14 @@ def test_a_fact_with_a_low_part_determines_two_values(catalogue):
     found = read_facts(catalogue, ["c"], {"a": a})
     assert Fraction(found["b"]) + Fraction(found["b_low"]) == Fraction(a) ** 2
     assert found["b_low"] != 0.0
-    assert [step.names for step in catalogue.closure(["b_low", "b", "c"], ["a"])] == [("b", "b_low"), ("c",)]
+    assert [step.names for step in catalogue.dependencies(["b_low", "b", "c"], ["a"])] == [
+        ("b", "b_low"),
+        ("c",),
+    ]
     # the derivative is that of the high part, and the low part carries none
     assert read_facts(catalogue, ["d_c_d_a"], {"a": a})["d_c_d_a"] == 2.0 * a
     with pytest.raises(InputError, match="b_low does not depend on a"):
-        catalogue.lookup("d_b_low_d_a")
+        catalogue.resolve("d_b_low_d_a")
     # to error bounds the low part is what the high one lost: their sum has no error
     ((low, (times, high)),) = catalogue._error_bounds((), ()).named("b").lost.items()
     assert (low.value, times, high.value) == ("b_low", -1.0, "b")
@@ -155,21 +158,21 @@ def test_no_fact_is_made_of_what_whole_curves_tell(catalogue):
 def test_a_missing_input_is_named_with_what_needs_it(catalogue):
     declare(catalogue, "b", ["a"])
     with pytest.raises(InputError, match=r"a is missing \(a length \[m\]\); b depends on it"):
-        list(catalogue.closure(["b"], []))
+        list(catalogue.dependencies(["b"], []))
 
 
 def test_inputs_that_determine_each_other(catalogue):
     catalogue.input("rho", units="1", symbol="rho", meaning="ratio")
     for other in ("s", "lambda_"):
-        catalogue.input(other, units="1", symbol=other, meaning=other, alternative=other)
-        declare(catalogue, "rho", [other], alternative=other)
+        catalogue.input(other, units="1", symbol=other, meaning=other, variant=other)
+        declare(catalogue, "rho", [other], variant=other)
     declare(catalogue, "r", ["rho"])
     catalogue.check()
-    assert catalogue.chosen_by(["s"]) == ("s",)
-    assert catalogue.instead_of("rho") == ("s", "lambda_")
-    assert catalogue.instead_of("s") == ("rho", "lambda_")
+    assert catalogue.variants_selected_by(["s"]) == ("s",)
+    assert catalogue.mutually_exclusive_inputs("rho") == ("s", "lambda_")
+    assert catalogue.mutually_exclusive_inputs("s") == ("rho", "lambda_")
     with pytest.raises(InputError, match=r"rho is missing .*add it, or 's' instead, or 'lambda_' instead"):
-        list(catalogue.closure(["r"], []))
+        list(catalogue.dependencies(["r"], []))
 
 
 @pytest.mark.parametrize("mechanism", NAMES)
@@ -181,8 +184,8 @@ def test_every_mechanism_is_declared_in_full(mechanism):
 
 
 def every_fact():
-    alternatives = [found for alternative in PLANAR.alternatives.values() for found in alternative.values()]
-    facts = [*PLANAR.facts.values(), *PLANAR.tables.values(), *alternatives]
+    variants = [found for variant in PLANAR.variants.values() for found in variant.values()]
+    facts = [*PLANAR.facts.values(), *PLANAR.tables.values(), *variants]
     return list({id(fact.function): fact for fact in facts}.values())
 
 

@@ -16,7 +16,7 @@ from fastlink.facts.fact import parameters
 from fastlink.mechanisms import NAMES
 from fastlink.mechanisms import catalogue as find_catalogue
 from fastlink.numerics import compensated, elementary, logarithm, vectors
-from fastlink.symbolic.expression import Graph
+from fastlink.symbolic.expression import ExpressionGraph
 
 NUMERICS = (compensated, elementary, logarithm, vectors)
 FUNCTIONS = [f for module in NUMERICS for f in vars(module).values() if callable(f)]
@@ -24,7 +24,7 @@ CASES = [
     (mechanism, position, chosen)
     for mechanism in NAMES
     for position in (None, *import_module(f"fastlink.mechanisms.{mechanism}").DRIVEN)
-    for chosen in ((), *((name,) for name in find_catalogue(mechanism, position).alternatives))
+    for chosen in ((), *((name,) for name in find_catalogue(mechanism, position).variants))
 ]
 
 
@@ -37,20 +37,20 @@ def twins(catalogue, chosen):
 
     A fact that is another one, or a number, by its own text is a second name, no second definition.
     """
-    graph = Graph(FUNCTIONS)
-    replaced = {name for key in chosen for name in catalogue.alternatives.get(key, {})}
+    graph = ExpressionGraph(FUNCTIONS)
+    replaced = {name for key in chosen for name in catalogue.variants.get(key, {})}
     given = {*catalogue.known_inputs(chosen), *catalogue.tables, *catalogue.table_low_parts}
     given |= {catalogue.position.name, "branch", *(catalogue.graded.leaves if catalogue.graded else ())}
     values = {name: graph.name(name) for name in given - replaced}
     names = sorted(name for name in catalogue.facts if not catalogue.is_derivative(name))
     first, pairs = {}, []
-    for step in catalogue.closure(names, given - replaced, chosen):
+    for step in catalogue.dependencies(names, given - replaced, chosen):
         if not isinstance(step, Fact):
             values |= {name: graph.name(name) for name in step.names}
             continue
         own, whole = (
-            graph.read(step.function, list(needs))
-            for needs in (map(graph.name, step.needs), (values[need] for need in step.needs))
+            graph.read(step.function, list(depends_on))
+            for depends_on in (map(graph.name, step.depends_on), (values[need] for need in step.depends_on))
         )
         for k, name in enumerate(step.names):
             text, value = own, whole
@@ -123,4 +123,4 @@ def test_the_coefficients_of_the_equations_are_made_of_the_factors():
 def test_factors_are_told_over_scaled_lengths(name):
     fact = PLANAR.facts[name]
     assert fact.names == (name, f"{name}_low")
-    assert parameters(fact.function) == fact.needs == ("s1", "s2", "s3", "s4")
+    assert parameters(fact.function) == fact.depends_on == ("s1", "s2", "s3", "s4")

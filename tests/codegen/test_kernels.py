@@ -43,14 +43,14 @@ PLANS = {
 
 @pytest.mark.parametrize("name", PLANS)
 def test_only_what_was_asked_is_computed(name):
-    names, alternatives, lanes = PLANS[name]
-    plan = make_plan(PLANAR, names, given=GIVEN, alternatives=alternatives)
+    names, variants, lanes = PLANS[name]
+    plan = make_plan(PLANAR, names, given=GIVEN, variants=variants)
     assert plan.lanes == lanes
     needed = {output.request.quantity for output in plan.outputs}
     for step in reversed(plan.steps):
         made = set(getattr(step, "unknowns", (step.name,)))
         assert made & needed, f"{step.name} is computed for nothing"
-        needed |= set(step.needs)
+        needed |= set(step.depends_on)
     assert set(plan.inputs) <= needed
     assert set(plan.tables) <= needed | {"theta1"}
 
@@ -74,8 +74,8 @@ def names_of_its_own(plan):
 
 
 def known_names(mechanism):
-    chosen = {name for facts in mechanism.alternatives.values() for name in facts}
-    inputs = mechanism.known_inputs(tuple(mechanism.alternatives))
+    chosen = {name for facts in mechanism.variants.values() for name in facts}
+    inputs = mechanism.known_inputs(tuple(mechanism.variants))
     tables = {mechanism.position.name, *mechanism.tables, *mechanism.table_low_parts}
     return {*mechanism.facts, *chosen, *inputs, *tables, "branch"}
 
@@ -83,7 +83,7 @@ def known_names(mechanism):
 @pytest.mark.parametrize("name", NAMES)
 def test_no_value_of_a_mechanism_has_a_name_that_kernels_use(name):
     """Such a value would be taken for a count or an array: designs were left out in silence."""
-    plans = [make_plan(PLANAR, names, given=GIVEN, alternatives=more) for names, more, _ in PLANS.values()]
+    plans = [make_plan(PLANAR, names, given=GIVEN, variants=more) for names, more, _ in PLANS.values()]
     plans += make_plans(PLANAR, ["omega4_max", "T41_extrema"], given=GIVEN, extrema="refined").parts
     own = set().union(*map(names_of_its_own, plans))
     assert {"designs", "n_designs", "lanes", "width", "state", "w", "w2"} <= own

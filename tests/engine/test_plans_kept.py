@@ -70,7 +70,7 @@ def test_whatever_else_is_asked_has_a_part(other):
 
 
 def test_a_kept_plan_is_the_plan():
-    options = {"given": [*LENGTHS, "omega1"], "branches": (1, 2), "alternatives": (), "extrema": "refined"}
+    options = {"given": [*LENGTHS, "omega1"], "branches": (1, 2), "variants": (), "extrema": "refined"}
     kept = plans_of(PLANAR, ["omega4_max", "status"], True, angles=360, **options)
     made = make_plans(PLANAR, ["omega4_max", "status"], angles=360, **options)
     assert [part.source for part in kept.parts] == [part.source for part in made.parts]
@@ -90,7 +90,7 @@ def toy():
 
 
 def text_of(catalogue):
-    options = {"given": ["a"], "branches": (1,), "alternatives": (), "angles": 40, "extrema": "sampled"}
+    options = {"given": ["a"], "branches": (1,), "variants": (), "angles": 40, "extrema": "sampled"}
     return plans_of(catalogue, ["x"], False, **options).parts[0].source
 
 
@@ -109,7 +109,7 @@ def test_what_is_declared_anew_is_planned_anew():
     first.facts["x"] = fact
     assert text_of(first) == text_of(second)
     before = second.version
-    second.input("b", units="m", symbol="b", meaning="a length", alternative="more", default=1.0)
+    second.input("b", units="m", symbol="b", meaning="a length", variant="more", default=1.0)
     assert second.version != before
     assert second.version == second.version
 

@@ -23,7 +23,7 @@ def request_of(mechanism, input):
         if known.choices:
             columns[name][:] = min(known.choices)
     for name in reversed(list(columns)):
-        if any(other in columns for other in found.instead_of(name)):
+        if any(other in columns for other in found.mutually_exclusive_inputs(name)):
             del columns[name]
     quantity = next(name for name, fact in found.public.items() if found.varies(name) and not fact.flags)
     values = fl.sweep(mechanism, fl.table(columns), [quantity], input=input, angles=VALUES)[quantity].values

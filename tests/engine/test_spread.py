@@ -8,9 +8,9 @@ from numpy.testing import assert_allclose, assert_array_equal
 
 import fastlink as fl
 from fastlink.engine.resolve import resolve
-from fastlink.engine.scaling import Spread
+from fastlink.engine.scaling import ScalingAxis
 from fastlink.mechanisms import catalogue
-from fastlink.symbolic.homogeneity import degrees
+from fastlink.symbolic.homogeneity import homogeneity_degrees
 
 PLANAR = catalogue("planar_4r")
 BAR = fl.round_bar(density=7750.0, radius=0.01)
@@ -106,10 +106,10 @@ def test_density_scales_forces_and_leaves_rates():
     ],
 )
 def test_degrees(name, chosen, expected):
-    of_bars = PLANAR.alternatives["round_bar"] if "round_bar" in chosen else {}
+    of_bars = PLANAR.variants["round_bar"] if "round_bar" in chosen else {}
     inputs = [key for key in PLANAR.known_inputs(chosen) if key not in of_bars]
     leaves = (*inputs, *PLANAR.tables, *PLANAR.table_low_parts, "branch", "theta1")
-    found = degrees(PLANAR.closure(expected, leaves, chosen), name)
+    found = homogeneity_degrees(PLANAR.dependencies(expected, leaves, chosen), name)
     assert {key: found[key] for key in expected} == expected
 
 
@@ -117,7 +117,7 @@ def test_degrees(name, chosen, expected):
 def test_every_cut_delivers_each_design_once(inner):
     length, slabs = 3, 5
     space = fl.grid(a1=np.arange(1.0, slabs + 1), a2=np.arange(1.0, inner + 1))
-    spread = Spread("omega1", space, inner, (None,), length)
+    spread = ScalingAxis("omega1", space, inner, (None,), length)
     numbers = np.arange(float(slabs * inner))
     whole = np.repeat(numbers.reshape(slabs, 1, inner), length, axis=1).ravel()
     for block in range(1, slabs * inner + 1):

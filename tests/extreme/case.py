@@ -71,7 +71,7 @@ class Mechanism:
     skipped : tuple of str
         What is left out, with the reason beside it.
     held : mapping of str to callable
-        Internal facts that are right to a few roundings, see `extreme.exact.Exact`.
+        Internal facts that are right to a few roundings, see `extreme.exact.HighPrecision`.
     """
 
     catalogue: Catalogue

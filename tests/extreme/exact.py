@@ -7,7 +7,7 @@ from functools import lru_cache
 from typing import Any
 
 from fastlink.catalogue.catalogue import Catalogue
-from fastlink.precision.reference import CONTEXT, UNIT, Exact
+from fastlink.precision.reference import CONTEXT, UNIT, HighPrecision
 
 __all__ = ["CONTEXT", "TINY", "UNIT", "Configuration", "Size", "alone"]
 
@@ -18,7 +18,7 @@ TINY = CONTEXT.mpf(2) ** -1075
 
 Size = Callable[[Mapping[str, Any]], Any]
 
-exact_facts = lru_cache(maxsize=32)(Exact)
+exact_facts = lru_cache(maxsize=32)(HighPrecision)
 
 
 def alone(values: Mapping[str, Any]) -> Any:
@@ -49,7 +49,7 @@ class Configuration:
         inputs: Mapping[str, float],
         held: Mapping[str, Size],
     ) -> None:
-        chosen = catalogue.chosen_by(inputs)
+        chosen = catalogue.variants_selected_by(inputs)
         self.names, self.held = names, held
         self.inputs = tuple(name for name in inputs if name != "branch")
         self.tables = tuple(catalogue.tables)
@@ -84,6 +84,6 @@ class Configuration:
         found = {step.name for step in self.plain.steps if on(self.values[step.name])}
         found |= {name for name in self.tables if tables and name in self.values and on(self.values[name])}
         for step in self.plain.steps:
-            if found.intersection(step.needs):
+            if found.intersection(step.depends_on):
                 found.add(step.name)
         return found

@@ -12,7 +12,7 @@ from tests.extreme.planar import FOLDED, PLANAR_4R, ULP, scaled
 from tests.support.configurations import LENGTHS, PLANAR
 
 UNIT = 2.0**-53
-DENSE = PLANAR.alternatives["dense"]["T41"]
+DENSE = PLANAR.variants["dense"]["T41"]
 assert isinstance(DENSE, System)
 
 
@@ -28,7 +28,7 @@ def test_the_dense_solve_is_right_to_its_condition_number_next_to_toggles():
         for i, case in enumerate(cases):
             names = (*DENSE.unknowns, *needs_of(DENSE.function))
             exact = Configuration(PLANAR, names, case.inputs | {"branch": branch}, {}).values
-            rows = np.array(DENSE.function(*(float(exact[need]) for need in DENSE.needs)))
+            rows = np.array(DENSE.function(*(float(exact[need]) for need in DENSE.depends_on)))
             inverse, x = np.linalg.inv(rows[:, :9]), np.array([float(exact[name]) for name in DENSE.unknowns])
             # Entries are differences of lengths up to twice their size; pivoting mixes the rows.
             disturbed = np.max(2.0 * abs(rows[:, :9]) @ abs(x) + 4.0 * abs(rows[:, 9]))

@@ -44,7 +44,7 @@ DRIVES = [
 
 def plain_names(catalogue):
     """Return the declared names that are not made of others."""
-    sets = [*catalogue.alternatives.values(), *catalogue.alternative_inputs.values()]
+    sets = [*catalogue.variants.values(), *catalogue.variant_inputs.values()]
     declared = {*catalogue.facts, *catalogue.inputs, *catalogue.curves, *catalogue.tables}
     declared |= {catalogue.position.name, *(name for names in sets for name in names)}
     return sorted(name for name in declared if parse(name, catalogue) == Quantity(name))
@@ -57,7 +57,7 @@ def trees(catalogue):
     leaves = [st.sampled_from(plain).map(Quantity)]
     replaced = [
         Below(Quantity(name), variant)
-        for variant, facts in catalogue.alternatives.items()
+        for variant, facts in catalogue.variants.items()
         for name in facts
         if name in plain
     ]
@@ -216,12 +216,10 @@ def law_of_position(theta):
 
 WAYS = {
     "input": lambda toy, name: toy.input(name, units="m", symbol="x", meaning="a length"),
-    "input of a set": lambda toy, name: toy.input(
-        name, units="m", symbol="x", meaning="x", alternative="other"
-    ),
-    "fact of a set": lambda toy, name: declare(toy, name, alternative="other"),
+    "input of a set": lambda toy, name: toy.input(name, units="m", symbol="x", meaning="x", variant="other"),
+    "fact of a set": lambda toy, name: declare(toy, name, variant="other"),
     "low part": lambda toy, name: toy.table(symbol="x", source="here", low=name)(law_of_position),
-    "unknown": lambda toy, name: toy.system("s", [name], alternative="other")(law_of_position),
+    "unknown": lambda toy, name: toy.system("s", [name], variant="other")(law_of_position),
 }
 
 

@@ -17,7 +17,7 @@ DIGITS_LEFT = MP.mpf(10) ** -44
 def given_by(entry):
     """Return the inputs with the position, which derivatives are by, and the sets of facts that they choose."""
     truth = Truth(entry, (), in_every_mode(entry, entry.drawn("random", 1, 2)))
-    return truth.numbers, truth.alternatives
+    return truth.numbers, truth.variants
 
 
 def differences(facts, names, true, by, step):
@@ -29,9 +29,9 @@ def differences(facts, names, true, by, step):
 def assert_limits_of_differences(entry, kind, n):
     """Compare the facts of derivatives with differences of two steps; return how many are no zero."""
     inputs, names, tested = in_every_mode(entry, entry.drawn(kind, 11, n)), numbers_of(entry), 0
-    variables, alternatives = given_by(entry)
+    variables, variants = given_by(entry)
     for by in variables:
-        made = derivatives(entry, names, by, alternatives)
+        made = derivatives(entry, names, by, variants)
         truth = Truth(entry, (*names, *made.values()), inputs, kind)
         for _, one, true in truth.rows():
             step = abs(true[by]) * MP.mpf(10) ** -18

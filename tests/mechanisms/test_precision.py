@@ -90,7 +90,9 @@ def test_a_power_of_two_of_all_lengths_changes_no_bit(entry):
     catalogue, tested = entry.catalogue, 0
     for kind in entry.families:
         inputs = in_every_mode(entry, entry.drawn(kind, 5, 20))
-        declared = catalogue.known_inputs(catalogue.chosen_by(inputs)) | {entry.input: catalogue.position}
+        declared = catalogue.known_inputs(catalogue.variants_selected_by(inputs)) | {
+            entry.input: catalogue.position
+        }
         powers = {name: power_of_length(declared[name].units) for name in inputs if name != "branch"}
         lengths = np.abs([inputs[name] for name, of in powers.items() if of == 1])
         ordinary = np.all((lengths > 1e-16) & (lengths < 1e16), axis=0)
@@ -98,7 +100,7 @@ def test_a_power_of_two_of_all_lengths_changes_no_bit(entry):
             continue
         inputs = {name: values[ordinary] for name, values in inputs.items()}
         here = plain(entry, entry.names, inputs)
-        labels = {name: catalogue.require(name) for name in entry.names}
+        labels = {name: catalogue.public_fact(name) for name in entry.names}
         of = {name: 0 if one.flags else power_of_length(one.units) for name, one in labels.items()}
         for power in (-400, -7, 3, 400):
             scaled = {name: np.ldexp(values, power * powers.get(name, 0)) for name, values in inputs.items()}

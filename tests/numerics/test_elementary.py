@@ -60,7 +60,7 @@ def test_gap_keeps_twice_the_working_precision():
     for _ in range(500):
         a, b, c = (float(v) for v in rng.uniform(0.5, 2.0, 3))
         d = float(-(a + b + c) + rng.choice([0.0, 1e-16, 1e-12, 1e-3]) * rng.normal())
-        high, low = compensated.gap(a, b, c, d)
+        high, low = compensated.sum_of_four(a, b, c, d)
         with mp.workdps(60):
             exact = mp.mpf(a) + b + c + d
             # Three two-sums are exact; only the last additions of errors round, each below 2^-105 of the terms.

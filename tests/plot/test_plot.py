@@ -75,8 +75,8 @@ def test_what_does_not_assemble_is_grey_and_in_the_legend(maps):
     figure = fl.plot_map(maps, "omega4_max", at={"a4": 1.0})
     (axes,) = panels(figure)
     assert axes.get_facecolor() == mpl.colors.to_rgba(ABSENT)
-    shown = maps["omega4_max"].sel(branch=1, a4=1.0).T
-    assert_array_equal(axes.collections[0].get_array().mask, ~np.isfinite(shown))
+    short_repr = maps["omega4_max"].sel(branch=1, a4=1.0).T
+    assert_array_equal(axes.collections[0].get_array().mask, ~np.isfinite(short_repr))
     assert any("does not assemble" in text for text in legend(figure))
     assert not any("never" in text for text in legend(figure))
 
@@ -88,11 +88,11 @@ def test_designs_that_do_not_turn_fully_are_veiled_and_named():
 
 
 def test_what_grows_without_bound_is_marked(maps):
-    shown = maps["omega4_max"].sel(branch=1, a4=1.0).T
-    assert np.isposinf(shown).any()
+    short_repr = maps["omega4_max"].sel(branch=1, a4=1.0).T
+    assert np.isposinf(short_repr).any()
     figure = fl.plot_map(maps, "omega4_max", at={"a4": 1.0})
     cells = panels(figure)[0].collections[1].get_array()
-    assert_array_equal(cells.filled(False), np.isinf(shown))
+    assert_array_equal(cells.filled(False), np.isinf(short_repr))
     assert WITHOUT_BOUND in legend(figure)
     line = fl.plot_map(maps, "omega4_max", branch=1, at={"a4": 1.0, "a2": float(maps.a2[0])})
     assert WITHOUT_BOUND in [text.get_text() for text in line.axes[0].get_legend().get_texts()]
@@ -160,11 +160,11 @@ def test_a_code_of_many_values_has_a_legend_beside_the_axes(types):
     assert [label.replace("\n", " ") for label in legend(figure)] == present
     (axes,) = panels(figure)
     # Codes with gaps between them: each has a colour of its own, the one that the legend shows.
-    shown = axes.collections[0]
+    short_repr = axes.collections[0]
     patches = dict(zip(present, axes.get_legend().get_patches(), strict=True))
     for code, name in zip(np.unique(types["linkage_type"]), present, strict=True):
-        (place,) = np.unique(shown.get_array()[code == types["linkage_type"].values.T])
-        np.testing.assert_allclose(shown.cmap(shown.norm(place)), patches[name].get_facecolor())
+        (place,) = np.unique(short_repr.get_array()[code == types["linkage_type"].values.T])
+        np.testing.assert_allclose(short_repr.cmap(short_repr.norm(place)), patches[name].get_facecolor())
     assert len({patch.get_facecolor() for patch in patches.values()}) == len(present)
     figure.draw_without_rendering()
     assert axes.get_legend().get_window_extent().x0 >= axes.get_window_extent().x1

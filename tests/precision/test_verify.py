@@ -11,7 +11,7 @@ from tests.support.configurations import PLANAR, UNIT
 import fastlink as fl
 from fastlink.precision import Verification
 from fastlink.precision.extrema import outermost
-from fastlink.precision.reference import CONTEXT, Exact
+from fastlink.precision.reference import CONTEXT, HighPrecision
 from fastlink.precision.stationary import Stationary
 
 # What tests/mechanisms/test_precision.py allows of every quantity.
@@ -185,7 +185,7 @@ def test_exact_extremes_are_those_of_a_dense_scan():
             exact = outermost(stationary, design, sign)
             # between samples a curve changes by its second derivative, of the size of itself here, times h^2/8
             assert 0 <= sign * (float(exact.value) - value) <= 20 * abs(value) * (theta1[1] ** 2) / 8
-            at = Exact(PLANAR, ["d_omega4_d_theta1"], [*one, "theta1", "branch"])
+            at = HighPrecision(PLANAR, ["d_omega4_d_theta1"], [*one, "theta1", "branch"])
             slope = at.at({**one, "branch": 2, "theta1": exact.place})["d_omega4_d_theta1"]
             assert abs(slope) < 1e-12  # theta1 of the graded range has the rounding of 2 pi
 
@@ -201,7 +201,7 @@ def test_toggles_are_infinite_and_bounded_quantities_have_their_limits():
 def test_division_by_zero_and_choices_are_as_in_doubles():
     """At the fold of a change point rates are NaN; a massless link has no torque."""
     folded = {"a1": 0.5, "a2": 1.0, "a3": 0.5, "a4": 1.0, "omega1": 1.0, "theta1": 0.0, "branch": 1}
-    found = Exact(PLANAR, ["omega4", "status"], folded).at(folded)
+    found = HighPrecision(PLANAR, ["omega4", "status"], folded).at(folded)
     assert CONTEXT.isnan(found["omega4"])
     assert (
         found["status"]

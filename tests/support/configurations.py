@@ -13,14 +13,14 @@ from fastlink.catalogue.catalogue import Catalogue, Input
 from fastlink.mechanisms import catalogue
 from fastlink.precision.reference import DIGITS as DIGITS
 from fastlink.precision.reference import UNIT as UNIT
-from fastlink.precision.reference import Exact
+from fastlink.precision.reference import HighPrecision
 
 PLANAR: Catalogue = catalogue("planar_4r")
 LENGTHS = ("a1", "a2", "a3", "a4")
 #: The sets of facts that giving one of their inputs chooses.
 LOADS = tuple(
     name
-    for name, inputs in PLANAR.alternative_inputs.items()
+    for name, inputs in PLANAR.variant_inputs.items()
     if any(declared.default is not None for declared in inputs.values())
 )
 
@@ -41,7 +41,7 @@ def masses_and_points(rng: np.random.Generator, n: int) -> dict[str, np.ndarray]
 
 def all_loads(rng: np.random.Generator, n: int) -> dict[str, np.ndarray]:
     """Every input of every load."""
-    return {name: v for load in LOADS for name, v in draw(PLANAR.alternative_inputs[load], rng, n).items()}
+    return {name: v for load in LOADS for name, v in draw(PLANAR.variant_inputs[load], rng, n).items()}
 
 
 def random_lengths(rng: np.random.Generator, n: int) -> np.ndarray:
@@ -105,20 +105,20 @@ def designs(kind: str, rng: np.random.Generator, n: int) -> np.ndarray:
 def reference(
     names: list[str],
     inputs: dict[str, Any],
-    alternatives: tuple[str, ...] = (),
+    variants: tuple[str, ...] = (),
     catalogue: Catalogue = PLANAR,
 ) -> dict[str, Any]:
     """Return the facts of one configuration with 50 digits."""
-    found = Exact(catalogue, names, inputs, alternatives).at(inputs)
+    found = HighPrecision(catalogue, names, inputs, variants).at(inputs)
     return {name: found[name] for name in names}
 
 
 def condition_sums(
     names: list[str],
     inputs: dict[str, Any],
-    alternatives: tuple[str, ...] = (),
+    variants: tuple[str, ...] = (),
     catalogue: Catalogue = PLANAR,
 ) -> dict[str, Any]:
     """Return sum over the inputs of |x df/dx|: what one rounding of each input does to each quantity."""
-    facts = Exact(catalogue, names, inputs, alternatives)
+    facts = HighPrecision(catalogue, names, inputs, variants)
     return facts.condition(facts.at(inputs), [name for name in inputs if name != "branch"])

@@ -6,7 +6,7 @@ import numpy as np
 
 from fastlink.mechanisms import catalogue
 from fastlink.precision.reference import CONTEXT as MP
-from fastlink.precision.reference import Exact
+from fastlink.precision.reference import HighPrecision
 
 BY_ROCKER, BY_CRANK = catalogue("focal"), catalogue("focal", "sigma")
 DRIVES = {"phi": BY_ROCKER, "sigma": BY_CRANK}
@@ -52,7 +52,7 @@ def near_kites(rng, n, size):
 def near_toggle(drive, designs, offset):
     """Return designs that have a dead centre and the input angle `offset` inside it."""
     names = ("bar_Z0",) if drive == "phi" else ("sine_at_0", "sine_at_pi")
-    facts = Exact(DRIVES[drive], names, designs)
+    facts = HighPrecision(DRIVES[drive], names, designs)
     kept, angles = [], []
     for i, one in enumerate(rows(designs)):
         found = facts.at(one)

@@ -6,7 +6,7 @@ import numpy as np
 
 from fastlink.engine.evaluate import read_facts
 from fastlink.mechanisms import catalogue
-from fastlink.precision.reference import Exact
+from fastlink.precision.reference import HighPrecision
 
 FOCAL = catalogue("focal")
 LENGTHS = ("a", "b", "c", "d")
@@ -112,18 +112,18 @@ def drawn(given, kind, rng, n):
 
 def facts(designs, completion, names=FACTS, given="rho"):
     """Return facts of many designs as arrays."""
-    inputs, alternatives = GIVEN[given]
+    inputs, variants = GIVEN[given]
     values = {name: np.asarray(designs[name], dtype=float) for name in inputs}
     values["completion"] = np.full_like(values["a"], completion)
     with np.errstate(all="ignore"):
-        found = read_facts(FOCAL, names, values, alternatives)
+        found = read_facts(FOCAL, names, values, variants)
     return {name: np.broadcast_to(found[name], values["a"].shape) for name in names}
 
 
 def exact(names, given="rho"):
     """Return facts with 50 digits, see `Exact.at`."""
-    inputs, alternatives = GIVEN[given]
-    return Exact(FOCAL, names, (*inputs, "completion"), alternatives)
+    inputs, variants = GIVEN[given]
+    return HighPrecision(FOCAL, names, (*inputs, "completion"), variants)
 
 
 def one(designs, i, completion, given="rho"):

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from fastlink.precision.reference import CONTEXT as MP
-from fastlink.precision.reference import in_roundings
+from fastlink.precision.reference import error_in_roundings
 from tests.support.focal_designs import FAMILIES, GIVEN, exact, facts, family, one
 
 BARS = ("lambda_", "m", "n", "p", "q", "r")
@@ -44,7 +44,8 @@ def row(kind):
             for name in BARS:
                 values = float(found[name][i]), float(printed[name])
                 errors = [
-                    in_roundings(v, at[name], condition[name]) if np.isfinite(v) else np.inf for v in values
+                    error_in_roundings(v, at[name], condition[name]) if np.isfinite(v) else np.inf
+                    for v in values
                 ]
                 worst = np.maximum(worst, errors)
     return worst

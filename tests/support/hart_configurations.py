@@ -8,7 +8,7 @@ import numpy as np
 
 import fastlink as fl
 from fastlink.mechanisms import catalogue
-from fastlink.precision.reference import CONTEXT, Exact
+from fastlink.precision.reference import CONTEXT, HighPrecision
 
 HART = catalogue("hart")
 INPUTS = ("m", "n", "d", "kappa", "phi")
@@ -67,7 +67,7 @@ def folded(F_y: Any, stroke: Any) -> bool:
 def along_line(kind: str, rng: np.random.Generator, n: int) -> dict[str, np.ndarray]:
     """Return the configurations of a family, of both branches, as driven by F: F_y is rounded."""
     inputs = family(kind, rng, n)
-    facts = Exact(HART, ["sigma", "sine_part", "F_y", "stroke"], [*INPUTS, "branch"])
+    facts = HighPrecision(HART, ["sigma", "sine_part", "F_y", "stroke"], [*INPUTS, "branch"])
     rows = []
     for i in range(n):
         one = {name: float(values[i]) for name, values in inputs.items()}

@@ -31,7 +31,7 @@ def facts(lengths, names=FACTS, **given):
     """Return facts of designs (4, n) by name; codes as their meanings."""
     values = dict(zip(LENGTHS, np.asarray(lengths, dtype=float), strict=True)) | given
     with np.errstate(all="ignore"):
-        found = read_facts(minkowski_4r, names, values, minkowski_4r.chosen_by(given))
+        found = read_facts(minkowski_4r, names, values, minkowski_4r.variants_selected_by(given))
     return {name: decoded(name, found[name]) for name in names}
 
 

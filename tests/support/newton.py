@@ -7,7 +7,7 @@ import numpy as np
 
 import fastlink as fl
 from fastlink.engine.evaluate import read_facts
-from fastlink.plan.validate import alternatives_of, constants_of
+from fastlink.plan.validate import constants_of, variants_of
 from tests.support.configurations import LENGTHS, PLANAR, draw, masses_and_points, random_lengths
 
 
@@ -17,7 +17,7 @@ def configuration(seed, loads):
     while True:
         inputs = dict(zip(LENGTHS, random_lengths(rng, 1), strict=True)) | masses_and_points(rng, 1)
         for load in loads:
-            inputs |= draw(PLANAR.alternative_inputs[load], rng, 1)
+            inputs |= draw(PLANAR.variant_inputs[load], rng, 1)
         one = {name: float(value[0]) for name, value in inputs.items()}
         one |= {"theta1": rng.uniform(-np.pi, np.pi), "branch": int(rng.integers(1, 3))}
         if fl.evaluate("planar_4r", ["transmission_angle"], **one)["transmission_angle"] > 0.2:
@@ -26,11 +26,9 @@ def configuration(seed, loads):
 
 def facts(names, values, solver="eliminated"):
     """The facts on 50-digit numbers, with the sets of facts that the given inputs choose."""
-    alternatives = alternatives_of(PLANAR, None, solver, values)
-    values = {
-        name: mp.mpf(value) for name, value in (constants_of(PLANAR, None, alternatives) | values).items()
-    }
-    return read_facts(PLANAR, names, values, alternatives)
+    variants = variants_of(PLANAR, None, solver, values)
+    values = {name: mp.mpf(value) for name, value in (constants_of(PLANAR, None, variants) | values).items()}
+    return read_facts(PLANAR, names, values, variants)
 
 
 class Bodies:

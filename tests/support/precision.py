@@ -10,9 +10,9 @@ import xarray as xr
 
 import fastlink as fl
 from fastlink.facts.fact import parameters
-from fastlink.plan.validate import alternatives_of
+from fastlink.plan.validate import variants_of
 from fastlink.precision.reference import CONTEXT as MP
-from fastlink.precision.reference import UNIT, Exact
+from fastlink.precision.reference import UNIT, HighPrecision
 from fastlink.symbolic.derivative import NoDerivative
 from tests.support.registry import Entry
 
@@ -23,7 +23,7 @@ LARGEST = np.finfo(float).max
 
 def choices(entry: Entry, inputs: dict[str, Any]) -> dict[str, list[float]]:
     """Return the modes that configurations leave open, with their codes."""
-    known = entry.catalogue.known_inputs(entry.catalogue.chosen_by(inputs))
+    known = entry.catalogue.known_inputs(entry.catalogue.variants_selected_by(inputs))
     modes = {"branch": entry.catalogue.branches} if entry.moves else {}
     modes |= {name: one.choices for name, one in known.items() if one.choices}
     return {name: [float(code) for code in codes] for name, codes in modes.items() if name not in inputs}
@@ -102,12 +102,12 @@ class Truth:
         self.undetermined = entry.undetermined.get(kind, lambda: False)
         self.entry, self.names, self.inputs = entry, names, inputs
         catalogue = entry.catalogue
-        self.alternatives = alternatives_of(catalogue, None, entry.solver, inputs)
-        codes = {name for name, one in catalogue.known_inputs(self.alternatives).items() if one.choices}
+        self.variants = variants_of(catalogue, None, entry.solver, inputs)
+        codes = {name for name, one in catalogue.known_inputs(self.variants).items() if one.choices}
         numbers = [name for name in inputs if name != "branch" and name not in codes]
         # Most is due to the position.
         self.numbers = sorted(numbers, key=lambda name: name != entry.input)
-        self.facts = Exact(catalogue, (*names, *parameters(self.undetermined)), inputs, self.alternatives)
+        self.facts = HighPrecision(catalogue, (*names, *parameters(self.undetermined)), inputs, self.variants)
 
     def rows(self) -> Iterator[tuple[int, dict[str, float], dict[str, Any]]]:
         """Yield each configuration with its number and its facts, but where nothing is determined."""
@@ -158,7 +158,7 @@ def wrong(
     there is none (or none where there is one), is infinitely wrong.
     """
     catalogue, truth, tested = entry.catalogue, Truth(entry, names, inputs, kind), 0
-    codes = {name for name in names if catalogue.require(name).flags}
+    codes = {name for name in names if catalogue.public_fact(name).flags}
     found = []
     for i, one, true in truth.rows():
         numbers = {}
@@ -182,18 +182,16 @@ def wrong(
 
 def numbers_of(entry: Entry) -> tuple[str, ...]:
     """Return the quantities of an entry that are neither codes nor nothing but errors."""
-    labels = {name: entry.catalogue.require(name) for name in entry.names}
+    labels = {name: entry.catalogue.public_fact(name) for name in entry.names}
     return tuple(name for name, one in labels.items() if not one.flags and name not in entry.errors)
 
 
-def derivatives(
-    entry: Entry, names: tuple[str, ...], by: str, alternatives: tuple[str, ...]
-) -> dict[str, str]:
+def derivatives(entry: Entry, names: tuple[str, ...], by: str, variants: tuple[str, ...]) -> dict[str, str]:
     """Return the names of the derivatives by an input, of what has one."""
     made = {}
     for name in names:
         try:
-            entry.catalogue.lookup(f"d_{name}_d_{by}", alternatives, alternatives)
+            entry.catalogue.resolve(f"d_{name}_d_{by}", variants, variants)
         except NoDerivative:
             continue
         made[name] = f"d_{name}_d_{by}"

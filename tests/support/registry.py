@@ -55,7 +55,7 @@ class Entry:
         What is not tested, and why.
     multiple : float
         The greatest error in roundings of the result and of each input, see
-        `fastlink.precision.reference.in_roundings`. The facts are chains of up to forty
+        `fastlink.precision.reference.error_in_roundings`. The facts are chains of up to forty
         operations that do not cancel, and their errors mostly average out.
     long_chains : mapping of str to float
         The same of single quantities.

@@ -25,18 +25,18 @@ from fastlink.facts.fact import Input, statements
 from fastlink.numerics import compensated, vectors
 from fastlink.plan.pointwise import make_plan
 from fastlink.symbolic.derivative import RULES, made_function
-from fastlink.symbolic.expression import Graph
+from fastlink.symbolic.expression import ExpressionGraph
 
 # Residuals are nothing but errors; facts of the design alone have their own tests (test_classes.py).
 QUANTITIES = [name for name in PLANAR.public if PLANAR.varies(name) and "residual" not in name]
 
 
-def derivatives(by, names=QUANTITIES, alternatives=()):
+def derivatives(by, names=QUANTITIES, variants=()):
     """Return NAME to the name of its derivative, where it depends on the input."""
     found = {}
     for name in names:
         try:
-            found[name] = PLANAR.lookup(f"d_{name}_d_{by}", alternatives).name
+            found[name] = PLANAR.resolve(f"d_{name}_d_{by}", variants).name
         except InputError:
             continue
     return found
@@ -53,7 +53,7 @@ def one_configuration(seed, **changed):
             return {name: float(value) for name, value in one.items()}
 
 
-def difference(names, one, by, alternatives=()):
+def difference(names, one, by, variants=()):
     """Return central differences with 50 digits.
 
     With a step of 1e-20 the third derivative leaves 1e-40 and rounding 1e-50/1e-20, times the condition number
@@ -62,7 +62,7 @@ def difference(names, one, by, alternatives=()):
     with mp.workdps(DIGITS):
         exact = {name: mp.mpf(value) for name, value in one.items()}
         step = abs(exact[by]) * mp.mpf(10) ** -20
-        ends = [read_facts(PLANAR, names, exact | {by: exact[by] + s * step}, alternatives) for s in (1, -1)]
+        ends = [read_facts(PLANAR, names, exact | {by: exact[by] + s * step}, variants) for s in (1, -1)]
         return {name: (ends[0][name] - ends[1][name]) / (2 * step) for name in names}
 
 
@@ -208,7 +208,7 @@ def test_a_linear_system_has_no_derivatives():
     with pytest.raises(
         InputError, match="d_T41_d_a1': a linear system determines T41; write solver='eliminated'"
     ):
-        make_plan(PLANAR, ["d_T41_d_a1"], given=PLANAR.inputs, alternatives=("dense",))
+        make_plan(PLANAR, ["d_T41_d_a1"], given=PLANAR.inputs, variants=("dense",))
 
 
 def test_a_missing_input_is_named():
@@ -230,13 +230,13 @@ def test_a_table_without_a_derivative_is_a_fault_of_the_mechanism():
         return 2.0 * s
 
     with pytest.raises(CatalogueError, match="table s has no declared derivative by theta"):
-        made.lookup("d_b_d_theta")
+        made.resolve("d_b_d_theta")
 
 
 def test_derivatives_are_short_and_keep_to_the_grammar():
     """No step twice, no factor 1, nothing added to zero: what finds the extremes of T41 runs a billion times."""
     leaves = (*PLANAR.inputs, *PLANAR.tables, *PLANAR.table_low_parts, "branch", "theta1")
-    for step in PLANAR.closure(["d_T41_d_theta1", "d_curvature_d_a1"], leaves):
+    for step in PLANAR.dependencies(["d_T41_d_theta1", "d_curvature_d_a1"], leaves):
         written = [node for s in statements(step.function) for node in ast.walk(s)]
         products = [ast.unparse(node) for node in written if isinstance(node, ast.BinOp)]
         if step.name.startswith("d_") and step.name not in PLANAR.facts:
@@ -246,18 +246,18 @@ def test_derivatives_are_short_and_keep_to_the_grammar():
                     numbers = {x.value for x in (node.left, node.right) if isinstance(x, ast.Constant)}
                     neutral = {1.0, -1.0} if isinstance(node.op, ast.Mult) else {0.0}
                     assert not numbers & neutral, ast.unparse(node)
-    plain = sum(1 for _ in PLANAR.closure(["T41"], leaves))
-    assert sum(1 for _ in PLANAR.closure(["d_T41_d_theta1"], leaves)) < 2 * plain + 15
+    plain = sum(1 for _ in PLANAR.dependencies(["T41"], leaves))
+    assert sum(1 for _ in PLANAR.dependencies(["d_T41_d_theta1"], leaves)) < 2 * plain + 15
 
 
 def test_a_sum_of_any_length_is_written():
     """In lines of a hundred operations at most, in order: Python reads deep expressions by recursion."""
-    graph = Graph([])
+    graph = ExpressionGraph([])
     total = graph.name("x")
     for k in range(1, 5000):
         total = graph.add(graph.mul(graph.number(float(k)), graph.name("y")), total)
-    function, needs = made_function("total", graph, total, {})
-    assert set(needs) == {"x", "y"}
+    function, depends_on = made_function("total", graph, total, {})
+    assert set(depends_on) == {"x", "y"}
     expected = 0.1
     for k in range(1, 5000):
         expected = k * 0.3 + expected

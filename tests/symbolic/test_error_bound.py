@@ -27,7 +27,7 @@ from fastlink.engine.evaluate import read_facts
 from fastlink.errors import InputError
 from fastlink.facts.fact import Input
 from fastlink.mechanisms import NAMES, catalogue
-from fastlink.numerics.compensated import gap, pair_product
+from fastlink.numerics.compensated import pair_product, sum_of_four
 from fastlink.precision.reference import CONTEXT
 from fastlink.symbolic import error_laws
 from fastlink.symbolic.error_propagation import UNIT, WORDS, U
@@ -93,9 +93,9 @@ def test_a_gap_is_right_to_twice_the_digits_of_itself_however_much_cancels():
         a, b, c = (float(x) for x in rng.uniform(0.5, 2.0, 3) * 2.0 ** rng.integers(-60, 3, 3))
         d = -float(Fraction(a) + Fraction(b) + Fraction(c)) * float(1.0 + rng.choice([0.0, 1e-16, 1e-9]))
         d += float(rng.choice([0.0, 1e-20, 1e-35]))
-        high, low = gap(a, b, c, d)
+        high, low = sum_of_four(a, b, c, d)
         exact = sum(map(Fraction, (a, b, c, d)))
-        assert abs(Fraction(high) + Fraction(low) - exact) <= WORDS[gap] * Fraction(U) * abs(exact)
+        assert abs(Fraction(high) + Fraction(low) - exact) <= WORDS[sum_of_four] * Fraction(U) * abs(exact)
         nonzero += exact != 0
     assert nonzero > 3000
 
@@ -180,7 +180,7 @@ def test_the_words_of_sums_of_two_meet():
 def bounds_over_errors(entry, names, kind, n):
     """Return the ratios of bounds to errors in configurations of a family, none of which are less than 1."""
     inputs = in_every_mode(entry, entry.drawn(kind, 10, n))
-    units = {name: entry.catalogue.require(name).units for name in names}
+    units = {name: entry.catalogue.public_fact(name).units for name in names}
     found = plain(entry, (*names, *(f"{name}_error" for name in names)), inputs)
     ratios = []
     for i, one, exact in Truth(entry, names, inputs, kind).rows():
@@ -205,7 +205,7 @@ BOUNDED = [entry for entry in ENTRIES if entry.solver == "eliminated"]  # a line
 
 @pytest.mark.parametrize("entry", BOUNDED, ids=str)
 def test_every_bound_holds_and_is_not_much_greater_than_the_error(entry):
-    names = tuple(name for name in entry.names if not entry.catalogue.require(name).flags)
+    names = tuple(name for name in entry.names if not entry.catalogue.public_fact(name).flags)
     ratios = [ratio for kind in entry.families for ratio in bounds_over_errors(entry, names, kind, 6)]
     assert np.mean(np.array(ratios) <= 100.0) > entry.near_bounds
     assert np.median(ratios) < entry.looseness
@@ -217,7 +217,7 @@ def test_bounds_of_derivatives_hold(entry):
     truth = Truth(entry, (), in_every_mode(entry, entry.drawn("random", 1, 2)))
     tested = 0
     for by in truth.numbers[:2]:
-        names = tuple(derivatives(entry, numbers_of(entry), by, truth.alternatives).values())
+        names = tuple(derivatives(entry, numbers_of(entry), by, truth.variants).values())
         for kind in list(entry.families)[::3]:
             tested += len(bounds_over_errors(entry, names, kind, 2))
     assert tested > len(entry.names)
@@ -254,7 +254,7 @@ def assert_bounded_by_twofold_numbers(name, n, block):
                 high, low = (np.broadcast_to(x, block) for x in (exact[quantity].high, exact[quantity].low))
                 there = np.isfinite(value) & np.isfinite(high)
                 error = np.abs((value[there] - high[there]) - low[there])
-                if mechanism.require(quantity).units == "rad":
+                if mechanism.public_fact(quantity).units == "rad":
                     error = np.minimum(error, np.abs(error - 2.0 * np.pi))
                 assert np.all(error <= bound[there]), (kind, quantity)
                 if "residual" not in quantity:
@@ -422,7 +422,7 @@ def test_every_quantity_of_every_mechanism_has_a_bound(name):
         mechanism = catalogue(name, position)
         given = ("branch", mechanism.position.name, *mechanism.tables, *mechanism.table_low_parts)
         judged = [f"{quantity}_error" for quantity in quantities(mechanism)]
-        steps = mechanism.closure(judged, (*mechanism.inputs, *given))
+        steps = mechanism.dependencies(judged, (*mechanism.inputs, *given))
         assert {step.name for step in steps}.issuperset(judged)
 
 
@@ -430,5 +430,5 @@ def test_every_quantity_of_every_mechanism_has_a_bound(name):
 def test_nothing_of_a_bound_is_computed_unless_it_is_asked_for(name):
     mechanism = MECHANISMS[name]
     given = ("branch", mechanism.position.name, *mechanism.tables, *mechanism.table_low_parts)
-    steps = mechanism.closure(quantities(mechanism), (*mechanism.inputs, *given))
+    steps = mechanism.dependencies(quantities(mechanism), (*mechanism.inputs, *given))
     assert not [step.name for step in steps if step.name.endswith(("_error", "_trust"))]

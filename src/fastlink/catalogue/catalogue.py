@@ -59,36 +59,36 @@ class Catalogue(Declarations):
         """All that users ask for by name: the public facts, and what is made of whole curves."""
         return self.public | self.curves
 
-    def known_inputs(self, alternatives: Iterable[str] = ()) -> dict[str, Input]:
+    def known_inputs(self, variants: Iterable[str] = ()) -> dict[str, Input]:
         """Return every input that a design may give, with those of the chosen sets of facts."""
         known = dict(self.inputs)
-        for alternative in alternatives:
-            known.update(self.alternative_inputs.get(alternative, {}))
+        for variant in variants:
+            known.update(self.variant_inputs.get(variant, {}))
         return known
 
-    def chosen_by(self, given: Iterable[str]) -> tuple[str, ...]:
+    def variants_selected_by(self, given: Iterable[str]) -> tuple[str, ...]:
         """Return the sets of facts that giving these inputs chooses.
 
         Those with an input that may be left out, and those named after an input, which stands for another one.
         """
         names = set(given)
         return tuple(
-            alternative
-            for alternative, inputs in self.alternative_inputs.items()
-            if alternative in names
+            variant
+            for variant, inputs in self.variant_inputs.items()
+            if variant in names
             or (names & set(inputs) and any(i.default is not None for i in inputs.values()))
         )
 
-    def instead_of(self, name: str) -> tuple[str, ...]:
+    def mutually_exclusive_inputs(self, name: str) -> tuple[str, ...]:
         """Return the inputs that giving this one makes a result, or that make this one a result."""
-        replaced = [other for other in self.alternatives.get(name, {}) if other in self.inputs]
-        replacing = [key for key, facts in self.alternatives.items() if name in facts and name in self.inputs]
-        named = [key for key in replacing if key in self.alternative_inputs.get(key, {})]
-        siblings = [key for other in replaced for key in self.instead_of(other) if key != name]
+        replaced = [other for other in self.variants.get(name, {}) if other in self.inputs]
+        replacing = [key for key, facts in self.variants.items() if name in facts and name in self.inputs]
+        named = [key for key in replacing if key in self.variant_inputs.get(key, {})]
+        siblings = [key for other in replaced for key in self.mutually_exclusive_inputs(other) if key != name]
         return (*replaced, *named, *siblings)
 
-    def lookup(
-        self, name: str, alternatives: Iterable[str] = (), given: Iterable[str] = ()
+    def resolve(
+        self, name: str, variants: Iterable[str] = (), given: Iterable[str] = ()
     ) -> Fact | System | None:
         """Return what determines `name`, or None for an input, a table or an unknown name.
 
@@ -96,7 +96,7 @@ class Catalogue(Declarations):
         name builds on what it replaces (in a later set, or the mechanism), see `fastlink.facts.names.Below`: loads
         add themselves so, in any combination. A derivative is by what is given: facts among `given` count as inputs.
         """
-        chosen = tuple(alternatives)
+        chosen = tuple(variants)
         tree = self.parse(name)
         if isinstance(tree, Derivative):
             if isinstance(tree.of, (ErrorBound, Trust)):
@@ -110,11 +110,11 @@ class Catalogue(Declarations):
         plain, above = _plain(tree)
         if above and above not in chosen:
             return None
-        for alternative in chosen[chosen.index(above) + 1 if above else 0 :]:
-            found = self.alternatives.get(alternative, {}).get(plain)
+        for variant in chosen[chosen.index(above) + 1 if above else 0 :]:
+            found = self.variants.get(variant, {}).get(plain)
             if isinstance(found, Fact):
-                needs = tuple(_below(n, alternative) if n in found.names else n for n in found.needs)
-                found = found if needs == found.needs else replace(found, needs=needs)
+                depends_on = tuple(_below(n, variant) if n in found.names else n for n in found.depends_on)
+                found = found if depends_on == found.depends_on else replace(found, depends_on=depends_on)
                 return _replaced_by(above, found) if above else found
             if found is not None:
                 return found
@@ -123,14 +123,14 @@ class Catalogue(Declarations):
 
     def _replaced(self, chosen: tuple[str, ...]) -> set[str]:
         """Return the names of all facts, those of the chosen sets too."""
-        return {*self.facts, *(name for key in chosen for name in self.alternatives.get(key, {}))}
+        return {*self.facts, *(name for key in chosen for name in self.variants.get(key, {}))}
 
     def _error_bounds(self, chosen: tuple[str, ...], given: Iterable[str]) -> ErrorBounds:
         fixed = self._replaced(chosen).intersection(given)
         key = chosen, frozenset(fixed)
         if key not in self._bounds:
             self._bounds[key] = ErrorBounds(
-                lambda name: None if name in fixed else self.lookup(name, chosen, fixed),
+                lambda name: None if name in fixed else self.resolve(name, chosen, fixed),
                 self.known_inputs(chosen),
                 self.branches,
                 self.tables,
@@ -147,15 +147,13 @@ class Catalogue(Declarations):
         key = by, chosen, frozenset(fixed)
 
         def find(name: str) -> Fact | System | None:
-            return None if name in fixed else self.lookup(name, chosen, fixed)
+            return None if name in fixed else self.resolve(name, chosen, fixed)
 
         def declared(name: str) -> Fact | None:
             if name in fixed:
                 return None
             plain, above = _plain(self.parse(name))
-            sets = [
-                self.alternatives.get(key, {}) for key in chosen[chosen.index(above) + 1 if above else 0 :]
-            ]
+            sets = [self.variants.get(key, {}) for key in chosen[chosen.index(above) + 1 if above else 0 :]]
             # a derivative that is declared of a fact is not that of what replaces it
             within = next((facts for facts in sets if plain in facts), self.facts)
             found = within.get(derivative_name(plain, by))
@@ -173,15 +171,17 @@ class Catalogue(Declarations):
 
     @cached_property
     def _axes(self) -> dict[str, frozenset[str]]:
-        axes = {name: frozenset({"design"}) for name in self.known_inputs(self.alternative_inputs)}
+        axes = {name: frozenset({"design"}) for name in self.known_inputs(self.variant_inputs)}
         axes["branch"] = frozenset({"branch"})
         for name in (self.position.name, *self.tables, *self.table_low_parts):
             axes[name] = frozenset({self.position.name})
         # a derivative varies with what it is of, see `varies`; that of a constant table is none
         names = [name for name in self.facts if not self.is_derivative(name)]
-        for found in self.closure(names, tuple(axes)):
+        for found in self.dependencies(names, tuple(axes)):
             if isinstance(found, Fact):
-                axes |= dict.fromkeys(found.names, frozenset().union(*(axes[need] for need in found.needs)))
+                axes |= dict.fromkeys(
+                    found.names, frozenset().union(*(axes[need] for need in found.depends_on))
+                )
         return axes
 
     def varies(self, name: str) -> bool:
@@ -191,7 +191,7 @@ class Catalogue(Declarations):
 
     def check(self) -> None:
         """Raise CatalogueError unless every name is declared and no fact depends on itself."""
-        for chosen, found in self.alternatives.items():
+        for chosen, found in self.variants.items():
             for name in set(found) - set(self.facts) - set(self.inputs):
                 fact = found[name]
                 if isinstance(fact, System) or not fact.internal:
@@ -202,21 +202,21 @@ class Catalogue(Declarations):
                 raise CatalogueError(f"{self.name}: {name} reads as {tree!r}; call it otherwise")
         names = {
             *self.facts,
-            *(need for name in derivatives for need in self.facts[name].needs),
+            *(need for name in derivatives for need in self.facts[name].depends_on),
         } - derivatives
         leaves = {"branch", self.position.name, *self.tables, *self.table_low_parts}
         if self.graded is not None:
             leaves |= set(self.graded.leaves)
-        for option in ((), *((name,) for name in {*self.alternatives, *self.alternative_inputs})):
-            replaced = {name for key in option for name in self.alternatives.get(key, {})}
+        for option in ((), *((name,) for name in {*self.variants, *self.variant_inputs})):
+            replaced = {name for key in option for name in self.variants.get(key, {})}
             known = leaves | (set(self.known_inputs(option)) - replaced)
-            for step in self.closure(sorted(names), known, option):
-                if made := self.curves.keys() & set(step.needs):
+            for step in self.dependencies(sorted(names), known, option):
+                if made := self.curves.keys() & set(step.depends_on):
                     raise CatalogueError(
                         f"{self.name}: {made.pop()} is of whole curves, {step.name} of a position"
                     )
         for fact in self.curves.values():
-            for need in fact.needs:
+            for need in fact.depends_on:
                 if need not in self.public or not self.varies(need):
                     raise CatalogueError(f"{self.name}: {fact.name} is of {need}, which is no curve")
 
@@ -228,7 +228,7 @@ class Catalogue(Declarations):
         """Tell whether users may ask for what is taken of a name over the cycle."""
         return self.is_quantity(name) and self.varies(name)
 
-    def require(self, name: str) -> Fact:
+    def public_fact(self, name: str) -> Fact:
         """Return the labels of a quantity that users may ask for.
 
         Raises
@@ -243,7 +243,7 @@ class Catalogue(Declarations):
         tree = self.parse(name)
         if not isinstance(tree, Made):
             return self.facts[name]
-        of = self.require(str(tree.of))
+        of = self.public_fact(str(tree.of))
         lacks = "derivative" if isinstance(tree, Derivative) else "error"
         if of.flags or isinstance(tree.of, (ErrorBound, Trust)):
             kind = "a code" if of.flags else "an error bound"
@@ -270,14 +270,14 @@ class Catalogue(Declarations):
         what = f"quantity {name!r}" if wrong == name else f"quantity {name!r}: {wrong!r}"
         return InputError(f"{what} is unknown to {self.name}", remedy=suggest(wrong, options))
 
-    def closure(
-        self, names: Iterable[str], leaves: Iterable[str], alternatives: Iterable[str] = ()
+    def dependencies(
+        self, names: Iterable[str], leaves: Iterable[str], variants: Iterable[str] = ()
     ) -> Iterator[Fact | System]:
         """Yield what must be computed for `names`, each after what it depends on.
 
         Names in `leaves` are given. A name that is neither given nor declared is an InputError.
         """
-        given, chosen = set(leaves), tuple(alternatives)
+        given, chosen = set(leaves), tuple(variants)
         done: set[str] = set(given)
         pending: list[str] = []
 
@@ -286,11 +286,11 @@ class Catalogue(Declarations):
                 return
             if name in pending:
                 raise CatalogueError(f"{self.name}: circular: {' -> '.join([*pending, name])}")
-            found = self.lookup(name, chosen, given)
+            found = self.resolve(name, chosen, given)
             if found is None:
                 raise self._missing(name, asked_by, given)
             pending.append(name)
-            for need in found.needs:
+            for need in found.depends_on:
                 yield from visit(need, name)
             pending.pop()
             done.update(found.names)
@@ -299,16 +299,16 @@ class Catalogue(Declarations):
         for name in names:
             yield from visit(name, None)
 
-    def absence(self, declared: Input, asked_by: str | None, *inside: str) -> Problem:
+    def missing_message(self, declared: Input, asked_by: str | None, *inside: str) -> Problem:
         """Return what is wrong where something depends on an input and nothing gives it."""
-        others = "".join(f", or {other!r} instead" for other in self.instead_of(declared.name))
+        others = "".join(f", or {other!r} instead" for other in self.mutually_exclusive_inputs(declared.name))
         what = f"is missing ({declared.meaning} [{declared.units}])"
         return Problem(what, (*inside, declared.name), f"{asked_by} depends on it: add it{others}")
 
     def _missing(self, name: str, asked_by: str | None, given: set[str]) -> InputError:
-        declared = self.known_inputs(self.alternative_inputs).get(name)
+        declared = self.known_inputs(self.variant_inputs).get(name)
         if declared is not None:
-            return InputError.of([self.absence(declared, asked_by)])
+            return InputError.of([self.missing_message(declared, asked_by)])
         if asked_by is not None:
             raise CatalogueError(f"{self.name}: {asked_by} depends on {name}, which is not declared")
         raise CatalogueError(f"{self.name}: {name} is not declared")

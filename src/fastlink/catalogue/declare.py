@@ -42,8 +42,8 @@ class Declarations:
         self.curves: dict[str, Fact] = {}
         self.tables: dict[str, Fact] = {}
         self.table_low_parts: dict[str, str] = {}
-        self.alternatives: dict[str, dict[str, Fact | System]] = {}
-        self.alternative_inputs: dict[str, dict[str, Input]] = {}
+        self.variants: dict[str, dict[str, Fact | System]] = {}
+        self.variant_inputs: dict[str, dict[str, Input]] = {}
         self.graded: GradedRange | None = None
         #: Closed forms, and each set of facts that has a linear system.
         self.solvers: tuple[str, ...] = (ELIMINATED,)
@@ -59,7 +59,7 @@ class Declarations:
         """
         now: list[Any] = [self.position, self.graded, self.positions, *self.branches]
         sets: tuple[Mapping[str, Any], ...] = (self.inputs, self.facts, self.curves, self.tables)
-        sets = (*sets, self.table_low_parts, *self.alternatives.values(), *self.alternative_inputs.values())
+        sets = (*sets, self.table_low_parts, *self.variants.values(), *self.variant_inputs.values())
         for declared in sets:
             now += declared.values()
         seen, version = self._seen
@@ -76,22 +76,22 @@ class Declarations:
         symbol: str,
         meaning: str,
         rule: Rule = "any",
-        alternative: str | None = None,
+        variant: str | None = None,
         default: float | None = None,
         choices: Mapping[int, str] | None = None,
     ) -> None:
-        """Declare a number that the user gives; `alternative` restricts it to a named set of facts.
+        """Declare a number that the user gives; `variant` restricts it to a named set of facts.
 
         Giving an input of a set that has one with a default, or that the set is named after, chooses the set: see
-        `chosen_by`. The codes of `choices` become a dimension of the result unless the design names one.
+        `variants_selected_by`. The codes of `choices` become a dimension of the result unless the design names one.
         """
-        self._check_new(name, alternative)
+        self._check_new(name, variant)
         self._check_reading(name, public=False)
         declared = Input(name, units, symbol, meaning, rule, default, dict(choices or {}))
-        if alternative is None:
+        if variant is None:
             self.inputs[name] = declared
         else:
-            self.alternative_inputs.setdefault(alternative, {})[name] = declared
+            self.variant_inputs.setdefault(variant, {})[name] = declared
 
     def quantity(
         self,
@@ -101,7 +101,7 @@ class Declarations:
         source: str,
         internal: bool = False,
         flags: Mapping[int, str] | None = None,
-        alternative: str | None = None,
+        variant: str | None = None,
         name: str | None = None,
         meaning: str | None = None,
         given: Mapping[str, str] | None = None,
@@ -118,7 +118,7 @@ class Declarations:
             A step on the way: not offered to users by name.
         flags : mapping of int to str, optional
             For a quantity that is a code: the CF flag meanings of its values.
-        alternative : str, optional
+        variant : str, optional
             The name of the set of facts it belongs to, which replaces or adds facts when asked for.
         name, meaning : str, optional
             Instead of the function's name and the first line of its docstring: where one law holds for
@@ -138,9 +138,9 @@ class Declarations:
                 raise CatalogueError(f"{self.name}: fact {fact.name} has a low part, and is not internal")
             if hides_reduction:
                 self.hiding.add(fact.name)
-            known: Any = self.alternatives.setdefault(alternative, {}) if alternative else self.facts
+            known: Any = self.variants.setdefault(variant, {}) if variant else self.facts
             for each in fact.names:
-                self._check_new(each, alternative)
+                self._check_new(each, variant)
                 self._check_reading(each, public=not fact.internal)
                 known[each] = fact
             return function
@@ -152,15 +152,15 @@ class Declarations:
         *,
         units: str,
         source: str,
-        alternative: str | None = None,
+        variant: str | None = None,
         flags: Mapping[int, str] | None = None,
     ) -> Rows:
         """Return what declares quantities that users ask for, row by row."""
-        return Rows([self], units, source, internal=False, alternative=alternative, flags=flags)
+        return Rows([self], units, source, internal=False, variant=variant, flags=flags)
 
-    def steps(self, *, units: str, source: str, alternative: str | None = None) -> Rows:
+    def steps(self, *, units: str, source: str, variant: str | None = None) -> Rows:
         """Return what declares steps on the way, row by row."""
-        return Rows([self], units, source, internal=True, alternative=alternative)
+        return Rows([self], units, source, internal=True, variant=variant)
 
     def over_positions(self, *, units: str, symbol: str, source: str) -> Callable[[F], F]:
         """Declare a quantity that is made of whole curves: those of public facts, over all positions asked for.
@@ -188,7 +188,7 @@ class Declarations:
             fact = self._fact(function, "1", symbol, source, True, None)
             self._check_new(fact.name, None)
             self._check_reading(fact.name, public=False)
-            if fact.needs != (self.position.name,):
+            if fact.depends_on != (self.position.name,):
                 raise CatalogueError(
                     f"{self.name}: table {fact.name} must depend on {self.position.name} alone"
                 )
@@ -201,36 +201,38 @@ class Declarations:
 
         return declare
 
-    def system(self, name: str, unknowns: Sequence[str], *, alternative: str) -> Callable[[F], F]:
+    def system(self, name: str, unknowns: Sequence[str], *, variant: str) -> Callable[[F], F]:
         """Declare a linear system that determines `unknowns`, as part of a named set of facts."""
 
         def declare(function: F) -> F:
             declared = System(name, tuple(unknowns), function, parameters(function))
-            self.solvers = tuple(dict.fromkeys((*self.solvers, alternative)))
+            self.solvers = tuple(dict.fromkeys((*self.solvers, variant)))
             for unknown in unknowns:
-                self._check_new(unknown, alternative)
+                self._check_new(unknown, variant)
                 self._check_reading(unknown, public=False)
-                self.alternatives.setdefault(alternative, {})[unknown] = declared
+                self.variants.setdefault(variant, {})[unknown] = declared
             return function
 
         return declare
 
     def derivative(
-        self, name: str, by: str, *, given: Mapping[str, str] | None = None, alternative: str | None = None
+        self, name: str, by: str, *, given: Mapping[str, str] | None = None, variant: str | None = None
     ) -> Callable[[F], F]:
         """Declare the derivative of a fact or table by an input or the position, where a closed form is better.
 
         All others are generated, see `fastlink.symbolic.derivative`. It holds of the fact of that set
-        (`alternative`), not of
+        (`variant`), not of
         what replaces it.
         """
 
         def declare(function: F) -> F:
             fact = self.facts.get(name) or self.tables[name]
-            needs = tuple((given or {}).get(parameter, parameter) for parameter in parameters(function))
-            found = replace(labelled(fact, self.variables[by]), function=function, needs=needs, internal=True)
-            self._check_new(found.name, alternative)
-            within = self.facts if alternative is None else self.alternatives.setdefault(alternative, {})
+            depends_on = tuple((given or {}).get(parameter, parameter) for parameter in parameters(function))
+            found = replace(
+                labelled(fact, self.variables[by]), function=function, depends_on=depends_on, internal=True
+            )
+            self._check_new(found.name, variant)
+            within = self.facts if variant is None else self.variants.setdefault(variant, {})
             within[found.name] = found
             return function
 
@@ -238,21 +240,21 @@ class Declarations:
 
     def depends_on_solver(self, steps: Iterable[Fact | System]) -> bool:
         """Tell whether a solver determines any of the values of a closure, or has no derivative of one."""
-        solved = {name for key in self.solvers if key != ELIMINATED for name in self.alternatives[key]}
+        solved = {name for key in self.solvers if key != ELIMINATED for name in self.variants[key]}
         slopes = {derivative_name(name, by) for name in solved for by in self.variables}
         names = {
             name for step in steps for name in (step.unknowns if isinstance(step, System) else (step.name,))
         }
         return not names.isdisjoint(solved | slopes)
 
-    def derivatives(self, by: str, *, alternative: str | None = None) -> DerivativeRows:
+    def derivatives(self, by: str, *, variant: str | None = None) -> DerivativeRows:
         """Return what declares derivatives with respect to an input or the position, row by row."""
-        return DerivativeRows(self, by, alternative)
+        return DerivativeRows(self, by, variant)
 
     @property
     def variables(self) -> dict[str, Input]:
         """What there are derivatives by: every input that a design may give, and the position."""
-        sets = self.alternative_inputs.values()
+        sets = self.variant_inputs.values()
         known = {name: given for inputs in (self.inputs, *sets) for name, given in inputs.items()}
         return {**known, self.position.name: self.position}
 
@@ -274,8 +276,10 @@ class Declarations:
         for what, value in (("units", units), ("symbol", symbol), ("source", source), ("meaning", meaning)):
             if not value:
                 raise CatalogueError(f"{self.name}: fact {name} has no {what}")
-        needs = tuple((given or {}).get(parameter, parameter) for parameter in parameters(function))
-        return Fact(name, function, needs, units, symbol, meaning, source, internal, dict(flags or {}), low)
+        depends_on = tuple((given or {}).get(parameter, parameter) for parameter in parameters(function))
+        return Fact(
+            name, function, depends_on, units, symbol, meaning, source, internal, dict(flags or {}), low
+        )
 
     def parse(self, name: str) -> Name:
         """Return what a name is made of, see `fastlink.facts.names`."""
@@ -287,7 +291,7 @@ class Declarations:
 
     def declares(self, name: str) -> bool:
         """Tell whether a name is declared: that of a fact, an input, a table, the position."""
-        sets: tuple[Mapping[str, Any], ...] = (*self.alternatives.values(), *self.alternative_inputs.values())
+        sets: tuple[Mapping[str, Any], ...] = (*self.variants.values(), *self.variant_inputs.values())
         return self._is_own(name) or any(name in names for names in sets)
 
     def _is_own(self, name: str) -> bool:
@@ -305,12 +309,12 @@ class Declarations:
         """Tell whether a declared name is that of a quantity that users ask for."""
         return name in self.curves or (name in self.facts and not self.facts[name].internal)
 
-    def _check_new(self, name: str, alternative: str | None) -> None:
-        if alternative is None:
+    def _check_new(self, name: str, variant: str | None) -> None:
+        if variant is None:
             taken = self._is_own(name)
         else:
-            taken = name in self.alternatives.get(alternative, {})
-            taken = taken or name in self.alternative_inputs.get(alternative, {})
+            taken = name in self.variants.get(variant, {})
+            taken = taken or name in self.variant_inputs.get(variant, {})
         if taken:
             raise CatalogueError(f"{self.name}: {name} is declared twice")
 

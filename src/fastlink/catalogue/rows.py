@@ -24,7 +24,7 @@ class Rows:
         The labels of all rows but those that have their own.
     internal : bool
         Whether the facts are steps on the way.
-    alternative : str or None
+    variant : str or None
         The set of facts that they belong to.
     flags : mapping of int to str or None
         For quantities that are codes: the meanings of their values.
@@ -34,7 +34,7 @@ class Rows:
     units: str
     source: str
     internal: bool
-    alternative: str | None = None
+    variant: str | None = None
     flags: Mapping[int, str] | None = None
 
     def __call__(
@@ -70,7 +70,7 @@ class Rows:
                 source=source or self.source,
                 internal=self.internal,
                 flags=self.flags,
-                alternative=self.alternative,
+                variant=self.variant,
                 name=name,
                 meaning=meaning,
                 given=given,
@@ -84,8 +84,8 @@ class DerivativeRows:
 
     catalogue: Declarations
     by: str
-    alternative: str | None = None
+    variant: str | None = None
 
     def __call__(self, law: Callable[..., Any], name: str, /, **given: str) -> None:
         """Declare the derivative of the fact or table `name`; `given` is what stands for the law's parameters."""
-        self.catalogue.derivative(name, self.by, given=given, alternative=self.alternative)(law)
+        self.catalogue.derivative(name, self.by, given=given, variant=self.variant)(law)

@@ -10,25 +10,25 @@ from collections.abc import Callable, Mapping, Sequence
 from typing import TYPE_CHECKING
 
 from fastlink.catalogue.catalogue import Fact, parameters
-from fastlink.codegen.extrema_schedule import RefinedLayout
+from fastlink.codegen.extrema_schedule import ExtremaSchedule
 from fastlink.codegen.pointwise import results_of
 from fastlink.codegen.runtime.cells import HALF, ITEM_ROWS, LANES, MOST_LANES, STATE_ROWS, UPPER, X
 from fastlink.codegen.runtime.cells import F as F_ROW
 from fastlink.codegen.source import Array, Source, Text, paste_fact
 
 if TYPE_CHECKING:
-    from fastlink.plan.program import Output, RefinedClosure, Search
+    from fastlink.plan.program import ExtremaProgram, ExtremumSearch, Output
 
-__all__ = ["write_refined"]
+__all__ = ["write_extrema"]
 
 # Bisection alone halves a cell to nothing in half as many; values that are no numbers must not go on for ever.
 MOST_STEPS = 200
 
 
-class _Refined(RefinedLayout):
+class _Refined(ExtremaSchedule):
     """One kernel while it is written."""
 
-    def __init__(self, plan: RefinedClosure) -> None:
+    def __init__(self, plan: ExtremaProgram) -> None:
         super().__init__(plan)
         self.text = Text()
 
@@ -111,7 +111,7 @@ class _Refined(RefinedLayout):
         for k, name in enumerate(plan.inputs):
             text.add(f"{name} = designs[{k}, i0 + i]")
         for step in self.design_steps:
-            paste_fact(step, dict(zip(parameters(step.function), step.needs, strict=True)), "", text)
+            paste_fact(step, dict(zip(parameters(step.function), step.depends_on, strict=True)), "", text)
         for name, row in self.rows.items():
             text.add(f"w[{row}, i] = {name}")
         text.close()
@@ -147,7 +147,7 @@ class _Refined(RefinedLayout):
         for _ in range(3):
             text.close()
 
-    def write_marks(self, number: int, search: Search) -> None:
+    def write_marks(self, number: int, search: ExtremumSearch) -> None:
         """Store the samples of a function in all branches, and mark those before.
 
         Here the marks cost little: the loop waits for divisions.
@@ -166,7 +166,7 @@ class _Refined(RefinedLayout):
             text.add(f"{now} = {value}")
             text.add(f"marks[{row} + j1, i] = mark({before}, {here}, {value}, {self.sign_of(search, k)})")
 
-    def sign_of(self, search: Search, half: int) -> float:
+    def sign_of(self, search: ExtremumSearch, half: int) -> float:
         """Return the sign with which a function is searched in a half: the mirror continues the first one."""
         return float(search.slope_parity) if self.plan.mirrored and half == 0 else 1.0
 
@@ -190,20 +190,20 @@ class _Refined(RefinedLayout):
         """Return the name of a value, of one branch's copy where there are copies."""
         return name + (copy if "branch" in self.plan.axes[name] else "")
 
-    def scaled(self, search: Search, copy: str = "") -> str:
+    def scaled(self, search: ExtremumSearch, copy: str = "") -> str:
         """Return the derivative times the power of sin mu that keeps it finite and not zero at a toggle."""
         factors = [search.slope, *[self.graded.sine] * search.slope_order]
         return " * ".join(self.named(name, copy) for name in factors)
 
     def paste(self, step: Fact, copy: str = "") -> None:
         """Append a fact, reading the copies of one branch."""
-        names = (self.named(need, copy) for need in step.needs)
+        names = (self.named(need, copy) for need in step.depends_on)
         values = dict(zip(parameters(step.function), names, strict=True))
         paste_fact(step, values, copy if "branch" in self.plan.axes[step.name] else "", self.text)
 
     # -- the search --------------------------------------------------------------------------------
 
-    def write_search(self, number: int, search: Search) -> None:
+    def write_search(self, number: int, search: ExtremumSearch) -> None:
         """Cells that hold a zero of one function, their refinement, and what is found there."""
         text = self.text
         text.use("codegen.runtime.cells", "gather")
@@ -251,7 +251,7 @@ class _Refined(RefinedLayout):
         tables = "about, own, other, onto, order, parity, lists, best, found"
         self.text.add(f"take(state, filled, {number}, {ends}, w, {tables})")
 
-    def write_ends(self, number: int, search: Search) -> None:
+    def write_ends(self, number: int, search: ExtremumSearch) -> None:
         """Values at the ends of the range, where these may be extreme."""
         text = self.text
         text.use("codegen.runtime.results", "collect_ends")
@@ -265,7 +265,7 @@ class _Refined(RefinedLayout):
         self.write_take(number, ends=True)
         text.close()
 
-    def write_collect(self, number: int, search: Search) -> None:
+    def write_collect(self, number: int, search: ExtremumSearch) -> None:
         """Make items of all halves of one function."""
         self.text.use("codegen.runtime.sampling", "collect", "mark_ends")
         for half in range(self.halves):
@@ -275,7 +275,7 @@ class _Refined(RefinedLayout):
             where = f"{row}, {self.places}, {self.cells}, n_here, {half}"
             self.text.add(f"collect(w, samples, marks, {where}, counts, roots, valleys)")
 
-    def write_evaluations(self, number: int, search: Search) -> None:
+    def write_evaluations(self, number: int, search: ExtremumSearch) -> None:
         """Functions of their own: the sampled function at the places of items, and the quantity there."""
         self.write_evaluation(f"slope_{number}", search, self.slope_of(search), {F_ROW: self.scaled(search)})
         quantity, position = self.values_of(search)
@@ -283,7 +283,7 @@ class _Refined(RefinedLayout):
         self.write_evaluation(f"value_{number}", search, [quantity, position], stores)
 
     def write_evaluation(
-        self, name: str, search: Search, names: Sequence[str], stores: Mapping[int, str]
+        self, name: str, search: ExtremumSearch, names: Sequence[str], stores: Mapping[int, str]
     ) -> None:
         """A function of the state that computes values at the places of items."""
         outer, self.text.lines = self.text.lines, []
@@ -297,8 +297,8 @@ class _Refined(RefinedLayout):
         text.add(f"upper = state[{UPPER}, at + i] > 0.0")
         self.write_place(f"state[{X}, at + i]", "upper")
         self.write_half(f"state[{HALF}, at + i]")
-        steps, needs = self.needed_for(names), self.item_needs(search)
-        self.load_designs(steps, lambda need: STATE_ROWS + needs.index(need), "state", "at + i")
+        steps, depends_on = self.needed_for(names), self.item_needs(search)
+        self.load_designs(steps, lambda need: STATE_ROWS + depends_on.index(need), "state", "at + i")
         for step in steps:
             self.paste(step)
         for row, value in stores.items():
@@ -324,6 +324,6 @@ class _Refined(RefinedLayout):
         self.text.add(f"{name}(out_{output.name}, i0, n_here, {base}, {values})")
 
 
-def write_refined(plan: RefinedClosure) -> Source:
+def write_extrema(plan: ExtremaProgram) -> Source:
     """Return the text of the kernel, and what it is called with."""
     return _Refined(plan).write()

@@ -11,15 +11,15 @@ from fastlink.codegen.runtime.cells import STATE_ROWS
 from fastlink.codegen.runtime.results import GREATEST, LEAST, PLACE, VALUE
 
 if TYPE_CHECKING:
-    from fastlink.plan.program import Output, RefinedClosure, Search
+    from fastlink.plan.program import ExtremaProgram, ExtremumSearch, Output
 
-__all__ = ["RefinedLayout"]
+__all__ = ["ExtremaSchedule"]
 
 
-class RefinedLayout:
+class ExtremaSchedule:
     """The steps of a refined plan by loop, and the places of lane values."""
 
-    def __init__(self, plan: RefinedClosure) -> None:
+    def __init__(self, plan: ExtremaProgram) -> None:
         self.plan = plan
         graded = plan.catalogue.graded
         assert graded is not None
@@ -52,14 +52,14 @@ class RefinedLayout:
         found: list[Fact] = []
         for step in reversed(self.lane_steps):
             if needed.intersection(step.names):
-                needed.update(step.needs)
+                needed.update(step.depends_on)
                 found.insert(0, step)
         return found
 
     def design_needs(self, steps: Sequence[Fact]) -> list[str]:
         """Return what a loop over lanes reads of the design."""
-        needs = dict.fromkeys(need for step in steps for need in step.needs)
-        return [name for name in needs if self.plan.axes[name] <= {"design"}]
+        depends_on = dict.fromkeys(need for step in steps for need in step.depends_on)
+        return [name for name in depends_on if self.plan.axes[name] <= {"design"}]
 
     def mirror_of(self, branch: int) -> int:
         """Return where the results of a searched branch's mirror go, -1 for nowhere."""
@@ -76,19 +76,19 @@ class RefinedLayout:
         """Return what the sampled functions are made of."""
         return [self.graded.sine, *(search.slope for search in self.plan.searches)]
 
-    def slope_of(self, search: Search) -> list[str]:
+    def slope_of(self, search: ExtremumSearch) -> list[str]:
         """Return what one sampled function is made of."""
         return [self.graded.sine, search.slope]
 
-    def values_of(self, search: Search) -> list[str]:
+    def values_of(self, search: ExtremumSearch) -> list[str]:
         """Return what is evaluated where an extreme was found: the quantity and the input position."""
         return [search.quantity, self.plan.catalogue.position.name]
 
-    def item_needs(self, search: Search) -> list[str]:
+    def item_needs(self, search: ExtremumSearch) -> list[str]:
         """Return the design values that an item of a search carries."""
         return self.design_needs(self.needed_for((*self.slope_of(search), *self.values_of(search))))
 
-    def wants_ends(self, search: Search) -> int:
+    def wants_ends(self, search: ExtremumSearch) -> int:
         """Tell whether the ends of the range count: 0 for no, 1 where samples begin, 2 at the very end."""
         asked = (o for o in self.plan.outputs if o.request.quantity == search.quantity and not search.onto)
         return (2 if search.at_limit else 1) if any(o.request.can_be_refined for o in asked) else 0

@@ -12,13 +12,13 @@ from typing import TYPE_CHECKING
 
 from fastlink.catalogue.catalogue import Fact, System, parameters
 from fastlink.codegen.runtime.cells import LANES, MOST_LANES
-from fastlink.codegen.schedule import KernelLayout, Step
+from fastlink.codegen.schedule import Schedule, Step
 from fastlink.codegen.source import N_ANGLES, Array, Source, Text, paste_fact, paste_system
 from fastlink.facts.names import Quantity, Reduced
 from fastlink.plan.reductions import COUNT
 
 if TYPE_CHECKING:
-    from fastlink.plan.program import Closure, Output, RefinedClosure
+    from fastlink.plan.program import ExtremaProgram, Output, Program
 
 __all__ = ["results_of", "write_kernel"]
 
@@ -26,10 +26,10 @@ __all__ = ["results_of", "write_kernel"]
 TILE = 512
 
 
-class _Writer(KernelLayout):
+class _Writer(Schedule):
     """One kernel while it is written."""
 
-    def __init__(self, plan: Closure) -> None:
+    def __init__(self, plan: Program) -> None:
         super().__init__(plan)
         self.text = Text()
         self.tile: list[str] = []
@@ -87,7 +87,7 @@ class _Writer(KernelLayout):
         """Append steps for branch number k."""
         for step in steps:
             suffix = f"__{self.plan.branches[k]}" if "branch" in self.axes(step) else ""
-            copies = (self.copy_for(need, k) for need in step.needs)
+            copies = (self.copy_for(need, k) for need in step.depends_on)
             values = dict(zip(parameters(step.function), copies, strict=True))
             if isinstance(step, System):
                 self.paste_entries(step, values, suffix, k)
@@ -315,7 +315,7 @@ def _whole(output: Output, suffix: str) -> str:
     return f"{Reduced(Quantity(request.quantity), request.reduction.suffix)}__whole{suffix}"
 
 
-def results_of(plan: Closure | RefinedClosure) -> tuple[Array, ...]:
+def results_of(plan: Program | ExtremaProgram) -> tuple[Array, ...]:
     """Return the arrays of a plan's results: designs, then branches, then input positions or extremes."""
     lengths = {"branch": len(plan.branches)}
     return tuple(
@@ -323,6 +323,6 @@ def results_of(plan: Closure | RefinedClosure) -> tuple[Array, ...]:
     )
 
 
-def write_kernel(plan: Closure) -> Source:
+def write_kernel(plan: Program) -> Source:
     """Return the text of the plan's kernel, and what it is called with."""
     return _Writer(plan).write()

@@ -14,9 +14,9 @@ from typing import TYPE_CHECKING
 from fastlink.facts.fact import Fact, System, statements
 
 if TYPE_CHECKING:
-    from fastlink.plan.program import Closure, Output
+    from fastlink.plan.program import Output, Program
 
-__all__ = ["KernelLayout", "Step"]
+__all__ = ["Schedule", "Step"]
 
 Step = Fact | System
 
@@ -24,10 +24,10 @@ Step = Fact | System
 FEW_STEPS = 24
 
 
-class KernelLayout:
+class Schedule:
     """The steps of a plan by loop, and the places of lane values."""
 
-    def __init__(self, plan: Closure) -> None:
+    def __init__(self, plan: Program) -> None:
         self.plan = plan
         self.rows: dict[str, int] = {}
         self.position = plan.catalogue.position.name
@@ -69,11 +69,13 @@ class KernelLayout:
         return self._outside_needs(self.lane_steps, {"design"}, {"design", "branch"})
 
     def _outside_needs(self, steps: Sequence[Step], *kinds: set[str]) -> list[str]:
-        needs = [need for step in steps for need in step.needs]
-        needs += [o.request.quantity for o in (*self.curves, *self.cycles)]
+        depends_on = [need for step in steps for need in step.depends_on]
+        depends_on += [o.request.quantity for o in (*self.curves, *self.cycles)]
         made = {name for step in self.lane_steps for name in step.names}
         wanted = [
-            n for n in dict.fromkeys(needs) if n not in made and self.plan.axes[n] in map(frozenset, kinds)
+            n
+            for n in dict.fromkeys(depends_on)
+            if n not in made and self.plan.axes[n] in map(frozenset, kinds)
         ]
         return [n + suffix for n in wanted for suffix, _ in self.suffixes(n)]
 
@@ -126,7 +128,7 @@ class KernelLayout:
         logs = [s for s in self.lane_steps if "branch" not in self.axes(s) and _names(s, ("log_quotient",))]
         names = {name for step in logs for name in step.names}
         first = [step for step in self.needed_for(logs) if step not in logs]
-        if not first or any(names.intersection(step.needs) for step in first):
+        if not first or any(names.intersection(step.depends_on) for step in first):
             return [steps]
         first = [*self.angle_steps, *first]
         return [first, [step for step in steps if step not in first]]
@@ -137,7 +139,7 @@ class KernelLayout:
         found: list[Step] = []
         for step in reversed(self.lane_steps):
             if needed.intersection(step.names):
-                needed.update(step.needs)
+                needed.update(step.depends_on)
                 found.insert(0, step)
         return found
 
@@ -146,7 +148,7 @@ class KernelLayout:
         result: list[set[str]] = []
         for number, stage in enumerate(stages):
             made = {name for step in stage if isinstance(step, Fact) for name in step.names}
-            later = {need for rest in stages[number + 1 :] for step in rest for need in step.needs}
+            later = {need for rest in stages[number + 1 :] for step in rest for need in step.depends_on}
             later |= (
                 {o.request.quantity for o in (*self.curves, *self.cycles)}
                 if number < len(stages) - 1
@@ -157,11 +159,13 @@ class KernelLayout:
 
     def loads(self, stage: list[Step], made: set[str], carried: list[set[str]], last: bool) -> list[str]:
         """Return the lane values that a stage reads from scratch."""
-        needs = [need for step in stage for need in step.needs]
+        depends_on = [need for step in stage for need in step.depends_on]
         if last:
-            needs += [o.request.quantity for o in (*self.curves, *self.cycles)]
+            depends_on += [o.request.quantity for o in (*self.curves, *self.cycles)]
         earlier = set().union(*carried)
-        names = [n + suffix for n in dict.fromkeys(needs) if n not in made for suffix, _ in self.suffixes(n)]
+        names = [
+            n + suffix for n in dict.fromkeys(depends_on) if n not in made for suffix, _ in self.suffixes(n)
+        ]
         return [name for name in names if name in earlier or name in self.lane_needs()]
 
 

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 from fastlink.facts.fact import Fact, System, statements
 
 if TYPE_CHECKING:
-    from fastlink.plan.program import Closure, RefinedClosure
+    from fastlink.plan.program import ExtremaProgram, Program
 
 __all__ = ["Array", "Source", "Text", "paste_fact", "paste_system"]
 
@@ -114,7 +114,7 @@ class Text:
         self.imports.setdefault(f"fastlink.{module}", set()).update(names)
 
     def module(
-        self, plan: Closure | RefinedClosure, scratch: Sequence[Array], results: Sequence[Array]
+        self, plan: Program | ExtremaProgram, scratch: Sequence[Array], results: Sequence[Array]
     ) -> str:
         """Return a module: what it gives, its imports, what was written before, and the lines as the kernel's body."""
         names = ", ".join(array.name for array in (*scratch, *results))

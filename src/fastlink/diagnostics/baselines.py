@@ -15,23 +15,23 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from fastlink.engine.resolve import Asked
+    from fastlink.engine.resolve import ResolvedSweep
     from fastlink.plan.query import Request
 
 __all__ = ["by_brentq", "by_minimize", "by_numpy", "by_numpy_single"]
 
 
-def by_numpy(asked: Asked, designs: int) -> NDArray[Any]:
+def by_numpy(asked: ResolvedSweep, designs: int) -> NDArray[Any]:
     """Return curves, or the greatest or least of their samples, in doubles."""
     return _taken(asked.plan.outputs[0].request, _curves(asked, designs, "float64"))
 
 
-def by_numpy_single(asked: Asked, designs: int) -> NDArray[Any]:
+def by_numpy_single(asked: ResolvedSweep, designs: int) -> NDArray[Any]:
     """Return the same in single precision (but for arctangents)."""
     return _taken(asked.plan.outputs[0].request, _curves(asked, designs, "float32"))
 
 
-def by_minimize(asked: Asked, designs: int) -> NDArray[Any]:
+def by_minimize(asked: ResolvedSweep, designs: int) -> NDArray[Any]:
     """Return extremes by scipy's minimize_scalar, from the best of the samples."""
     from scipy.optimize import minimize_scalar
 
@@ -46,7 +46,7 @@ def by_minimize(asked: Asked, designs: int) -> NDArray[Any]:
     return _extremes(asked, designs, found)
 
 
-def by_brentq(asked: Asked, designs: int) -> NDArray[Any]:
+def by_brentq(asked: ResolvedSweep, designs: int) -> NDArray[Any]:
     """Return extremes by scipy's brentq on the derivative, from the best of the samples."""
     from scipy.optimize import brentq
 
@@ -63,7 +63,7 @@ def by_brentq(asked: Asked, designs: int) -> NDArray[Any]:
     return _extremes(asked, designs, found)
 
 
-def _curves(asked: Asked, designs: int, dtype: str) -> NDArray[Any]:
+def _curves(asked: ResolvedSweep, designs: int, dtype: str) -> NDArray[Any]:
     """Return the quantity (designs, branches, positions)."""
     catalogue, plan = asked.catalogue, asked.plan
     tables = (catalogue.position.name, *catalogue.tables, *catalogue.table_low_parts)
@@ -73,7 +73,7 @@ def _curves(asked: Asked, designs: int, dtype: str) -> NDArray[Any]:
     values = {name: value.astype(dtype) for name, value in values.items()}
     quantity = plan.outputs[0].request.quantity
     with np.errstate(all="ignore"):
-        found = read_facts(catalogue, [quantity], values, plan.alternatives)[quantity]
+        found = read_facts(catalogue, [quantity], values, plan.variants)[quantity]
     shape = (designs, len(asked.branches), asked.positions.size)
     curves: NDArray[Any] = np.broadcast_to(found, shape).astype(float)
     return curves if catalogue.varies(quantity) else curves[:, 0, 0]
@@ -94,7 +94,7 @@ def sign_of(request: Request) -> float:
     return float(request.reduction.sign)
 
 
-def _extremes(asked: Asked, designs: int, found: Callable[..., float]) -> NDArray[Any]:
+def _extremes(asked: ResolvedSweep, designs: int, found: Callable[..., float]) -> NDArray[Any]:
     """Return for each design and branch what ``found`` makes of the steps beside the best sample."""
     request, catalogue = asked.plan.outputs[0].request, asked.catalogue
     curves, inputs = sign_of(request) * _curves(asked, designs, "float64"), asked.space.at(np.arange(designs))
@@ -107,7 +107,7 @@ def _extremes(asked: Asked, designs: int, found: Callable[..., float]) -> NDArra
         def at(name: str, t: float, one: dict[str, float] = one) -> float:
             with np.errstate(all="ignore"):
                 known = {**one, catalogue.position.name: np.float64(t)}
-                return float(read_facts(catalogue, [name], known, asked.plan.alternatives)[name])
+                return float(read_facts(catalogue, [name], known, asked.plan.variants)[name])
 
         middle = asked.positions[int(np.nanargmax(curves[design, k]))]
         result[design, k] = found(at, request.quantity, sign_of(request), middle - step, middle + step)

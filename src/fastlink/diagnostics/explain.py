@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING
 from fastlink.codegen.kernel import llvm_text
 from fastlink.codegen.machine import assembly
 from fastlink.codegen.translate import Refused
-from fastlink.engine.resolve import Asked, resolve
+from fastlink.engine.resolve import ResolvedSweep, resolve
 from fastlink.numerics import compensated, vectors
 from fastlink.numerics.compiler import COMPILED_AS, syntax
 from fastlink.plan.plan import CurvePlan, RefinedPlan
@@ -166,7 +166,7 @@ def explain(study: str | Path) -> Explanation:
     return explain_request(resolve(read.shape.mechanism, read.space, read.shape.quantities, **read.options))
 
 
-def explain_request(asked: Asked) -> Explanation:
+def explain_request(asked: ResolvedSweep) -> Explanation:
     """Tell what a request computes and what it leaves out."""
     plan, catalogue = asked.plan, asked.catalogue
     made = dict.fromkeys(name for part in plan.parts for step in part.steps for name in step.names)
@@ -191,7 +191,9 @@ def _tables(part: Plan | RefinedPlan) -> tuple[str, ...]:
     return () if isinstance(part, RefinedPlan) else part.tables
 
 
-def _kernel(part: Plan | RefinedPlan, asked: Asked) -> tuple[str, tuple[str, ...], list[LoopWork], str]:
+def _kernel(
+    part: Plan | RefinedPlan, asked: ResolvedSweep
+) -> tuple[str, tuple[str, ...], list[LoopWork], str]:
     gives = ", ".join(output.name for output in part.outputs)
     if isinstance(part, RefinedPlan):
         gives += f"; every extreme of {', '.join(search.quantity for search in part.searches)}"

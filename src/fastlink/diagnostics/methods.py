@@ -14,14 +14,14 @@ import numpy as np
 from fastlink.catalogue.declare import ELIMINATED
 from fastlink.diagnostics import baselines as outside
 from fastlink.engine.executor import Job, run
-from fastlink.engine.resolve import Asked, resolve
+from fastlink.engine.resolve import ResolvedSweep, resolve
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from fastlink.space.design_space import DesignSpace
 
-__all__ = ["SECONDS_OF_DESIGN", "SECONDS_OF_WAY", "Bound", "Subject", "Way", "race", "ways_for"]
+__all__ = ["SECONDS_OF_DESIGN", "SECONDS_OF_WAY", "Bound", "Method", "Subject", "methods_for", "race"]
 
 #: Numbers of input angles that extremes are taken over, and the one for everything else.
 ANGLES = tuple(2**k for k in range(5, 13))
@@ -45,13 +45,13 @@ class Subject:
     quantity: str
     options: Mapping[str, Any]
 
-    def asked(self, **options: Any) -> Asked:
+    def asked(self, **options: Any) -> ResolvedSweep:
         """Return what is asked for, resolved with further options."""
         return resolve(self.mechanism, self.space, [self.quantity], **{**self.options, **options})
 
 
 @dataclass(frozen=True)
-class Way:
+class Method:
     """One way to a quantity.
 
     Attributes
@@ -69,7 +69,7 @@ class Way:
     name: str
     options: Mapping[str, Any] = field(default_factory=dict)
     relaxed: bool = False
-    outside: Callable[[Asked, int], NDArray[Any]] | None = None
+    outside: Callable[[ResolvedSweep, int], NDArray[Any]] | None = None
 
     def bind(self, subject: Subject) -> Bound:
         """Return this way to a quantity, evaluated once and ready to be timed."""
@@ -113,7 +113,7 @@ class Bound:
         return self.seconds
 
 
-def race(subject: Subject, ways: Iterable[Way]) -> dict[str, Bound]:
+def race(subject: Subject, ways: Iterable[Method]) -> dict[str, Bound]:
     """Return every way by name, timed in turns: what else the machine does then meets all alike."""
     bound = {way.name: way.bind(subject) for way in ways}
     idle = 0
@@ -133,31 +133,31 @@ def _repeated(space: DesignSpace, times: int) -> DesignSpace:
     return replace(space, shape=(space.size * times,), columns=columns)
 
 
-def ways_for(subject: Subject, with_outside: bool) -> list[Way]:
+def methods_for(subject: Subject, with_outside: bool) -> list[Method]:
     """Return every way to a quantity that its mechanism offers."""
     asked = subject.asked()
     output = asked.plan.outputs[0]
     others = [name for name in asked.catalogue.solvers if name != ELIMINATED and asked.solver]
     if output.request.reduction is None:
-        ways = [Way(solver, {"solver": solver}) for solver in (ELIMINATED, *others)]
-        ways.append(Way(f"{ELIMINATED}, relaxed", relaxed=True))
+        ways = [Method(solver, {"solver": solver}) for solver in (ELIMINATED, *others)]
+        ways.append(Method(f"{ELIMINATED}, relaxed", relaxed=True))
         if with_outside:
-            ways.append(Way("NumPy", outside=outside.by_numpy))
-            ways.append(Way("NumPy, single precision", outside=outside.by_numpy_single))
+            ways.append(Method("NumPy", outside=outside.by_numpy))
+            ways.append(Method("NumPy, single precision", outside=outside.by_numpy_single))
         return ways
     ways = []
     if output.refined:
-        ways += [Way("refined"), Way("refined, relaxed", relaxed=True)]
+        ways += [Method("refined"), Method("refined, relaxed", relaxed=True)]
     if asked.catalogue.positions is not None:  # an input without bounds has no whole turn
         return ways
     sampled = {"extrema": "sampled", "angles": USUAL}
-    ways += [Way(f"{count} angles", {**sampled, "angles": count}) for count in ANGLES]
-    ways += [Way(f"{USUAL} angles, {solver}", {**sampled, "solver": solver}) for solver in others]
-    ways.append(Way(f"{USUAL} angles", sampled))
-    ways.append(Way(f"{USUAL} angles, relaxed", sampled, relaxed=True))
+    ways += [Method(f"{count} angles", {**sampled, "angles": count}) for count in ANGLES]
+    ways += [Method(f"{USUAL} angles, {solver}", {**sampled, "solver": solver}) for solver in others]
+    ways.append(Method(f"{USUAL} angles", sampled))
+    ways.append(Method(f"{USUAL} angles, relaxed", sampled, relaxed=True))
     if with_outside:
-        ways.append(Way(f"NumPy, {USUAL} angles", sampled, outside=outside.by_numpy))
-        ways.append(Way("scipy, minimize_scalar", sampled, outside=outside.by_minimize))
+        ways.append(Method(f"NumPy, {USUAL} angles", sampled, outside=outside.by_numpy))
+        ways.append(Method("scipy, minimize_scalar", sampled, outside=outside.by_minimize))
         if output.refined:
-            ways.append(Way("scipy, brentq", sampled, outside=outside.by_brentq))
+            ways.append(Method("scipy, brentq", sampled, outside=outside.by_brentq))
     return ways

@@ -80,10 +80,10 @@ def accuracy_table(measured: xr.Dataset) -> str:
 
 def _row(way: Any) -> tuple[str, ...]:
     errors = [float(way[name]) for name in ("error_max", "error_99", "error_median")]
-    shown = ["-" if math.isnan(error) else f"{error:.1e}" for error in errors]
+    short_repr = ["-" if math.isnan(error) else f"{error:.1e}" for error in errors]
     missed = f"{int(way['missed'])} of {int(way['values'])}"
     star, name = "*" if int(way["pareto"]) else "", str(way["way"].values)
-    return (star, name, f"{float(way['ns_per_design']):,.0f}", *shown, missed)
+    return (star, name, f"{float(way['ns_per_design']):,.0f}", *short_repr, missed)
 
 
 def draw(measured: xr.Dataset, to: str | Path) -> None:

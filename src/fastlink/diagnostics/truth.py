@@ -9,7 +9,7 @@ import numpy as np
 
 from fastlink.diagnostics.baselines import sign_of
 from fastlink.precision.extrema import outermost
-from fastlink.precision.reference import CONTEXT, Exact
+from fastlink.precision.reference import CONTEXT, HighPrecision
 from fastlink.precision.stationary import Stationary
 
 if TYPE_CHECKING:
@@ -52,18 +52,20 @@ class Truth:
 def truth_of(subject: Subject, rng: np.random.Generator) -> Truth:
     """Return the exact values of a quantity: of each design in one branch, for a curve at one input position."""
     asked = subject.asked()
-    output, catalogue, alternatives = asked.plan.outputs[0], asked.catalogue, asked.plan.alternatives
+    output, catalogue, variants = asked.plan.outputs[0], asked.catalogue, asked.plan.variants
     count = asked.space.size
     inputs, k = asked.space.at(np.arange(count)), rng.integers(len(asked.branches), size=count)
     branches = np.array(asked.branches, dtype=float)[k]
     request = output.request
     if request.reduction is not None:
-        stationary = Stationary(catalogue, request.quantity, inputs, branches, alternatives)
+        stationary = Stationary(catalogue, request.quantity, inputs, branches, variants)
         sign = int(sign_of(request))
         extremes = [outermost(stationary, design, sign).value for design in range(count)]
         return Truth(list(zip(range(count), k.tolist(), strict=True)), extremes)
     positions = rng.integers(asked.positions.size, size=count)
-    facts = Exact(catalogue, [request.quantity], (*inputs, catalogue.position.name, "branch"), alternatives)
+    facts = HighPrecision(
+        catalogue, [request.quantity], (*inputs, catalogue.position.name, "branch"), variants
+    )
     places: list[tuple[int, ...]] = []
     exact = []
     for design in range(count):

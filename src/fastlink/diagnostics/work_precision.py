@@ -9,7 +9,7 @@ import numpy as np
 import xarray as xr
 
 from fastlink.catalogue.declare import ELIMINATED
-from fastlink.diagnostics.methods import SECONDS_OF_DESIGN, SECONDS_OF_WAY, Subject, race, ways_for
+from fastlink.diagnostics.methods import SECONDS_OF_DESIGN, SECONDS_OF_WAY, Subject, methods_for, race
 from fastlink.diagnostics.pareto import draw, front
 from fastlink.diagnostics.truth import truth_of
 from fastlink.engine.resolve import resolve
@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from fastlink.plan.plan import PlanSet
+    from fastlink.plan.plan import Plan_
 
 __all__ = ["accuracy"]
 
@@ -119,7 +119,7 @@ def accuracy(
     # each way has a solver of its own, the closed form unless it is named after another
     options = {**read.options, "solver": ELIMINATED}
     subjects = [Subject(read.shape.mechanism, space, quantity, options) for quantity in measured]
-    ways = [ways_for(subject, outside) for subject in subjects]
+    ways = [methods_for(subject, outside) for subject in subjects]
     if announce is not None:
         announce(_expected(sum(map(len, ways)), len(measured), space.size))
     rows: dict[tuple[str, str], dict[str, float]] = {}
@@ -153,7 +153,7 @@ def _expected(ways: int, quantities: int, designs: int) -> str:
     return f"{ways} ways to {quantities} {of} of {designs} designs: about {max(1, round(seconds))} s"
 
 
-def _measurable(plan: PlanSet) -> tuple[list[str], list[str]]:
+def _measurable(plan: Plan_) -> tuple[list[str], list[str]]:
     """Return the names that are measured, and those that are not: codes, means, lists, residuals, whole curves."""
     known = []
     for output in plan.outputs:

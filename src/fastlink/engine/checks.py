@@ -44,7 +44,7 @@ class Checked:
         The mechanism by the input that drives it.
     names : tuple of str
         The quantities.
-    alternatives : tuple of str
+    variants : tuple of str
         The chosen sets of facts.
     branches : tuple of int
         Assembly modes.
@@ -58,7 +58,7 @@ class Checked:
 
     catalogue: Catalogue
     names: tuple[str, ...]
-    alternatives: tuple[str, ...]
+    variants: tuple[str, ...]
     branches: tuple[int, ...]
     positions: NDArray[Any]
     extrema: Extrema
@@ -111,10 +111,10 @@ def check(
         names = names if "status" in names or not companions else (*names, "status")
     with problems.at():
         check_model(catalogue, links, solver)
-    alternatives = chosen_sets(catalogue, links, solver, () if space is None else space.names)
+    variants = chosen_sets(catalogue, links, solver, () if space is None else space.names)
     if space is not None:
         with problems.at():
-            check_inputs(catalogue, space, alternatives, allow_invalid)
+            check_inputs(catalogue, space, variants, allow_invalid)
     with problems.at():
         branches = check_branches(catalogue, branch)
     with problems.at():
@@ -128,7 +128,7 @@ def check(
     with problems.at():
         compiler = backend_of(backend)
     problems.stop()
-    return Checked(catalogue, names, alternatives, branches, values, way, compiler)
+    return Checked(catalogue, names, variants, branches, values, way, compiler)
 
 
 def check_names(called: str, given: Sequence[str]) -> tuple[str, ...]:

@@ -17,14 +17,14 @@ from fastlink.catalogue.catalogue import Catalogue, Fact, System
 from fastlink.catalogue.tables import angle_tables
 from fastlink.errors import InputError
 from fastlink.mechanisms import catalogue as find_catalogue
-from fastlink.plan.validate import all_choices, alternatives_of, constants_of
+from fastlink.plan.validate import all_choices, constants_of, variants_of
 from fastlink.space.links import Links
 
 __all__ = ["evaluate", "read_facts", "steps_of", "tables_at", "take_step"]
 
 
 def read_facts(
-    catalogue: Catalogue, names: Iterable[str], values: Mapping[str, Any], alternatives: Iterable[str] = ()
+    catalogue: Catalogue, names: Iterable[str], values: Mapping[str, Any], variants: Iterable[str] = ()
 ) -> dict[str, Any]:
     """Evaluate facts on whatever numbers the values are.
 
@@ -36,7 +36,7 @@ def read_facts(
         Facts, internal ones too.
     values : mapping
         Inputs, ``branch``, and the input position or its tables: floats, arrays or mpmath numbers.
-    alternatives : iterable of str
+    variants : iterable of str
         Chosen sets of facts.
 
     Returns
@@ -49,16 +49,16 @@ def read_facts(
     if position in known:
         tables = (*catalogue.tables, *catalogue.table_low_parts)
         known |= tables_at(catalogue, known[position], [name for name in tables if name not in known])
-    for step in steps_of(catalogue, names, known, alternatives):
+    for step in steps_of(catalogue, names, known, variants):
         take_step(step, known)
     return known
 
 
 def steps_of(
-    catalogue: Catalogue, names: Iterable[str], given: Iterable[str], alternatives: Iterable[str] = ()
+    catalogue: Catalogue, names: Iterable[str], given: Iterable[str], variants: Iterable[str] = ()
 ) -> tuple[Fact | System, ...]:
-    """Return what `Catalogue.closure` yields, found once."""
-    return _steps(catalogue, catalogue.version, tuple(names), frozenset(given), tuple(alternatives))
+    """Return what `Catalogue.dependencies` yields, found once."""
+    return _steps(catalogue, catalogue.version, tuple(names), frozenset(given), tuple(variants))
 
 
 @lru_cache(maxsize=256)
@@ -67,9 +67,9 @@ def _steps(
     version: int,
     names: tuple[str, ...],
     given: frozenset[str],
-    alternatives: tuple[str, ...],
+    variants: tuple[str, ...],
 ) -> tuple[Fact | System, ...]:
-    return tuple(catalogue.closure(names, given, alternatives))
+    return tuple(catalogue.dependencies(names, given, variants))
 
 
 def tables_at(catalogue: Catalogue, theta: Any, names: Iterable[str]) -> dict[str, Any]:
@@ -83,7 +83,7 @@ def tables_at(catalogue: Catalogue, theta: Any, names: Iterable[str]) -> dict[st
 def take_step(step: Fact | System, known: dict[str, Any]) -> None:
     """Add to the known values what a step of a closure gives."""
     if isinstance(step, System):
-        rows = step.function(*(known[need] for need in step.needs))
+        rows = step.function(*(known[need] for need in step.depends_on))
         known.update(zip(step.unknowns, _solve(rows), strict=True))
     else:
         known.update(step.values(known))
@@ -210,16 +210,16 @@ def _recipe(
     inputs: tuple[str, ...],
 ) -> _Recipe:
     links = None if model is None else Links(model, {})
-    alternatives = alternatives_of(catalogue, links, solver, inputs)
+    variants = variants_of(catalogue, links, solver, inputs)
     for name in names:
         if name in catalogue.curves:
             raise InputError(
                 f"evaluate: {name} is made of whole curves, which the given configurations need not be; "
                 "ask fastlink.sweep for it"
             )
-        catalogue.require(name)
-    codes = all_choices(catalogue, inputs, alternatives)
-    defaults = constants_of(catalogue, links, alternatives) | {name: of[0] for name, of in codes.items()}
+        catalogue.public_fact(name)
+    codes = all_choices(catalogue, inputs, variants)
+    defaults = constants_of(catalogue, links, variants) | {name: of[0] for name, of in codes.items()}
     position = catalogue.position.name
     if position not in inputs:
         declared = catalogue.position
@@ -227,8 +227,8 @@ def _recipe(
         raise InputError(f"evaluate: {position} is missing ({declared.meaning}); give it{unit}")
     tables = (position, *catalogue.tables, *catalogue.table_low_parts)
     given = {*defaults, *inputs, *of_links, *tables, "branch"}
-    steps = tuple(catalogue.closure(names, given, alternatives))
-    read = {*names, *(need for step in steps for need in step.needs)}
+    steps = tuple(catalogue.dependencies(names, given, variants))
+    read = {*names, *(need for step in steps for need in step.depends_on)}
     return _Recipe(defaults, tuple(name for name in tables if name in read), steps)
 
 

@@ -13,10 +13,10 @@ import numpy as np
 
 from fastlink.engine.binding import BLOCK, Bound, bind
 from fastlink.engine.checks import check_names
-from fastlink.engine.resolve import Asked, resolve
+from fastlink.engine.resolve import ResolvedSweep, resolve
 from fastlink.errors import InputError
 from fastlink.mechanisms import catalogue as find_catalogue
-from fastlink.plan.validate import allowed, alternatives_of, check_inputs, check_keywords
+from fastlink.plan.validate import allowed, check_inputs, check_keywords, variants_of
 from fastlink.space.design_space import DESIGN, DesignSpace
 from fastlink.space.samplers import grid
 
@@ -116,8 +116,8 @@ def function(
         called="outputs",
         **options,
     )
-    alternatives = alternatives_of(asked.catalogue, links, solver, varying.names)
-    check_inputs(asked.catalogue, DesignSpace("grid", (), (), constants), alternatives, False)
+    variants = variants_of(asked.catalogue, links, solver, varying.names)
+    check_inputs(asked.catalogue, DesignSpace("grid", (), (), constants), variants, False)
     _refuse_choices(asked, varying)
     again: Any = function
     recipe = partial(again, mechanism, names, list(outputs), **options, **fixed)
@@ -136,7 +136,7 @@ class Function:
     """
 
     def __init__(
-        self, asked: Asked, inputs: Sequence[str], one_branch: bool, recipe: Callable[[], Function]
+        self, asked: ResolvedSweep, inputs: Sequence[str], one_branch: bool, recipe: Callable[[], Function]
     ) -> None:
         self.inputs = tuple(inputs)
         self.outputs = tuple(output.name for output in asked.plan.outputs)
@@ -155,7 +155,7 @@ class Function:
             for output in asked.plan.outputs
         ]
         self._buffers = [(tuple(lengths[axis] for axis in o.axes), o.dtype) for o in asked.plan.outputs]
-        known = asked.catalogue.known_inputs(asked.plan.alternatives)
+        known = asked.catalogue.known_inputs(asked.plan.variants)
         self._declared = [known[name] for name in self.inputs]
         self._numbers = [k for k, output in enumerate(asked.plan.outputs) if output.dtype == "float64"]
         row = sum(8 * math.prod(shape) for shape in self._shapes)
@@ -249,7 +249,7 @@ def _fixed(
 ) -> tuple[dict[str, Any], dict[str, float]]:
     """Return the input positions by the name of the input, and the inputs that stay."""
     catalogue = find_catalogue(mechanism, input)
-    known = {catalogue.position.name, *catalogue.known_inputs(catalogue.alternative_inputs)}
+    known = {catalogue.position.name, *catalogue.known_inputs(catalogue.variant_inputs)}
     options = [name for name in signature(function).parameters if name != "fixed"]
     check_keywords(mechanism, catalogue, [name for name in fixed if name not in known], [*options, *known])
     positions = {name: values for name, values in fixed.items() if name == catalogue.position.name}
@@ -266,9 +266,9 @@ def _constants(fixed: Mapping[str, Any]) -> dict[str, float]:
     return space.constants
 
 
-def _refuse_choices(asked: Asked, varying: DesignSpace) -> None:
+def _refuse_choices(asked: ResolvedSweep, varying: DesignSpace) -> None:
     """Refuse an input that is a code and is not given; a sweep would have a dimension of all of them."""
-    known = asked.catalogue.known_inputs(asked.plan.alternatives)
+    known = asked.catalogue.known_inputs(asked.plan.variants)
     for name in asked.space.axes:
         if name not in varying.names:
             codes = ", ".join(f"{code} ({meaning})" for code, meaning in known[name].choices.items())

@@ -10,9 +10,9 @@ from typing import TYPE_CHECKING, Any
 
 from fastlink.engine.checks import Checked, check
 from fastlink.engine.executor import Part
-from fastlink.engine.scaling import Spread, find_spread
+from fastlink.engine.scaling import ScalingAxis, find_scaling_axis
 from fastlink.errors import InputError, Problem, Problems
-from fastlink.plan.plan import PlanSet, make_plans
+from fastlink.plan.plan import Plan_, make_plans
 from fastlink.plan.pointwise import ANGLES_FOR_LANES
 from fastlink.plan.query import Extrema, parse_request, with_lists
 from fastlink.plan.reductions import REDUCTIONS
@@ -28,11 +28,11 @@ if TYPE_CHECKING:
     from fastlink.space.design_space import DesignSpace
     from fastlink.space.links import Links
 
-__all__ = ["Asked", "resolve"]
+__all__ = ["ResolvedSweep", "resolve"]
 
 
 @dataclass(frozen=True, eq=False)
-class Asked:
+class ResolvedSweep:
     """A request to sweep that was found right.
 
     Attributes
@@ -60,11 +60,11 @@ class Asked:
     mechanism: str
     catalogue: Catalogue
     space: DesignSpace
-    plan: PlanSet
+    plan: Plan_
     branches: tuple[int, ...]
     positions: NDArray[Any]
     solver: str
-    spread: Spread | None
+    spread: ScalingAxis | None
     backend: str
 
     @property
@@ -119,7 +119,7 @@ def resolve(
     backend: str | None = None,
     companions: bool = True,
     called: str = "quantities",
-) -> Asked:
+) -> ResolvedSweep:
     """Check a request, and find what is to be computed; nothing is compiled.
 
     Parameters
@@ -157,9 +157,9 @@ def resolve(
         companions=companions,
         called=called,
     )
-    catalogue, alternatives = checked.catalogue, checked.alternatives
-    space = space.with_constants(constants_of(catalogue, links, alternatives))
-    for name, codes in all_choices(catalogue, space.names, alternatives).items():
+    catalogue, variants = checked.catalogue, checked.variants
+    space = space.with_constants(constants_of(catalogue, links, variants))
+    for name, codes in all_choices(catalogue, space.names, variants).items():
         space = space.with_axis(name, codes)
     try:
         plan = plans_of(
@@ -168,36 +168,36 @@ def resolve(
             companions,
             given=space.names,
             branches=checked.branches,
-            alternatives=alternatives,
+            variants=variants,
             angles=checked.positions.size,
             extrema=checked.extrema,
         )
     except InputError as error:
         raise (_faults(checked, space.names, called) or error) from None
-    spread = find_spread(plan, space)
+    spread = find_scaling_axis(plan, space)
     used = solver if plan.depends_on_solver else ""
-    return Asked(
+    return ResolvedSweep(
         mechanism, catalogue, space, plan, checked.branches, checked.positions, used, spread, checked.backend
     )
 
 
 def missing_inputs(
-    catalogue: Catalogue, names: Iterable[str], alternatives: Sequence[str], given: Iterable[str]
+    catalogue: Catalogue, names: Iterable[str], variants: Sequence[str], given: Iterable[str]
 ) -> list[Problem]:
     """Return each input that a quantity depends on and that nothing gives."""
-    of_links = {name for model in MODELS for name in catalogue.alternative_inputs.get(model, {})}
-    known, has = catalogue.known_inputs(alternatives), set(given)
-    absent = {name for name in known if name not in has and catalogue.lookup(name, alternatives) is None}
+    of_links = {name for model in MODELS for name in catalogue.variant_inputs.get(model, {})}
+    known, has = catalogue.known_inputs(variants), set(given)
+    absent = {name for name in known if name not in has and catalogue.resolve(name, variants) is None}
     tables = (catalogue.position.name, *catalogue.tables, *catalogue.table_low_parts)
     missing = []
     for request in (parse_request(name, catalogue) for name in names):
-        steps = catalogue.closure([request.quantity], {*has, *absent, *tables, "branch"}, alternatives)
-        needed = absent & {need for step in steps for need in step.needs}
+        steps = catalogue.dependencies([request.quantity], {*has, *absent, *tables, "branch"}, variants)
+        needed = absent & {need for step in steps for need in step.depends_on}
         for name in (name for name in known if name in needed):
             absent.discard(name)
             has.add(name)
             table = "links" if name in of_links else "design"
-            missing.append(catalogue.absence(known[name], request.name, table))
+            missing.append(catalogue.missing_message(known[name], request.name, table))
     return missing
 
 
@@ -206,7 +206,7 @@ def _faults(checked: Checked, given: Sequence[str], called: str) -> InputError |
     catalogue, problems = checked.catalogue, Problems()
     for k, name in enumerate(checked.names):
         with problems.at(called, k):
-            missing = missing_inputs(catalogue, [name], checked.alternatives, given)
+            missing = missing_inputs(catalogue, [name], checked.variants, given)
             known = [one.where for one in problems.noted]
             problems.noted += [one for one in missing if one.where not in known]
             if not missing:
@@ -215,7 +215,7 @@ def _faults(checked: Checked, given: Sequence[str], called: str) -> InputError |
                     [name],
                     given=given,
                     branches=checked.branches,
-                    alternatives=checked.alternatives,
+                    variants=checked.variants,
                     angles=checked.positions.size,
                     extrema=checked.extrema,
                 )
@@ -229,14 +229,14 @@ def plans_of(
     *,
     given: Iterable[str],
     branches: tuple[int, ...],
-    alternatives: tuple[str, ...],
+    variants: tuple[str, ...],
     angles: int,
     extrema: Extrema,
-) -> PlanSet:
+) -> Plan_:
     """Return what `make_plans` makes of a request, made once."""
     # the number of angles decides no more than what the lanes are
     lanes = min(angles, ANGLES_FOR_LANES)
-    known = tuple(names), companions, frozenset(given), branches, alternatives, lanes, extrema
+    known = tuple(names), companions, frozenset(given), branches, variants, lanes, extrema
     return _plans(catalogue, (catalogue.version, *REDUCTIONS.values()), *known)
 
 
@@ -248,16 +248,16 @@ def _plans(
     companions: bool,
     given: frozenset[str],
     branches: tuple[int, ...],
-    alternatives: tuple[str, ...],
+    variants: tuple[str, ...],
     angles: int,
     extrema: Extrema,
-) -> PlanSet:
+) -> Plan_:
     return make_plans(
         catalogue,
         with_lists(catalogue, names) if companions else names,
         given=sorted(given),
         branches=branches,
-        alternatives=alternatives,
+        variants=variants,
         angles=angles,
         extrema=extrema,
     )

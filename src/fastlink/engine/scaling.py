@@ -17,20 +17,20 @@ import numpy as np
 
 from fastlink.engine.executor import Deliver
 from fastlink.facts.names import ErrorBound, Trust
-from fastlink.symbolic.homogeneity import degrees
+from fastlink.symbolic.homogeneity import homogeneity_degrees
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from fastlink.plan.plan import PlanSet
+    from fastlink.plan.plan import Plan_
     from fastlink.plan.program import Output
     from fastlink.space.design_space import DesignSpace
 
-__all__ = ["Spread", "find_spread"]
+__all__ = ["ScalingAxis", "find_scaling_axis"]
 
 
 @dataclass(frozen=True)
-class Spread:
+class ScalingAxis:
     """A design space without one axis, and what its values do to each result.
 
     Attributes
@@ -104,7 +104,7 @@ class Spread:
         return found.reshape(-1, *part.shape[1:])
 
 
-def find_spread(plan: PlanSet, space: DesignSpace) -> Spread | None:
+def find_scaling_axis(plan: Plan_, space: DesignSpace) -> ScalingAxis | None:
     """Return how to use the longest axis of a grid that only scales what was asked for, if there is one.
 
     Its values must be positive: a rate's greatest value is minus its least one where the sense of rotation changes.
@@ -124,21 +124,23 @@ def find_spread(plan: PlanSet, space: DesignSpace) -> Spread | None:
             constants={**space.constants, name: 1.0},
         )
         factors = tuple(None if power == 0.0 else values**power for power in powers)
-        return Spread(name, rest, math.prod(space.shape[place + 1 :]), factors, len(values))
+        return ScalingAxis(name, rest, math.prod(space.shape[place + 1 :]), factors, len(values))
     return None
 
 
 @lru_cache(maxsize=256)
-def _powers(plan: PlanSet, given: tuple[str, ...], name: str) -> list[float] | None:
+def _powers(plan: Plan_, given: tuple[str, ...], name: str) -> list[float] | None:
     """Return by which power of an input each result grows, or None where one does not."""
     catalogue = plan.catalogue
-    if catalogue.known_inputs(plan.alternatives)[name].choices:
+    if catalogue.known_inputs(plan.variants)[name].choices:
         return None
     tables = (catalogue.position.name, *catalogue.tables, *catalogue.table_low_parts)
     asked = [output.request.quantity for output in plan.outputs]
     if any(isinstance(catalogue.parse(quantity), (ErrorBound, Trust)) for quantity in asked):
         return None  # an error bound knows nothing of the rounding of one more product
-    found = degrees(catalogue.closure(asked, (*given, *tables, "branch"), plan.alternatives), name)
+    found = homogeneity_degrees(
+        catalogue.dependencies(asked, (*given, *tables, "branch"), plan.variants), name
+    )
     powers = [_power(output, found) for output in plan.outputs]
     return None if None in powers else [power for power in powers if power is not None]
 

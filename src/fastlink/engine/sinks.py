@@ -12,12 +12,12 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from fastlink.engine.executor import Deliver
-    from fastlink.plan.plan import PlanSet
+    from fastlink.plan.plan import Plan_
 
-__all__ = ["Bar", "StatusCounts", "all_of", "progress_bar"]
+__all__ = ["Bar", "StatusCounts", "progress_bar", "tee"]
 
 
-def all_of(*takers: Deliver) -> Deliver:
+def tee(*takers: Deliver) -> Deliver:
     """Return what hands results on to each of several takers."""
 
     def deliver(start: int, stop: int, arrays: list[NDArray[Any]]) -> None:
@@ -30,7 +30,7 @@ def all_of(*takers: Deliver) -> Deliver:
 class StatusCounts:
     """How many designs have each status."""
 
-    def __init__(self, plan: PlanSet) -> None:
+    def __init__(self, plan: Plan_) -> None:
         self.place = [output.name for output in plan.outputs].index("status")
         self.flags = plan.catalogue.facts["status"].flags
         self.counts = np.zeros(max(self.flags) + 1, dtype=np.int64)
@@ -50,9 +50,9 @@ class StatusCounts:
 class Bar:
     """A progress bar that threads may feed."""
 
-    def __init__(self, total: int, shown: bool) -> None:
+    def __init__(self, total: int, short_repr: bool) -> None:
         self.bar: Any = None
-        if shown:
+        if short_repr:
             from tqdm import tqdm  # 15 ms, which nobody waits for who sees no bar
 
             self.bar = tqdm(total=total, unit=" designs", unit_scale=True, file=sys.stderr)

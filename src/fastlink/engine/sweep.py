@@ -14,8 +14,8 @@ import numpy as np
 
 from fastlink.engine import labels as labelling
 from fastlink.engine.executor import Deliver, Job, block_length, default_threads, run
-from fastlink.engine.resolve import Asked, resolve
-from fastlink.engine.sinks import StatusCounts, all_of, progress_bar
+from fastlink.engine.resolve import ResolvedSweep, resolve
+from fastlink.engine.sinks import StatusCounts, progress_bar, tee
 from fastlink.errors import InputError
 from fastlink.io import dataset as label
 from fastlink.io import writer as store
@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     import xarray as xr
     from numpy.typing import ArrayLike, NDArray
 
-    from fastlink.engine.scaling import Spread
+    from fastlink.engine.scaling import ScalingAxis
     from fastlink.space.design_space import DesignSpace
     from fastlink.space.links import Links
 
@@ -195,7 +195,7 @@ class _Sweep:
         How many designs are computed again.
     """
 
-    def __init__(self, asked: Asked, threads: int, block: int | None, verify: int) -> None:
+    def __init__(self, asked: ResolvedSweep, threads: int, block: int | None, verify: int) -> None:
         plan, space, positions = asked.plan, asked.space, asked.positions
         self.asked, self.plan, self.space, self.spread = asked, plan, space, asked.spread
         self.threads, self.block = threads, block
@@ -224,7 +224,7 @@ class _Sweep:
     def takers(self, show: Deliver) -> Deliver:
         """Return what takes the results besides the file or the arrays."""
         verified = [] if self.verification is None else [self.verification.take]
-        return all_of(self.counts.take, *verified, show)
+        return tee(self.counts.take, *verified, show)
 
     def measure(self) -> tuple[dict[str, Any], dict[str, dict[str, Any]]]:
         """Return the errors that were found, as attributes of the whole and of the variables."""
@@ -239,7 +239,7 @@ class _Sweep:
         if spread is None:
             run(self.job, targets=arrays, deliver=take, threads=self.threads, block=self.block)
         else:
-            deliver = spread.over(all_of(_into(arrays), take))
+            deliver = spread.over(tee(_into(arrays), take))
             run(self.job, deliver=deliver, threads=self.threads, block=self.block)
         about |= report()
         measured, errors = self.measure()
@@ -269,8 +269,8 @@ class _Sweep:
 
             take = self.takers(show)
             resumed = _replay(writer, variables, self.shapes, spread, take)
-            todo, take = writer.todo, all_of(write, take)
-            deliver = all_of(spread.over(take) if spread else take, lambda a, b, _: writer.record(a, b))
+            todo, take = writer.todo, tee(write, take)
+            deliver = tee(spread.over(take) if spread else take, lambda a, b, _: writer.record(a, b))
             run(self.job, deliver=deliver, threads=self.threads, block=self.block, todo=todo)
             found = report(resumed)
             errors: dict[str, dict[str, Any]] = {}
@@ -281,7 +281,7 @@ class _Sweep:
                 writer.finish(found, errors)
 
 
-def _fingerprint(asked: Asked, about: Mapping[str, Any], variables: Sequence[label.Variable]) -> str:
+def _fingerprint(asked: ResolvedSweep, about: Mapping[str, Any], variables: Sequence[label.Variable]) -> str:
     """Return what tells the file of a sweep from all others, however many threads write it."""
     labels = {name: value for name, value in about.items() if name != "threads"}
     return hashlib.sha256(repr((asked.fingerprint, labels, variables)).encode()).hexdigest()
@@ -291,7 +291,7 @@ def _replay(
     writer: store.Writer,
     variables: Sequence[label.Variable],
     shapes: Sequence[tuple[tuple[int, ...], str]],
-    spread: Spread | None,
+    spread: ScalingAxis | None,
     take: Deliver,
 ) -> int:
     """Hand on what a killed run has written; return how many designs these are."""

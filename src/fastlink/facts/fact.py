@@ -57,7 +57,7 @@ class Fact:
 
     name: str
     function: Callable[..., Any]
-    needs: tuple[str, ...]
+    depends_on: tuple[str, ...]
     units: str
     symbol: str
     meaning: str
@@ -73,13 +73,13 @@ class Fact:
 
     def values(self, known: Mapping[str, Any]) -> dict[str, Any]:
         """Evaluate the fact on known values of what it needs."""
-        value = self.function(*(known[need] for need in self.needs))
+        value = self.function(*(known[need] for need in self.depends_on))
         return {self.name: value} if self.low is None else dict(zip(self.names, value, strict=True))
 
     def renamed(self, rename: Callable[[str], str]) -> Fact:
         """Return the fact under other names."""
         low = None if self.low is None else rename(self.low)
-        return replace(self, name=rename(self.name), low=low, needs=tuple(map(rename, self.needs)))
+        return replace(self, name=rename(self.name), low=low, depends_on=tuple(map(rename, self.depends_on)))
 
 
 @dataclass(frozen=True)
@@ -89,7 +89,7 @@ class System:
     name: str
     unknowns: tuple[str, ...]
     function: Callable[..., Any]
-    needs: tuple[str, ...]
+    depends_on: tuple[str, ...]
 
     @property
     def names(self) -> tuple[str, ...]:

@@ -17,7 +17,7 @@ Renaming = Callable[[str], str]
 def facts_of(lender: Catalogue, names: Iterable[str], known: Iterable[str] = ()) -> list[Fact]:
     """Return what is computed for the names, in order, but for what is known."""
     leaves = {*known, *lender.inputs, *lender.tables, *lender.table_low_parts, "branch"}
-    return [step for step in lender.closure(names, leaves) if isinstance(step, Fact)]
+    return [step for step in lender.dependencies(names, leaves) if isinstance(step, Fact)]
 
 
 def with_derivatives(lender: Catalogue, names: Iterable[str], known: Iterable[str] = ()) -> dict[str, Fact]:
@@ -26,7 +26,7 @@ def with_derivatives(lender: Catalogue, names: Iterable[str], known: Iterable[st
     new = list(names)
     while new:
         found = {fact.name: fact for fact in facts_of(lender, new, (*known, *facts))}
-        tables = {need for fact in found.values() for need in fact.needs}.intersection(lender.tables)
+        tables = {need for fact in found.values() for need in fact.depends_on}.intersection(lender.tables)
         slopes = [
             str(Derivative(Quantity(name), by))
             for name in (*found, *sorted(tables))
@@ -34,8 +34,8 @@ def with_derivatives(lender: Catalogue, names: Iterable[str], known: Iterable[st
         ]
         declared = {name: lender.facts[name] for name in slopes if name in lender.facts}
         facts |= found | declared
-        needs = {need for fact in declared.values() for need in fact.needs}
-        new = sorted(needs.intersection(lender.facts).difference(facts, known))
+        depends_on = {need for fact in declared.values() for need in fact.depends_on}
+        new = sorted(depends_on.intersection(lender.facts).difference(facts, known))
     return facts
 
 
@@ -107,11 +107,11 @@ def borrow_range(
     graded = lender.graded
     assert graded is not None
     rename = renaming(lender, {leaf: leaf for leaf in graded.leaves} | dict(names), prefix)
-    places = [fact for fact in lender.alternatives[graded.name].values() if isinstance(fact, Fact)]
-    needed = {need for fact in places for need in fact.needs}.intersection(lender.facts)
+    places = [fact for fact in lender.variants[graded.name].values() if isinstance(fact, Fact)]
+    needed = {need for fact in places for need in fact.depends_on}.intersection(lender.facts)
     needed |= {graded.sine, graded.inverse, *(name for end in graded.ends for name in end)}
     borrow(borrower, lender, names, prefix, {name: {} for name in sorted(needed)})
-    borrower.alternatives[graded.name] = {rename(fact.name): fact.renamed(rename) for fact in places}
+    borrower.variants[graded.name] = {rename(fact.name): fact.renamed(rename) for fact in places}
     (low, high) = graded.ends
     borrower.graded = replace(
         graded,

@@ -12,11 +12,11 @@ from fastlink.numerics.compiler import compiled_as, inlined
 from fastlink.numerics.elementary import context_of
 
 __all__ = [
-    "gap",
     "gap_product_quotient",
     "pair_product",
     "power_of_two_below",
     "square_sum",
+    "sum_of_four",
     "two_product",
     "two_sum",
 ]
@@ -48,7 +48,7 @@ def two_product(a: Any, b: Any) -> Any:
 
 
 @inlined
-def gap(a: Any, b: Any, c: Any, d: Any) -> Any:
+def sum_of_four(a: Any, b: Any, c: Any, d: Any) -> Any:
     """Return a + b + c + d as (high, low): exact to twice the working precision.
 
     The eight factors of the input-output coefficients are such sums; near a change point they cancel.
@@ -76,7 +76,7 @@ def square_sum(a: Any, f: Any, f_low: Any, b: Any) -> Any:
     whole, whole_low = two_product(a, a)
     square, square_low = two_product(b, b)
     part, part_low = pair_product(f, f_low, square, square_low)
-    return gap(whole, whole_low, part, part_low)
+    return sum_of_four(whole, whole_low, part, part_low)
 
 
 @inlined

@@ -93,7 +93,7 @@ def cosh(x: Any) -> Any:
     return _tabled("cosh", x)
 
 
-def doublings(x: Any) -> Any:
+def binary_exponent(x: Any) -> Any:
     """Whole number nearest to x/log(2): how often e^x doubles; tabled once per sweep, never called in a kernel."""
     context = context_of(x)
     return np.rint(x / np.log(2.0)) if context is None else context.nint(x / context.ln2)

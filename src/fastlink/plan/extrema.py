@@ -6,16 +6,16 @@ from collections.abc import Iterable, Sequence
 from dataclasses import replace
 
 from fastlink.catalogue.catalogue import Catalogue, CatalogueError, Fact, System
-from fastlink.plan.program import Output, RefinedClosure, Search
-from fastlink.symbolic.asymptotics import grades
+from fastlink.plan.program import ExtremaProgram, ExtremumSearch, Output
+from fastlink.symbolic.asymptotics import asymptotics
 from fastlink.symbolic.derivative import NoDerivative, derivative_name
 
-__all__ = ["find_jumps", "find_search", "refined_closures"]
+__all__ = ["extrema_programs", "find_extremum_search", "find_jumps"]
 
 
-def find_search(
-    catalogue: Catalogue, quantity: str, given: Iterable[str], alternatives: Sequence[str]
-) -> Search | None:
+def find_extremum_search(
+    catalogue: Catalogue, quantity: str, given: Iterable[str], variants: Sequence[str]
+) -> ExtremumSearch | None:
     """Return how a quantity is searched, or None where it has no derivative or no graded range.
 
     Raises
@@ -28,14 +28,14 @@ def find_search(
         return None
     slope = derivative_name(quantity, catalogue.position.name)
     try:
-        steps = _closure(catalogue, (quantity, slope), given, alternatives)
+        steps = _closure(catalogue, (quantity, slope), given, variants)
     except (CatalogueError, NoDerivative):
         return None
     if any(isinstance(step, System) for step in steps):
         return None
-    found = grades(catalogue, steps, (*graded.leaves, "branch"))
-    needed = {name for step in _closure(catalogue, (quantity,), given, alternatives) for name in step.names}
-    return Search(
+    found = asymptotics(catalogue, steps, (*graded.leaves, "branch"))
+    needed = {name for step in _closure(catalogue, (quantity,), given, variants) for name in step.names}
+    return ExtremumSearch(
         quantity,
         slope,
         graded.cells.get(quantity, graded.cells_otherwise),
@@ -48,7 +48,7 @@ def find_search(
     )
 
 
-def find_jumps(catalogue: Catalogue, search: Search) -> Search | None:
+def find_jumps(catalogue: Catalogue, search: ExtremumSearch) -> ExtremumSearch | None:
     """Return where the angle of a search jumps by 2 pi, or None where it does not."""
     graded = catalogue.graded
     assert graded is not None
@@ -60,26 +60,26 @@ def find_jumps(catalogue: Catalogue, search: Search) -> Search | None:
 
 
 def _closure(
-    catalogue: Catalogue, names: Iterable[str], given: Iterable[str], alternatives: Sequence[str]
+    catalogue: Catalogue, names: Iterable[str], given: Iterable[str], variants: Sequence[str]
 ) -> tuple[Fact | System, ...]:
     """Return what is computed for facts at places of the graded range."""
     graded = catalogue.graded
     assert graded is not None
-    return tuple(catalogue.closure(names, (*given, *graded.leaves, "branch"), (graded.name, *alternatives)))
+    return tuple(catalogue.dependencies(names, (*given, *graded.leaves, "branch"), (graded.name, *variants)))
 
 
-def refined_closures(
+def extrema_programs(
     catalogue: Catalogue,
     outputs: Iterable[Output],
-    searches: Iterable[Search],
+    searches: Iterable[ExtremumSearch],
     given: Sequence[str],
     branches: tuple[int, ...],
-    alternatives: tuple[str, ...],
-) -> list[RefinedClosure]:
+    variants: tuple[str, ...],
+) -> list[ExtremaProgram]:
     """Group searches by what may share samples without changing any bit: fineness and symmetry."""
     graded = catalogue.graded
     assert graded is not None
-    groups: dict[tuple[int, bool], list[Search]] = {}
+    groups: dict[tuple[int, bool], list[ExtremumSearch]] = {}
     for search in searches:
         groups.setdefault((search.cells, search.parity != 0), []).append(search)
     asked = list(outputs)
@@ -88,15 +88,11 @@ def refined_closures(
     for group in groups.values():
         names = [catalogue.position.name, graded.sine, *ends]
         names += [name for search in group for name in (search.slope, search.quantity)]
-        steps = [s for s in _closure(catalogue, names, given, alternatives) if isinstance(s, Fact)]
-        read = {need for step in steps for need in step.needs}
-        inputs = tuple(
-            name for name in catalogue.known_inputs(alternatives) if name in read and name in given
-        )
+        steps = [s for s in _closure(catalogue, names, given, variants) if isinstance(s, Fact)]
+        read = {need for step in steps for need in step.depends_on}
+        inputs = tuple(name for name in catalogue.known_inputs(variants) if name in read and name in given)
         own = tuple(
             o for search in group for o in asked if o.request.quantity == search.quantity and not search.onto
         )
-        result.append(
-            RefinedClosure(catalogue, own, tuple(group), tuple(steps), inputs, branches, alternatives)
-        )
+        result.append(ExtremaProgram(catalogue, own, tuple(group), tuple(steps), inputs, branches, variants))
     return result

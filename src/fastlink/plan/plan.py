@@ -11,12 +11,12 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from fastlink.catalogue.catalogue import Catalogue, Fact, System
-from fastlink.codegen.extrema import write_refined
+from fastlink.codegen.extrema import write_extrema
 from fastlink.errors import InputError
 from fastlink.facts.names import Quantity, Reduced
-from fastlink.plan.extrema import find_jumps, find_search, refined_closures
+from fastlink.plan.extrema import extrema_programs, find_extremum_search, find_jumps
 from fastlink.plan.pointwise import ANGLES_FOR_LANES, Kernel, Plan, make_plan, output_of, parse_requests
-from fastlink.plan.program import Output, RefinedClosure, Search
+from fastlink.plan.program import ExtremaProgram, ExtremumSearch, Output
 from fastlink.plan.query import Extrema, Request
 
 if TYPE_CHECKING:
@@ -24,16 +24,16 @@ if TYPE_CHECKING:
 
     from fastlink.codegen.source import Source
 
-__all__ = ["CurvePlan", "PlanSet", "RefinedPlan", "make_plans"]
+__all__ = ["CurvePlan", "Plan_", "RefinedPlan", "make_plans"]
 
 
-class RefinedPlan(RefinedClosure, Kernel):
+class RefinedPlan(ExtremaProgram, Kernel):
     """A closure that finds every extreme of some quantities, with its kernel."""
 
     @cached_property
     def written(self) -> Source:  # type: ignore[override]
         """The text of the kernel, and what it is called with."""
-        return write_refined(self)
+        return write_extrema(self)
 
     def angle_tables(self, theta: NDArray[Any]) -> NDArray[Any]:
         """Return an empty angle array: places are graded by design."""
@@ -74,13 +74,13 @@ class CurvePlan(Plan):
             kernel(x, angles, n, n_angles, *scratch, *curves.values())
             with np.errstate(all="ignore"):
                 for fact, result in zip(self.facts, results, strict=True):
-                    result[...] = fact.function(*(curves[need] for need in fact.needs))
+                    result[...] = fact.function(*(curves[need] for need in fact.depends_on))
 
         return run
 
 
 @dataclass(frozen=True, eq=False)
-class PlanSet:
+class Plan_:
     """The kernels that together give all results; it is itself alone that it equals, so that things are kept by it.
 
     Attributes
@@ -93,7 +93,7 @@ class PlanSet:
         The kernels.
     branches : tuple of int
         The assembly modes.
-    alternatives : tuple of str
+    variants : tuple of str
         The chosen sets of facts.
     extrema_kept : int
         Length of the dimension of extremes.
@@ -103,7 +103,7 @@ class PlanSet:
     outputs: tuple[Output, ...]
     parts: tuple[Plan | RefinedPlan, ...]
     branches: tuple[int, ...]
-    alternatives: tuple[str, ...]
+    variants: tuple[str, ...]
     extrema_kept: int
 
     @property
@@ -131,10 +131,10 @@ def make_plans(
     *,
     given: Sequence[str],
     branches: Sequence[int] = (1, 2),
-    alternatives: Sequence[str] = (),
+    variants: Sequence[str] = (),
     angles: int = 360,
     extrema: Extrema = "refined",
-) -> PlanSet:
+) -> Plan_:
     """Resolve the asked names into kernels.
 
     Parameters
@@ -147,7 +147,7 @@ def make_plans(
         The inputs that the design space gives.
     branches : sequence of int
         Assembly modes.
-    alternatives : sequence of str
+    variants : sequence of str
         Chosen sets of facts.
     angles : int
         Number of input positions.
@@ -164,12 +164,12 @@ def make_plans(
         if request.name in given:
             what = f"quantity {request.name!r} is given, and a coordinate of the result"
             raise InputError(what, remedy="leave it out")
-    searches: dict[str, Search] = {}
+    searches: dict[str, ExtremumSearch] = {}
     refined: set[str] = set()
     for request in requests:
         if request.listed or (extrema == "refined" and request.can_be_refined):
-            search = searches.get(request.quantity) or find_search(
-                catalogue, request.quantity, given, alternatives
+            search = searches.get(request.quantity) or find_extremum_search(
+                catalogue, request.quantity, given, variants
             )
             if search is not None:
                 searches[request.quantity] = search
@@ -178,7 +178,7 @@ def make_plans(
                 raise _not_refined(request, catalogue)
     sampled = [r.name for r in requests if r.name not in refined and not r.of_curves]
     outputs = tuple(output_of(r, catalogue, refined=r.name in refined) for r in requests)
-    options: dict[str, Any] = {"branches": branches, "alternatives": alternatives, "angles": angles}
+    options: dict[str, Any] = {"branches": branches, "variants": variants, "angles": angles}
     parts: list[Plan | RefinedPlan] = []
     if sampled:
         parts += _split(make_plan(catalogue, sampled, given=given, **options), angles)
@@ -187,17 +187,17 @@ def make_plans(
     if searches:
         bounded = {r.quantity for r in requests if r.name in refined and r.can_be_refined}
         jumps = [find_jumps(catalogue, search) for name, search in searches.items() if name in bounded]
-        closures = refined_closures(
+        programs = extrema_programs(
             catalogue,
             [o for o in outputs if o.refined],
             [*searches.values(), *(jump for jump in jumps if jump is not None)],
             given,
             tuple(branches),
-            tuple(alternatives),
+            tuple(variants),
         )
-        parts += [RefinedPlan(*(getattr(c, field.name) for field in fields(c))) for c in closures]
+        parts += [RefinedPlan(*(getattr(c, field.name) for field in fields(c))) for c in programs]
     kept = max((search.most for search in searches.values()), default=0)
-    return PlanSet(catalogue, outputs, tuple(parts), tuple(branches), tuple(alternatives), kept)
+    return Plan_(catalogue, outputs, tuple(parts), tuple(branches), tuple(variants), kept)
 
 
 def _not_refined(request: Request, catalogue: Catalogue) -> InputError:
@@ -216,8 +216,8 @@ def _over_curves(
 ) -> CurvePlan:
     """Return the plan of what is made of whole curves."""
     facts = tuple(catalogue.curves[output.name] for output in outputs)
-    needs = dict.fromkeys(need for fact in facts for need in fact.needs)
-    curves = make_plan(catalogue, needs, given=given, **options)
+    depends_on = dict.fromkeys(need for fact in facts for need in fact.depends_on)
+    curves = make_plan(catalogue, depends_on, given=given, **options)
     same = {field.name: getattr(curves, field.name) for field in fields(curves)}
     return CurvePlan(
         **same | {"outputs": outputs, "steps": (*curves.steps, *facts)}, curves=curves, facts=facts
@@ -238,5 +238,5 @@ def _split(plan: Plan, angles: int) -> list[Plan]:
     )
     if whole or not curves or not rest:
         return [plan]
-    options: dict[str, Any] = {"branches": plan.branches, "alternatives": plan.alternatives, "angles": angles}
+    options: dict[str, Any] = {"branches": plan.branches, "variants": plan.variants, "angles": angles}
     return [make_plan(plan.catalogue, names, given=plan.inputs, **options) for names in (curves, rest)]

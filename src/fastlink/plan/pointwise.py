@@ -16,7 +16,7 @@ from fastlink.catalogue.tables import angle_tables
 from fastlink.codegen.kernel import backend_of, kernel_key, load_kernel
 from fastlink.codegen.pointwise import write_kernel
 from fastlink.errors import InputError
-from fastlink.plan.program import EXTREMUM, Closure, Lanes, Output
+from fastlink.plan.program import EXTREMUM, Lanes, Output, Program
 from fastlink.plan.query import Request, parse_request
 
 if TYPE_CHECKING:
@@ -73,7 +73,7 @@ class Kernel:
         return {}
 
 
-class Plan(Closure, Kernel):
+class Plan(Program, Kernel):
     """A closure over given input positions, with its kernel."""
 
     @cached_property
@@ -92,7 +92,7 @@ def make_plan(
     *,
     given: Iterable[str],
     branches: Sequence[int] = (1, 2),
-    alternatives: Sequence[str] = (),
+    variants: Sequence[str] = (),
     angles: int = 360,
     lanes: Lanes | None = None,
 ) -> Plan:
@@ -108,7 +108,7 @@ def make_plan(
         The inputs that the design space gives.
     branches : sequence of int
         Assembly modes.
-    alternatives : sequence of str
+    variants : sequence of str
         Chosen sets of facts, such as ``"round_bar"`` or ``"dense"``.
     angles : int
         Number of input positions: decides, with what is asked, what the lanes are.
@@ -124,8 +124,8 @@ def make_plan(
     position = catalogue.position.name
     tables = (position, *catalogue.tables, *catalogue.table_low_parts)
     leaves = (*given, *tables, "branch")
-    steps = tuple(catalogue.closure([request.quantity for request in requests], leaves, alternatives))
-    read = {need for step in steps for need in step.needs}
+    steps = tuple(catalogue.dependencies([request.quantity for request in requests], leaves, variants))
+    read = {need for step in steps for need in step.depends_on}
     read_tables = tuple(name for name in tables if name in read)
     if any(request.place for request in requests) and position not in read_tables:
         read_tables = (position, *read_tables)
@@ -137,8 +137,8 @@ def make_plan(
             "designs" if has_cycle or has_system or angles < ANGLES_FOR_LANES or not read_tables else "angles"
         )
     # In the catalogue's order, so that one set of names has one kernel however the design is written.
-    inputs = tuple(name for name in catalogue.known_inputs(alternatives) if name in read and name in leaves)
-    return Plan(catalogue, outputs, steps, inputs, read_tables, tuple(branches), lanes, tuple(alternatives))
+    inputs = tuple(name for name in catalogue.known_inputs(variants) if name in read and name in leaves)
+    return Plan(catalogue, outputs, steps, inputs, read_tables, tuple(branches), lanes, tuple(variants))
 
 
 def parse_requests(names: Iterable[str], catalogue: Catalogue) -> list[Request]:
@@ -152,7 +152,7 @@ def parse_requests(names: Iterable[str], catalogue: Catalogue) -> list[Request]:
 
 def output_of(request: Request, catalogue: Catalogue, *, refined: bool = False) -> Output:
     """Return what a request results in."""
-    fact = catalogue.require(request.quantity)
+    fact = catalogue.public_fact(request.quantity)
     axes: tuple[str, ...]
     if not catalogue.varies(fact.name):
         axes = ()

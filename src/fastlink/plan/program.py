@@ -10,7 +10,7 @@ from typing import Literal
 from fastlink.catalogue.catalogue import Catalogue, Fact, System
 from fastlink.plan.query import Request
 
-__all__ = ["EXTREMUM", "Closure", "Lanes", "Output", "RefinedClosure", "Search"]
+__all__ = ["EXTREMUM", "ExtremaProgram", "ExtremumSearch", "Lanes", "Output", "Program"]
 
 Lanes = Literal["designs", "angles"]
 #: The dimension along which the extremes of a quantity stand.
@@ -33,7 +33,7 @@ class Output:
 
 
 @dataclass(frozen=True)
-class Closure:
+class Program:
     """What is computed for a set of names.
 
     Attributes
@@ -52,7 +52,7 @@ class Closure:
         The assembly modes.
     lanes : {"designs", "angles"}
         What stands side by side in the vector lanes.
-    alternatives : tuple of str
+    variants : tuple of str
         The chosen sets of facts.
     """
 
@@ -63,7 +63,7 @@ class Closure:
     tables: tuple[str, ...]
     branches: tuple[int, ...]
     lanes: Lanes
-    alternatives: tuple[str, ...]
+    variants: tuple[str, ...]
 
     @cached_property
     def axes(self) -> dict[str, frozenset[str]]:
@@ -77,7 +77,7 @@ class Closure:
 
 
 @dataclass(frozen=True)
-class Search:
+class ExtremumSearch:
     """One quantity whose extremes are looked for.
 
     Attributes
@@ -111,7 +111,7 @@ class Search:
 
 
 @dataclass(frozen=True)
-class RefinedClosure:
+class ExtremaProgram:
     """What is computed to find every extreme of some quantities.
 
     Attributes
@@ -128,17 +128,17 @@ class RefinedClosure:
         The inputs that are read, the rows of the kernel's design array.
     branches : tuple of int
         The assembly modes that are asked for.
-    alternatives : tuple of str
+    variants : tuple of str
         The chosen sets of facts.
     """
 
     catalogue: Catalogue
     outputs: tuple[Output, ...]
-    searches: tuple[Search, ...]
+    searches: tuple[ExtremumSearch, ...]
     steps: tuple[Fact, ...]
     inputs: tuple[str, ...]
     branches: tuple[int, ...]
-    alternatives: tuple[str, ...]
+    variants: tuple[str, ...]
 
     @cached_property
     def axes(self) -> dict[str, frozenset[str]]:
@@ -171,7 +171,7 @@ def axes_of(
     axes |= {name: frozenset({position}) for name in positions}
     axes["branch"] = frozenset({"branch"})
     for step in steps:
-        joint = frozenset[str]().union(*(axes[need] for need in step.needs))
+        joint = frozenset[str]().union(*(axes[need] for need in step.depends_on))
         for name in step.names:
             axes[name] = joint
     return axes

@@ -15,7 +15,7 @@ from fastlink.catalogue.declare import ELIMINATED
 from fastlink.errors import InputError, Place, Problem, Problems, Samples, Setting, suggest
 from fastlink.mechanisms import NAMES, inputs_of
 from fastlink.plan.query import Extrema, parse_request
-from fastlink.space.design_space import shown
+from fastlink.space.design_space import short_repr
 from fastlink.space.links import Links
 
 if TYPE_CHECKING:
@@ -26,7 +26,6 @@ if TYPE_CHECKING:
 __all__ = [
     "all_choices",
     "allowed",
-    "alternatives_of",
     "check_branches",
     "check_extrema",
     "check_inputs",
@@ -37,6 +36,7 @@ __all__ = [
     "chosen_sets",
     "constants_of",
     "given_angles",
+    "variants_of",
 ]
 
 EXTREMA: tuple[Extrema, ...] = ("refined", "sampled")
@@ -44,12 +44,12 @@ ANGLES = 360
 RULES = {"positive": "greater than 0", "non-negative": "at least 0"}
 
 
-def alternatives_of(
+def variants_of(
     catalogue: Catalogue, links: Links | None, solver: str, given: Iterable[str] = ()
 ) -> tuple[str, ...]:
     """Return the chosen sets of facts, what replaces before what is replaced.
 
-    Giving an input of a load (see `Catalogue.chosen_by`) chooses its facts.
+    Giving an input of a load (see `Catalogue.variants_selected_by`) chooses its facts.
 
     Raises
     ------
@@ -74,7 +74,7 @@ def check_model(catalogue: Catalogue, links: Links | None, solver: str) -> None:
         problems.add(what, ("solver",), "leave solver out")
     elif solver not in catalogue.solvers:
         problems.add(f"{solver!r} is unknown", ("solver",), suggest(str(solver), catalogue.solvers))
-    if links is not None and links.model not in catalogue.alternative_inputs:
+    if links is not None and links.model not in catalogue.variant_inputs:
         problems.add(f"nothing of {catalogue.name} depends on mass", ("links",), "leave them out")
     problems.stop()
 
@@ -82,28 +82,28 @@ def check_model(catalogue: Catalogue, links: Links | None, solver: str) -> None:
 def chosen_sets(
     catalogue: Catalogue, links: Links | None, solver: str, given: Iterable[str]
 ) -> tuple[str, ...]:
-    """Return what `alternatives_of` does of what was checked already."""
+    """Return what `variants_of` does of what was checked already."""
     solved = () if solver == ELIMINATED else (solver,)
-    return (*solved, *catalogue.chosen_by(given), *(() if links is None else (links.model,)))
+    return (*solved, *catalogue.variants_selected_by(given), *(() if links is None else (links.model,)))
 
 
-def constants_of(catalogue: Catalogue, links: Links | None, alternatives: Iterable[str]) -> dict[str, float]:
+def constants_of(catalogue: Catalogue, links: Links | None, variants: Iterable[str]) -> dict[str, float]:
     """Return the inputs that a design need not give: those of the links, and the defaults of the chosen sets."""
-    inputs = catalogue.known_inputs(alternatives).values()
+    inputs = catalogue.known_inputs(variants).values()
     defaults = {known.name: known.default for known in inputs if known.default is not None}
     return defaults | dict(links.values if links is not None else {})
 
 
 def all_choices(
-    catalogue: Catalogue, given: Iterable[str], alternatives: Iterable[str]
+    catalogue: Catalogue, given: Iterable[str], variants: Iterable[str]
 ) -> dict[str, tuple[int, ...]]:
     """Return the codes of each input that has choices and is not given."""
-    inputs = catalogue.known_inputs(alternatives).values()
+    inputs = catalogue.known_inputs(variants).values()
     return {i.name: tuple(i.choices) for i in inputs if i.choices and i.name not in given}
 
 
 def check_inputs(
-    catalogue: Catalogue, space: DesignSpace, alternatives: Sequence[str], allow_invalid: bool
+    catalogue: Catalogue, space: DesignSpace, variants: Sequence[str], allow_invalid: bool
 ) -> None:
     """Refuse an unknown input, and values that no such thing can have.
 
@@ -112,7 +112,7 @@ def check_inputs(
     InputError
         With the input, the first bad value, where it stands and what is allowed.
     """
-    known = catalogue.known_inputs(alternatives)
+    known = catalogue.known_inputs(variants)
     problems = Problems()
     for name, other in _exclusive(catalogue, catalogue.version, tuple(space.names))[:1]:
         problems.add(f"{other} and {name} determine each other", ("design",), "leave one of them out")
@@ -128,7 +128,12 @@ def check_inputs(
 @lru_cache(maxsize=256)
 def _exclusive(catalogue: Catalogue, version: int, names: tuple[str, ...]) -> list[tuple[str, str]]:
     """Return the pairs of given inputs that determine each other."""
-    return [(name, other) for name in names for other in catalogue.instead_of(name) if other in names]
+    return [
+        (name, other)
+        for name in names
+        for other in catalogue.mutually_exclusive_inputs(name)
+        if other in names
+    ]
 
 
 def allowed(declared: Input, value: Any) -> Any:
@@ -143,11 +148,11 @@ def allowed(declared: Input, value: Any) -> Any:
 
 def _unknown_input(catalogue: Catalogue, name: str, known: dict[str, Input]) -> Problem:
     where: Place = ("design", name)
-    for model, inputs in catalogue.alternative_inputs.items():
+    for model, inputs in catalogue.variant_inputs.items():
         if name in inputs:
             remedy = "choose that model, or leave it out"
             return Problem(f"belongs to links of model {model!r}", where, remedy)
-    others = [key for key, inputs in catalogue.alternative_inputs.items() if key in inputs]
+    others = [key for key, inputs in catalogue.variant_inputs.items() if key in inputs]
     return Problem(f"is unknown to {catalogue.name}", where, suggest(name, [*known, *others]))
 
 
@@ -309,7 +314,7 @@ def check_positions(catalogue: Catalogue, given: int | ArrayLike, key: str = "an
         values = np.empty((0, 0))
     if values.ndim != 1 or isinstance(given, (bool, str)):
         remedy = f"write a number of angles, or a flat array of {noun}"
-        raise InputError(f"is {shown(given)}", where=(key,), remedy=remedy)
+        raise InputError(f"is {short_repr(given)}", where=(key,), remedy=remedy)
     if values.size == 0:
         raise InputError("the array of input positions is empty", where=(key,), remedy="give at least one")
     bad = np.flatnonzero(~np.isfinite(values))

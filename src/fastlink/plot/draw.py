@@ -125,12 +125,12 @@ def _draw_maps(
     else:
         norm, colours, extend = colours_of(values, ~odd, variable.attrs.get("units") == "rad")
     odd &= not (flags or counts)  # neither grows without bound
-    for axis, (title, _), shown, beyond in zip(axes, panels, values, endless, strict=True):
+    for axis, (title, _), short_repr, beyond in zip(axes, panels, values, endless, strict=True):
         axis.set_facecolor(ABSENT)
         image = axis.pcolormesh(
             x,
             y,
-            np.ma.masked_invalid(flag_places(variable, shown) if flags else shown),
+            np.ma.masked_invalid(flag_places(variable, short_repr) if flags else short_repr),
             norm=norm,
             cmap=colours,
             shading="nearest",
@@ -140,7 +140,9 @@ def _draw_maps(
             cells = np.ma.masked_equal(beyond, False)
             axis.pcolormesh(x, y, cells, cmap=ListedColormap([ENDLESS]), shading="nearest", rasterized=True)
         if not (flags or counts):
-            _add_contours(axis, x, y, np.where(odd, np.nan, shown), norm, colours.name == "twilight_shifted")
+            _add_contours(
+                axis, x, y, np.where(odd, np.nan, short_repr), norm, colours.name == "twilight_shifted"
+            )
             _veil(axis, x, y, odd)
         axis.set_xlabel(label_of(variable[free[0]]))
         axis.set_title(title)
@@ -162,8 +164,8 @@ def _draw_maps(
     _add_legend(axes[-1] if flags else axes[0], handles, beside=flags)
 
 
-def _add_contours(axis: Any, x: Any, y: Any, shown: Any, norm: Any, cyclic: bool) -> None:
-    if min(shown.shape) < 2 * CONTOURS or not np.isfinite(shown).any() or cyclic:
+def _add_contours(axis: Any, x: Any, y: Any, short_repr: Any, norm: Any, cyclic: bool) -> None:
+    if min(short_repr.shape) < 2 * CONTOURS or not np.isfinite(short_repr).any() or cyclic:
         return
     locator = LogLocator(subs=(1.0, 2.0, 5.0)) if isinstance(norm, LogNorm) else MaxNLocator(CONTOURS)
     levels = [level for level in locator.tick_values(norm.vmin, norm.vmax) if norm.vmin < level < norm.vmax]
@@ -172,7 +174,7 @@ def _add_contours(axis: Any, x: Any, y: Any, shown: Any, norm: Any, cyclic: bool
         lines = axis.contour(
             x,
             y,
-            np.ma.masked_invalid(shown),
+            np.ma.masked_invalid(short_repr),
             levels,
             colors="white",
             linestyles="solid",

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from fastlink.precision.reference import CONTEXT, in_roundings
+from fastlink.precision.reference import CONTEXT, error_in_roundings
 
 __all__ = ["Measured"]
 
@@ -44,7 +44,7 @@ class Measured:
             if size != 0:
                 self.relative.append(float(abs(CONTEXT.mpf(value) - exact) / size))
             if condition is not None:
-                self.roundings.append(in_roundings(value, exact, condition))
+                self.roundings.append(error_in_roundings(value, exact, condition))
         elif here or there:
             self.mismatches += 1
 

@@ -74,7 +74,7 @@ def refined(chosen: Chosen, outputs: Sequence[Output], share: int) -> dict[str, 
         quantity,
         {name: column[:count] for name, column in chosen.inputs.items()},
         chosen.branches[:count],
-        chosen.plan.alternatives,
+        chosen.plan.variants,
     )
     for design in range(count):
         results = {part: chosen.results[name][design, chosen.places[design]] for part, name in names.items()}

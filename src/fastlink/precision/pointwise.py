@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
     from fastlink.plan.program import Output
     from fastlink.plan.reductions import Reduction
-    from fastlink.precision.reference import Exact
+    from fastlink.precision.reference import HighPrecision
     from fastlink.precision.sample import Chosen
 
 __all__ = ["sampled", "values"]
@@ -99,7 +99,7 @@ def _reduced(reduction: Reduction, curve: NDArray[Any]) -> tuple[Any, Any]:
     return reduction.reference([CONTEXT.mpf(sample) for sample in curve[closes].tolist()])
 
 
-def _best(chosen: Chosen, facts: Exact, design: int, place: int) -> tuple[Any, Any]:
+def _best(chosen: Chosen, facts: HighPrecision, design: int, place: int) -> tuple[Any, Any]:
     """Return the value and condition of a sample with 50 digits."""
     at = chosen.configuration(design, chosen.branches[design], chosen.positions[place])
     exact = facts.at(at)

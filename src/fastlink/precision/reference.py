@@ -15,7 +15,7 @@ from mpmath import MPContext
 from fastlink.catalogue.catalogue import Catalogue, Fact, System
 from fastlink.engine.evaluate import steps_of, tables_at, take_step
 
-__all__ = ["CONTEXT", "DIGITS", "STEP", "UNIT", "Exact", "in_roundings"]
+__all__ = ["CONTEXT", "DIGITS", "STEP", "UNIT", "HighPrecision", "error_in_roundings"]
 
 DIGITS = 50
 UNIT = 2.0**-53
@@ -26,7 +26,7 @@ CONTEXT.dps = DIGITS
 STEP = CONTEXT.mpf(10) ** -20
 
 
-class Exact:
+class HighPrecision:
     """Facts of a mechanism at one configuration after another, with 50 digits.
 
     Where a step divides by zero, or is of numbers that are none, doubles say what comes out (infinite, NaN, or the
@@ -40,14 +40,14 @@ class Exact:
         Facts, internal ones too.
     given : iterable of str
         The inputs, ``branch``, and the input position (or the leaves of a graded range).
-    alternatives : iterable of str
+    variants : iterable of str
         Chosen sets of facts.
 
     Examples
     --------
     >>> from fastlink.mechanisms import catalogue
     >>> lengths = {"a1": 0.4, "a2": 1.2, "a3": 0.8, "a4": 1.0}
-    >>> facts = Exact(catalogue("planar_4r"), ["transmission_angle"], [*lengths, "theta1", "branch"])
+    >>> facts = HighPrecision(catalogue("planar_4r"), ["transmission_angle"], [*lengths, "theta1", "branch"])
     >>> found = facts.at(lengths | {"theta1": 1.0, "branch": 1})
     >>> print(found["transmission_angle"])
     0.78937010009877973521061661499753845087244584437223
@@ -58,14 +58,14 @@ class Exact:
         catalogue: Catalogue,
         names: Iterable[str],
         given: Iterable[str],
-        alternatives: Iterable[str] = (),
+        variants: Iterable[str] = (),
     ) -> None:
         self.catalogue, self.names = catalogue, tuple(names)
         given = tuple(given)
         self.position = catalogue.position.name
         tables = (*catalogue.tables, *catalogue.table_low_parts) if self.position in given else ()
-        self.steps = steps_of(catalogue, self.names, (*given, *tables), alternatives)
-        needed = {need for step in self.steps for need in step.needs}
+        self.steps = steps_of(catalogue, self.names, (*given, *tables), variants)
+        needed = {need for step in self.steps for need in step.depends_on}
         self.tables = tuple(name for name in tables if name in needed)
         self._after: dict[tuple[str, ...], tuple[Fact | System, ...]] = {}
 
@@ -103,7 +103,7 @@ class Exact:
         if names not in self._after:
             changed, found = {*names, *(self.tables if self.position in names else ())}, []
             for step in self.steps:
-                if changed.intersection(step.needs):
+                if changed.intersection(step.depends_on):
                     changed.update(step.names)
                     found.append(step)
             self._after[names] = tuple(found)
@@ -114,7 +114,7 @@ def _take(step: Fact | System, known: dict[str, Any]) -> None:
     try:
         take_step(step, known)
     except (ZeroDivisionError, ValueError, OverflowError):
-        doubles = {need: np.float64(known[need]) for need in step.needs}
+        doubles = {need: np.float64(known[need]) for need in step.depends_on}
         try:
             with np.errstate(all="ignore"):
                 take_step(step, doubles)
@@ -123,7 +123,7 @@ def _take(step: Fact | System, known: dict[str, Any]) -> None:
         known.update((name, CONTEXT.mpf(float(doubles[name]))) for name in step.names)
 
 
-def in_roundings(value: float, exact: Any, condition: Any) -> float:
+def error_in_roundings(value: float, exact: Any, condition: Any) -> float:
     """Return the error of a double in units of 2^-53 (|exact| + the sum of `Exact.condition`)."""
     error, unit = abs(CONTEXT.mpf(value) - exact), UNIT * (abs(exact) + condition)
     return 0.0 if error == 0 else float(error / unit) if unit != 0 else np.inf

@@ -11,7 +11,7 @@ import numpy as np
 from fastlink.catalogue.catalogue import Fact, System
 from fastlink.catalogue.tables import angle_tables
 from fastlink.engine.evaluate import read_facts
-from fastlink.precision.reference import Exact
+from fastlink.precision.reference import HighPrecision
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from fastlink.catalogue.catalogue import Catalogue
-    from fastlink.plan.plan import PlanSet
+    from fastlink.plan.plan import Plan_
 
 __all__ = ["Chosen", "cost", "within"]
 
@@ -48,7 +48,7 @@ class Chosen:
         What the sweep found, by output.
     """
 
-    plan: PlanSet
+    plan: Plan_
     inputs: dict[str, NDArray[Any]]
     positions: NDArray[Any]
     places: NDArray[Any]
@@ -73,25 +73,25 @@ class Chosen:
     @cached_property
     def movable(self) -> list[str]:
         """The inputs that are no codes: those a derivative can be taken by."""
-        known = self.catalogue.known_inputs(self.plan.alternatives)
+        known = self.catalogue.known_inputs(self.plan.variants)
         return [name for name in self.inputs if not known[name].choices]
 
-    def facts(self, names: Iterable[str]) -> Exact:
+    def facts(self, names: Iterable[str]) -> HighPrecision:
         """Return facts at configurations of these designs, with 50 digits."""
         given = (*self.inputs, self.catalogue.position.name, "branch")
-        return Exact(self.catalogue, names, given, self.plan.alternatives)
+        return HighPrecision(self.catalogue, names, given, self.plan.variants)
 
     def configuration(self, design: int, branch: float, position: float) -> dict[str, float]:
         """Return what `facts` are given."""
         values = {name: float(column[design]) for name, column in self.inputs.items()}
         return {**values, "branch": branch, self.catalogue.position.name: position}
 
-    def by_inputs(self, facts: Exact) -> list[str]:
+    def by_inputs(self, facts: HighPrecision) -> list[str]:
         """Return what the condition of facts is taken by."""
         position = self.catalogue.position.name
         return [name for name in (*self.movable, position) if facts.steps_after(name)]
 
-    def affordable(self, facts: Exact, share: int, most: int) -> int:
+    def affordable(self, facts: HighPrecision, share: int, most: int) -> int:
         """Return how many configurations may be computed again with a share of the evaluations of facts."""
         condition = sum(cost(facts.steps_after(name)) for name in self.by_inputs(facts))
         return within(share, cost(facts.steps) + condition + 2 * TABLE * len(facts.tables), most)
@@ -104,7 +104,7 @@ class Chosen:
         values |= zip(tables, angle_tables(catalogue, tables, self.positions)[:, None], strict=True)
         values["branch"] = self.branches[:designs, None]
         with np.errstate(all="ignore"):
-            found = read_facts(catalogue, [quantity], values, self.plan.alternatives)[quantity]
+            found = read_facts(catalogue, [quantity], values, self.plan.variants)[quantity]
         return np.broadcast_to(found, (designs, self.positions.size))
 
 

@@ -17,7 +17,7 @@ import numpy as np
 
 from fastlink.catalogue.catalogue import Catalogue
 from fastlink.engine.evaluate import read_facts
-from fastlink.precision.reference import CONTEXT, STEP, Exact
+from fastlink.precision.reference import CONTEXT, STEP, HighPrecision
 from fastlink.symbolic.derivative import derivative_name
 
 if TYPE_CHECKING:
@@ -74,7 +74,7 @@ class Stationary:
         The designs.
     branches : array (designs,)
         The assembly mode of each.
-    alternatives : sequence of str
+    variants : sequence of str
         Chosen sets of facts.
 
     Attributes
@@ -89,7 +89,7 @@ class Stationary:
         quantity: str,
         inputs: Mapping[str, NDArray[Any]],
         branches: NDArray[Any],
-        alternatives: Sequence[str] = (),
+        variants: Sequence[str] = (),
     ) -> None:
         graded = catalogue.graded
         assert graded is not None
@@ -97,11 +97,11 @@ class Stationary:
         self.position = catalogue.position.name
         self.slope = derivative_name(quantity, self.position)
         self.inputs = {**inputs, "branch": branches}
-        self.alternatives = (graded.name, *alternatives)
-        self.facts = Exact(
-            catalogue, (quantity, self.position), (*self.inputs, *graded.leaves), self.alternatives
+        self.variants = (graded.name, *variants)
+        self.facts = HighPrecision(
+            catalogue, (quantity, self.position), (*self.inputs, *graded.leaves), self.variants
         )
-        self.movable = [n for n in inputs if not catalogue.known_inputs(alternatives)[n].choices]
+        self.movable = [n for n in inputs if not catalogue.known_inputs(variants)[n].choices]
         self._sample()
         self.candidates = self._candidates()
 
@@ -114,7 +114,7 @@ class Stationary:
         values: dict[str, Any] = {name: column[which] for name, column in self.inputs.items()}
         values |= zip(self.graded.leaves, _leaves(x, high), strict=True)
         with np.errstate(all="ignore"):
-            found = read_facts(self.catalogue, names, values, self.alternatives)
+            found = read_facts(self.catalogue, names, values, self.variants)
         return [np.broadcast_to(found[name], x.shape) for name in names]
 
     def _sample(self) -> None:

@@ -208,7 +208,7 @@ def _ordered(catalogue: Catalogue) -> list[Fact]:
     leaves = (*catalogue.inputs, *catalogue.tables, *catalogue.table_low_parts, BRANCH, position)
     effort: dict[str, int] = {}
     for name in catalogue.offered:
-        steps = sum(1 for _ in catalogue.closure([name], leaves))
+        steps = sum(1 for _ in catalogue.dependencies([name], leaves))
         vector = COMPONENT.sub("", name)
         effort[vector] = max(steps, effort.get(vector, 0))
 
@@ -228,13 +228,13 @@ def _inputs(catalogue: Catalogue) -> list[GivenInput]:
     for given in catalogue.inputs.values():
         models = [
             model
-            for model in catalogue.alternative_inputs
-            if given.name in catalogue.alternatives.get(model, {})
-            and model not in catalogue.instead_of(given.name)
+            for model in catalogue.variant_inputs
+            if given.name in catalogue.variants.get(model, {})
+            and model not in catalogue.mutually_exclusive_inputs(given.name)
         ]
         links = f"given by {', '.join(models)}" if models else _instead(catalogue, given)
         rows.append(_given(given, links))
-    for model, inputs in catalogue.alternative_inputs.items():
+    for model, inputs in catalogue.variant_inputs.items():
         for given in inputs.values():
             default = "" if given.default is None else f", {given.default:.6g} by default"
             rows.append(_given(given, _instead(catalogue, given) or f"of {model}{default}"))
@@ -250,7 +250,7 @@ def _given(given: Input, links: str) -> GivenInput:
 
 
 def _instead(catalogue: Catalogue, given: Input) -> str:
-    others = catalogue.instead_of(given.name)
+    others = catalogue.mutually_exclusive_inputs(given.name)
     return f"or {', '.join(others)} instead" if others else ""
 
 

@@ -153,7 +153,7 @@ def sampled(
     return DesignSpace(kind, (DESIGN,), (count,), constants, columns=columns, attrs=attrs)
 
 
-def shown(value: object) -> str:
+def short_repr(value: object) -> str:
     """Return a value as it stands in a message: short and on one line."""
     return " ".join(reprlib.repr(value).split())
 
@@ -182,10 +182,10 @@ def numbers_of(where: str, name: str, given: Any) -> Floats:
 def _refuse_non_numbers(where: str, name: str, given: Any) -> None:
     cells = np.asarray(given, dtype=object)
     if cells.ndim == 0 and not _is_number(cells[()]):
-        raise InputError(f"is {shown(cells[()])}, not a number", where=(where, name), remedy=NUMBERS)
+        raise InputError(f"is {short_repr(cells[()])}, not a number", where=(where, name), remedy=NUMBERS)
     for index, cell in enumerate(cells.ravel()):
         if not _is_number(cell):
-            what = f"is {shown(cell)}, not a number"
+            what = f"is {short_repr(cell)}, not a number"
             raise InputError(what, where=(where, name, index), remedy="write a number")
 
 

@@ -19,7 +19,7 @@ from fastlink.space.design_space import (
     frozen,
     numbers_of,
     sampled,
-    shown,
+    short_repr,
 )
 from fastlink.space.table import table
 
@@ -184,7 +184,7 @@ def _check_integer(kind: str, name: str, value: object, least: int, most: int | 
     allowed = f"an integer of {least} or more" if most is None else f"an integer from {least} to {most}"
     integer = isinstance(value, numbers.Integral) and not isinstance(value, bool)
     if not integer or value < least or (most is not None and value > most):  # type: ignore[operator]
-        raise InputError(f"is {shown(value)}", where=(kind, name), remedy=f"write {allowed}")
+        raise InputError(f"is {short_repr(value)}", where=(kind, name), remedy=f"write {allowed}")
 
 
 def _range(kind: str, name: str, values: Floats) -> tuple[float, float]:

@@ -20,7 +20,7 @@ from fastlink.space.design_space import (
     first_invalid,
     numbers_of,
     sampled,
-    shown,
+    short_repr,
 )
 
 
@@ -80,7 +80,7 @@ def _table_entries(source: Any) -> Iterator[tuple[str, Any]]:
         entries = iter(source.items())
     else:
         remedy = "give a mapping, an xarray.Dataset, a pandas.DataFrame or the path of a CSV file"
-        raise InputError(f"{shown(source)} is no table", where=("table",), remedy=remedy)
+        raise InputError(f"{short_repr(source)} is no table", where=("table",), remedy=remedy)
     yield from entries
 
 
@@ -177,7 +177,7 @@ def _check_cell(cell: str, text: str, allow_invalid: bool) -> None:
     """Refuse the text of a CSV cell that is no finite number, unless invalid designs are to be kept."""
     text = text.strip()
     if text and not _reads_as_number(text):
-        raise _refused(f"{cell} is {shown(text)}, not a number", "write a number")
+        raise _refused(f"{cell} is {short_repr(text)}, not a number", "write a number")
     if not allow_invalid:
         raise _invalid_cell(cell, text or "empty")
 
@@ -193,7 +193,7 @@ def _csv_names(file: str, header: list[str] | None, line: int) -> list[str]:
             what = f"{where} holds {name} instead of a name"
             raise _refused(what, "write the names of the columns in line 1")
         if ";" in name or "\t" in name:
-            raise _refused(f"{where} reads {shown(name)}", "separate the columns by commas")
+            raise _refused(f"{where} reads {short_repr(name)}", "separate the columns by commas")
         if name.startswith("#"):
             what = f"{where} starts with '#'"
             raise _refused(what, "write the names of the columns alone in line 1")

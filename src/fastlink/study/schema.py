@@ -20,7 +20,7 @@ from pydantic import (
 from pydantic_core import PydanticCustomError
 
 from fastlink.errors import Problem, suggest
-from fastlink.space.design_space import shown
+from fastlink.space.design_space import short_repr
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -48,7 +48,7 @@ def _or_say(allowed: str, *, and_inside: bool = False) -> WrapValidator:
         except ValidationError as error:
             if and_inside and any(entry["loc"] for entry in error.errors(include_url=False)):
                 raise
-            raise _refused(f"is {shown(value)}", f"write {allowed}") from None
+            raise _refused(f"is {short_repr(value)}", f"write {allowed}") from None
 
     return WrapValidator(check)
 
@@ -267,7 +267,7 @@ def problems(error: ValidationError, positions: Collection[str]) -> list[Problem
         elif kind == "allowed":
             what, remedy = entry["ctx"]["what"], entry["ctx"]["remedy"]
         else:
-            what, remedy = f"is {shown(entry['input'])}", f"write a table of keys, such as [{name}]"
+            what, remedy = f"is {short_repr(entry['input'])}", f"write a table of keys, such as [{name}]"
         found.append(Problem(what, _where(loc), remedy))
     meant = {(*one.where[:-1], one.remedy) for one in found if one.what == "is no key here"}
     return [

@@ -1,7 +1,7 @@
-"""How a quantity grows at a toggle, and what it does in the mirror: read off its facts.
+"""Find how quantities grow at a toggle, and how they behave under the mirror, from their facts.
 
-The facts run on `Grade` numbers, which know no value, only the power of 1/sigma by which something grows where sigma
-vanishes, and whether it changes sign when sides and branches are exchanged.
+The facts run on `Asymptotics` numbers, which have no value, only the power of 1/sigma by which a value grows where
+sigma vanishes, and whether it changes sign when sides and branches are exchanged.
 """
 
 from __future__ import annotations
@@ -12,11 +12,11 @@ from typing import Any
 
 from fastlink.catalogue.catalogue import Catalogue, Fact, System
 
-__all__ = ["Grade", "grades"]
+__all__ = ["Asymptotics", "asymptotics"]
 
 
 @dataclass(frozen=True, eq=False)
-class Grade:
+class Asymptotics:
     """A number of which only growth and symmetry are known.
 
     Attributes
@@ -38,38 +38,38 @@ class Grade:
         """The functions of `fastlink.numerics.elementary` for such numbers."""
         return _Functions()
 
-    def _sum(self, other: Any) -> Grade:
+    def _sum(self, other: Any) -> Asymptotics:
         if isinstance(other, float) and other == 0.0:
             return self
         right = _grade(other)
         parity = self.parity if self.parity == right.parity else 0
-        return Grade(max(self.order, right.order), parity, self.choice or right.choice)
+        return Asymptotics(max(self.order, right.order), parity, self.choice or right.choice)
 
     def _product(self, other: Any) -> Any:
         if isinstance(other, float) and other == 0.0:
             return 0.0
         right = _grade(other)
-        return Grade(self.order + right.order, self.parity * right.parity, self.choice or right.choice)
+        return Asymptotics(self.order + right.order, self.parity * right.parity, self.choice or right.choice)
 
     __add__ = __radd__ = __sub__ = __rsub__ = _sum
     __mul__ = __rmul__ = _product
 
-    def __truediv__(self, other: Any) -> Grade:
+    def __truediv__(self, other: Any) -> Asymptotics:
         right = _grade(other)
-        return Grade(self.order - right.order, self.parity * right.parity, self.choice or right.choice)
+        return Asymptotics(self.order - right.order, self.parity * right.parity, self.choice or right.choice)
 
     def __rtruediv__(self, other: Any) -> Any:
         return 0.0 if isinstance(other, float) and other == 0.0 else _grade(other) / self
 
-    def __neg__(self) -> Grade:
+    def __neg__(self) -> Asymptotics:
         return self
 
-    def __abs__(self) -> Grade:
-        return Grade(self.order, abs(self.parity), self.choice)
+    def __abs__(self) -> Asymptotics:
+        return Asymptotics(self.order, abs(self.parity), self.choice)
 
     def __ge__(self, other: Any) -> bool:
         # `fastlink.numerics.elementary.sqrt` asks whether its argument is negative.
-        if isinstance(other, Grade) or other != 0:
+        if isinstance(other, Asymptotics) or other != 0:
             raise TypeError("a grade has no value to compare")
         return True
 
@@ -82,32 +82,34 @@ class Grade:
 class _Functions:
     """Elementary functions of grades."""
 
-    nan = Grade()
+    nan = Asymptotics()
 
-    def sqrt(self, x: Grade) -> Grade:
-        return Grade(x.order / 2.0, 1 if x.parity == 1 else 0, x.choice)
+    def sqrt(self, x: Asymptotics) -> Asymptotics:
+        return Asymptotics(x.order / 2.0, 1 if x.parity == 1 else 0, x.choice)
 
-    def cos(self, x: Grade) -> Grade:
-        return Grade(0.0, abs(x.parity), x.choice)
+    def cos(self, x: Asymptotics) -> Asymptotics:
+        return Asymptotics(0.0, abs(x.parity), x.choice)
 
-    def sin(self, x: Grade) -> Grade:
-        return Grade(0.0, x.parity, x.choice)
+    def sin(self, x: Asymptotics) -> Asymptotics:
+        return Asymptotics(0.0, x.parity, x.choice)
 
-    def exp(self, x: Grade) -> Grade:
-        return Grade(0.0, 1 if x.parity == 1 else 0, x.choice)
+    def exp(self, x: Asymptotics) -> Asymptotics:
+        return Asymptotics(0.0, 1 if x.parity == 1 else 0, x.choice)
 
     log = exp
 
-    def atan2(self, y: Any, x: Any) -> Grade:
+    def atan2(self, y: Any, x: Any) -> Asymptotics:
         above, beside = _grade(y), _grade(x)
-        return Grade(0.0, above.parity if beside.parity == 1 else 0, above.choice or beside.choice)
+        return Asymptotics(0.0, above.parity if beside.parity == 1 else 0, above.choice or beside.choice)
 
 
-def _grade(value: Any) -> Grade:
-    return value if isinstance(value, Grade) else Grade()
+def _grade(value: Any) -> Asymptotics:
+    return value if isinstance(value, Asymptotics) else Asymptotics()
 
 
-def grades(catalogue: Catalogue, steps: Iterable[Fact | System], varying: Iterable[str]) -> dict[str, Grade]:
+def asymptotics(
+    catalogue: Catalogue, steps: Iterable[Fact | System], varying: Iterable[str]
+) -> dict[str, Asymptotics]:
     """Return the grades of all values of a closure.
 
     Parameters
@@ -121,24 +123,26 @@ def grades(catalogue: Catalogue, steps: Iterable[Fact | System], varying: Iterab
     """
     graded = catalogue.graded
     assert graded is not None
-    found: dict[str, Any] = {name: Grade(0.0, -1 if name in graded.odd else 1) for name in varying}
+    found: dict[str, Any] = {name: Asymptotics(0.0, -1 if name in graded.odd else 1) for name in varying}
     moving = set(found)
     for step in steps:
         if isinstance(step, System):
             continue
-        if moving.intersection(step.needs):
+        if moving.intersection(step.depends_on):
             moving.update(step.names)
         if step.name == graded.vanishing:
-            found[step.name] = Grade(-1.0, 1)
+            found[step.name] = Asymptotics(-1.0, 1)
         elif step.name in graded.odd:
-            found[step.name] = Grade(0.0, -1)
+            found[step.name] = Asymptotics(0.0, -1)
         else:
             # A mass centre on its link's line is no more than 0.0 across it, whose products are nothing.
-            known = {need: found.get(need, Grade()) for need in step.needs}
+            known = {need: found.get(need, Asymptotics()) for need in step.depends_on}
             try:
                 found |= step.values(known)
             except (TypeError, AttributeError):
                 # It compares values: of one that moves nothing else is known.
                 order = max((_grade(value).order for value in known.values()), default=0.0)
-                found |= dict.fromkeys(step.names, Grade(order, 0, True) if step.name in moving else Grade())
+                found |= dict.fromkeys(
+                    step.names, Asymptotics(order, 0, True) if step.name in moving else Asymptotics()
+                )
     return {name: _grade(value) for name, value in found.items()}

@@ -21,7 +21,7 @@ from fastlink.facts.names import Derivative, Quantity
 from fastlink.numerics import compensated, vectors
 from fastlink.numerics.elementary import INFINITY, NOT_A_NUMBER, atan2, cosine, select, sine, sqrt
 from fastlink.numerics.logarithm import log, log1p, log_quotient
-from fastlink.symbolic.expression import Graph, Node, is_power_of_two
+from fastlink.symbolic.expression import ExpressionGraph, Node, is_power_of_two
 
 __all__ = ["Derivation", "NoDerivative", "derivative_name", "in_a_sentence", "labelled", "made_function"]
 
@@ -85,26 +85,30 @@ def _per(units: str, by: str) -> str:
 
 # -- rules -------------------------------------------------------------------------------------------------
 
-Rule = Callable[[Graph, Sequence[Node], Sequence[Node], Node], Node]
+Rule = Callable[[ExpressionGraph, Sequence[Node], Sequence[Node], Node], Node]
 
 
-def _of_sum(graph: Graph, args: Sequence[Node], slopes: Sequence[Node], value: Node) -> Node:
+def _of_sum(graph: ExpressionGraph, args: Sequence[Node], slopes: Sequence[Node], value: Node) -> Node:
     total = graph.zero
     for slope in slopes:
         total = graph.add(total, slope)
     return total
 
 
-def _of_product(graph: Graph, args: Sequence[Node], slopes: Sequence[Node], value: Node) -> Node:
+def _of_product(graph: ExpressionGraph, args: Sequence[Node], slopes: Sequence[Node], value: Node) -> Node:
     (a, *_, b), (da, *_, db) = args, slopes
     return graph.add(graph.mul(da, b), graph.mul(a, db))
 
 
-def _of_pair_product(graph: Graph, args: Sequence[Node], slopes: Sequence[Node], value: Node) -> Node:
+def _of_pair_product(
+    graph: ExpressionGraph, args: Sequence[Node], slopes: Sequence[Node], value: Node
+) -> Node:
     return _of_product(graph, (args[0], args[2]), (slopes[0], slopes[2]), value)
 
 
-def _of_gap_product_quotient(graph: Graph, args: Sequence[Node], slopes: Sequence[Node], value: Node) -> Node:
+def _of_gap_product_quotient(
+    graph: ExpressionGraph, args: Sequence[Node], slopes: Sequence[Node], value: Node
+) -> Node:
     x, y = args[4:]
     product = _of_pair_product(graph, args, slopes, value)
     share = graph.div(graph.mul(graph.number(0.25), product), graph.mul(x, y))
@@ -112,11 +116,11 @@ def _of_gap_product_quotient(graph: Graph, args: Sequence[Node], slopes: Sequenc
     return graph.sub(share, graph.mul(value, relative))
 
 
-def _of_constant(graph: Graph, args: Sequence[Node], slopes: Sequence[Node], value: Node) -> Node:
+def _of_constant(graph: ExpressionGraph, args: Sequence[Node], slopes: Sequence[Node], value: Node) -> Node:
     return graph.zero
 
 
-def _of_second(graph: Graph, args: Sequence[Node], slopes: Sequence[Node], value: Node) -> Node:
+def _of_second(graph: ExpressionGraph, args: Sequence[Node], slopes: Sequence[Node], value: Node) -> Node:
     return slopes[1]
 
 
@@ -124,7 +128,7 @@ def _of_second(graph: Graph, args: Sequence[Node], slopes: Sequence[Node], value
 #: first carries the derivative: the second is what rounding lost.
 RULES: dict[Any, Rule] = {
     compensated.two_sum: _of_sum,
-    compensated.gap: _of_sum,
+    compensated.sum_of_four: _of_sum,
     compensated.two_product: _of_product,
     compensated.pair_product: _of_pair_product,
     compensated.gap_product_quotient: _of_gap_product_quotient,
@@ -153,7 +157,7 @@ class Derivation:
         declared: Callable[[str], Fact | None],
     ) -> None:
         self.by, self.find, self.declared = by, find, declared
-        self.graph = Graph(RULES)
+        self.graph = ExpressionGraph(RULES)
         self._values: dict[str, tuple[Node, Node]] = {}
         self._slopes: dict[str, Node] = {}
         self._facts: dict[str, Fact] = {}
@@ -195,7 +199,7 @@ class Derivation:
             root = graph.read_fact(declared, declared.name)
         elif found is None or (isinstance(found, Fact) and name == found.low):
             return graph.zero  # of what rounding lost
-        elif all(self.slope(need) is graph.zero for need in found.needs):
+        elif all(self.slope(need) is graph.zero for need in found.depends_on):
             return graph.zero
         elif isinstance(found, System):
             what = f"quantity {derivative_name(name, self.by.name)!r}: a linear system determines {name}"
@@ -289,22 +293,22 @@ class Derivation:
 
     def _written(self, found: Fact, root: Node, value: Node) -> Fact:
         own = {} if value.kind in ("name", "number", "neg") else {value: found.name}
-        function, needs = made_function(derivative_name(found.name, self.by.name), self.graph, root, own)
-        return replace(labelled(found, self.by), function=function, needs=needs, flags={})
+        function, depends_on = made_function(derivative_name(found.name, self.by.name), self.graph, root, own)
+        return replace(labelled(found, self.by), function=function, depends_on=depends_on, flags={})
 
 
 def made_function(
-    name: str, graph: Graph, root: Node, given: Mapping[Node, str]
+    name: str, graph: ExpressionGraph, root: Node, given: Mapping[Node, str]
 ) -> tuple[Callable[..., Any], tuple[str, ...]]:
     """Return a function that returns a value, and the names that it depends on; `given` as in `Graph.write`."""
-    needs, lines = graph.write(root, given)
-    source = "\n    ".join([f"def {name}({', '.join(needs)}):", *lines]) + "\n"
+    depends_on, lines = graph.write(root, given)
+    source = "\n    ".join([f"def {name}({', '.join(depends_on)}):", *lines]) + "\n"
     file = f"<made {name} {next(_serial)}>"
     # inspect reads the text there, and kernels are made of what inspect reads
     linecache.cache[file] = (len(source), None, source.splitlines(keepends=True), file)
     namespace = dict(FUNCTIONS)
     exec(compile(source, file, "exec"), namespace)
-    return namespace[name], needs
+    return namespace[name], depends_on
 
 
 #: What a text may name.

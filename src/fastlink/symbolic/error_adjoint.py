@@ -11,7 +11,7 @@ from fastlink.symbolic.error_laws import root_slope, root_slope_of_squares
 from fastlink.symbolic.error_propagation import UNIT, Rules
 from fastlink.symbolic.expression import Node
 
-__all__ = ["Paths", "is_size", "is_smooth"]
+__all__ = ["ReverseMode", "is_size", "is_smooth"]
 
 #: A number of times a value.
 Share = tuple[float, Node]
@@ -33,7 +33,7 @@ def is_size(rules: Rules, node: Node) -> bool:
     return node.kind == "call" and node.value is sqrt and rules.bound(node.args[0]).positive
 
 
-class Paths:
+class ReverseMode:
     """What the roundings of all values on the way do to a smooth one, the end.
 
     An error goes on to the end by the slope there, a rounding of a value by the slope times the value. All along a

@@ -17,7 +17,7 @@ from fastlink.facts.fact import Fact, Input, System
 from fastlink.facts.names import ErrorBound, Quantity, Trust
 from fastlink.numerics.elementary import INFINITY, select
 from fastlink.symbolic.derivative import in_a_sentence, made_function
-from fastlink.symbolic.error_adjoint import Paths, is_size, is_smooth
+from fastlink.symbolic.error_adjoint import ReverseMode, is_size, is_smooth
 from fastlink.symbolic.error_propagation import Bound, Lost, Rules, U
 from fastlink.symbolic.expression import Node, is_power_of_two
 
@@ -53,7 +53,7 @@ def trust_of(fact: Fact) -> Fact:
         fact,
         name=str(Trust(Quantity(fact.name))),
         function=trust,
-        needs=(fact.name, error_name(fact.name)),
+        depends_on=(fact.name, error_name(fact.name)),
         units="1",
         symbol=f"trust {fact.symbol}",
         meaning=f"Whether digits of {in_a_sentence(fact.meaning)} are known",
@@ -113,8 +113,10 @@ class ErrorBounds:
             along = self._passes(name) and not is_size(self.rules, self._value(name))
             root, own = self._along_paths(name) if along else self._running(name)
             made = error_name(name)
-            function, needs = made_function(made, self.graph, root, own)
-            self._facts[name] = replace(labelled_error(found), name=made, function=function, needs=needs)
+            function, depends_on = made_function(made, self.graph, root, own)
+            self._facts[name] = replace(
+                labelled_error(found), name=made, function=function, depends_on=depends_on
+            )
         return self._facts[name]
 
     def found(self, name: str) -> Fact:
@@ -158,7 +160,7 @@ class ErrorBounds:
     def _is_sum(self, name: str, found: Fact) -> bool:
         value = self._value(name)
         low_words = any(
-            times > 0.0 for need in found.needs for times, _high in self.named(need).lost.values()
+            times > 0.0 for need in found.depends_on for times, _high in self.named(need).lost.values()
         )
         settled = self.rules.settled(value)
         return not low_words and settled.rest is not self.graph.zero and is_smooth(self.rules, value)
@@ -167,7 +169,7 @@ class ErrorBounds:
         """Return the sum over all roundings of what each does to a fact, and the values on the way as names."""
         order: list[str] = []
         self._visit(name, order)
-        paths, own = Paths(self.rules, self.graph.name(name)), dict[Node, str]()
+        paths, own = ReverseMode(self.rules, self.graph.name(name)), dict[Node, str]()
         for of in reversed(order):
             value = self._value(of)
             paths.follow(self.graph.name(of), value)
@@ -178,7 +180,7 @@ class ErrorBounds:
     def _visit(self, name: str, order: list[str]) -> None:
         """Append to the order a fact and the sums of products that it is made of, each after what it needs."""
         if name not in order:
-            for need in self.found(name).needs:
+            for need in self.found(name).depends_on:
                 if self._passes(need):
                     self._visit(need, order)
             order.append(name)
@@ -201,7 +203,7 @@ class ErrorBounds:
             positive = name in self.inputs and self.inputs[name].rule != "any"
             return replace(self.exact, positive=positive)
         found = self.found(name)
-        if found.needs == ("branch",):
+        if found.depends_on == ("branch",):
             values = [found.function(float(number)) for number in self.branches]
             if all(map(is_power_of_two, values)):
                 return replace(

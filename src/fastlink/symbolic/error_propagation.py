@@ -12,20 +12,20 @@ from dataclasses import dataclass, field, replace
 from functools import partial
 
 from fastlink.numerics.compensated import (
-    gap,
     gap_product_quotient,
     pair_product,
     power_of_two_below,
+    sum_of_four,
     two_product,
     two_sum,
 )
 from fastlink.numerics.elementary import (
     atan2,
+    binary_exponent,
     cos,
     cosh,
     cosine,
     doubled,
-    doublings,
     exp,
     select,
     sin,
@@ -35,7 +35,7 @@ from fastlink.numerics.elementary import (
 )
 from fastlink.numerics.logarithm import arsinh, log, log1p, log_quotient
 from fastlink.symbolic.error_laws import of_direction, of_logarithm, of_product, of_quotient, of_root
-from fastlink.symbolic.expression import Graph, Node, is_power_of_two
+from fastlink.symbolic.expression import ExpressionGraph, Node, is_power_of_two
 
 __all__ = ["UNIT", "Bound", "Lost", "Rules", "U"]
 
@@ -65,8 +65,14 @@ class Bound:
 
 
 #: Calls that remain calls, and the error of an unevaluated sum (high, low) that they return: roundings of the sum.
-#: Of `gap` the last addition of low words rounds, of the others products of low words are left out; see the tests.
-WORDS = {two_sum: 0.0, two_product: 0.0, gap: 4.0 * U, pair_product: 8.0 * U, gap_product_quotient: 16.0 * U}
+#: In `sum_of_four` the last addition of low words rounds; the others leave out products of low words; see the tests.
+WORDS = {
+    two_sum: 0.0,
+    two_product: 0.0,
+    sum_of_four: 4.0 * U,
+    pair_product: 8.0 * U,
+    gap_product_quotient: 16.0 * U,
+}
 #: Elementary functions: two (arsinh, log_quotient: three) units in the last place are four (six) roundings.
 ARCTANGENT, LOGARITHM, LOG_QUOTIENT, ARSINH, COSINE = 4.0, 4.0, 6.0, 6.0, 4.0
 #: Near its zeros what reduces a direction to a quarter turn is left: multiples of 2^-104.
@@ -86,7 +92,7 @@ class Rules:
 
     def __init__(self, named: Callable[[str], Bound]) -> None:
         self.named = named
-        self.graph = Graph({*WORDS, power_of_two_below, arsinh, doubled, doublings, *TABLED})
+        self.graph = ExpressionGraph({*WORDS, power_of_two_below, arsinh, doubled, binary_exponent, *TABLED})
         self.exact = Bound(0.0, self.graph.zero)
         self._bounds: dict[Node, Bound] = {}
 
@@ -211,7 +217,7 @@ class Rules:
     def _of_words(self, call: Node, high: Node) -> tuple[float, Node]:
         """Return relative part and rest of what the arguments do to an unevaluated sum."""
         function, args, graph = call.value, call.args, self.graph
-        if function in (two_sum, gap):
+        if function in (two_sum, sum_of_four):
             rest, lost = graph.zero, dict[Node, tuple[float, Node]]()
             for arg in args:
                 bound = self.bound(arg)
@@ -243,7 +249,7 @@ class Rules:
             return self._of_choice(node)
         if function in TABLED:
             return replace(self.exact, relative=1.0, positive=function in (exp, cosh))
-        if function is doublings:
+        if function is binary_exponent:
             return self.exact
         if function is power_of_two_below:
             return replace(self.exact, scale=True, positive=True)

@@ -16,7 +16,7 @@ from fastlink.numerics.compiler import COMPILED_AS
 from fastlink.numerics.elementary import atan2, cosine, select, sine, sqrt
 from fastlink.numerics.logarithm import log, log1p, log_quotient
 
-__all__ = ["Graph", "Node", "is_power_of_two"]
+__all__ = ["ExpressionGraph", "Node", "is_power_of_two"]
 
 OPERATORS: dict[str, ast.operator] = {
     "+": ast.Add(), "-": ast.Sub(), "*": ast.Mult(), "/": ast.Div(), "&": ast.BitAnd(), "|": ast.BitOr(),
@@ -39,7 +39,7 @@ class Node:
     value: Any = None
 
 
-class Graph:
+class ExpressionGraph:
     """Values, each of which exists once.
 
     `kept` are functions that remain calls; all but the elementary ones are read otherwise.
@@ -213,7 +213,7 @@ class Graph:
 
     def read_fact(self, fact: Fact, name: str) -> Node:
         """Return one of the values of a fact by its name, over the names of what the fact needs."""
-        value = self.read(fact.function, [self.name(need) for need in fact.needs])
+        value = self.read(fact.function, [self.name(need) for need in fact.depends_on])
         return value if fact.low is None else self.part(value, fact.names.index(name))
 
     # -- writing ---------------------------------------------------------------------------------

@@ -1,6 +1,6 @@
 """Which inputs only scale results: read off the facts.
 
-The facts run on `Degree` numbers, which know no value, only by which power of one input they grow: rates grow as
+The facts run on `Homogeneity` numbers, which know no value, only by which power of one input they grow: rates grow as
 omega1, forces as its square or as the density, places not at all. What a sum of unlike powers or a comparison with
 anything but zero enters, is not homogeneous.
 """
@@ -13,7 +13,7 @@ from typing import Any
 
 from fastlink.facts.fact import Fact, System
 
-__all__ = ["Degree", "degrees"]
+__all__ = ["Homogeneity", "homogeneity_degrees"]
 
 
 class _NotHomogeneous(Exception):
@@ -21,7 +21,7 @@ class _NotHomogeneous(Exception):
 
 
 @dataclass(frozen=True, eq=False)
-class Degree:
+class Homogeneity:
     """A number of which only the power of a positive factor is known."""
 
     power: float
@@ -31,7 +31,7 @@ class Degree:
         """The functions of `fastlink.numerics.elementary` for such numbers."""
         return _Functions()
 
-    def _sum(self, other: Any) -> Degree:
+    def _sum(self, other: Any) -> Homogeneity:
         if isinstance(other, float) and (other == 0.0 or other != other):
             return self
         if _power(other) != self.power:
@@ -41,24 +41,24 @@ class Degree:
     __add__ = __radd__ = __sub__ = __rsub__ = _sum
 
     def __mul__(self, other: Any) -> Any:
-        return 0.0 if isinstance(other, float) and other == 0.0 else Degree(self.power + _power(other))
+        return 0.0 if isinstance(other, float) and other == 0.0 else Homogeneity(self.power + _power(other))
 
     __rmul__ = __mul__
 
-    def __truediv__(self, other: Any) -> Degree:
-        return Degree(self.power - _power(other))
+    def __truediv__(self, other: Any) -> Homogeneity:
+        return Homogeneity(self.power - _power(other))
 
     def __rtruediv__(self, other: Any) -> Any:
-        return 0.0 if isinstance(other, float) and other == 0.0 else Degree(_power(other) - self.power)
+        return 0.0 if isinstance(other, float) and other == 0.0 else Homogeneity(_power(other) - self.power)
 
-    def __neg__(self) -> Degree:
+    def __neg__(self) -> Homogeneity:
         return self
 
     __abs__ = __neg__
 
     def _compared(self, other: Any) -> _Condition:
         # signs and ratios stay; infinities are beyond any power
-        if isinstance(other, Degree) or other not in (0, float("inf"), float("-inf")):
+        if isinstance(other, Homogeneity) or other not in (0, float("inf"), float("-inf")):
             self._sum(other)
         return _Condition()
 
@@ -80,9 +80,9 @@ class _Condition:
 
     def choose(self, if_true: Any, if_false: Any) -> Any:
         """Return what `fastlink.numerics.elementary.select` gives."""
-        if isinstance(if_true, Degree):
+        if isinstance(if_true, Homogeneity):
             return if_true + if_false
-        return if_false + if_true if isinstance(if_false, Degree) else Degree(0.0)
+        return if_false + if_true if isinstance(if_false, Homogeneity) else Homogeneity(0.0)
 
 
 class _Functions:
@@ -90,15 +90,15 @@ class _Functions:
 
     nan = float("nan")
 
-    def sqrt(self, x: Degree) -> Degree:
-        return Degree(0.5 * x.power)
+    def sqrt(self, x: Homogeneity) -> Homogeneity:
+        return Homogeneity(0.5 * x.power)
 
-    def atan2(self, y: Any, x: Any) -> Degree:
+    def atan2(self, y: Any, x: Any) -> Homogeneity:
         if _power(y) != _power(x):
             raise _NotHomogeneous
-        return Degree(0.0)
+        return Homogeneity(0.0)
 
-    def _of_ratio(self, x: Degree) -> Degree:
+    def _of_ratio(self, x: Homogeneity) -> Homogeneity:
         if x.power:
             raise _NotHomogeneous
         return x
@@ -107,10 +107,10 @@ class _Functions:
 
 
 def _power(value: Any) -> float:
-    return value.power if isinstance(value, Degree) else 0.0
+    return value.power if isinstance(value, Homogeneity) else 0.0
 
 
-def degrees(steps: Iterable[Fact | System], name: str) -> dict[str, float | None]:
+def homogeneity_degrees(steps: Iterable[Fact | System], name: str) -> dict[str, float | None]:
     """Return by which power of one input each value of a closure grows; None where by none.
 
     Parameters
@@ -125,16 +125,16 @@ def degrees(steps: Iterable[Fact | System], name: str) -> dict[str, float | None
     >>> from fastlink.mechanisms import catalogue
     >>> planar = catalogue("planar_4r")
     >>> leaves = (*planar.inputs, *planar.tables, *planar.table_low_parts, "branch")
-    >>> found = degrees(planar.closure(["omega4", "alpha4", "theta4"], leaves), "omega1")
+    >>> found = homogeneity_degrees(planar.dependencies(["omega4", "alpha4", "theta4"], leaves), "omega1")
     >>> [found[asked] for asked in ("omega4", "alpha4", "theta4")]
     [1.0, 2.0, 0.0]
     """
-    found: dict[str, Any] = {name: Degree(1.0)}
+    found: dict[str, Any] = {name: Homogeneity(1.0)}
     for step in steps:
-        known = [found.get(need, Degree(0.0)) for need in step.needs]
+        known = [found.get(need, Homogeneity(0.0)) for need in step.depends_on]
         if isinstance(step, System):
-            same = all(isinstance(value, Degree) and value.power == 0.0 for value in known)
-            found |= dict.fromkeys(step.unknowns, Degree(0.0) if same else None)
+            same = all(isinstance(value, Homogeneity) and value.power == 0.0 for value in known)
+            found |= dict.fromkeys(step.unknowns, Homogeneity(0.0) if same else None)
         else:
             found |= zip(step.names, _degrees(step, known), strict=True)
     return {of: value if value is None else _power(value) for of, value in found.items()}
@@ -146,7 +146,7 @@ def _degrees(fact: Fact, known: list[Any]) -> Sequence[Any]:
     if any(value is None for value in known):
         return [None] * count
     if all(_power(value) == 0.0 for value in known):
-        return [Degree(0.0)] * count
+        return [Homogeneity(0.0)] * count
     try:
         value = fact.function(*known)
     except (_NotHomogeneous, TypeError, AttributeError):

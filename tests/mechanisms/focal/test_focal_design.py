@@ -9,7 +9,7 @@ from tests.support.focal_designs import GIVEN, LENGTHS, exact, facts, family, gi
 import fastlink as fl
 from fastlink.mechanisms import catalogue
 from fastlink.precision.reference import CONTEXT as MP
-from fastlink.precision.reference import UNIT, Exact
+from fastlink.precision.reference import UNIT, HighPrecision
 
 BARS = ("lambda_", "m", "n", "p", "q", "r", "FT", "s", "T_ratio")
 #: 50 digits, of which the worst of these designs loses some ten by cancellation.
@@ -192,7 +192,7 @@ def test_the_straight_line_is_where_the_circle_goes():
 
 def test_hart_s_linkages_are_the_completions_with_rho_minus_1():
     rng = np.random.default_rng(14)
-    hart = Exact(catalogue("hart"), ("a", "b", "c", "p", "q", "line_x"), ("m", "n", "d", "kappa"))
+    hart = HighPrecision(catalogue("hart"), ("a", "b", "c", "p", "q", "line_x"), ("m", "n", "d", "kappa"))
     found = exact(("m", "n", "p", "q", "line_x", "status"))
     tested = 0
     for m, n, d, kappa in rng.uniform(0.1, 2.0, (60, 4)):

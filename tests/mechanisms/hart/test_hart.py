@@ -14,13 +14,13 @@ import fastlink as fl
 from fastlink.engine.evaluate import read_facts
 from fastlink.errors import InputError
 from fastlink.mechanisms.hart.line import KITE_FLAGS, STATUS_FLAGS
-from fastlink.precision.reference import CONTEXT, Exact
+from fastlink.precision.reference import CONTEXT, HighPrecision
 from fastlink.study.study import run_study
 
 
 def exact(names, one):
     """Return facts of one configuration with 50 digits."""
-    return Exact(HART, names, one).at(one)
+    return HighPrecision(HART, names, one).at(one)
 
 
 def assembled(rng, n):
@@ -81,7 +81,7 @@ def test_held_at_AB_the_line_is_that_of_1_over_kappa():
             along = ((F - A) * mp.conj(B - A)).real / abs(B - A)
             m, n, d, kappa = (mp.mpf(one[name]) for name in INPUTS[:-1])
             bars = {"m": kappa**2 * m, "n": kappa**2 * n, "d": abs(kappa) * d, "kappa": 1 / abs(kappa)}
-            facts = Exact(HART, ["line_x", "stroke"], list(bars))
+            facts = HighPrecision(HART, ["line_x", "stroke"], list(bars))
             assert abs(facts.at(bars)["line_x"] - along) <= mp.mpf(10) ** (5 - DIGITS)
 
 
@@ -90,7 +90,7 @@ def test_rates_by_phi_are_differences(name):
     rate = {"F_y": "dF_y_dphi", "psi": "dpsi_dphi"}[name]
     step = CONTEXT.mpf(10) ** -20
     for one in configurations(20, 5):
-        facts = Exact(HART, [name, rate], one)
+        facts = HighPrecision(HART, [name, rate], one)
         here = facts.at(one)
         if mp.isnan(here[name]):
             continue

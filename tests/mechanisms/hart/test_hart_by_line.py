@@ -10,7 +10,7 @@ from tests.support.hart_configurations import HART, INPUTS, MEASURES, WUNDERLICH
 import fastlink as fl
 from fastlink.errors import InputError
 from fastlink.mechanisms import catalogue
-from fastlink.precision.reference import CONTEXT, Exact
+from fastlink.precision.reference import CONTEXT, HighPrecision
 
 BY_LINE = catalogue("hart", "F_y")
 DESIGN = INPUTS[:-1]
@@ -23,7 +23,7 @@ MULTIPLE = 4
 def positions(kind, n):
     """Yield configurations driven by MA that close, all their joints, and the same as driven by F."""
     inputs = family(kind, np.random.default_rng(n), n)
-    facts = Exact(HART, ["sigma", "sine_part", "F_y", "stroke", *SHARED], [*INPUTS, "branch"])
+    facts = HighPrecision(HART, ["sigma", "sine_part", "F_y", "stroke", *SHARED], [*INPUTS, "branch"])
     for i in range(n):
         one = {name: float(values[i]) for name, values in inputs.items()}
         for branch in (1, 2):
@@ -36,7 +36,7 @@ def positions(kind, n):
 
 @pytest.mark.parametrize("kind", ["random", "near 1 1e-3", "gap 1e-4", "great"])
 def test_it_is_the_position_that_MA_gives(kind):
-    facts = Exact(BY_LINE, ["phi", *SHARED], [*DESIGN, "F_y", "branch"])
+    facts = HighPrecision(BY_LINE, ["phi", *SHARED], [*DESIGN, "F_y", "branch"])
     compared = 0
     for found, place in positions(kind, 12):
         here = facts.at(place)
@@ -49,9 +49,9 @@ def test_it_is_the_position_that_MA_gives(kind):
 
 def test_rates_are_those_of_the_other_drive():
     for found, place in positions("random", 8):
-        rates = Exact(BY_LINE, ["dphi_dF_y", "dpsi_dF_y"], place).at(place)
+        rates = HighPrecision(BY_LINE, ["dphi_dF_y", "dpsi_dF_y"], place).at(place)
         given = {name: place[name] for name in DESIGN} | {"phi": found["phi"], "branch": found["branch"]}
-        other = Exact(HART, ["dF_y_dphi", "dpsi_dphi"], given).at(given)
+        other = HighPrecision(HART, ["dF_y_dphi", "dpsi_dphi"], given).at(given)
         assert abs(rates["dphi_dF_y"] * other["dF_y_dphi"] - 1) <= 1e-40
         assert abs(rates["dpsi_dF_y"] * other["dF_y_dphi"] - other["dpsi_dphi"]) <= 1e-35
 

@@ -76,14 +76,14 @@ def golden_section(f, low: np.ndarray, high: np.ndarray) -> np.ndarray:
     return (low + high) / 2
 
 
-def is_extremum(quantity: str, one: dict, links, alternatives, branch: int, theta1: float, kind: int) -> bool:
+def is_extremum(quantity: str, one: dict, links, variants, branch: int, theta1: float, kind: int) -> bool:
     """Return whether the derivative changes its sign as it should within 1e-9 rad of theta1, by 50 digits."""
     values = one | (dict(links.values) if links is not None else {})
     with mp.workdps(50):
         given = {name: mp.mpf(float(value)) for name, value in values.items()} | {"branch": mp.mpf(branch)}
 
         def f(theta):
-            return read_facts(PLANAR, [quantity], given | {"theta1": theta}, alternatives)[quantity]
+            return read_facts(PLANAR, [quantity], given | {"theta1": theta}, variants)[quantity]
 
         step, h = mp.mpf(10) ** -9, mp.mpf(10) ** -20
         slopes = [f(place + h) - f(place - h) for place in (mp.mpf(theta1) - step, mp.mpf(theta1) + step)]
@@ -93,15 +93,15 @@ def is_extremum(quantity: str, one: dict, links, alternatives, branch: int, thet
 def designs(family: str, masses: str, n: int, seed: int) -> tuple[dict, fl.Links | None, tuple[str, ...]]:
     rng = np.random.default_rng(seed)
     inputs = dict(zip(LENGTHS, FAMILIES[family](rng, n), strict=True))
-    others, links, alternatives = MASSES[masses](rng, n)
-    return inputs | others, links, alternatives
+    others, links, variants = MASSES[masses](rng, n)
+    return inputs | others, links, variants
 
 
 @pytest.mark.parametrize("n", [9, pytest.param(120, marks=pytest.mark.stress)])
 @pytest.mark.parametrize("family", ["crank", "drag-link", "non-Grashof"])
 @pytest.mark.parametrize("masses", MASSES)
 def test_every_local_extremum_of_dense_samples_is_found(family, masses, n):
-    inputs, links, alternatives = designs(family, masses, n, 60)
+    inputs, links, variants = designs(family, masses, n, 60)
     quantities = SOME[masses] if n < 100 else QUANTITIES
     result = fl.sweep("planar_4r", fl.table(inputs), [f"{q}_extrema" for q in quantities], links=links)
     shown = brute_force(inputs, links, quantities)
@@ -125,14 +125,12 @@ def test_every_local_extremum_of_dense_samples_is_found(family, masses, n):
         for i, k, j in zip(*np.nonzero((kind != 0) & ~matched), strict=True):
             one = {name: column[i] for name, column in inputs.items()}
             about = f"{quantity}, {family}, {masses}, design {i}, branch {k + 1}, theta1 {theta1[i, k, j]}"
-            assert is_extremum(quantity, one, links, alternatives, k + 1, theta1[i, k, j], kind[i, k, j]), (
-                about
-            )
+            assert is_extremum(quantity, one, links, variants, k + 1, theta1[i, k, j], kind[i, k, j]), about
 
 
 @pytest.mark.parametrize("masses", MASSES)
 def test_places_are_stationary_to_50_digits(masses):
-    inputs, links, alternatives = designs("crank", masses, 2, 61)
+    inputs, links, variants = designs("crank", masses, 2, 61)
     result = fl.sweep("planar_4r", fl.table(inputs), [f"{q}_extrema" for q in SOME[masses]], links=links)
     tested = 0
     for quantity in SOME[masses]:
@@ -141,9 +139,7 @@ def test_places_are_stationary_to_50_digits(masses):
             one = {name: column[i] for name, column in inputs.items()}
             for k in range(2):
                 for j in range(count[i, k]):
-                    assert is_extremum(
-                        quantity, one, links, alternatives, k + 1, theta1[i, k, j], kind[i, k, j]
-                    )
+                    assert is_extremum(quantity, one, links, variants, k + 1, theta1[i, k, j], kind[i, k, j])
                     tested += 1
     assert tested >= 8
 

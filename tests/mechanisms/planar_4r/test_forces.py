@@ -18,7 +18,7 @@ from tests.support.newton import Bodies, configuration, cross, facts, kinetic_en
 
 import fastlink as fl
 from fastlink.plan.pointwise import make_plan
-from fastlink.plan.validate import alternatives_of
+from fastlink.plan.validate import variants_of
 
 FORCES = ("F41", "F21", "F32", "F43")
 REACTIONS = [f"{force}_{axis}" for force in FORCES for axis in "xy"] + ["T41"]
@@ -122,15 +122,15 @@ def test_a_load_of_nothing_changes_nothing_but_roundings_and_a_load_not_given_is
     inputs = dict(zip(LENGTHS, random_lengths(rng, 1), strict=True)) | masses_and_points(rng, 1)
     inputs = {name: float(value[0]) for name, value in inputs.items()}
     names = [*REACTIONS, *SHAKING, "alpha4", "jerk4"]
-    nothing = dict.fromkeys(PLANAR.alternative_inputs[load], 0.0)
-    chosen = alternatives_of(PLANAR, None, "eliminated", nothing)
+    nothing = dict.fromkeys(PLANAR.variant_inputs[load], 0.0)
+    chosen = variants_of(PLANAR, None, "eliminated", nothing)
     assert chosen == (load,)
     bare = make_plan(PLANAR, names, given=tuple(inputs))
-    assert not any(name in bare.source for other in LOADS for name in PLANAR.alternative_inputs[other])
-    loaded = make_plan(PLANAR, names, given=(*inputs, *nothing), alternatives=chosen)
+    assert not any(name in bare.source for other in LOADS for name in PLANAR.variant_inputs[other])
+    loaded = make_plan(PLANAR, names, given=(*inputs, *nothing), variants=chosen)
     assert any(name in loaded.source for name in nothing)
     other_loads = set(LOADS) - {load}
-    assert not any(n in loaded.source for key in other_loads for n in PLANAR.alternative_inputs[key])
+    assert not any(n in loaded.source for key in other_loads for n in PLANAR.variant_inputs[key])
     for theta in rng.uniform(-np.pi, np.pi, 5):
         without = fl.evaluate("planar_4r", names, theta1=theta, **inputs)
         with_nothing = fl.evaluate("planar_4r", names, theta1=theta, **inputs, **nothing)
@@ -180,7 +180,7 @@ def test_a_misspelt_load_is_refused():
 
 
 @pytest.mark.parametrize(
-    "by", ["theta1", "omega1", "a2", *(n for k in LOADS for n in PLANAR.alternative_inputs[k])]
+    "by", ["theta1", "omega1", "a2", *(n for k in LOADS for n in PLANAR.variant_inputs[k])]
 )
 def test_derivatives_hold_under_all_loads(by):
     names = ["T41", "F21", "shaking_force", "shaking_moment_at", "shaking_moment_printed", "alpha4"]

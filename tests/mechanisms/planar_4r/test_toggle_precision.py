@@ -7,7 +7,7 @@ import pytest
 from tests.support.configurations import LENGTHS, PLANAR, UNIT, near_toggle
 
 import fastlink as fl
-from fastlink.precision.reference import CONTEXT, Exact
+from fastlink.precision.reference import CONTEXT, HighPrecision
 
 NAMES = ["transmission_angle", "omega2", "omega4", "alpha2", "alpha4"]
 
@@ -19,7 +19,7 @@ def test_near_a_toggle_nothing_is_lost_though_the_condition_number_explodes(offs
     lengths, theta = near_toggle(np.random.default_rng(24), n, offset)
     inputs = dict(zip(LENGTHS, lengths, strict=True)) | {"omega1": np.full(n, 25.0), "theta1": theta}
     found = fl.evaluate("planar_4r", NAMES, branch=2, **inputs)
-    facts = Exact(PLANAR, NAMES, [*inputs, "branch"])
+    facts = HighPrecision(PLANAR, NAMES, [*inputs, "branch"])
     errors = []
     for i in range(n):
         exact = facts.at({name: values[i] for name, values in inputs.items()} | {"branch": 2})

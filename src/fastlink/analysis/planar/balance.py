@@ -18,7 +18,7 @@ from fastlink.analysis.planar.designs import broadcast
 from fastlink.engine.evaluate import read_facts
 from fastlink.errors import InputError
 from fastlink.mechanisms import catalogue
-from fastlink.plan.validate import alternatives_of, constants_of
+from fastlink.plan.validate import constants_of, variants_of
 
 if TYPE_CHECKING:
     from fastlink.space.links import Links
@@ -77,16 +77,16 @@ def force_balance(
     True
     """
     planar = catalogue("planar_4r")
-    alternatives = alternatives_of(planar, links, "eliminated", ())
-    given = constants_of(planar, links, alternatives) | dict(design)
+    variants = variants_of(planar, links, "eliminated", ())
+    given = constants_of(planar, links, variants) | dict(design)
     for name in NEEDED:
-        if name not in given and planar.lookup(name, alternatives) is None:
+        if name not in given and planar.resolve(name, variants) is None:
             raise InputError(
                 f"force_balance: {name} is missing ({planar.inputs[name].meaning} [{planar.inputs[name].units}]); "
                 "add it to the design, or give links"
             )
     lengths = dict(zip(design, broadcast("force_balance", **design), strict=True))
-    found = read_facts(planar, NEEDED, given | lengths, alternatives)
+    found = read_facts(planar, NEEDED, given | lengths, variants)
     g1, g2, g3 = (np.asarray(found[f"G{i}_u"]) + 1j * np.asarray(found[f"G{i}_v"]) for i in (1, 2, 3))
     share = g2 / found["a2"]
     crank = -(found["m1"] * g1 + found["m2"] * found["a1"] * (1.0 - share))

@@ -138,14 +138,14 @@ def advance_roots(s: Any, vectors: Any, n: int, flags: Any) -> int:
             nearer = abs(f2) < abs(f)
             best = x2 if nearer else x
             best_f = f2 if nearer else f
-            gap = x2 - x
-            per_gap = 1.0 / gap
+            sum_of_four = x2 - x
+            per_gap = 1.0 / sum_of_four
             limit = (RELATIVE * abs(best) + s[TOLERANCE, at + i]) * abs(per_gap)
             # Values over f2, so that nothing overflows.
             per_f2 = 1.0 / f2
             a, b = f * per_f2, f3 * per_f2
             per_b = 1.0 / (1.0 - b)
-            xi = gap / (x2 - x3)
+            xi = sum_of_four / (x2 - x3)
             phi = (1.0 - a) * per_b
             smooth = (phi * phi < xi) & ((1.0 - phi) * (1.0 - phi) < 1.0 - xi)
             skew = (x3 - x) * per_gap
@@ -154,7 +154,7 @@ def advance_roots(s: Any, vectors: Any, n: int, flags: Any) -> int:
             t = t if t > limit else limit
             t = t if t < 1.0 - limit else 1.0 - limit
             done = (limit > 0.5) | (best_f == 0.0)
-            place = best if done else x + t * gap
+            place = best if done else x + t * sum_of_four
             is_open = s[OPEN, at + i]
             s[X, at + i] = place if is_open > 0.0 else x
             s[X1, at + i] = x

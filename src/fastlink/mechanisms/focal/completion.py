@@ -14,7 +14,7 @@ from __future__ import annotations
 from typing import Any
 
 from fastlink.mechanisms.focal.declare import DESIGN, GIVEN_LAMBDA, GIVEN_S, WUNDERLICH, focal
-from fastlink.numerics.compensated import gap, pair_product, power_of_two_below, square_sum, two_sum
+from fastlink.numerics.compensated import pair_product, power_of_two_below, square_sum, sum_of_four, two_sum
 from fastlink.numerics.elementary import NOT_A_NUMBER, select, sqrt
 from fastlink.numerics.vectors import sign
 
@@ -30,9 +30,7 @@ def rho_plus_1(rho: Any) -> Any:
     return two_sum(1.0, rho)
 
 
-@focal.quantity(
-    units="1", symbol="rho", source=f"{WUNDERLICH}, eq. (1.9)", internal=True, alternative=GIVEN_S
-)
+@focal.quantity(units="1", symbol="rho", source=f"{WUNDERLICH}, eq. (1.9)", internal=True, variant=GIVEN_S)
 def rho(s: Any, d: Any) -> Any:
     """Ratio mp : nq of a given crank support."""
     return s / (d - s)
@@ -54,14 +52,14 @@ focal.quantity(
     symbol="1 + rho",
     source=COMPLETION,
     internal=True,
-    alternative=GIVEN_S,
+    variant=GIVEN_S,
     name="rho_plus_1",
     low="rho_plus_1_low",
 )(one_plus_ratio_of_support)
 
 
 @focal.quantity(
-    units="1", symbol="lambda - 1", source=COMPLETION, internal=True, alternative=GIVEN_LAMBDA, low="x_low"
+    units="1", symbol="lambda - 1", source=COMPLETION, internal=True, variant=GIVEN_LAMBDA, low="x_low"
 )
 def x(lambda_: Any) -> Any:
     """Ratio pq : mn of a given lambda."""
@@ -70,7 +68,7 @@ def x(lambda_: Any) -> Any:
 
 step = focal.steps(units="1", source=COMPLETION)
 step(nothing, "rho_low", "0", exact="rho")
-step = focal.steps(units="1", source=COMPLETION, alternative=GIVEN_LAMBDA)
+step = focal.steps(units="1", source=COMPLETION, variant=GIVEN_LAMBDA)
 step(nothing, "lambda_low", "0", exact=GIVEN_LAMBDA)
 
 
@@ -95,7 +93,7 @@ def excess(ratio: Any, plus_1: Any, plus_1_low: Any, mixed: Any, mixed_low: Any,
     reach, reach_low = two_sum(u, select(ratio < 0.0, -v, v))
     reach, reach_low = pair_product(reach, reach_low, reach, reach_low)
     other, other_low = pair_product(ratio / two, 0.0, reach, reach_low)
-    high, _low = gap(side, side_low, -other, -other_low)
+    high, _low = sum_of_four(side, side_low, -other, -other_low)
     return high / abs(ratio / two)
 
 
@@ -150,12 +148,12 @@ def root_of_size(ratio: Any) -> Any:
 
 
 def declare_completion(
-    alternative: str | None, pair: dict[str, str], known: str, found: tuple[str, str, str]
+    variant: str | None, pair: dict[str, str], known: str, found: tuple[str, str, str]
 ) -> None:
     """Declare the ratio that is found, from the ratio that is given and the two pairs of lengths."""
     root_found, ratio_found, plus_1_found = found
     given = {**pair, "root": root_found}
-    step = focal.steps(units="1", source=COMPLETION, alternative=alternative)
+    step = focal.steps(units="1", source=COMPLETION, variant=variant)
     step(sign, "ratio_sign", "sgn rho", x=pair["ratio"])
     step(mixed, "mixed", "a^2 + rho b^2", low="mixed_low", **given)
     step(common, "common", "W", **given)
@@ -169,7 +167,7 @@ def declare_completion(
     if plus_1_found != GIVEN_LAMBDA:
         step(one_plus_found, plus_1_found, "lambda", **given)
         return
-    quantity = focal.quantities(units="1", source=COMPLETION, alternative=alternative)
+    quantity = focal.quantities(units="1", source=COMPLETION, variant=variant)
     quantity(one_plus_found, GIVEN_LAMBDA, "lambda", "Factor a/m = b/n", **given)
 
 

@@ -26,7 +26,7 @@ TABLES = {"cos_theta1": "g_x", "sin_theta1": "g_y", "Z": "Z", "C": "C"}
 for _name, _here in TABLES.items():
     _table = planar_4r.tables[_name]
     by_crank.tables[_here] = replace(
-        _table, name=_here, needs=(SIGMA,), symbol=_table.symbol.replace("theta_1", SIGMA)
+        _table, name=_here, depends_on=(SIGMA,), symbol=_table.symbol.replace("theta_1", SIGMA)
     )
 
 # -- w ----------------------------------------------------------------------------------------------------------
@@ -259,7 +259,7 @@ def sine_change(s_s: Any, s_r: Any, s_m: Any, s_p: Any) -> Any:
 
 # of what is tabled, or given by a place of the graded range
 for _set in (None, "graded"):
-    derivative = by_crank.derivatives(SIGMA, alternative=_set)
+    derivative = by_crank.derivatives(SIGMA, variant=_set)
     derivative(same, "Z", x="half_sine")
     derivative(opposite, "C", x="half_sine")
     derivative(opposite, "g_x", x="g_y")

@@ -107,7 +107,7 @@ by_crank.graded = GradedRange(
         **dict.fromkeys(("omega_angle", "alpha", "beta", "chi"), "half_sine_omega"),
     },
 )
-step = by_crank.steps(units="1", source=DYAD, alternative=by_crank.graded.name)
+step = by_crank.steps(units="1", source=DYAD, variant=by_crank.graded.name)
 step(graded.from_end, "Z", "Z", least="Z_least", fraction="from_low")
 step(graded.from_end, "C", "C", least="C_least", fraction="from_high")
 step(

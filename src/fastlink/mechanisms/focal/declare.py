@@ -34,9 +34,9 @@ focal.input(
     "rho", units="1", symbol="rho", meaning="ratio mp : nq = MS : SN, negative where S is not between M and N"
 )
 focal.input(
-    GIVEN_S, units="m", symbol="s", meaning="crank support S on MN, from M towards N", alternative=GIVEN_S
+    GIVEN_S, units="m", symbol="s", meaning="crank support S on MN, from M towards N", variant=GIVEN_S
 )
-focal.input(GIVEN_LAMBDA, units="1", symbol="lambda", meaning="factor a/m = b/n", alternative=GIVEN_LAMBDA)
+focal.input(GIVEN_LAMBDA, units="1", symbol="lambda", meaning="factor a/m = b/n", variant=GIVEN_LAMBDA)
 focal.input(
     "completion",
     units="1",

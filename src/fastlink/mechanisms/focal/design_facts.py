@@ -7,7 +7,7 @@ from typing import Any
 from fastlink.mechanisms.borrow import borrow
 from fastlink.mechanisms.focal.declare import DESIGN, GIVEN_S, LINKS, WUNDERLICH, focal
 from fastlink.mechanisms.planar_4r import planar_4r
-from fastlink.numerics.compensated import gap
+from fastlink.numerics.compensated import sum_of_four
 from fastlink.numerics.elementary import NOT_A_NUMBER, select, sqrt
 
 SCALING = f"{DESIGN}#numerics"
@@ -87,7 +87,7 @@ def s_s(s_d: Any, T_share: Any) -> Any:
     symbol="AT/AB",
     source=f"{WUNDERLICH}, eq. (3.2)",
     internal=True,
-    alternative=GIVEN_S,
+    variant=GIVEN_S,
     name="T_share",
 )
 def share_of_support(s: Any, d: Any, valid: Any) -> Any:
@@ -133,7 +133,7 @@ def S_x(s: Any) -> Any:
     units="m",
     symbol="S_x",
     source=f"{WUNDERLICH}, eq. (1.9)",
-    alternative=GIVEN_S,
+    variant=GIVEN_S,
     name="S_x",
     meaning="Crank support S, x",
 )
@@ -150,8 +150,8 @@ def T_ratio(T_share: Any) -> Any:
 
 def height(s_a: Any, s_b: Any, c: Any, s_d: Any, valid: Any, scale: Any) -> Any:
     """Height of a trapezoid with the sides a = b, the base d and the other base c."""
-    near, _low = gap(s_a, s_a, -s_d, c)
-    far, _low = gap(s_a, s_a, s_d, -c)
+    near, _low = sum_of_four(s_a, s_a, -s_d, c)
+    far, _low = sum_of_four(s_a, s_a, s_d, -c)
     symmetric = (s_a == s_b) & (valid == 1.0)
     return select(symmetric, 0.5 * sqrt(near) * sqrt(far) * scale, NOT_A_NUMBER)
 

@@ -40,7 +40,7 @@ by_crank = _ByCrank(
     },
     position=Input("sigma", "rad", "sigma", "direction of SF in the ground frame"),
 )
-by_crank.inputs, by_crank.alternative_inputs = focal.inputs, focal.alternative_inputs
+by_crank.inputs, by_crank.variant_inputs = focal.inputs, focal.variant_inputs
 
 
 def quantities(*, units: str, source: str) -> Rows:
@@ -70,6 +70,6 @@ def with_design_facts() -> Catalogue:
     for name, fact in focal.facts.items():
         if not (focal.is_derivative(name) or focal.varies(name)):
             by_crank.facts.setdefault(name, fact)
-    for chosen in focal.alternative_inputs:
-        by_crank.alternatives[chosen] = focal.alternatives[chosen]
+    for chosen in focal.variant_inputs:
+        by_crank.variants[chosen] = focal.variants[chosen]
     return by_crank

@@ -60,7 +60,7 @@ def lesser_root(root_rho: Any, root_near: Any, completion: Any) -> Any:
 
 
 @focal.quantity(
-    units="1", symbol="sqrt|rho| L", source=DYAD, internal=True, alternative=GIVEN_LAMBDA, name="lesser_root"
+    units="1", symbol="sqrt|rho| L", source=DYAD, internal=True, variant=GIVEN_LAMBDA, name="lesser_root"
 )
 def lesser_root_of_lambda(root_rho: Any, root_x: Any, x: Any, lambda_: Any, s_c: Any, s_d: Any) -> Any:
     """Lesser of both square roots, times that of the size of rho, as it is with lambda given."""

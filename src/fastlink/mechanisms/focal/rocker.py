@@ -30,7 +30,7 @@ RENAME = renaming(planar_4r, NAMES, PREFIX)
 
 for _table in planar_4r.tables.values():
     focal.tables[RENAME(_table.name)] = replace(
-        _table, name=RENAME(_table.name), needs=(PHI,), symbol=_table.symbol.replace("theta_1", "phi")
+        _table, name=RENAME(_table.name), depends_on=(PHI,), symbol=_table.symbol.replace("theta_1", "phi")
     )
 focal.table_low_parts = {RENAME(low): RENAME(name) for low, name in planar_4r.table_low_parts.items()}
 

@@ -14,7 +14,13 @@ from fastlink.mechanisms import lengths
 from fastlink.mechanisms.hart.declare import PAGE, hart
 from fastlink.mechanisms.planar_4r.rates import product
 from fastlink.mechanisms.planar_4r.slopes import opposite
-from fastlink.numerics.compensated import UNIT_ROUNDING, gap, gap_product_quotient, pair_product, two_sum
+from fastlink.numerics.compensated import (
+    UNIT_ROUNDING,
+    gap_product_quotient,
+    pair_product,
+    sum_of_four,
+    two_sum,
+)
 from fastlink.numerics.elementary import NOT_A_NUMBER, select
 from fastlink.numerics.vectors import zero_where
 
@@ -84,7 +90,7 @@ def gap_rounding(far_sum: Any, s_d: Any) -> Any:
 
 def unless_rounding(reach: Any, reach_low: Any, other: Any, gap_rounding: Any) -> Any:
     """Return the sum of a reach and another length, 0 within the rounding of the lengths."""
-    total, _low = gap(reach, reach_low, other, 0.0)
+    total, _low = sum_of_four(reach, reach_low, other, 0.0)
     return zero_where(abs(total) <= gap_rounding, total)
 
 
@@ -126,8 +132,8 @@ def toggle(
     valid: Any,
 ) -> Any:
     """Return (near_sum + other)(far_difference + other)/(4 m divisor)."""
-    f, f_low = gap(near_sum, near_sum_low, other, 0.0)
-    g, g_low = gap(far_difference, far_difference_low, other, 0.0)
+    f, f_low = sum_of_four(near_sum, near_sum_low, other, 0.0)
+    g, g_low = sum_of_four(far_difference, far_difference_low, other, 0.0)
     high, low = gap_product_quotient(f, f_low, g, g_low, s_m, divisor)
     none = (abs(f) <= gap_rounding) | (abs(g) <= gap_rounding)
     return select(valid == 1.0, zero_where(none, high), NOT_A_NUMBER), zero_where(none, low)

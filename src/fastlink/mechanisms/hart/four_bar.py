@@ -13,7 +13,7 @@ from fastlink.mechanisms.hart.declare import WUNDERLICH, hart
 from fastlink.mechanisms.hart.design_facts import NUMERICS
 from fastlink.mechanisms.planar_4r import planar_4r
 from fastlink.mechanisms.planar_4r.rates import product
-from fastlink.numerics.compensated import gap, pair_product, two_product
+from fastlink.numerics.compensated import pair_product, sum_of_four, two_product
 from fastlink.numerics.elementary import NOT_A_NUMBER, select
 
 PLANAR = "docs/numerics.md"
@@ -39,7 +39,7 @@ step(product, "s_c", "s_c", "scaled length AB", x="K", y="s_d")
 def ground_excess(s_d: Any, s_m: Any, size_lambda: Any, size_lambda_low: Any) -> Any:
     """Length MN less MA, scaled, right to a rounding."""
     arm, arm_low = pair_product(size_lambda, size_lambda_low, s_m, 0.0)
-    total, _low = gap(s_d, -arm, -arm_low, 0.0)
+    total, _low = sum_of_four(s_d, -arm, -arm_low, 0.0)
     return total
 
 
@@ -48,7 +48,7 @@ def coupler_excess(K: Any, s_d: Any, s_n: Any, size_lambda: Any, size_lambda_low
     """Length AB less NB, scaled, right to a rounding."""
     coupler, coupler_low = two_product(K, s_d)
     arm, arm_low = pair_product(size_lambda, size_lambda_low, s_n, 0.0)
-    total, _low = gap(coupler, coupler_low, -arm, -arm_low)
+    total, _low = sum_of_four(coupler, coupler_low, -arm, -arm_low)
     return total
 
 
@@ -119,7 +119,7 @@ NAMES |= {"kappa": "squares_excess", "AD_x": "AN_x", "assembles": "assembles", "
 NAMES |= {name: name for name in ("A_x", "A_y", "sure_A1", "grashof_class")}
 
 for _table in planar_4r.tables.values():
-    hart.tables[NAMES[_table.name]] = replace(_table, name=NAMES[_table.name], needs=("phi",))
+    hart.tables[NAMES[_table.name]] = replace(_table, name=NAMES[_table.name], depends_on=("phi",))
 hart.table_low_parts = dict(planar_4r.table_low_parts)
 
 _SAID: dict[str, dict[str, Any]] = {

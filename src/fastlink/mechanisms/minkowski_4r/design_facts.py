@@ -10,7 +10,7 @@ from typing import Any
 
 from fastlink.mechanisms import lengths
 from fastlink.mechanisms.minkowski_4r.declare import LINKS, NUMERICS, minkowski_4r
-from fastlink.numerics.compensated import gap, gap_product_quotient, power_of_two_below
+from fastlink.numerics.compensated import gap_product_quotient, power_of_two_below, sum_of_four
 
 POSITION = f"{NUMERICS}#position"
 SCALING = f"{NUMERICS}#scaling"
@@ -61,8 +61,8 @@ def minus_s_h(s_h: Any) -> Any:
 
 def limit(s_a: Any, s_b: Any, s_g: Any, reach: Any, a_one: Any, g_one: Any, valid: Any) -> Any:
     """Return (g - a - b - h) (g - a + b + h) kappa/(4 a g)."""
-    f, f_low = gap(s_g, -s_a, -s_b, -reach)
-    k, k_low = gap(s_g, -s_a, s_b, reach)
+    f, f_low = sum_of_four(s_g, -s_a, -s_b, -reach)
+    k, k_low = sum_of_four(s_g, -s_a, s_b, reach)
     high, low = gap_product_quotient(f, f_low, k, k_low, a_one, g_one)
     return high * valid, low
 

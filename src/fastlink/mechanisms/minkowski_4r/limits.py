@@ -12,7 +12,7 @@ from collections.abc import Callable
 from typing import Any
 
 from fastlink.mechanisms.minkowski_4r.declare import HEGEDUS, minkowski_4r
-from fastlink.numerics.compensated import gap, two_sum
+from fastlink.numerics.compensated import sum_of_four, two_sum
 from fastlink.numerics.elementary import INFINITY, NOT_A_NUMBER, select, sqrt
 from fastlink.numerics.logarithm import arsinh
 from fastlink.numerics.vectors import sign, zero_where
@@ -44,7 +44,7 @@ minkowski_4r.input(
     symbol="epsilon",
     meaning="what counts as 0 of a T_i or a difference of lengths, over the sum of all lengths",
     rule="non-negative",
-    alternative=TOLERANCE,
+    variant=TOLERANCE,
     default=0.0,
 )
 
@@ -73,19 +73,19 @@ def T7(length_sum: Any, sums_are_valid: Any) -> Any:
 
 def two_against_two(p: Any, q: Any, r: Any, s: Any, sums_are_valid: Any) -> Any:
     """Return p + q - r - s, its sign exact."""
-    total, _low = gap(p, q, -r, -s)
+    total, _low = sum_of_four(p, q, -r, -s)
     return select(sums_are_valid == 1.0, total, NOT_A_NUMBER)
 
 
 def three_against_one(p: Any, q: Any, r: Any, s: Any, sums_are_valid: Any) -> Any:
     """Return p + q + r - s, its sign exact."""
-    total, _low = gap(p, q, r, -s)
+    total, _low = sum_of_four(p, q, r, -s)
     return select(sums_are_valid == 1.0, total, NOT_A_NUMBER)
 
 
 def one_against_three(p: Any, q: Any, r: Any, s: Any, sums_are_valid: Any) -> Any:
     """Return p - q - r - s, its sign exact."""
-    total, _low = gap(p, -q, -r, -s)
+    total, _low = sum_of_four(p, -q, -r, -s)
     return select(sums_are_valid == 1.0, total, NOT_A_NUMBER)
 
 
@@ -133,7 +133,7 @@ def declare_sure(name: str, symbol: str, source: str) -> None:
     """Declare a sum as it is, and where a tolerance is given, 0 within it."""
     sure, meaning = f"sure_{name}", f"{symbol}, 0 within the tolerance if one is given"
     minkowski_4r.steps(units="m", source=source)(as_it_is, sure, symbol, meaning, value=name)
-    with_tolerance = minkowski_4r.steps(units="m", source=source, alternative=TOLERANCE)
+    with_tolerance = minkowski_4r.steps(units="m", source=source, variant=TOLERANCE)
     with_tolerance(zero_within, sure, symbol, meaning, replaced=sure)
 
 
@@ -145,7 +145,7 @@ def declare_sum(name: str, meaning: str, law: Law, sign_law: Law, source: str = 
     declare_sure(name, symbol, LIMITS)
     labels = f"sign_{name}", symbol, f"number of the sign of {symbol}"
     minkowski_4r.steps(units="m", source=LIMITS)(sign_law, *labels, **given)
-    with_tolerance = minkowski_4r.steps(units="m", source=LIMITS, alternative=TOLERANCE)
+    with_tolerance = minkowski_4r.steps(units="m", source=LIMITS, variant=TOLERANCE)
     with_tolerance(as_it_is, *labels, value=f"sure_{name}")
 
 

@@ -16,9 +16,9 @@ from fastlink.mechanisms.minkowski_4r.design_facts import POSITION, SCALING
 from fastlink.numerics.elementary import (
     INFINITY,
     NOT_A_NUMBER,
+    binary_exponent,
     cosh,
     doubled,
-    doublings,
     exp,
     select,
     sinh,
@@ -41,19 +41,19 @@ def side(theta: Any) -> Any:
 @minkowski_4r.table(symbol="k", source=SCALING)
 def twos(theta: Any) -> Any:
     """Number of doublings nearest to e^abs(theta)."""
-    return doublings(abs(theta))
+    return binary_exponent(abs(theta))
 
 
 @minkowski_4r.table(symbol="r", source=SCALING)
 def r(theta: Any) -> Any:
     """Power of two near e^-abs(theta); it may underflow, where nothing of its size counts."""
-    return doubled(1.0, -doublings(abs(theta)))
+    return doubled(1.0, -binary_exponent(abs(theta)))
 
 
 @minkowski_4r.table(symbol="p r", source=POSITION, low="p_r_low")
 def p_r(theta: Any) -> Any:
     """e^abs(theta) times r."""
-    return doubled(exp(abs(theta)), -doublings(abs(theta)))
+    return doubled(exp(abs(theta)), -binary_exponent(abs(theta)))
 
 
 @minkowski_4r.table(symbol="1/p", source=POSITION, low="per_p_low")
@@ -65,13 +65,13 @@ def per_p(theta: Any) -> Any:
 @minkowski_4r.table(symbol="S r", source=POSITION, low="S_r_low")
 def S_r(theta: Any) -> Any:
     """sinh^2(theta/2) times r."""
-    return doubled(sinh(theta / 2) * sinh(theta / 2), -doublings(abs(theta)))
+    return doubled(sinh(theta / 2) * sinh(theta / 2), -binary_exponent(abs(theta)))
 
 
 @minkowski_4r.table(symbol="r sinh", source=POSITION)
 def sinh_r(theta: Any) -> Any:
     """Sinh of abs(theta), times r."""
-    return doubled(sinh(abs(theta)), -doublings(abs(theta)))
+    return doubled(sinh(abs(theta)), -binary_exponent(abs(theta)))
 
 
 @minkowski_4r.table(symbol="cosh theta", source=POSITION)

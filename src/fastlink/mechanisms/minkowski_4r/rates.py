@@ -24,7 +24,7 @@ from typing import Any
 
 from fastlink.mechanisms.minkowski_4r import coupler, position  # noqa: F401 (whose rates these are)
 from fastlink.mechanisms.minkowski_4r.declare import NUMERICS, minkowski_4r
-from fastlink.numerics.compensated import gap
+from fastlink.numerics.compensated import sum_of_four
 from fastlink.numerics.elementary import NOT_A_NUMBER, select
 
 RATES = f"{NUMERICS}#rates"
@@ -79,7 +79,7 @@ def twice_s_a_s_g(s_a: Any, s_g: Any) -> Any:
 @minkowski_4r.quantity(units="1", symbol="1 + S_1", source=RATES, internal=True)
 def inner_square(s_a: Any, s_b: Any, s_g: Any, s_h: Any, product_one: Any) -> Any:
     """Times kappa: cosh^2(theta_min/2), (g + a - b - h) (g + a + b + h) kappa/(4 a g)."""
-    short, _low = gap(s_g, s_a, -s_b, -s_h)
+    short, _low = sum_of_four(s_g, s_a, -s_b, -s_h)
     return 0.5 * (short * ((s_g + s_a) + (s_b + s_h))) / product_one
 
 

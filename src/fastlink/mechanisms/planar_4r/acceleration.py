@@ -19,7 +19,7 @@ planar_4r.input(
     units="rad s-2",
     symbol="alpha_1",
     meaning="angular acceleration of the crank",
-    alternative=ACCELERATED,
+    variant=ACCELERATED,
     default=0.0,
 )
 

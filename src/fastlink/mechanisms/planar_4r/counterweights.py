@@ -35,7 +35,7 @@ def declare_counterweight(link: int) -> None:
     """Declare the counterweight of one link, and what it adds wherever it is."""
     name = f"counterweight{link}"
     mass, radius, direction = f"{name}_mass", f"{name}_radius", f"{name}_direction"
-    given = partial(planar_4r.input, alternative=name)
+    given = partial(planar_4r.input, variant=name)
     on = f"counterweight on the {LINKS[link]}"
     given(mass, units="kg", symbol=f"m_W{link}", meaning=f"{on}: mass", rule="non-negative")
     given(
@@ -52,7 +52,7 @@ def declare_counterweight(link: int) -> None:
         meaning=f"{on}: direction in the link's frame",
         default=PI,
     )
-    step = planar_4r.steps(units="kg m", source=COUNTERWEIGHTS, alternative=name)
+    step = planar_4r.steps(units="kg m", source=COUNTERWEIGHTS, variant=name)
     step(along, f"{name}_along", f"m_W{link} r cos psi", mass=mass, radius=radius, direction=direction)
     step(across, f"{name}_across", f"m_W{link} r sin psi", mass=mass, radius=radius, direction=direction)
     step(spin, f"{name}_spin", f"m_W{link} r^2", mass=mass, radius=radius, units="kg m2")
@@ -121,7 +121,7 @@ def about_centre(
 def declare_centre(link: int, pivot: str) -> None:
     """Declare the mass centre of a link with its counterweight, and its moment of inertia about it."""
     name, per_mass = f"counterweight{link}", f"per_mass{link}"
-    step = planar_4r.steps(units="m", source=COUNTERWEIGHTS, alternative=name)
+    step = planar_4r.steps(units="m", source=COUNTERWEIGHTS, variant=name)
     step(reciprocal, per_mass, f"1/m_{link}", whole=f"mass{link}", units="kg-1")
     step(centre, f"{pivot}G_x", f"{pivot}G_{link}x", part=f"m{link}_{pivot}G_x", per_mass=per_mass)
     step(centre, f"{pivot}G_y", f"{pivot}G_{link}y", part=f"m{link}_{pivot}G_y", per_mass=per_mass)
@@ -141,5 +141,5 @@ def declare_centre(link: int, pivot: str) -> None:
 
 declare_centre(1, "O")
 declare_centre(3, "D")
-step = planar_4r.steps(units="m2", source=COUNTERWEIGHTS, alternative="counterweight3")
+step = planar_4r.steps(units="m2", source=COUNTERWEIGHTS, variant="counterweight3")
 step(leaning, "DG_cross_DB", "DG_3 x DB", part="m3_G3_across", per_mass="per_mass3", length="a3")

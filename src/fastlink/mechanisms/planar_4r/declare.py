@@ -63,7 +63,7 @@ def build_on(chosen: str, name: str, law: Callable[..., Any], **given: str) -> N
         symbol=base.symbol,
         source=base.source,
         internal=True,
-        alternative=chosen,
+        variant=chosen,
         name=name,
         meaning=base.meaning,
         given={"replaced": name, **given},

@@ -70,7 +70,7 @@ def couple3(I3_G: Any, alpha4: Any) -> Any:
     return I3_G * alpha4
 
 
-@planar_4r.system("reactions", UNKNOWNS, alternative="dense")
+@planar_4r.system("reactions", UNKNOWNS, variant="dense")
 def reactions(
     OG_x: Any,
     OG_y: Any,
@@ -120,25 +120,25 @@ def reactions(
     )
 
 
-@planar_4r.quantity(units="N", symbol="F_x", source=SHAKING, alternative="dense")
+@planar_4r.quantity(units="N", symbol="F_x", source=SHAKING, variant="dense")
 def shaking_force_x(F41_x: Any, F43_x: Any) -> Any:
     """Shaking force F14 + F34 on the ground, x."""
     return -(F41_x + F43_x)
 
 
-@planar_4r.quantity(units="N", symbol="F_y", source=SHAKING, alternative="dense")
+@planar_4r.quantity(units="N", symbol="F_y", source=SHAKING, variant="dense")
 def shaking_force_y(F41_y: Any, F43_y: Any) -> Any:
     """Shaking force F14 + F34 on the ground, y."""
     return -(F41_y + F43_y)
 
 
-@planar_4r.quantity(units="N m", symbol="M_O", source=SHAKING, alternative="dense")
+@planar_4r.quantity(units="N m", symbol="M_O", source=SHAKING, variant="dense")
 def shaking_moment(T41: Any, F43_y: Any, a4: Any) -> Any:
     """Shaking moment T14 + (a4, 0) x F34 on the ground about O."""
     return -T41 - a4 * F43_y
 
 
-@planar_4r.quantity(units="N m", symbol="T_14 + r_34 x F_34", source=SHAKING, alternative="dense")
+@planar_4r.quantity(units="N m", symbol="T_14 + r_34 x F_34", source=SHAKING, variant="dense")
 def shaking_moment_printed(T41: Any, F43_x: Any, F43_y: Any, DG_x: Any, DG_y: Any) -> Any:
     """Shaking moment as printed, T14 + r34 x F34 with r34 from the output link's mass centre to D."""
     return cross(DG_x, DG_y, F43_x, F43_y) - T41

@@ -126,8 +126,8 @@ def driven_by(joint: int) -> Catalogue:
     driven = _declared(joint)
     graded = planar_4r.graded
     assert graded is not None
-    places = [fact for fact in planar_4r.alternatives[graded.name].values() if isinstance(fact, Fact)]
-    of_places = {need for fact in places for need in fact.needs}.intersection(planar_4r.facts)
+    places = [fact for fact in planar_4r.variants[graded.name].values() if isinstance(fact, Fact)]
+    of_places = {need for fact in places for need in fact.depends_on}.intersection(planar_4r.facts)
     of_ends = {graded.sine, *(name for end in graded.ends for name in end)}
     offered = {*KEPT, *(moved_name(name, joint) for name in MOVED)}
     for fact in with_derivatives(planar_4r, (*MOVED, *HALF_ANGLES, *of_places, *of_ends)).values():
@@ -139,7 +139,7 @@ def driven_by(joint: int) -> Catalogue:
     driven.graded = replace(graded, rough=(*graded.rough, *(f"joint_angle_{i}" for i in (1, 2, 3, 4))))
     placed = {fact.name: fact for fact in (_moved(place, joint) for place in places)}
     placed[driven.position.name] = replace(placed[driven.position.name], function=angle_of_place)
-    driven.alternatives[graded.name] = dict(placed)
+    driven.variants[graded.name] = dict(placed)
     return driven
 
 
@@ -185,7 +185,7 @@ def _declared(joint: int) -> Catalogue:
     }
     for name, table in planar_4r.tables.items():
         meaning = f"{table.meaning} plus pi"
-        driven.tables[name] = replace(table, function=turned[name], needs=(angle.name,), meaning=meaning)
+        driven.tables[name] = replace(table, function=turned[name], depends_on=(angle.name,), meaning=meaning)
     driven.table_low_parts = dict(planar_4r.table_low_parts)
     return driven
 

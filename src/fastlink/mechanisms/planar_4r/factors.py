@@ -10,7 +10,7 @@ from collections.abc import Callable
 from typing import Any
 
 from fastlink.mechanisms.planar_4r.declare import HAYES, planar_4r
-from fastlink.numerics.compensated import gap
+from fastlink.numerics.compensated import sum_of_four
 
 #: Which equation of the paper, and products of which factors multiply v_i^2 v_j^2, v_i^2, v_j^2 and 1.
 IO_PRODUCTS = {
@@ -52,49 +52,49 @@ def _factor(law: Callable[..., Any]) -> Callable[..., Any]:
 @_factor
 def factor_A1(s1: Any, s2: Any, s3: Any, s4: Any) -> Any:
     """a1 - a2 + a3 - a4, scaled."""
-    return gap(s1, -s2, s3, -s4)
+    return sum_of_four(s1, -s2, s3, -s4)
 
 
 @_factor
 def factor_A2(s1: Any, s2: Any, s3: Any, s4: Any) -> Any:
     """a1 + a2 + a3 - a4, scaled."""
-    return gap(s1, s2, s3, -s4)
+    return sum_of_four(s1, s2, s3, -s4)
 
 
 @_factor
 def factor_B1(s1: Any, s2: Any, s3: Any, s4: Any) -> Any:
     """a1 + a2 - a3 - a4, scaled."""
-    return gap(s1, s2, -s3, -s4)
+    return sum_of_four(s1, s2, -s3, -s4)
 
 
 @_factor
 def factor_B2(s1: Any, s2: Any, s3: Any, s4: Any) -> Any:
     """a1 - a2 - a3 - a4, scaled."""
-    return gap(s1, -s2, -s3, -s4)
+    return sum_of_four(s1, -s2, -s3, -s4)
 
 
 @_factor
 def factor_C1(s1: Any, s2: Any, s3: Any, s4: Any) -> Any:
     """a1 - a2 - a3 + a4, scaled."""
-    return gap(s1, -s2, -s3, s4)
+    return sum_of_four(s1, -s2, -s3, s4)
 
 
 @_factor
 def factor_C2(s1: Any, s2: Any, s3: Any, s4: Any) -> Any:
     """a1 + a2 - a3 + a4, scaled."""
-    return gap(s1, s2, -s3, s4)
+    return sum_of_four(s1, s2, -s3, s4)
 
 
 @_factor
 def factor_D1(s1: Any, s2: Any, s3: Any, s4: Any) -> Any:
     """a1 + a2 + a3 + a4, scaled."""
-    return gap(s1, s2, s3, s4)
+    return sum_of_four(s1, s2, s3, s4)
 
 
 @_factor
 def factor_D2(s1: Any, s2: Any, s3: Any, s4: Any) -> Any:
     """a1 - a2 + a3 + a4, scaled."""
-    return gap(s1, -s2, s3, s4)
+    return sum_of_four(s1, -s2, s3, s4)
 
 
 def io_product(first: Any, second: Any, per_sum_squared: Any) -> Any:

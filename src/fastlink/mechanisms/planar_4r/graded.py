@@ -152,26 +152,26 @@ def from_end(least: Any, range_width: Any, fraction: Any) -> Any:
     return least + range_width * fraction
 
 
-place = planar_4r.steps(units="1", source=EXTREMES, alternative="graded")
+place = planar_4r.steps(units="1", source=EXTREMES, variant="graded")
 place(from_end, "Z", "Z", "Z at a place of the graded range", least="Z_least", fraction="from_low")
 place(from_end, "p", "p", "p at a place of the graded range", least="p_least", fraction="from_low")
 place(from_end, "C", "C", "C at a place of the graded range", least="C_least", fraction="from_high")
 place(from_end, "q", "q", "q at a place of the graded range", least="q_least", fraction="from_high")
 
 
-@planar_4r.quantity(units="1", symbol="sin theta_1", source=EXTREMES, internal=True, alternative="graded")
+@planar_4r.quantity(units="1", symbol="sin theta_1", source=EXTREMES, internal=True, variant="graded")
 def sin_theta1(side: Any, Z: Any, C: Any) -> Any:
     """Sine of the input angle."""
     return side * (2.0 * sqrt(Z * C))
 
 
-@planar_4r.quantity(units="1", symbol="cos theta_1", source=EXTREMES, internal=True, alternative="graded")
+@planar_4r.quantity(units="1", symbol="cos theta_1", source=EXTREMES, internal=True, variant="graded")
 def cos_theta1(Z: Any, C: Any) -> Any:
     """Cosine of the input angle."""
     return C - Z
 
 
-@planar_4r.quantity(units="rad", symbol="theta_1", source=EXTREMES, internal=True, alternative="graded")
+@planar_4r.quantity(units="rad", symbol="theta_1", source=EXTREMES, internal=True, variant="graded")
 def theta1(side: Any, Z: Any, C: Any) -> Any:
     """Input angle in [0, 2 pi), rounded."""
     half_turn = 2.0 * atan2(sqrt(Z), sqrt(C))

@@ -16,7 +16,7 @@ planar_4r.input(
     symbol="rho",
     meaning="density of the round bars",
     rule="non-negative",
-    alternative=ROUND_BAR,
+    variant=ROUND_BAR,
 )
 planar_4r.input(
     "radius",
@@ -24,17 +24,17 @@ planar_4r.input(
     symbol="r",
     meaning="radius of the round bars",
     rule="non-negative",
-    alternative=ROUND_BAR,
+    variant=ROUND_BAR,
 )
 
 
-@planar_4r.quantity(units="kg m-1", symbol="rho pi r^2", source=SOURCE, internal=True, alternative=ROUND_BAR)
+@planar_4r.quantity(units="kg m-1", symbol="rho pi r^2", source=SOURCE, internal=True, variant=ROUND_BAR)
 def bar_mass_per_length(density: Any, radius: Any) -> Any:
     """Mass of a round bar per length."""
     return density * PI * (radius * radius)
 
 
-@planar_4r.quantity(units="m2", symbol="r^2/4", source=SOURCE, internal=True, alternative=ROUND_BAR)
+@planar_4r.quantity(units="m2", symbol="r^2/4", source=SOURCE, internal=True, variant=ROUND_BAR)
 def bar_section(radius: Any) -> Any:
     """Squared radius of gyration of the round section about a diameter."""
     return 0.25 * (radius * radius)
@@ -60,7 +60,7 @@ def on_axis(length: Any) -> Any:
     return 0.0 * length
 
 
-bar = planar_4r.quantities(units="m", source=SOURCE, alternative=ROUND_BAR)
+bar = planar_4r.quantities(units="m", source=SOURCE, variant=ROUND_BAR)
 for _i, _link in LINKS.items():
     _a, _m = f"a{_i}", f"m{_i}"
     bar(bar_mass, _m, f"m_{_i}", f"mass of the {_link}", length=_a, units="kg")

@@ -25,7 +25,7 @@ GRAVITY, COUPLER_FORCE, OUTPUT_TORQUE, MOMENT_POINT = (
 
 def load(variant: str, name: str, units: str, symbol: str, meaning: str) -> None:
     """Declare an input of a load, 0 unless given."""
-    planar_4r.input(name, units=units, symbol=symbol, meaning=meaning, alternative=variant, default=0.0)
+    planar_4r.input(name, units=units, symbol=symbol, meaning=meaning, variant=variant, default=0.0)
 
 
 load(GRAVITY, "gravity_x", "m s-2", "g_x", "acceleration of gravity, x")
@@ -103,7 +103,7 @@ def pull_less(replaced: Any, further: Any, unit_per_2_a1_a4: Any, per_sigma: Any
     return replaced - further * (branch_sign * (unit_per_2_a1_a4 * per_sigma))
 
 
-step = planar_4r.steps(units="N m", source=LOADS, alternative=GRAVITY)
+step = planar_4r.steps(units="N m", source=LOADS, variant=GRAVITY)
 step(
     weight_moment,
     "weight_moment1",
@@ -130,19 +130,19 @@ build_on(GRAVITY, "shaking_moment", plus, further="weight_moment1")
 # -- force on the coupler point -------------------------------------------------------------------
 
 
-@planar_4r.quantity(units="N m", symbol="AP x F_P", source=LOADS, internal=True, alternative=COUPLER_FORCE)
+@planar_4r.quantity(units="N m", symbol="AP x F_P", source=LOADS, internal=True, variant=COUPLER_FORCE)
 def load_moment_A(AP_x: Any, AP_y: Any, FP_x: Any, FP_y: Any) -> Any:
     """Moment of the load on the coupler point about A."""
     return cross(AP_x, AP_y, FP_x, FP_y)
 
 
-@planar_4r.quantity(units="N m", symbol="A x F_P", source=LOADS, internal=True, alternative=COUPLER_FORCE)
+@planar_4r.quantity(units="N m", symbol="A x F_P", source=LOADS, internal=True, variant=COUPLER_FORCE)
 def load_moment_of_A(A_x: Any, A_y: Any, FP_x: Any, FP_y: Any) -> Any:
     """Moment about O of the load on the coupler point, were it to act in A."""
     return cross(A_x, A_y, FP_x, FP_y)
 
 
-@planar_4r.quantity(units="N m", symbol="G_2P x F_P", source=LOADS, internal=True, alternative=COUPLER_FORCE)
+@planar_4r.quantity(units="N m", symbol="G_2P x F_P", source=LOADS, internal=True, variant=COUPLER_FORCE)
 def load_moment_G(AP_x: Any, AP_y: Any, AG_x: Any, AG_y: Any, FP_x: Any, FP_y: Any) -> Any:
     """Moment of the load on the coupler point about the coupler's mass centre."""
     return cross(AP_x - AG_x, AP_y - AG_y, FP_x, FP_y)
@@ -162,7 +162,7 @@ build_on(COUPLER_FORCE, "joint_force2_y", less, further="FP_y")
 # -- torque on the output link --------------------------------------------------------------------
 
 
-@planar_4r.quantity(units="N m", symbol="T_load", source=LOADS, internal=True, alternative=OUTPUT_TORQUE)
+@planar_4r.quantity(units="N m", symbol="T_load", source=LOADS, internal=True, variant=OUTPUT_TORQUE)
 def load_torque(T_load: Any, T_load_linear: Any, T_load_quadratic: Any, omega4: Any) -> Any:
     """Load torque on the output link; its quadratic part changes sign with omega4."""
     return T_load + (T_load_linear + T_load_quadratic * abs(omega4)) * omega4

@@ -93,7 +93,7 @@ def half_tangent_1(Z: Any) -> Any:
 
 # of what is tabled, or given by a place of the graded range
 for _set in (None, "graded"):
-    derivative = planar_4r.derivatives("theta1", alternative=_set)
+    derivative = planar_4r.derivatives("theta1", variant=_set)
     derivative(same, "Z", x="half_sine")
     derivative(opposite, "C", x="half_sine")
     derivative(same, "p", x="half_sine")
