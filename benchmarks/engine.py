@@ -7,11 +7,12 @@ from functools import cached_property, partial
 import numpy as np
 
 from benchmarks.inputs import CASES, INPUTS, aligned_copy, designs
+from fastlink.codegen.kernel import kernel_of
 from fastlink.codegen.runtime.cells import LANES
 from fastlink.engine.executor import BLOCK_DESIGNS, Job, Part, aligned, run
 from fastlink.mechanisms import catalogue
-from fastlink.plan.plan import RefinedPlan
-from fastlink.plan.pointwise import Plan, make_plan
+from fastlink.plan.pointwise import make_program
+from fastlink.plan.program import ExtremaProgram, Program
 
 DENSE = ("dense",)
 
@@ -24,7 +25,7 @@ def angles(theta1):
 def plan_of(case, K=360, *, further=(), variants=()):
     """Return the plan of ``CASES[case]`` and further names, of designs that give every input."""
     names = (*CASES[case], *further)
-    return make_plan(catalogue("planar_4r"), names, given=INPUTS, variants=variants, angles=K)
+    return make_program(catalogue("planar_4r"), names, given=INPUTS, variants=variants, angles=K)
 
 
 def rows_of(plan, x):
@@ -35,7 +36,7 @@ def rows_of(plan, x):
 
 def scratch_of(plan, K):
     """Return the arrays that a kernel works in."""
-    return [aligned(array.lengths(K), array.dtype) for array in plan.written.scratch]
+    return [aligned(array.lengths(K), array.dtype) for array in kernel_of(plan).source.scratch]
 
 
 def shapes(plan, K):
@@ -47,7 +48,7 @@ def shapes(plan, K):
 class Bound:
     """A kernel bound to its arguments; calling it evaluates into ``arrays``."""
 
-    plan: Plan | RefinedPlan
+    plan: Program | ExtremaProgram
     arguments: tuple
     arrays: list
 
@@ -58,7 +59,7 @@ class Bound:
     @cached_property
     def call(self):
         """What evaluates. The table of arguments is filled once, as ctypes has those of the C kernels."""
-        kernel = self.plan.kernel
+        kernel = kernel_of(self.plan).compiled()
         if not hasattr(kernel, "table"):  # numba's
             return partial(kernel, *self.arguments)
         table = kernel.table(*self.arguments)
@@ -93,8 +94,8 @@ def job_of(plan, size, K, pool=BLOCK_DESIGNS):
 
     outputs = [(shape, output.dtype) for shape, output in zip(shapes(plan, K), plan.outputs, strict=True)]
     part = Part(
-        plan.kernel,
-        plan.written.scratch,
+        kernel_of(plan).compiled(),
+        kernel_of(plan).source.scratch,
         len(plan.inputs),
         plan.angle_tables(angles(K)),
         tuple(range(len(outputs))),

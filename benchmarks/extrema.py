@@ -16,7 +16,7 @@ from benchmarks.families import FAMILIES
 from benchmarks.inputs import INPUTS, race, round_bars
 from fastlink.engine.evaluate import read_facts
 from fastlink.mechanisms import catalogue
-from fastlink.plan.plan import make_plans
+from fastlink.plan.plan import make_plan
 from fastlink.precision.reference import DIGITS
 
 PLANAR = catalogue("planar_4r")
@@ -39,7 +39,7 @@ def extremes(quantities):
 
 def plans(names, **options):
     """Return the plans of names, of designs that give every input."""
-    return make_plans(PLANAR, names, given=INPUTS, **options).parts
+    return make_plan(PLANAR, names, given=INPUTS, **options).programs
 
 
 def draw(family, n, seed=0):

@@ -14,7 +14,7 @@ from benchmarks.engine import angles, bind_results, plan_of
 from benchmarks.inputs import aligned_copy, race
 from benchmarks.report import fact_table
 from fastlink.mechanisms import catalogue
-from fastlink.plan.pointwise import make_plan
+from fastlink.plan.pointwise import make_program
 
 FOUR_BAR = ("a", "b", "c", "d", "rho", "completion")
 HART = ("m", "n", "d", "kappa")
@@ -82,7 +82,7 @@ def bind(case, n, K):
     """Return the bare kernel of a case, with the arrays that it fills; compiles it."""
     x, given = (harts(n), HART) if case.mechanism == "hart" else (four_bars(n), FOUR_BAR)
     K = K if case.curves else 0
-    plan = make_plan(catalogue(case.mechanism, case.input), case.names, given=given, angles=K or 1)
+    plan = make_program(catalogue(case.mechanism, case.input), case.names, given=given, angles=K or 1)
     return bind_results(plan, given, x, np.arange(K) * (2 * np.pi / K) if K else ())
 
 

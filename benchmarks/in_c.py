@@ -15,6 +15,7 @@ import textwrap
 from pathlib import Path
 
 from benchmarks import c_kernel
+from fastlink.codegen.kernel import kernel_of
 from fastlink.codegen.runtime.cells import LANES, MOST_LANES
 from fastlink.engine.executor import aligned
 from fastlink.numerics.compiler import COMPILED_AS
@@ -192,7 +193,7 @@ class _Module:
 
     def __init__(self, plan):
         self.plan, self.functions = plan, {}
-        source = plan.written
+        source = kernel_of(plan).source
         self.arrays = {array.name: array for array in (*source.scratch, *source.results)}
 
     def lengths(self, array):
@@ -237,7 +238,7 @@ class _Module:
 
     def write(self):
         """Return the text of the C file."""
-        tree = ast.parse(self.plan.source)
+        tree = ast.parse(kernel_of(self.plan).text)
         known = {"inf": math.inf, "nan": math.nan}
         for node in tree.body:
             if isinstance(node, ast.ImportFrom) and node.module != "numpy":

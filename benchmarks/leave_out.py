@@ -51,7 +51,7 @@ def tenths(groups=TENTHS, n=8, K=360, rounds=12):
     calls, depends_on = {}, {}
     for names in (everything, *groups):
         asked = resolve("planar_4r", space, names, angles=K)
-        (plan,) = asked.plan.parts
+        (plan,) = asked.plan.programs
         calls[names], depends_on[names] = bind_results(plan, GIVEN, x, asked.positions), operations(asked)
     best = race(calls, rounds)
     whole, *alone = [best[names] / depends_on[names] for names in calls]

@@ -14,7 +14,7 @@ from benchmarks.numpy_baseline import PIECE
 from fastlink.catalogue.tables import angle_tables
 from fastlink.engine.evaluate import read_facts
 from fastlink.mechanisms import catalogue
-from fastlink.plan.pointwise import make_plan
+from fastlink.plan.pointwise import make_program
 
 MINKOWSKI = catalogue("minkowski_4r")
 LENGTHS = ("a", "b", "g", "h")
@@ -105,7 +105,7 @@ def eq3(x, theta):
 
 def bind(names, x, theta=()):
     """Return one call of the bare kernel and the arrays that it fills."""
-    plan = make_plan(MINKOWSKI, names, given=LENGTHS, angles=len(theta) or 1)
+    plan = make_program(MINKOWSKI, names, given=LENGTHS, angles=len(theta) or 1)
     bound = bind_results(plan, LENGTHS, x, theta)
     return bound, bound.arrays
 

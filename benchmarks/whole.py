@@ -45,7 +45,7 @@ def in_turns(calls, rounds):
 
 def sampled_in_c(x):
     """Return a call of C for five extremes over samples."""
-    plan = engine.make_plan(extrema.PLANAR, FIVE, given=INPUTS, angles=K)
+    plan = engine.make_program(extrema.PLANAR, FIVE, given=INPUTS, angles=K)
     return in_c.bind(engine.bind_results(plan, INPUTS, x, engine.angles(K)))[0]
 
 

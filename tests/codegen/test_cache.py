@@ -20,7 +20,7 @@ from typer.testing import CliRunner
 import fastlink
 from fastlink.cli import app
 from fastlink.codegen import cache, notice
-from fastlink.codegen.kernel import Kernel, llvm_text, load_kernel
+from fastlink.codegen.kernel import MachineCode, llvm_text, load_kernel
 from fastlink.codegen.machine import compile_object
 from fastlink.codegen.source import Array, Source
 from fastlink.errors import InputError
@@ -110,10 +110,10 @@ def test_object_code_that_cannot_be_loaded_is_made_again(place):
     place.mkdir(parents=True)
     (place / f"{KEY}.o").write_bytes(hashlib.sha256(wrong).digest() + wrong)
     compiler = Compiler(code())
-    found = kept(compiler, lambda data: Kernel(source(1), data))
+    found = kept(compiler, lambda data: MachineCode(source(1), data))
     assert compiler.calls == 1
     assert found.address
-    assert kept(compiler, lambda data: Kernel(source(1), data)).address
+    assert kept(compiler, lambda data: MachineCode(source(1), data)).address
     assert compiler.calls == 1
 
 

@@ -13,24 +13,24 @@ from tests.support.compiled import assert_same_bits
 from tests.support.plan_families import FAMILIES, few, kernels, run_as_python, run_compiled
 
 import fastlink.codegen.runtime
-from fastlink.codegen.kernel import BACKENDS, Kernel, llvm_text
+from fastlink.codegen.kernel import BACKENDS, MachineCode, llvm_text
 from fastlink.codegen.machine import compile_object, host, lanes_of_host
 from fastlink.numerics.compiler import OUTLINED
 
 
 @pytest.mark.parametrize("name", FAMILIES)
 def test_machine_code_has_the_bits_of_the_text(name):
-    for plan, arguments in kernels(FAMILIES[name].request()):
-        llvm.parse_assembly(llvm_text(plan.written)).verify()
-        found = run_compiled(plan, arguments)
-        assert_same_bits(found, run_as_python(plan, arguments))
-        assert_written(plan, arguments, found)
+    for kernel, arguments in kernels(FAMILIES[name].request()):
+        llvm.parse_assembly(llvm_text(kernel.source)).verify()
+        found = run_compiled(kernel, arguments)
+        assert_same_bits(found, run_as_python(kernel, arguments))
+        assert_written(kernel, arguments, found)
 
 
 @pytest.mark.parametrize("name", few("curves of rapidity", "reductions", "extremes of one branch"))
 def test_both_compilers_give_the_same_bits(name):
-    for plan, arguments in kernels(FAMILIES[name].request()):
-        first, *others = (run_compiled(plan, arguments, backend) for backend in BACKENDS)
+    for kernel, arguments in kernels(FAMILIES[name].request()):
+        first, *others = (run_compiled(kernel, arguments, backend) for backend in BACKENDS)
         for other in others:
             assert_same_bits(first, other)
 
@@ -51,22 +51,22 @@ def levels():
 @pytest.mark.parametrize("name", few("curves of rapidity", "reductions", "systems", "extremes of one branch"))
 def test_any_width_and_instruction_set_gives_the_same_bits(name):
     """Wider vectors than a register holds are several registers."""
-    for plan, arguments in kernels(FAMILIES[name].request()):
-        expected = run_compiled(plan, arguments)
+    for kernel, arguments in kernels(FAMILIES[name].request()):
+        expected = run_compiled(kernel, arguments)
         # Other widths by the processor's own instructions, and each by those that have registers of it.
         others = [(None, lanes) for lanes in (2, 4, 8) if lanes != lanes_of_host()]
         for cpu, lanes in [*others, *zip(levels(), (2, 4, 8), strict=False)]:
-            code = compile_object(llvm_text(plan.written, lanes=lanes), cpu=cpu, check=True)
+            code = compile_object(llvm_text(kernel.source, lanes=lanes), cpu=cpu, check=True)
             found = [a.copy() if isinstance(a, np.ndarray) else a for a in arguments]
-            Kernel(plan.written, code)(*found)
+            MachineCode(kernel.source, code)(*found)
             assert_same_bits(found[-len(expected) :], expected)
 
 
-def assert_written(plan, arguments, found):
+def assert_written(kernel, arguments, found):
     """Every result was stored, and there is more in it than what does not assemble."""
-    for output, before, after in zip(plan.outputs, arguments[-len(found) :], found, strict=True):
+    for output, before, after in zip(kernel.program.outputs, arguments[-len(found) :], found, strict=True):
         assert not (after == before).any(), output.name
-        assert np.isfinite(after).any() or plan.catalogue.name == "focal", output.name
+        assert np.isfinite(after).any() or kernel.program.catalogue.name == "focal", output.name
 
 
 def test_the_families_call_every_function_that_kernels_call():
@@ -75,7 +75,7 @@ def test_the_families_call_every_function_that_kernels_call():
         for module in pkgutil.iter_modules(fastlink.codegen.runtime.__path__)
     ]
     written = {name for module in modules for name in module.__all__ if getattr(module, name) in OUTLINED}
-    texts = [plan.source for family in FAMILIES.values() for plan, _ in kernels(family.request())]
+    texts = [kernel.text for family in FAMILIES.values() for kernel, _ in kernels(family.request())]
     imports = [line for text in texts for line in re.findall(r"^from fastlink.codegen.runtime.*", text, re.M)]
     called = {name for line in imports for name in re.findall(r"\w+", line.partition(" import ")[2])}
     assert written - called <= {"append_item"}  # other helpers call it

@@ -10,10 +10,11 @@ from tests.support.configurations import PLANAR
 
 import fastlink as fl
 from fastlink.catalogue.catalogue import Catalogue, Input
+from fastlink.codegen.kernel import kernel_of
 from fastlink.engine.evaluate import evaluate
 from fastlink.mechanisms import NAMES, catalogue
-from fastlink.plan.plan import make_plans
-from fastlink.plan.pointwise import make_plan
+from fastlink.plan.plan import make_plan
+from fastlink.plan.pointwise import make_program
 
 GIVEN = tuple(PLANAR.inputs)
 #: The plans of the benchmarks, and what the lanes are in each.
@@ -44,7 +45,7 @@ PLANS = {
 @pytest.mark.parametrize("name", PLANS)
 def test_only_what_was_asked_is_computed(name):
     names, variants, lanes = PLANS[name]
-    plan = make_plan(PLANAR, names, given=GIVEN, variants=variants)
+    plan = make_program(PLANAR, names, given=GIVEN, variants=variants)
     assert plan.lanes == lanes
     needed = {output.request.quantity for output in plan.outputs}
     for step in reversed(plan.steps):
@@ -56,16 +57,16 @@ def test_only_what_was_asked_is_computed(name):
 
 
 def test_the_text_can_be_read():
-    plan = make_plan(PLANAR, ["omega4_max"], given=GIVEN)
-    assert "            for i in lanes(width):\n" in plan.source
-    assert "omega4__1 = mean_rate " in plan.source
-    assert "F32" not in plan.source
-    assert "alpha" not in plan.source
+    text = kernel_of(make_program(PLANAR, ["omega4_max"], given=GIVEN)).text
+    assert "            for i in lanes(width):\n" in text
+    assert "omega4__1 = mean_rate " in text
+    assert "F32" not in text
+    assert "alpha" not in text
 
 
 def names_of_its_own(plan):
     """Return the names in a kernel that are no values of the mechanism."""
-    tree = ast.parse(plan.source)
+    tree = ast.parse(kernel_of(plan).text)
     stored = {n.id for n in ast.walk(tree) if isinstance(n, ast.Name) and isinstance(n.ctx, ast.Store)}
     stored |= {argument.arg for argument in ast.walk(tree) if isinstance(argument, ast.arg)}
     stored |= {alias.name for alias in ast.walk(tree) if isinstance(alias, ast.alias)}
@@ -83,8 +84,8 @@ def known_names(mechanism):
 @pytest.mark.parametrize("name", NAMES)
 def test_no_value_of_a_mechanism_has_a_name_that_kernels_use(name):
     """Such a value would be taken for a count or an array: designs were left out in silence."""
-    plans = [make_plan(PLANAR, names, given=GIVEN, variants=more) for names, more, _ in PLANS.values()]
-    plans += make_plans(PLANAR, ["omega4_max", "T41_extrema"], given=GIVEN, extrema="refined").parts
+    plans = [make_program(PLANAR, names, given=GIVEN, variants=more) for names, more, _ in PLANS.values()]
+    plans += make_plan(PLANAR, ["omega4_max", "T41_extrema"], given=GIVEN).programs
     own = set().union(*map(names_of_its_own, plans))
     assert {"designs", "n_designs", "lanes", "width", "state", "w", "w2"} <= own
     assert not own & known_names(catalogue(name))
@@ -108,9 +109,9 @@ def test_a_fact_may_need_the_branch_itself(lanes):
         return a * branch + theta
 
     toy.quantity(**labels)(x)
-    plan = make_plan(toy, ["x"], given=["a"], angles=40, lanes=lanes)
+    kernel = kernel_of(make_program(toy, ["x"], given=["a"], angles=40, lanes=lanes))
     designs, angles = np.full((1, 64), 3.0), np.arange(40.0).reshape(1, 40)
     found = np.empty((2, 2, 40))
-    scratch = (np.empty(array.lengths(40)) for array in plan.written.scratch)
-    plan.kernel(designs, angles, 2, 40, *scratch, found)
+    scratch = (np.empty(array.lengths(40)) for array in kernel.source.scratch)
+    kernel.compiled()(designs, angles, 2, 40, *scratch, found)
     np.testing.assert_array_equal(found, [[3.0 + np.arange(40.0), 6.0 + np.arange(40.0)]] * 2)

@@ -29,15 +29,15 @@ def all_targets():
     llvm.initialize_all_asmprinters()
 
 
-def assembly_for(plan, target, **options):
+def assembly_for(kernel, target, **options):
     cpu, triple, lanes = TARGETS[target]
-    text = llvm_text(plan.written, **{"lanes": lanes} | options)
+    text = llvm_text(kernel.source, **{"lanes": lanes} | options)
     return assembly(text, cpu=cpu, triple=triple)
 
 
-def loops_over_lanes(plan):
+def loops_over_lanes(kernel):
     """Return how many loops of the text over lanes have products in them."""
-    loops = [node for node in ast.walk(ast.parse(plan.source)) if isinstance(node, ast.For)]
+    loops = [node for node in ast.walk(ast.parse(kernel.text)) if isinstance(node, ast.For)]
     abreast = [loop for loop in loops if ast.unparse(loop.iter).startswith(("lanes(", "entries("))]
     return sum(any(isinstance(node, ast.Mult) for node in ast.walk(loop)) for loop in abreast)
 
@@ -45,10 +45,10 @@ def loops_over_lanes(plan):
 @pytest.mark.parametrize("target", TARGETS)
 @pytest.mark.parametrize("name", few("curves of rapidity", "reductions", "systems", "extremes of forces"))
 def test_lanes_are_whole_vectors_and_nothing_is_called_or_fused(name, target):
-    for plan, _ in kernels(FAMILIES[name].request()):
-        text = assembly_for(plan, target)
+    for kernel, _ in kernels(FAMILIES[name].request()):
+        text = assembly_for(kernel, target)
         vector = [loop for loop in inner_loops(text) if loop.packed]
-        assert len(vector) >= loops_over_lanes(plan) > 0
+        assert len(vector) >= loops_over_lanes(kernel) > 0
         assert max(loop.packed for loop in vector) > 40
         assert [loop for loop in vector if loop.single] == []
         assert called(text) <= COPIES
@@ -57,12 +57,12 @@ def test_lanes_are_whole_vectors_and_nothing_is_called_or_fused(name, target):
 
 @pytest.mark.parametrize("target", TARGETS)
 def test_single_lanes_and_fused_products_would_be_noticed(target):
-    plan, _ = kernels(FAMILIES["curves of forces"].request())[0]
-    loops = inner_loops(assembly_for(plan, target, lanes=1))
+    kernel, _ = kernels(FAMILIES["curves of forces"].request())[0]
+    loops = inner_loops(assembly_for(kernel, target, lanes=1))
     assert sum(loop.packed for loop in loops) == 0
     assert max(loop.single for loop in loops) > 40
     # The second level has no instructions that fuse.
-    assert bool(fused(assembly_for(plan, target, relaxed=True))) == (target != "v2")
+    assert bool(fused(assembly_for(kernel, target, relaxed=True))) == (target != "v2")
 
 
 @pytest.mark.parametrize("target", TARGETS)

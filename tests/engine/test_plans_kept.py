@@ -11,9 +11,10 @@ from tests.support.configurations import PLANAR
 
 import fastlink as fl
 from fastlink.catalogue.catalogue import Catalogue, Input
+from fastlink.codegen.kernel import kernel_of
 from fastlink.engine.evaluate import evaluate
-from fastlink.engine.resolve import plans_of, resolve
-from fastlink.plan.plan import make_plans
+from fastlink.engine.resolve import cached_plan, resolve
+from fastlink.plan.plan import make_plan
 from fastlink.study.study import read_study
 
 BAR = fl.round_bar(density=7750.0, radius=0.01)
@@ -71,10 +72,11 @@ def test_whatever_else_is_asked_has_a_part(other):
 
 def test_a_kept_plan_is_the_plan():
     options = {"given": [*LENGTHS, "omega1"], "branches": (1, 2), "variants": (), "extrema": "refined"}
-    kept = plans_of(PLANAR, ["omega4_max", "status"], True, angles=360, **options)
-    made = make_plans(PLANAR, ["omega4_max", "status"], angles=360, **options)
-    assert [part.source for part in kept.parts] == [part.source for part in made.parts]
-    assert [part.key for part in kept.parts] == [part.key for part in made.parts]
+    kept = cached_plan(PLANAR, ["omega4_max", "status"], True, angles=360, **options)
+    made = make_plan(PLANAR, ["omega4_max", "status"], angles=360, **options)
+    ours, others = ([kernel_of(program) for program in plan.programs] for plan in (kept, made))
+    assert [kernel.text for kernel in ours] == [kernel.text for kernel in others]
+    assert [kernel.key for kernel in ours] == [kernel.key for kernel in others]
 
 
 def toy():
@@ -91,7 +93,7 @@ def toy():
 
 def text_of(catalogue):
     options = {"given": ["a"], "branches": (1,), "variants": (), "angles": 40, "extrema": "sampled"}
-    return plans_of(catalogue, ["x"], False, **options).parts[0].source
+    return kernel_of(cached_plan(catalogue, ["x"], False, **options).programs[0]).text
 
 
 def doubled(a, theta):
@@ -115,11 +117,11 @@ def test_what_is_declared_anew_is_planned_anew():
 
 
 def test_a_changed_plan_has_a_text_of_its_own():
-    (part, *_) = plan_of(["omega4_mean"]).parts
-    assert part.source
-    other = replace(part, branches=(1,))
-    assert other.source != part.source
-    assert other.key != part.key
+    (program, *_) = plan_of(["omega4_mean"]).programs
+    kernel, other = kernel_of(program), kernel_of(replace(program, branches=(1,)))
+    assert kernel_of(program) is kernel
+    assert other.text != kernel.text
+    assert other.key != kernel.key
 
 
 def test_threads_may_ask_at_once():

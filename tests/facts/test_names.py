@@ -30,7 +30,7 @@ from fastlink.facts.names import (
 )
 from fastlink.mechanisms import NAMES
 from fastlink.mechanisms import catalogue as find_catalogue
-from fastlink.plan.plan import make_plans
+from fastlink.plan.plan import make_plan
 from fastlink.plan.query import REDUCTIONS, parse_request, reduced_names
 
 SOURCE = Path(__file__).parents[2] / "src" / "fastlink"
@@ -151,9 +151,9 @@ def test_a_declared_limit_hides_the_extreme_of_the_same_name():
     assert parse("psi_max", catalogue) == Quantity("psi_max")
     assert parse("theta_at_psi_max", catalogue) == Reduced(Quantity("psi"), "max", "theta")
     with pytest.raises(InputError, match="cannot be listed; ask for psi, and take extremes of the map"):
-        make_plans(catalogue, ["psi_extrema"], given=list(catalogue.inputs))
+        make_plan(catalogue, ["psi_extrema"], given=list(catalogue.inputs))
     with pytest.raises(InputError, match="cannot be listed; ask for A_y_max and A_y_min"):
-        make_plans(catalogue, ["A_y_extrema"], given=list(catalogue.inputs))
+        make_plan(catalogue, ["A_y_extrema"], given=list(catalogue.inputs))
 
 
 # -- each name has one reading -------------------------------------------------------------------------------

@@ -13,7 +13,6 @@ import fastlink as fl
 from fastlink.codegen.kernel import load_kernel
 from fastlink.codegen.runtime.cells import LANES
 from fastlink.engine.resolve import resolve
-from fastlink.plan.plan import CurvePlan
 from fastlink.plan.program import EXTREMUM
 from tests.support.configurations import draw
 
@@ -65,7 +64,6 @@ FAMILIES: dict[str, Family] = {
     "curves in pieces": Family("minkowski_4r", ["psi", "A_x"], 517, designs=2),
     "curves of the focal mechanism": Family("focal", ["T_x", "S_x", "psi_rate"], 37, {"input": "sigma"}),
     "curves by the rocker": Family("focal", ["T_x", "T_y"], 37),
-    "whole curves": Family("focal", ["T_deviation"], 37, {"input": "sigma"}),
     "curves of Hart's linkage": Family("hart", ["F_x", "F_y", "P_x"], 37),
     "curves by the line": Family("hart", ["phi", "P_x"], 37, {"input": "F_y"}),
     # Lanes are designs.
@@ -101,8 +99,8 @@ def few(*names):
 def kernels(request: Any) -> list[tuple[Any, list[Any]]]:
     """Return the kernels of a request, each with its arguments: designs, angles, their numbers, fresh arrays."""
     found = []
-    for part in request.plan.parts:
-        plan = part.curves if isinstance(part, CurvePlan) else part
+    for kernel in request.kernels:
+        plan = kernel.program
         size = request.evaluated.size
         designs = np.empty((len(plan.inputs), -(-size // LANES) * LANES))
         request.evaluated.fill(plan.inputs, 0, size, designs)
@@ -115,26 +113,26 @@ def kernels(request: Any) -> list[tuple[Any, list[Any]]]:
             EXTREMUM: request.plan.extrema_kept,
         }
         # What scratch holds from before, and what results hold, is nothing that a kernel may read.
-        scratch = [np.full(a.lengths(n_angles), 77, a.dtype) for a in plan.written.scratch]
+        scratch = [np.full(a.lengths(n_angles), 77, a.dtype) for a in kernel.source.scratch]
         results = [np.full((size, *(lengths[axis] for axis in o.axes)), 55, o.dtype) for o in plan.outputs]
-        found.append((plan, [designs, np.ascontiguousarray(angles), size, n_angles, *scratch, *results]))
+        found.append((kernel, [designs, np.ascontiguousarray(angles), size, n_angles, *scratch, *results]))
     return found
 
 
 def run_as_python(plan: Any, arguments: Sequence[Any]) -> list[np.ndarray]:
     """Return the results of the text as it is."""
     namespace: dict[str, Any] = {}
-    exec(compile(plan.source, "<kernel>", "exec"), namespace)
+    exec(compile(plan.text, "<kernel>", "exec"), namespace)
     with np.errstate(all="ignore"):
         return _run(namespace["kernel"], plan, arguments)
 
 
 def run_compiled(plan: Any, arguments: Sequence[Any], backend: str = "llvm") -> list[np.ndarray]:
     """Return the results of machine code."""
-    return _run(load_kernel(plan.written, backend), plan, arguments)
+    return _run(load_kernel(plan.source, backend), plan, arguments)
 
 
 def _run(kernel: Any, plan: Any, arguments: Sequence[Any]) -> list[np.ndarray]:
     own = [a.copy() if isinstance(a, np.ndarray) else a for a in arguments]
     kernel(*own)
-    return own[len(own) - len(plan.outputs) :]
+    return own[len(own) - len(plan.program.outputs) :]

@@ -23,7 +23,7 @@ from fastlink.engine.evaluate import read_facts
 from fastlink.errors import InputError
 from fastlink.facts.fact import Input, statements
 from fastlink.numerics import compensated, vectors
-from fastlink.plan.pointwise import make_plan
+from fastlink.plan.pointwise import make_program
 from fastlink.symbolic.derivative import RULES, made_function
 from fastlink.symbolic.expression import ExpressionGraph
 
@@ -201,19 +201,19 @@ def test_what_has_no_derivative_is_told(name, message):
         fl.evaluate("planar_4r", [name], **one)
     assert "\n" not in str(told.value)
     with pytest.raises(InputError):
-        make_plan(PLANAR, [name], given=PLANAR.inputs)
+        make_program(PLANAR, [name], given=PLANAR.inputs)
 
 
 def test_a_linear_system_has_no_derivatives():
     with pytest.raises(
         InputError, match="d_T41_d_a1': a linear system determines T41; write solver='eliminated'"
     ):
-        make_plan(PLANAR, ["d_T41_d_a1"], given=PLANAR.inputs, variants=("dense",))
+        make_program(PLANAR, ["d_T41_d_a1"], given=PLANAR.inputs, variants=("dense",))
 
 
 def test_a_missing_input_is_named():
     with pytest.raises(InputError, match="a3 is missing"):
-        make_plan(PLANAR, ["d_omega4_d_a1"], given=("a1", "a2", "a4", "omega1"))
+        make_program(PLANAR, ["d_omega4_d_a1"], given=("a1", "a2", "a4", "omega1"))
 
 
 def test_a_table_without_a_derivative_is_a_fault_of_the_mechanism():

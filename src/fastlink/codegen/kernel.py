@@ -7,22 +7,34 @@ import os
 import sys
 import threading
 from collections.abc import Callable
-from functools import cache, partial
+from functools import cache, cached_property, lru_cache, partial
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from fastlink.codegen.cache import alone, environment, forget, kept
+from fastlink.codegen.extrema import write_extrema
 from fastlink.codegen.machine import Loaded, compile_object, host, lanes_of_host, version
 from fastlink.codegen.notice import notice
+from fastlink.codegen.pointwise import write_kernel
 from fastlink.codegen.source import Source
 from fastlink.codegen.translate import Refused, translate
 from fastlink.errors import InputError, suggest
+from fastlink.plan.program import ExtremaProgram, Program
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-__all__ = ["BACKENDS", "Kernel", "backend_of", "kernel_key", "llvm_text", "load_kernel"]
+__all__ = [
+    "BACKENDS",
+    "Kernel",
+    "MachineCode",
+    "backend_of",
+    "kernel_key",
+    "kernel_of",
+    "llvm_text",
+    "load_kernel",
+]
 
 #: Compilers of kernels: the translator of this package, and numba.
 BACKENDS = ("llvm", "numba")
@@ -64,7 +76,7 @@ def llvm_text(source: Source, *, lanes: int | None = None, relaxed: bool = False
     return translate(source.text, arguments, lanes or lanes_of_host(), relaxed=relaxed)
 
 
-class Kernel:
+class MachineCode:
     """Machine code with the arguments of a `Source`.
 
     It is called with designs, angles, their numbers, scratch and results. The arrays must lie in rows and not overlap.
@@ -120,7 +132,7 @@ def _load(source: Source, key: str, backend: str, relaxed: bool) -> Callable[...
     if backend == "llvm":
         try:
             return kept(
-                key, lambda: compile_object(llvm_text(source, relaxed=relaxed)), partial(Kernel, source)
+                key, lambda: compile_object(llvm_text(source, relaxed=relaxed)), partial(MachineCode, source)
             )
         except Refused:
             pass
@@ -132,3 +144,55 @@ def _load(source: Source, key: str, backend: str, relaxed: bool) -> Callable[...
         except Exception:  # of all kinds, where a file of numba's cache is damaged
             forget(key)
             return compile_by_numba(source, key, relaxed=relaxed)
+
+
+class Kernel:
+    """The kernel of a program: its text, and its machine code, each made when it is first used.
+
+    Attributes
+    ----------
+    program : Program or ExtremaProgram
+        What it computes.
+    """
+
+    def __init__(self, program: Program | ExtremaProgram) -> None:
+        self.program = program
+        self._compiled: dict[tuple[str, bool], Callable[..., None]] = {}
+
+    @cached_property
+    def source(self) -> Source:
+        """The text of the kernel, and the arguments that it is called with."""
+        if isinstance(self.program, ExtremaProgram):
+            return write_extrema(self.program)
+        return write_kernel(self.program)
+
+    @property
+    def text(self) -> str:
+        """The text of the kernel."""
+        return self.source.text
+
+    @cached_property
+    def key(self) -> str:
+        """A hash of the kernel's text and arguments, of fastlink's code and of the machine."""
+        return kernel_key(self.source)
+
+    def compiled(self, backend: str | None = None, *, relaxed: bool = False) -> Any:
+        """Return the kernel as a callable, compiled or loaded from the cache on first use.
+
+        Parameters
+        ----------
+        backend : {"llvm", "numba"}, optional
+            The compiler; see `backend_of`.
+        relaxed : bool
+            Compile for other roundings, to compare: see `fastlink.accuracy`.
+        """
+        which = backend_of(backend), relaxed
+        if which not in self._compiled:
+            self._compiled[which] = load_kernel(self.source, which[0], relaxed=relaxed)
+        return self._compiled[which]
+
+
+@lru_cache(maxsize=1024)
+def kernel_of(program: Program | ExtremaProgram) -> Kernel:
+    """Return the kernel of a program, made once."""
+    return Kernel(program)

@@ -18,12 +18,12 @@ from fastlink.codegen.translate import Refused
 from fastlink.engine.resolve import ResolvedSweep, resolve
 from fastlink.numerics import compensated, vectors
 from fastlink.numerics.compiler import COMPILED_AS, syntax
-from fastlink.plan.plan import CurvePlan, RefinedPlan
+from fastlink.plan.program import ExtremaProgram, Program
 from fastlink.study.study import read_study
 
 if TYPE_CHECKING:
+    from fastlink.codegen.kernel import Kernel
     from fastlink.codegen.source import Source
-    from fastlink.plan.pointwise import Plan
 
 __all__ = ["Explanation", "LoopWork", "explain"]
 
@@ -169,7 +169,7 @@ def explain(study: str | Path) -> Explanation:
 def explain_request(asked: ResolvedSweep) -> Explanation:
     """Tell what a request computes and what it leaves out."""
     plan, catalogue = asked.plan, asked.catalogue
-    made = dict.fromkeys(name for part in plan.parts for step in part.steps for name in step.names)
+    made = dict.fromkeys(name for program in plan.programs for step in program.steps for name in step.names)
     wanted = {output.request.quantity for output in plan.outputs}
     sizes = [f"{asked.space.size:,} designs", f"{len(asked.branches)} assembly modes"]
     if plan.uses_position:
@@ -178,31 +178,28 @@ def explain_request(asked: ResolvedSweep) -> Explanation:
         f"{asked.mechanism}: {', '.join(sizes)}",
         tuple(output.name for output in plan.outputs),
         "" if asked.spread is None else f"{asked.spread.name} ({asked.spread.length:,} values)",
-        [_kernel(part, asked) for part in plan.parts],
+        [_kernel(kernel, asked) for kernel in asked.kernels],
         tuple(name for name in catalogue.offered if name not in made and name not in wanted),
         sum(name not in made for name in catalogue.facts),
         len(catalogue.facts),
-        tuple(dict.fromkeys(table for part in plan.parts for table in _tables(part))),
-        tuple((part.curves if isinstance(part, CurvePlan) else part).written for part in plan.parts),
+        tuple(dict.fromkeys(table for program in plan.programs for table in _tables(program))),
+        tuple(kernel.source for kernel in asked.kernels),
     )
 
 
-def _tables(part: Plan | RefinedPlan) -> tuple[str, ...]:
-    return () if isinstance(part, RefinedPlan) else part.tables
+def _tables(program: Program | ExtremaProgram) -> tuple[str, ...]:
+    return () if isinstance(program, ExtremaProgram) else program.tables
 
 
-def _kernel(
-    part: Plan | RefinedPlan, asked: ResolvedSweep
-) -> tuple[str, tuple[str, ...], list[LoopWork], str]:
-    gives = ", ".join(output.name for output in part.outputs)
-    if isinstance(part, RefinedPlan):
-        gives += f"; every extreme of {', '.join(search.quantity for search in part.searches)}"
-    if isinstance(part, CurvePlan):
-        gives += f"; by NumPy, of whole curves of {', '.join(output.name for output in part.curves.outputs)}"
-    facts = tuple(name for step in part.steps for name in step.names)
-    searched = [search.quantity for search in part.searches] if isinstance(part, RefinedPlan) else []
-    loops = _loops(part.source, asked.catalogue.position.name, searched)
-    return gives, facts, loops, part.source
+def _kernel(kernel: Kernel, asked: ResolvedSweep) -> tuple[str, tuple[str, ...], list[LoopWork], str]:
+    program = kernel.program
+    gives = ", ".join(output.name for output in program.outputs)
+    searched = [search.quantity for search in program.searches] if isinstance(program, ExtremaProgram) else []
+    if searched:
+        gives += f"; every extreme of {', '.join(searched)}"
+    facts = tuple(name for step in program.steps for name in step.names)
+    loops = _loops(kernel.text, asked.catalogue.position.name, searched)
+    return gives, facts, loops, kernel.text
 
 
 def _machine_texts(source: Source, ir: bool, asm: bool) -> list[str]:

@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from fastlink.plan.plan import Plan_
+    from fastlink.plan.plan import Plan
 
 __all__ = ["accuracy"]
 
@@ -153,14 +153,14 @@ def _expected(ways: int, quantities: int, designs: int) -> str:
     return f"{ways} ways to {quantities} {of} of {designs} designs: about {max(1, round(seconds))} s"
 
 
-def _measurable(plan: Plan_) -> tuple[list[str], list[str]]:
+def _measurable(plan: Plan) -> tuple[list[str], list[str]]:
     """Return the names that are measured, and those that are not: codes, means, lists, residuals, whole curves."""
     known = []
     for output in plan.outputs:
         request = output.request
         number = output.dtype == "float64" and "residual" not in request.quantity and not request.listed
         extreme = request.can_be_refined and not request.place and plan.catalogue.graded is not None
-        if number and not request.of_curves and (request.reduction is None or extreme):
+        if number and (request.reduction is None or extreme):
             known.append(output.name)
     return known, [o.name for o in plan.outputs if o.name not in (*known, "status")]
 

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from fastlink.codegen.kernel import Kernel
+from fastlink.codegen.kernel import MachineCode
 from fastlink.engine.executor import Part, aligned
 
 if TYPE_CHECKING:
@@ -86,7 +86,7 @@ def bind(
     rows = [(row, places[name]) for name, row in zip(names, designs, strict=True) if name in places]
     arguments = designs, angles, block, n_angles, *scratch
     kernel, table = part.kernel, None
-    if isinstance(kernel, Kernel):
+    if isinstance(kernel, MachineCode):
         table = kernel.table(*arguments, *results)
         run = _by_table(kernel, table)
     else:
@@ -94,7 +94,7 @@ def bind(
     return Bound(kernel, table, arguments, rows, list(zip(part.results, results, strict=True)), run)
 
 
-def _by_table(kernel: Kernel, table: NDArray[np.int64]) -> Callable[[int], None]:
+def _by_table(kernel: MachineCode, table: NDArray[np.int64]) -> Callable[[int], None]:
     call, address = kernel.call, table.ctypes.data
 
     def run(count: int) -> None:

@@ -210,10 +210,10 @@ class Function:
         space = self._asked.space
         constants = space.constants
         places = {name: k for k, name in enumerate(self.inputs)}
-        plans = self._asked.plan.parts
+        programs = self._asked.plan.programs
         return [
-            bind(part, plan.inputs, places, constants, self._buffers, block or self._block)
-            for part, plan in zip(self._parts, plans, strict=True)
+            bind(part, program.inputs, places, constants, self._buffers, block or self._block)
+            for part, program in zip(self._parts, programs, strict=True)
         ]
 
     def _one(self, given: NDArray[np.float64], bound: list[Bound]) -> NDArray[np.float64]:

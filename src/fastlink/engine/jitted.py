@@ -11,7 +11,7 @@ import numpy as np
 from llvmlite import ir
 from numba.extending import intrinsic
 
-from fastlink.codegen.kernel import Kernel
+from fastlink.codegen.kernel import MachineCode
 from fastlink.codegen.numba_backend import OPTIONS
 from fastlink.engine.binding import COUNT, Bound
 from fastlink.errors import InputError
@@ -125,7 +125,7 @@ class _Layout:
         self.places: dict[int, int] = {}
         entry = 0
         for part in parts:
-            assert isinstance(part.kernel, Kernel)
+            assert isinstance(part.kernel, MachineCode)
             self.starts.append(entry)
             arrays = [*part.arguments, *(result for _, result in part.results)]
             for k, (argument, array) in enumerate(zip(part.kernel.source.arguments, arrays, strict=True)):
@@ -179,7 +179,7 @@ def jitted_of(
     InputError
         A kernel has no address: numba compiled it, or a function of NumPy takes whole curves.
     """
-    if not all(isinstance(part.kernel, Kernel) for part in parts):
+    if not all(isinstance(part.kernel, MachineCode) for part in parts):
         raise InputError(
             "function: jitted calls kernels by address, which those of backend 'numba' and what is made of whole "
             "curves have not; write backend='llvm', or leave such outputs out"
@@ -190,7 +190,7 @@ def jitted_of(
     results = [(layout.places[k], math.prod(shape), codes[k]) for k, shape in enumerate(shapes)]
     data = (
         tuple(layout.sizes),
-        np.array([part.kernel.address for part in parts if isinstance(part.kernel, Kernel)]),
+        np.array([part.kernel.address for part in parts if isinstance(part.kernel, MachineCode)]),
         np.concatenate([part.table for part in parts if part.table is not None]),
         np.array(layout.starts),
         np.array(layout.moving).reshape(-1, 3),

@@ -12,7 +12,7 @@ import numpy as np
 from fastlink.catalogue.catalogue import Catalogue, Fact, Input
 from fastlink.io.dataset import Variable, assemble, marked, plain_attrs
 from fastlink.io.dataset import coordinates as dataset_coordinates
-from fastlink.plan.plan import Plan_
+from fastlink.plan.plan import Plan
 from fastlink.plan.program import EXTREMUM, Output
 from fastlink.space.design_space import DesignSpace, frozen
 
@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 __all__ = ["about", "assembled", "coordinates", "trailing", "variable"]
 
 
-def trailing(output: Output, plan: Plan_, positions: int) -> tuple[int, ...]:
+def trailing(output: Output, plan: Plan, positions: int) -> tuple[int, ...]:
     """Return what each design has of a result."""
     lengths = {
         "branch": len(plan.branches),
@@ -33,7 +33,7 @@ def trailing(output: Output, plan: Plan_, positions: int) -> tuple[int, ...]:
     return tuple(lengths[axis] for axis in output.axes)
 
 
-def variable(output: Output, plan: Plan_, space: DesignSpace, positions: int) -> Variable:
+def variable(output: Output, plan: Plan, space: DesignSpace, positions: int) -> Variable:
     """Return a result with its dimensions and attributes."""
     return Variable(
         output.name,
@@ -45,7 +45,7 @@ def variable(output: Output, plan: Plan_, space: DesignSpace, positions: int) ->
 
 
 @lru_cache(maxsize=1024)
-def _labels(plan: Plan_, output: Output) -> dict[str, Any]:
+def _labels(plan: Plan, output: Output) -> dict[str, Any]:
     """Return the attributes of a result."""
     fact = plan.catalogue.public_fact(output.request.quantity)
     position = plan.catalogue.position
@@ -93,7 +93,7 @@ def _of_list(part: str, fact: Fact, position: Input) -> dict[str, Any]:
     }
 
 
-def coordinates(plan: Plan_, space: DesignSpace, positions: NDArray[Any]) -> xr.Dataset:
+def coordinates(plan: Plan, space: DesignSpace, positions: NDArray[Any]) -> xr.Dataset:
     """Return a Dataset with the coordinates of a sweep."""
     catalogue: Catalogue = plan.catalogue
     used = {axis for output in plan.outputs for axis in output.axes}
@@ -113,7 +113,7 @@ def coordinates(plan: Plan_, space: DesignSpace, positions: NDArray[Any]) -> xr.
 
 
 def assembled(
-    plan: Plan_,
+    plan: Plan,
     space: DesignSpace,
     positions: NDArray[Any],
     variables: Sequence[Variable],
@@ -141,7 +141,7 @@ def assembled(
 
 @lru_cache(maxsize=64)
 def _blank(
-    plan: Plan_, names: tuple[str, ...], attrs: tuple[tuple[str, Any], ...], positions: bytes
+    plan: Plan, names: tuple[str, ...], attrs: tuple[tuple[str, Any], ...], positions: bytes
 ) -> xr.Dataset:
     """Return the Dataset of one design, its values yet to come."""
     space = DesignSpace("grid", (), (), dict.fromkeys(names, 0.0), attrs=dict(attrs))
@@ -152,7 +152,7 @@ def _blank(
 
 
 def about(
-    mechanism: str, plan: Plan_, solver: str, positions: int, threads: int, backend: str
+    mechanism: str, plan: Plan, solver: str, positions: int, threads: int, backend: str
 ) -> dict[str, Any]:
     """Return the global attributes that are known before a sweep."""
     catalogue = plan.catalogue

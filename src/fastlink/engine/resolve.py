@@ -8,11 +8,12 @@ from dataclasses import dataclass
 from functools import lru_cache, partial
 from typing import TYPE_CHECKING, Any
 
+from fastlink.codegen.kernel import Kernel, kernel_of
 from fastlink.engine.checks import Checked, check
 from fastlink.engine.executor import Part
 from fastlink.engine.scaling import ScalingAxis, find_scaling_axis
 from fastlink.errors import InputError, Problem, Problems
-from fastlink.plan.plan import Plan_, make_plans
+from fastlink.plan.plan import Plan, make_plan
 from fastlink.plan.pointwise import ANGLES_FOR_LANES
 from fastlink.plan.query import Extrema, parse_request, with_lists
 from fastlink.plan.reductions import REDUCTIONS
@@ -60,7 +61,7 @@ class ResolvedSweep:
     mechanism: str
     catalogue: Catalogue
     space: DesignSpace
-    plan: Plan_
+    plan: Plan
     branches: tuple[int, ...]
     positions: NDArray[Any]
     solver: str
@@ -68,11 +69,16 @@ class ResolvedSweep:
     backend: str
 
     @property
+    def kernels(self) -> list[Kernel]:
+        """The kernels of the plan's programs."""
+        return [kernel_of(program) for program in self.plan.programs]
+
+    @property
     def fingerprint(self) -> str:
         """What tells the numbers that result from all others: kernels, designs, input positions."""
         digest = hashlib.sha256()
-        for part in self.plan.parts:
-            digest.update(part.key.encode())
+        for kernel in self.kernels:
+            digest.update(kernel.key.encode())
         space = self.space
         digest.update(repr((space.dims, space.shape, sorted(space.constants.items()))).encode())
         for name, values in sorted({**space.axes, **space.columns}.items()):
@@ -91,14 +97,14 @@ class ResolvedSweep:
         places = {output.name: place for place, output in enumerate(self.plan.outputs)}
         return [
             Part(
-                part.compiled(self.backend, relaxed=relaxed),
-                part.written.scratch,
-                len(part.inputs),
-                part.angle_tables(self.positions),
-                tuple(places[output.name] for output in part.outputs),
-                partial(self.evaluated.fill, part.inputs),
+                kernel.compiled(self.backend, relaxed=relaxed),
+                kernel.source.scratch,
+                len(kernel.program.inputs),
+                kernel.program.angle_tables(self.positions),
+                tuple(places[output.name] for output in kernel.program.outputs),
+                partial(self.evaluated.fill, kernel.program.inputs),
             )
-            for part in self.plan.parts
+            for kernel in self.kernels
         ]
 
 
@@ -162,7 +168,7 @@ def resolve(
     for name, codes in all_choices(catalogue, space.names, variants).items():
         space = space.with_axis(name, codes)
     try:
-        plan = plans_of(
+        plan = cached_plan(
             catalogue,
             checked.names,
             companions,
@@ -210,7 +216,7 @@ def _faults(checked: Checked, given: Sequence[str], called: str) -> InputError |
             known = [one.where for one in problems.noted]
             problems.noted += [one for one in missing if one.where not in known]
             if not missing:
-                make_plans(
+                make_plan(
                     catalogue,
                     [name],
                     given=given,
@@ -222,7 +228,7 @@ def _faults(checked: Checked, given: Sequence[str], called: str) -> InputError |
     return InputError.of(problems.noted) if problems.noted else None
 
 
-def plans_of(
+def cached_plan(
     catalogue: Catalogue,
     names: Sequence[str],
     companions: bool,
@@ -232,16 +238,16 @@ def plans_of(
     variants: tuple[str, ...],
     angles: int,
     extrema: Extrema,
-) -> Plan_:
-    """Return what `make_plans` makes of a request, made once."""
+) -> Plan:
+    """Return what `make_plan` makes of a request, made once."""
     # the number of angles decides no more than what the lanes are
     lanes = min(angles, ANGLES_FOR_LANES)
     known = tuple(names), companions, frozenset(given), branches, variants, lanes, extrema
-    return _plans(catalogue, (catalogue.version, *REDUCTIONS.values()), *known)
+    return _plan(catalogue, (catalogue.version, *REDUCTIONS.values()), *known)
 
 
 @lru_cache(maxsize=256)
-def _plans(
+def _plan(
     catalogue: Catalogue,
     version: tuple[Any, ...],
     names: tuple[str, ...],
@@ -251,8 +257,8 @@ def _plans(
     variants: tuple[str, ...],
     angles: int,
     extrema: Extrema,
-) -> Plan_:
-    return make_plans(
+) -> Plan:
+    return make_plan(
         catalogue,
         with_lists(catalogue, names) if companions else names,
         given=sorted(given),

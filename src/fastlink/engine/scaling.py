@@ -22,7 +22,7 @@ from fastlink.symbolic.homogeneity import homogeneity_degrees
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from fastlink.plan.plan import Plan_
+    from fastlink.plan.plan import Plan
     from fastlink.plan.program import Output
     from fastlink.space.design_space import DesignSpace
 
@@ -104,7 +104,7 @@ class ScalingAxis:
         return found.reshape(-1, *part.shape[1:])
 
 
-def find_scaling_axis(plan: Plan_, space: DesignSpace) -> ScalingAxis | None:
+def find_scaling_axis(plan: Plan, space: DesignSpace) -> ScalingAxis | None:
     """Return how to use the longest axis of a grid that only scales what was asked for, if there is one.
 
     Its values must be positive: a rate's greatest value is minus its least one where the sense of rotation changes.
@@ -129,7 +129,7 @@ def find_scaling_axis(plan: Plan_, space: DesignSpace) -> ScalingAxis | None:
 
 
 @lru_cache(maxsize=256)
-def _powers(plan: Plan_, given: tuple[str, ...], name: str) -> list[float] | None:
+def _powers(plan: Plan, given: tuple[str, ...], name: str) -> list[float] | None:
     """Return by which power of an input each result grows, or None where one does not."""
     catalogue = plan.catalogue
     if catalogue.known_inputs(plan.variants)[name].choices:

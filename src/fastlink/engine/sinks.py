@@ -12,7 +12,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from fastlink.engine.executor import Deliver
-    from fastlink.plan.plan import Plan_
+    from fastlink.plan.plan import Plan
 
 __all__ = ["Bar", "StatusCounts", "progress_bar", "tee"]
 
@@ -30,7 +30,7 @@ def tee(*takers: Deliver) -> Deliver:
 class StatusCounts:
     """How many designs have each status."""
 
-    def __init__(self, plan: Plan_) -> None:
+    def __init__(self, plan: Plan) -> None:
         self.place = [output.name for output in plan.outputs].index("status")
         self.flags = plan.catalogue.facts["status"].flags
         self.counts = np.zeros(max(self.flags) + 1, dtype=np.int64)

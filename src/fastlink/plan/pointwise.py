@@ -8,85 +8,19 @@ straight-line loop over lanes (see `fastlink.codegen`), to be read with ``plan.s
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from functools import cached_property
-from typing import TYPE_CHECKING, Any
 
 from fastlink.catalogue.catalogue import Catalogue, System
-from fastlink.catalogue.tables import angle_tables
-from fastlink.codegen.kernel import backend_of, kernel_key, load_kernel
-from fastlink.codegen.pointwise import write_kernel
 from fastlink.errors import InputError
 from fastlink.plan.program import EXTREMUM, Lanes, Output, Program
 from fastlink.plan.query import Request, parse_request
 
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    from fastlink.codegen.source import Source
-
-__all__ = ["Kernel", "Plan", "make_plan", "output_of", "parse_requests"]
+__all__ = ["ANGLES_FOR_LANES", "make_program", "output_of", "parse_requests"]
 
 # Fewer angles than this leave vector lanes idle when lanes are angles.
 ANGLES_FOR_LANES = 32
 
 
-class Kernel:
-    """What every plan has: the text of its kernel, and the machine code."""
-
-    written: Source
-
-    @property
-    def source(self) -> str:
-        """The text of the kernel."""
-        return self.written.text
-
-    @cached_property
-    def key(self) -> str:
-        """What tells the kernel's text and arguments from all others."""
-        return kernel_key(self.written)
-
-    def compiled(self, backend: str | None = None, *, relaxed: bool = False) -> Any:
-        """Return the kernel, compiled or loaded from the cache on first use.
-
-        Parameters
-        ----------
-        backend : {"llvm", "numba"}, optional
-            The compiler; see `fastlink.codegen.kernel.backend_of`.
-        relaxed : bool
-            Compile for other roundings, to compare: see `fastlink.accuracy`.
-        """
-        which = backend_of(backend), relaxed
-        if which not in self._kernels:
-            self._kernels[which] = self._load(*which)
-        return self._kernels[which]
-
-    def _load(self, backend: str, relaxed: bool) -> Any:
-        return load_kernel(self.written, backend, relaxed=relaxed)
-
-    @property
-    def kernel(self) -> Any:
-        """The kernel by the compiler that is used unless another one is named."""
-        return self.compiled()
-
-    @cached_property
-    def _kernels(self) -> dict[tuple[str, bool], Any]:
-        return {}
-
-
-class Plan(Program, Kernel):
-    """A closure over given input positions, with its kernel."""
-
-    @cached_property
-    def written(self) -> Source:  # type: ignore[override]
-        """The text of the kernel, and what it is called with."""
-        return write_kernel(self)
-
-    def angle_tables(self, theta: NDArray[Any]) -> NDArray[Any]:
-        """Return the rows of the kernel's angle array for these input positions."""
-        return angle_tables(self.catalogue, self.tables, theta)
-
-
-def make_plan(
+def make_program(
     catalogue: Catalogue,
     names: Iterable[str],
     *,
@@ -95,7 +29,7 @@ def make_plan(
     variants: Sequence[str] = (),
     angles: int = 360,
     lanes: Lanes | None = None,
-) -> Plan:
+) -> Program:
     """Resolve the asked names into a plan.
 
     Parameters
@@ -138,7 +72,7 @@ def make_plan(
         )
     # In the catalogue's order, so that one set of names has one kernel however the design is written.
     inputs = tuple(name for name in catalogue.known_inputs(variants) if name in read and name in leaves)
-    return Plan(catalogue, outputs, steps, inputs, read_tables, tuple(branches), lanes, tuple(variants))
+    return Program(catalogue, outputs, steps, inputs, read_tables, tuple(branches), lanes, tuple(variants))
 
 
 def parse_requests(names: Iterable[str], catalogue: Catalogue) -> list[Request]:

@@ -5,10 +5,16 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Literal
+from typing import TYPE_CHECKING, Any, Literal
+
+import numpy as np
 
 from fastlink.catalogue.catalogue import Catalogue, Fact, System
+from fastlink.catalogue.tables import angle_tables
 from fastlink.plan.query import Request
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
 
 __all__ = ["EXTREMUM", "ExtremaProgram", "ExtremumSearch", "Lanes", "Output", "Program"]
 
@@ -32,7 +38,7 @@ class Output:
         return self.request.name
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Program:
     """What is computed for a set of names.
 
@@ -75,6 +81,10 @@ class Program:
         """Whether anything depends on the input position; a map of design facts touches none."""
         return bool(self.tables)
 
+    def angle_tables(self, positions: NDArray[Any]) -> NDArray[Any]:
+        """Return the rows of the kernel's angle array (tables, positions)."""
+        return angle_tables(self.catalogue, self.tables, positions)
+
 
 @dataclass(frozen=True)
 class ExtremumSearch:
@@ -110,7 +120,7 @@ class ExtremumSearch:
     onto: str = ""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class ExtremaProgram:
     """What is computed to find every extreme of some quantities.
 
@@ -161,6 +171,15 @@ class ExtremaProgram:
     def sides(self) -> int:
         """How many sides of the ground line are searched."""
         return 1 if self.mirrored else 2
+
+    @property
+    def uses_position(self) -> bool:
+        """Whether anything is computed at the given input positions: never, samples are graded by design."""
+        return False
+
+    def angle_tables(self, positions: NDArray[Any]) -> NDArray[Any]:
+        """Return an empty angle array."""
+        return np.empty((0, 0))
 
 
 def axes_of(

@@ -21,17 +21,13 @@ Extrema = Literal["refined", "sampled"]
 
 @dataclass(frozen=True)
 class Request:
-    """A name that was asked for: a quantity, what is taken of it over the cycle, or a list of its extremes.
-
-    `of_curves` tells of a quantity that is made of whole curves, see `Catalogue.over_positions`.
-    """
+    """A requested name: a quantity, a reduction of it over the cycle, or a list of its extremes."""
 
     name: str
     quantity: str
     reduction: Reduction | None = None
     place: bool = False
     listed: str = ""
-    of_curves: bool = False
 
     @property
     def is_of_quantity(self) -> bool:
@@ -54,8 +50,6 @@ def parse_request(name: str, catalogue: Catalogue) -> Request:
     """
     if catalogue.is_quantity(name):
         return Request(name, name)
-    if name in catalogue.curves:
-        return Request(name, name, of_curves=True)
     tree = catalogue.parse(name)
     if isinstance(tree, (Reduced, ListOfExtrema)) and catalogue.is_cyclic(quantity := str(tree.of)):
         if isinstance(tree, Reduced):

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from fastlink.catalogue.catalogue import Catalogue
-    from fastlink.plan.plan import Plan_
+    from fastlink.plan.plan import Plan
 
 __all__ = ["Chosen", "cost", "within"]
 
@@ -48,7 +48,7 @@ class Chosen:
         What the sweep found, by output.
     """
 
-    plan: Plan_
+    plan: Plan
     inputs: dict[str, NDArray[Any]]
     positions: NDArray[Any]
     places: NDArray[Any]

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from fastlink.plan.plan import Plan_
+    from fastlink.plan.plan import Plan
     from fastlink.plan.program import Output
     from fastlink.precision.errors import Measured
     from fastlink.space.design_space import DesignSpace
@@ -63,7 +63,7 @@ class Verification:
         How many designs; all of them where there are fewer.
     """
 
-    def __init__(self, plan: Plan_, space: DesignSpace, positions: NDArray[Any], count: int) -> None:
+    def __init__(self, plan: Plan, space: DesignSpace, positions: NDArray[Any], count: int) -> None:
         self.rng = np.random.default_rng(SEED)
         self.designs = designs = space.some(count, self.rng)
         places = self.rng.integers(len(plan.branches), size=designs.size)
@@ -125,7 +125,7 @@ def _groups(outputs: Sequence[Output]) -> tuple[list[tuple[str, list[Output]]], 
     left_out = []
     for output in outputs:
         request = output.request
-        if "residual" in request.quantity or request.of_curves:
+        if "residual" in request.quantity:
             # a residual is an error itself; what is made of whole curves has no other reading
             left_out.append(output.name)
         elif output.refined:

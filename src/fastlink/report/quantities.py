@@ -15,7 +15,7 @@ from fastlink.facts.names import Derivative, ErrorBound, ListOfExtrema, Reduced,
 from fastlink.facts.names import Quantity as Plain
 from fastlink.mechanisms import NAMES
 from fastlink.mechanisms import catalogue as find_catalogue
-from fastlink.plan.pointwise import make_plan
+from fastlink.plan.pointwise import make_program
 from fastlink.plan.reductions import REDUCTIONS
 from fastlink.plan.validate import RULES
 
@@ -181,7 +181,7 @@ def quantities(mechanism: str, internal: bool = False, input: str | None = None)
     public = _ordered(catalogue)
     rows = [_quantity(fact, every if catalogue.varies(fact.name) else (DESIGN,)) for fact in public]
     if internal:
-        plan = make_plan(catalogue, catalogue.public, given=catalogue.inputs)
+        plan = make_program(catalogue, catalogue.public, given=catalogue.inputs)
         for name, fact in (*catalogue.tables.items(), *catalogue.facts.items()):
             if fact.internal and name in plan.axes and name == fact.name:
                 axes = plan.axes[name]

@@ -17,7 +17,8 @@ from tests.support.configurations import (
 from tests.support.newton import Bodies, configuration, cross, facts, kinetic_energy, newton_euler
 
 import fastlink as fl
-from fastlink.plan.pointwise import make_plan
+from fastlink.codegen.kernel import kernel_of
+from fastlink.plan.pointwise import make_program
 from fastlink.plan.validate import variants_of
 
 FORCES = ("F41", "F21", "F32", "F43")
@@ -125,12 +126,12 @@ def test_a_load_of_nothing_changes_nothing_but_roundings_and_a_load_not_given_is
     nothing = dict.fromkeys(PLANAR.variant_inputs[load], 0.0)
     chosen = variants_of(PLANAR, None, "eliminated", nothing)
     assert chosen == (load,)
-    bare = make_plan(PLANAR, names, given=tuple(inputs))
-    assert not any(name in bare.source for other in LOADS for name in PLANAR.variant_inputs[other])
-    loaded = make_plan(PLANAR, names, given=(*inputs, *nothing), variants=chosen)
-    assert any(name in loaded.source for name in nothing)
+    bare = kernel_of(make_program(PLANAR, names, given=tuple(inputs)))
+    assert not any(name in bare.text for other in LOADS for name in PLANAR.variant_inputs[other])
+    loaded = kernel_of(make_program(PLANAR, names, given=(*inputs, *nothing), variants=chosen))
+    assert any(name in loaded.text for name in nothing)
     other_loads = set(LOADS) - {load}
-    assert not any(n in loaded.source for key in other_loads for n in PLANAR.variant_inputs[key])
+    assert not any(n in loaded.text for key in other_loads for n in PLANAR.variant_inputs[key])
     for theta in rng.uniform(-np.pi, np.pi, 5):
         without = fl.evaluate("planar_4r", names, theta1=theta, **inputs)
         with_nothing = fl.evaluate("planar_4r", names, theta1=theta, **inputs, **nothing)
