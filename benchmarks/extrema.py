@@ -14,7 +14,7 @@ from scipy.optimize import brentq
 from benchmarks import c_kernel, engine
 from benchmarks.families import FAMILIES
 from benchmarks.inputs import INPUTS, race, round_bars
-from fastlink.engine.evaluate import read_facts
+from fastlink.catalogue.evaluate import read_facts
 from fastlink.mechanisms import catalogue
 from fastlink.plan.plan import make_plan
 from fastlink.precision.reference import DIGITS

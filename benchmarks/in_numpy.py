@@ -8,7 +8,7 @@ arrays stay in the cache. Of curves, what the design alone determines is taken b
 import numpy as np
 
 from benchmarks.numpy_baseline import PIECE
-from fastlink.engine.evaluate import take_step
+from fastlink.catalogue.evaluate import take_step
 from fastlink.engine.executor import aligned
 
 

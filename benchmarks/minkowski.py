@@ -11,8 +11,8 @@ from benchmarks import c_kernel
 from benchmarks.engine import bind_results
 from benchmarks.inputs import aligned_copy, empty, race
 from benchmarks.numpy_baseline import PIECE
+from fastlink.catalogue.evaluate import read_facts
 from fastlink.catalogue.tables import angle_tables
-from fastlink.engine.evaluate import read_facts
 from fastlink.mechanisms import catalogue
 from fastlink.plan.pointwise import make_program
 

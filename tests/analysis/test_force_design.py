@@ -17,7 +17,7 @@ from tests.support.newton import newton_euler
 from tests.support.registry import MULTIPLE
 
 import fastlink as fl
-from fastlink.engine.evaluate import read_facts
+from fastlink.catalogue.evaluate import read_facts
 from fastlink.plan.validate import variants_of
 
 HAYES = {"a1": 0.4, "a2": 1.2, "a3": 0.8, "a4": 1.0, "omega1": 25.0}

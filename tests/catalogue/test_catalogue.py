@@ -10,7 +10,7 @@ import pytest
 from tests.support.configurations import PLANAR
 
 from fastlink.catalogue.catalogue import Catalogue, CatalogueError, Fact, Input, System
-from fastlink.engine.evaluate import read_facts
+from fastlink.catalogue.evaluate import read_facts
 from fastlink.errors import InputError
 from fastlink.facts.fact import statements
 from fastlink.mechanisms import NAMES

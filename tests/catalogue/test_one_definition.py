@@ -11,7 +11,7 @@ from tests.support.configurations import PLANAR
 
 from fastlink.analysis.planar.io import io_coefficients
 from fastlink.catalogue.catalogue import Fact
-from fastlink.engine.evaluate import read_facts
+from fastlink.catalogue.evaluate import read_facts
 from fastlink.facts.fact import parameters
 from fastlink.mechanisms import NAMES
 from fastlink.mechanisms import catalogue as find_catalogue

@@ -11,10 +11,10 @@ import pytest
 from typer.testing import CliRunner
 
 import fastlink as fl
+from fastlink.catalogue.evaluate import read_facts
 from fastlink.cli import app
 from fastlink.codegen.translate import Refused
 from fastlink.diagnostics.explain import explain_request
-from fastlink.engine.evaluate import read_facts
 from fastlink.engine.resolve import resolve
 from fastlink.mechanisms import catalogue
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from fastlink.engine.evaluate import read_facts
+from fastlink.catalogue.evaluate import read_facts
 from fastlink.mechanisms.minkowski_4r import limits, minkowski_4r, types
 
 MANY = 100_000

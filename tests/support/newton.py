@@ -6,7 +6,7 @@ import mpmath as mp
 import numpy as np
 
 import fastlink as fl
-from fastlink.engine.evaluate import read_facts
+from fastlink.catalogue.evaluate import read_facts
 from fastlink.plan.validate import constants_of, variants_of
 from tests.support.configurations import LENGTHS, PLANAR, draw, masses_and_points, random_lengths
 

@@ -19,7 +19,7 @@ from tests.support.configurations import (
 
 import fastlink as fl
 from fastlink.catalogue.catalogue import Catalogue, CatalogueError
-from fastlink.engine.evaluate import read_facts
+from fastlink.catalogue.evaluate import read_facts
 from fastlink.errors import InputError
 from fastlink.facts.fact import Input, statements
 from fastlink.numerics import compensated, vectors

@@ -22,8 +22,8 @@ from tests.support.twofold import Twofold, twofold
 
 import fastlink as fl
 from fastlink.catalogue.catalogue import Catalogue
+from fastlink.catalogue.evaluate import read_facts
 from fastlink.catalogue.tables import _tabled, angle_tables
-from fastlink.engine.evaluate import read_facts
 from fastlink.errors import InputError
 from fastlink.facts.fact import Input
 from fastlink.mechanisms import NAMES, catalogue

@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from fastlink.catalogue.evaluate import read_facts
 from fastlink.catalogue.tables import angle_tables
-from fastlink.engine.evaluate import read_facts
 from fastlink.symbolic.derivative import derivative_name
 
 if TYPE_CHECKING:

@@ -33,7 +33,7 @@ def find_extremum_search(
         return None
     if any(isinstance(step, System) for step in steps):
         return None
-    found = asymptotics(catalogue, steps, (*graded.leaves, "branch"))
+    found = asymptotics(graded, steps, (*graded.leaves, "branch"))
     needed = {name for step in _closure(catalogue, (quantity,), given, variants) for name in step.names}
     return ExtremumSearch(
         quantity,

@@ -13,7 +13,7 @@ import numpy as np
 from mpmath import MPContext
 
 from fastlink.catalogue.catalogue import Catalogue, Fact, System
-from fastlink.engine.evaluate import steps_of, tables_at, take_step
+from fastlink.catalogue.evaluate import steps_of, tables_at, take_step
 
 __all__ = ["CONTEXT", "DIGITS", "STEP", "UNIT", "HighPrecision", "error_in_roundings"]
 

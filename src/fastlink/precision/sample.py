@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from fastlink.catalogue.catalogue import Fact, System
+from fastlink.catalogue.evaluate import read_facts
 from fastlink.catalogue.tables import angle_tables
-from fastlink.engine.evaluate import read_facts
 from fastlink.precision.reference import HighPrecision
 
 if TYPE_CHECKING:

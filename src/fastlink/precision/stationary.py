@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from fastlink.catalogue.catalogue import Catalogue
-from fastlink.engine.evaluate import read_facts
+from fastlink.catalogue.evaluate import read_facts
 from fastlink.precision.reference import CONTEXT, STEP, HighPrecision
 from fastlink.symbolic.derivative import derivative_name
 

@@ -10,7 +10,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Any
 
-from fastlink.catalogue.catalogue import Catalogue, Fact, System
+from fastlink.facts.fact import Fact, GradedRange, System
 
 __all__ = ["Asymptotics", "asymptotics"]
 
@@ -108,21 +108,19 @@ def _grade(value: Any) -> Asymptotics:
 
 
 def asymptotics(
-    catalogue: Catalogue, steps: Iterable[Fact | System], varying: Iterable[str]
+    graded: GradedRange, steps: Iterable[Fact | System], varying: Iterable[str]
 ) -> dict[str, Asymptotics]:
     """Return the grades of all values of a closure.
 
     Parameters
     ----------
-    catalogue : Catalogue
-        The mechanism, which has a graded range.
+    graded : GradedRange
+        Where the extremes of the mechanism are searched.
     steps : iterable of Fact or System
         The closure, in order.
     varying : iterable of str
         The given values that change over the cycle or with the branch; all others are of the design.
     """
-    graded = catalogue.graded
-    assert graded is not None
     found: dict[str, Any] = {name: Asymptotics(0.0, -1 if name in graded.odd else 1) for name in varying}
     moving = set(found)
     for step in steps:

@@ -11,7 +11,7 @@ from tests.support.configurations import DIGITS, UNIT
 from tests.support.hart_configurations import HART, INPUTS, OF_THE_CRANK, QUANTITIES, WUNDERLICH, at, family
 
 import fastlink as fl
-from fastlink.engine.evaluate import read_facts
+from fastlink.catalogue.evaluate import read_facts
 from fastlink.errors import InputError
 from fastlink.mechanisms.hart.line import KITE_FLAGS, STATUS_FLAGS
 from fastlink.precision.reference import CONTEXT, HighPrecision

@@ -10,7 +10,7 @@ import pytest
 from tests.support.configurations import DIGITS, UNIT
 
 import fastlink as fl
-from fastlink.engine.evaluate import read_facts
+from fastlink.catalogue.evaluate import read_facts
 from fastlink.errors import InputError
 from fastlink.mechanisms import catalogue
 

@@ -18,7 +18,7 @@ from fastlink.analysis.planar import (
     sextic,
     straightness,
 )
-from fastlink.engine.evaluate import read_facts
+from fastlink.catalogue.evaluate import read_facts
 
 # -- derivatives -------------------------------------------------------------------------------------
 

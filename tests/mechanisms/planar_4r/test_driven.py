@@ -14,7 +14,7 @@ from tests.support.configurations import (
 )
 
 import fastlink as fl
-from fastlink.engine.evaluate import read_facts
+from fastlink.catalogue.evaluate import read_facts
 from fastlink.mechanisms import catalogue
 
 JOINTS = (1, 2, 3, 4)

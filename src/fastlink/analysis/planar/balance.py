@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from fastlink.analysis.planar.designs import broadcast
-from fastlink.engine.evaluate import read_facts
+from fastlink.catalogue.evaluate import read_facts
 from fastlink.errors import InputError
 from fastlink.mechanisms import catalogue
 from fastlink.plan.validate import constants_of, variants_of

@@ -1,0 +1,103 @@
+"""Evaluate facts without a kernel: on floats, arrays and mpmath numbers.
+
+The same text that the kernels are made of runs here as plain Python, so the rounding error of every quantity can be
+measured without a second formula.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from functools import lru_cache
+from typing import Any
+
+import numpy as np
+
+from fastlink.catalogue.catalogue import Catalogue, Fact, System
+
+__all__ = ["read_facts", "steps_of", "tables_at", "take_step"]
+
+
+def read_facts(
+    catalogue: Catalogue, names: Iterable[str], values: Mapping[str, Any], variants: Iterable[str] = ()
+) -> dict[str, Any]:
+    """Evaluate facts on whatever numbers the values are.
+
+    Parameters
+    ----------
+    catalogue : Catalogue
+        The mechanism.
+    names : iterable of str
+        Facts, internal ones too.
+    values : mapping
+        Inputs, ``branch``, and the input position or its tables: floats, arrays or mpmath numbers.
+    variants : iterable of str
+        Chosen sets of facts.
+
+    Returns
+    -------
+    dict
+        Every value of the closure.
+    """
+    known = dict(values)
+    position = catalogue.position.name
+    if position in known:
+        tables = (*catalogue.tables, *catalogue.table_low_parts)
+        known |= tables_at(catalogue, known[position], [name for name in tables if name not in known])
+    for step in steps_of(catalogue, names, known, variants):
+        take_step(step, known)
+    return known
+
+
+def steps_of(
+    catalogue: Catalogue, names: Iterable[str], given: Iterable[str], variants: Iterable[str] = ()
+) -> tuple[Fact | System, ...]:
+    """Return what `Catalogue.dependencies` yields, found once."""
+    return _steps(catalogue, catalogue.version, tuple(names), frozenset(given), tuple(variants))
+
+
+@lru_cache(maxsize=256)
+def _steps(
+    catalogue: Catalogue,
+    version: int,
+    names: tuple[str, ...],
+    given: frozenset[str],
+    variants: tuple[str, ...],
+) -> tuple[Fact | System, ...]:
+    return tuple(catalogue.dependencies(names, given, variants))
+
+
+def tables_at(catalogue: Catalogue, theta: Any, names: Iterable[str]) -> dict[str, Any]:
+    """Return functions of the input position by name, of whatever numbers these are: low parts are zero."""
+    return {
+        name: catalogue.tables[name].function(theta) if name in catalogue.tables else 0 * theta
+        for name in names
+    }
+
+
+def take_step(step: Fact | System, known: dict[str, Any]) -> None:
+    """Add to the known values what a step of a closure gives."""
+    if isinstance(step, System):
+        rows = step.function(*(known[need] for need in step.depends_on))
+        known.update(zip(step.unknowns, _solve(rows), strict=True))
+    else:
+        known.update(step.values(known))
+
+
+def _solve(rows: Any) -> list[Any]:
+    """Solve a system given as rows with the right-hand side last."""
+    size = len(rows)
+    context = next((c for row in rows for c in (getattr(entry, "context", None) for entry in row) if c), None)
+    if context is not None:
+        if any(context.isnan(entry) for row in rows for entry in row):
+            return [context.nan] * size
+        matrix = context.matrix([list(row[:size]) for row in rows])
+        return list(context.lu_solve(matrix, context.matrix([row[size] for row in rows])))
+    shape = np.broadcast_shapes(*(np.shape(entry) for row in rows for entry in row))
+    stacked = np.empty((*shape, size, size + 1))
+    for r, row in enumerate(rows):
+        for c, entry in enumerate(row):
+            stacked[..., r, c] = entry
+    closes = np.isfinite(stacked).all(axis=(-2, -1))
+    result = np.full((*shape, size), np.nan)
+    result[closes] = np.linalg.solve(stacked[closes][..., :size], stacked[closes][..., size:])[..., 0]
+    return [result[..., r] for r in range(size)]
