@@ -129,32 +129,6 @@ def test_a_table_depends_on_the_position_alone(catalogue):
         catalogue.table(symbol="s", source="here")(sine)
 
 
-def test_what_is_made_of_curves_is_of_curves(catalogue):
-    def step(size):
-        """Change of a curve from one position to the next."""
-        return size
-
-    declare(catalogue, "size", ["a"])
-    catalogue.over_positions(**LABELS)(step)
-    with pytest.raises(CatalogueError, match="step is of size, which is no curve"):
-        catalogue.check()
-
-
-def test_no_fact_is_made_of_what_whole_curves_tell(catalogue):
-    def step(x):
-        """Change of a curve from one position to the next."""
-        return x
-
-    declare(catalogue, "x", ["a", "theta"])
-    catalogue.over_positions(**LABELS)(step)
-    catalogue.check()
-    with pytest.raises(CatalogueError, match="step is declared twice"):
-        declare(catalogue, "step", ["a"])
-    declare(catalogue, "y", ["step"])
-    with pytest.raises(CatalogueError, match="step is of whole curves, y of a position"):
-        catalogue.check()
-
-
 def test_a_missing_input_is_named_with_what_needs_it(catalogue):
     declare(catalogue, "b", ["a"])
     with pytest.raises(InputError, match=r"a is missing \(a length \[m\]\); b depends on it"):

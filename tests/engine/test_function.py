@@ -88,21 +88,6 @@ def test_backends_have_the_same_bits(backend):
     np.testing.assert_array_equal(made(LENGTHS)[0], swept(["omega4"], branch=1, theta1=40).omega4[:, 0])
 
 
-def test_what_is_made_of_whole_curves_has_a_function():
-    design = {"a": 1.0, "b": 1.3, "c": 1.1, "d": 1.4, "rho": 0.5, "completion": 1}
-    made = fl.function(
-        "focal",
-        ["b", "c"],
-        ["T_deviation"],
-        phi=30,
-        **{k: design[k] for k in ("a", "d", "rho", "completion")},
-    )
-    maps = fl.sweep("focal", fl.grid(**design), ["T_deviation"], phi=30, branch=1)
-    np.testing.assert_array_equal(made([1.3, 1.1])[0], maps.T_deviation.isel(branch=0))
-    with pytest.raises(fl.InputError, match="jitted calls kernels by address"):
-        _ = made.jitted
-
-
 def test_threads_share_nothing():
     made = fl.function("planar_4r", ["a2", "a3"], ["omega4_max", "transmission_angle_min"], **FIXED)
     expected = made(LENGTHS)
@@ -146,7 +131,7 @@ def test_wrong_requests_are_refused(inputs, outputs, options, message):
 
 def test_a_choice_is_to_be_made():
     with pytest.raises(fl.InputError, match="completion is missing; give it, one of 1"):
-        fl.function("focal", ["b"], ["T_deviation"], a=1.0, c=1.1, d=1.4, rho=0.5)
+        fl.function("focal", ["b"], ["T_x"], a=1.0, c=1.1, d=1.4, rho=0.5)
 
 
 def test_an_argument_of_another_shape_is_refused():

@@ -230,7 +230,7 @@ def test_every_declaration_is_checked(toy, kind):
         WAYS[kind](toy, "b_error")
 
 
-def test_tables_and_curves_are_checked(toy):
+def test_tables_are_checked(toy):
     def b_error(theta):
         """Something."""
         return theta
@@ -238,8 +238,6 @@ def test_tables_and_curves_are_checked(toy):
     declare(toy, "b")
     with pytest.raises(CatalogueError, match="b_error reads as "):
         toy.table(symbol="x", source="here")(b_error)
-    with pytest.raises(CatalogueError, match="b_error reads as "):
-        toy.over_positions(**LABELS)(b_error)
 
 
 def test_names_that_only_look_like_others_are_not_refused(toy):

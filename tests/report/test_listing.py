@@ -70,7 +70,7 @@ def test_the_documentation_is_written_by_the_module():
 @pytest.mark.parametrize("name", NAMES)
 def test_every_public_quantity_is_listed_once(name):
     names = [row.name for row in fl.quantities(name)]
-    assert sorted(names) == sorted(find_catalogue(name).offered)
+    assert sorted(names) == sorted(find_catalogue(name).public)
 
 
 @pytest.mark.parametrize(("mechanism", "row"), LISTED, ids=[row.name for _, row in LISTED])

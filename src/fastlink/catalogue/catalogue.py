@@ -22,7 +22,6 @@ from fastlink.facts.names import (
     Quantity,
     Trust,
     as_derivative,
-    deepest,
     plain_part,
     reading_of,
 )
@@ -53,11 +52,6 @@ class Catalogue(Declarations):
     def public(self) -> dict[str, Fact]:
         """The facts that users ask for by name."""
         return {name: fact for name, fact in self.facts.items() if not fact.internal}
-
-    @property
-    def offered(self) -> dict[str, Fact]:
-        """All that users ask for by name: the public facts, and what is made of whole curves."""
-        return self.public | self.curves
 
     def known_inputs(self, variants: Iterable[str] = ()) -> dict[str, Input]:
         """Return every input that a design may give, with those of the chosen sets of facts."""
@@ -118,7 +112,7 @@ class Catalogue(Declarations):
                 return _replaced_by(above, found) if above else found
             if found is not None:
                 return found
-        fact = self.facts.get(plain) or self.curves.get(plain)
+        fact = self.facts.get(plain)
         return _replaced_by(above, fact) if fact is not None and above else fact
 
     def _replaced(self, chosen: tuple[str, ...]) -> set[str]:
@@ -187,7 +181,7 @@ class Catalogue(Declarations):
     def varies(self, name: str) -> bool:
         """Tell whether a fact changes over the input cycle."""
         of = plain_part(self.parse(name))
-        return of in self.curves or self.position.name in self._axes[of]
+        return self.position.name in self._axes[of]
 
     def check(self) -> None:
         """Raise CatalogueError unless every name is declared and no fact depends on itself."""
@@ -210,15 +204,8 @@ class Catalogue(Declarations):
         for option in ((), *((name,) for name in {*self.variants, *self.variant_inputs})):
             replaced = {name for key in option for name in self.variants.get(key, {})}
             known = leaves | (set(self.known_inputs(option)) - replaced)
-            for step in self.dependencies(sorted(names), known, option):
-                if made := self.curves.keys() & set(step.depends_on):
-                    raise CatalogueError(
-                        f"{self.name}: {made.pop()} is of whole curves, {step.name} of a position"
-                    )
-        for fact in self.curves.values():
-            for need in fact.depends_on:
-                if need not in self.public or not self.varies(need):
-                    raise CatalogueError(f"{self.name}: {fact.name} is of {need}, which is no curve")
+            for _ in self.dependencies(sorted(names), known, option):
+                pass
 
     def is_quantity(self, name: str) -> bool:
         """Tell whether users may ask for a name: a public fact, the derivative of one, the error bound of these."""
@@ -236,10 +223,8 @@ class Catalogue(Declarations):
         InputError
             There is no such quantity.
         """
-        if name in self.curves:
-            return self.curves[name]
         if not self.is_quantity(name):
-            raise self.unknown(name, self.offered)
+            raise self.unknown(name, self.public)
         tree = self.parse(name)
         if not isinstance(tree, Made):
             return self.facts[name]
@@ -256,10 +241,6 @@ class Catalogue(Declarations):
     def unknown(self, name: str, known: Iterable[str]) -> InputError:
         """Return the error of a name that is none of the known ones."""
         tree = self.parse(name)
-        if (curve := deepest(name, self)) in self.curves:
-            lacks = f"{curve} is made of whole curves, and has no extremes, means, derivatives or error bounds here"
-            remedy = f"ask for {curve}, and take extremes and means of the map"
-            return InputError(f"quantity {name!r}: {lacks}", remedy=remedy)
         wrong, options = name, known
         if isinstance(tree, (ErrorBound, Trust)):
             wrong, options = str(tree.of), self.public

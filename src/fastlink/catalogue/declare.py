@@ -39,7 +39,6 @@ class Declarations:
         self.positions = positions
         self.inputs: dict[str, Input] = {}
         self.facts: dict[str, Fact] = {}
-        self.curves: dict[str, Fact] = {}
         self.tables: dict[str, Fact] = {}
         self.table_low_parts: dict[str, str] = {}
         self.variants: dict[str, dict[str, Fact | System]] = {}
@@ -58,7 +57,7 @@ class Declarations:
         All that is declared is compared with what it was, by identity: 8 us for the planar 4R.
         """
         now: list[Any] = [self.position, self.graded, self.positions, *self.branches]
-        sets: tuple[Mapping[str, Any], ...] = (self.inputs, self.facts, self.curves, self.tables)
+        sets: tuple[Mapping[str, Any], ...] = (self.inputs, self.facts, self.tables)
         sets = (*sets, self.table_low_parts, *self.variants.values(), *self.variant_inputs.values())
         for declared in sets:
             now += declared.values()
@@ -161,22 +160,6 @@ class Declarations:
     def steps(self, *, units: str, source: str, variant: str | None = None) -> Rows:
         """Return what declares steps on the way, row by row."""
         return Rows([self], units, source, internal=True, variant=variant)
-
-    def over_positions(self, *, units: str, symbol: str, source: str) -> Callable[[F], F]:
-        """Declare a quantity that is made of whole curves: those of public facts, over all positions asked for.
-
-        The function is of NumPy: it takes arrays with the positions in the last axis, NaN where the mechanism does
-        not assemble, and returns such an array, each row by itself. The kernels know nothing of it.
-        """
-
-        def declare(function: F) -> F:
-            fact = self._fact(function, units, symbol, source, False, None)
-            self._check_new(fact.name, None)
-            self._check_reading(fact.name, public=True)
-            self.curves[fact.name] = fact
-            return function
-
-        return declare
 
     def table(self, *, symbol: str, source: str, low: str | None = None) -> Callable[[F], F]:
         """Declare a function of the input position alone, tabled once per sweep from 40 digits.
@@ -299,7 +282,6 @@ class Declarations:
         return (
             name in self.facts
             or name in self.inputs
-            or name in self.curves
             or name in self.tables
             or name in self.table_low_parts
             or name in (self.position.name, "branch")
@@ -307,7 +289,7 @@ class Declarations:
 
     def is_public(self, name: str) -> bool:
         """Tell whether a declared name is that of a quantity that users ask for."""
-        return name in self.curves or (name in self.facts and not self.facts[name].internal)
+        return name in self.facts and not self.facts[name].internal
 
     def _check_new(self, name: str, variant: str | None) -> None:
         if variant is None:

@@ -179,7 +179,7 @@ def explain_request(asked: ResolvedSweep) -> Explanation:
         tuple(output.name for output in plan.outputs),
         "" if asked.spread is None else f"{asked.spread.name} ({asked.spread.length:,} values)",
         [_kernel(kernel, asked) for kernel in asked.kernels],
-        tuple(name for name in catalogue.offered if name not in made and name not in wanted),
+        tuple(name for name in catalogue.public if name not in made and name not in wanted),
         sum(name not in made for name in catalogue.facts),
         len(catalogue.facts),
         tuple(dict.fromkeys(table for program in plan.programs for table in _tables(program))),

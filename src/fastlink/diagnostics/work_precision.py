@@ -154,7 +154,7 @@ def _expected(ways: int, quantities: int, designs: int) -> str:
 
 
 def _measurable(plan: Plan) -> tuple[list[str], list[str]]:
-    """Return the names that are measured, and those that are not: codes, means, lists, residuals, whole curves."""
+    """Return the names that are measured, and those that are not: codes, means, lists, residuals."""
     known = []
     for output in plan.outputs:
         request = output.request

@@ -123,11 +123,6 @@ def _recipe(
     links = None if model is None else Links(model, {})
     variants = variants_of(catalogue, links, solver, inputs)
     for name in names:
-        if name in catalogue.curves:
-            raise InputError(
-                f"evaluate: {name} is made of whole curves, which the given configurations need not be; "
-                "ask fastlink.sweep for it"
-            )
         catalogue.public_fact(name)
     codes = all_choices(catalogue, inputs, variants)
     defaults = constants_of(catalogue, links, variants) | {name: of[0] for name, of in codes.items()}

@@ -177,12 +177,12 @@ def jitted_of(
     Raises
     ------
     InputError
-        A kernel has no address: numba compiled it, or a function of NumPy takes whole curves.
+        A kernel has no address: numba compiled it.
     """
     if not all(isinstance(part.kernel, MachineCode) for part in parts):
         raise InputError(
-            "function: jitted calls kernels by address, which those of backend 'numba' and what is made of whole "
-            "curves have not; write backend='llvm', or leave such outputs out"
+            "function: jitted calls kernels by address, which those of backend 'numba' do not have; "
+            "write backend='llvm'"
         )
     layout, values = _Layout(parts), math.prod(trailing)
     codes = {k: result.dtype == np.int8 for part in parts for k, result in part.results}

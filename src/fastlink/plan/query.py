@@ -55,7 +55,7 @@ def parse_request(name: str, catalogue: Catalogue) -> Request:
         if isinstance(tree, Reduced):
             return Request(name, quantity, REDUCTIONS[tree.how], bool(tree.place))
         return Request(name, quantity, listed="place" if tree.place else tree.part)
-    known = [*catalogue.offered, *reduced_names(catalogue)]
+    known = [*catalogue.public, *reduced_names(catalogue)]
     raise catalogue.unknown(name, known)
 
 

@@ -126,7 +126,7 @@ def _groups(outputs: Sequence[Output]) -> tuple[list[tuple[str, list[Output]]], 
     for output in outputs:
         request = output.request
         if "residual" in request.quantity:
-            # a residual is an error itself; what is made of whole curves has no other reading
+            # a residual is an error itself
             left_out.append(output.name)
         elif output.refined:
             groups.setdefault(("refined", request.quantity), []).append(output)

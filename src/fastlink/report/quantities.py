@@ -207,7 +207,7 @@ def _ordered(catalogue: Catalogue) -> list[Fact]:
     position = catalogue.position.name
     leaves = (*catalogue.inputs, *catalogue.tables, *catalogue.table_low_parts, BRANCH, position)
     effort: dict[str, int] = {}
-    for name in catalogue.offered:
+    for name in catalogue.public:
         steps = sum(1 for _ in catalogue.dependencies([name], leaves))
         vector = COMPONENT.sub("", name)
         effort[vector] = max(steps, effort.get(vector, 0))
@@ -216,7 +216,7 @@ def _ordered(catalogue: Catalogue) -> list[Fact]:
         vector = COMPONENT.sub("", fact.name)
         return catalogue.varies(fact.name), effort[vector], vector, fact.name
 
-    return sorted(catalogue.offered.values(), key=place)
+    return sorted(catalogue.public.values(), key=place)
 
 
 def _quantity(fact: Fact, dims: tuple[str, ...]) -> Quantity:

@@ -1,6 +1,6 @@
 """What belongs to Burmester's focal mechanism alone."""
 
 from fastlink.analysis.focal.cubic import cubic, cubic_points
-from fastlink.analysis.focal.straight_line import StraightLine, straight_line
+from fastlink.analysis.focal.straight_line import StraightLine, T_deviation, straight_line
 
-__all__ = ["StraightLine", "cubic", "cubic_points", "straight_line"]
+__all__ = ["StraightLine", "T_deviation", "cubic", "cubic_points", "straight_line"]

@@ -1,13 +1,51 @@
-"""How straight the path of a joint is."""
+"""Fit a straight line to the path of a joint, and measure what stands off it."""
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, NamedTuple
+
+import numpy as np
 
 from fastlink.analysis.planar.designs import broadcast
-from fastlink.mechanisms.focal.straightness import StraightLine, fitted_line
+from fastlink.errors import InputError
 
-__all__ = ["StraightLine", "straight_line"]
+__all__ = ["StraightLine", "T_deviation", "straight_line"]
+
+
+class StraightLine(NamedTuple):
+    """A line through given points, and how far they stand off it.
+
+    Attributes
+    ----------
+    x, y : ndarray
+        A point of the line: the centre of the points [m].
+    direction : ndarray
+        Its direction, in (-pi/2, pi/2] [rad].
+    deviation : ndarray
+        Distance of each point to the left of it [m]; NaN where the point is.
+    """
+
+    x: Any
+    y: Any
+    direction: Any
+    deviation: Any
+
+
+def _fitted_line(x: Any, y: Any) -> StraightLine:
+    """Return the line of the least sum of squared distances for each row of points; NaN is left out."""
+    there = np.isfinite(x) & np.isfinite(y)
+    count = np.where(there.any(axis=-1), there.sum(axis=-1), np.nan)
+    middle_x, middle_y = (np.where(there, values, 0.0).sum(axis=-1) / count for values in (x, y))
+    along = np.where(there, x - middle_x[..., None], 0.0)
+    across = np.where(there, y - middle_y[..., None], 0.0)
+    # over a power of two, so that no square leaves the range of doubles
+    power = np.frexp(np.maximum(abs(along), abs(across)).max(axis=-1))[1]
+    along, across = (np.ldexp(values, -power[..., None]) for values in (along, across))
+    squares = ((along - across) * (along + across)).sum(axis=-1)
+    direction = 0.5 * np.arctan2(2.0 * (along * across).sum(axis=-1), squares) + 0.0 * middle_x
+    cosine, sine = np.cos(direction)[..., None], np.sin(direction)[..., None]
+    deviation = np.where(there, np.ldexp(across * cosine - along * sine, power[..., None]), np.nan)
+    return StraightLine(middle_x, middle_y, direction, deviation)
 
 
 def straight_line(x: Any, y: Any) -> StraightLine:
@@ -25,7 +63,7 @@ def straight_line(x: Any, y: Any) -> StraightLine:
 
     Notes
     -----
-    A sweep gives the distances as the quantity ``T_deviation``. The greatest one is
+    `T_deviation` takes the distances from a map. The greatest one is
     ``abs(line.deviation).max(axis=-1)``; `fastlink.planar.straightness` is the half-width of the narrowest strip, which
     is less.
 
@@ -42,4 +80,53 @@ def straight_line(x: Any, y: Any) -> StraightLine:
     >>> round(float(line.y), 4), round(float(np.abs(line.deviation).max()), 4)
     (4.2537, 0.6453)
     """
-    return fitted_line(*broadcast("straight_line", x=x, y=y))
+    return _fitted_line(*broadcast("straight_line", x=x, y=y))
+
+
+def T_deviation(maps: Any) -> Any:
+    """Return the distance of T from the straight line that fits its path best.
+
+    Parameters
+    ----------
+    maps : xarray.Dataset
+        A sweep of ``"focal"`` with ``T_x`` and ``T_y``, by either input.
+
+    Returns
+    -------
+    xarray.DataArray
+        In m, like ``T_x``; positive to the left of the line, whose direction is in (-pi/2, pi/2]. NaN where the
+        mechanism does not assemble. Each design and assembly mode has a line of its own, through all its positions.
+
+    Raises
+    ------
+    InputError
+        A name is missing, or the positions of T are no curve.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> import fastlink as fl
+    >>> part = fl.sweep(
+    ...     "focal",
+    ...     fl.grid(a=5.0, b=5.0, c=2.0, d=4.0, rho=1.0, completion=1),
+    ...     ["T_x", "T_y"],
+    ...     input="sigma",
+    ...     sigma=np.linspace(3.23, 6.19, 200),
+    ...     branch=1,
+    ... )
+    >>> print(f"within {float(abs(fl.focal.T_deviation(part)).max()):.4f} m of a straight line")
+    within 0.0140 m of a straight line
+    """
+    for name in ("T_x", "T_y"):
+        if name not in maps:
+            raise InputError(
+                f"T_deviation: {name!r} is missing; sweep 'T_x' and 'T_y' and give the whole result"
+            )
+    path = maps["T_x"]
+    if not path.dims or path.dims[-1] not in ("phi", "sigma"):
+        raise InputError(
+            "T_deviation: 'T_x' has no positions; sweep it over phi or sigma, and give the whole result"
+        )
+    found = path.copy(data=_fitted_line(path.values, maps["T_y"].values).deviation).rename("T_deviation")
+    found.attrs = {"units": "m", "long_name": "Distance of T from its straight line", "symbol": "delta_T"}
+    return found

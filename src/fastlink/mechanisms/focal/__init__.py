@@ -15,7 +15,6 @@ from fastlink.mechanisms.focal import (
     residuals,
     rocker,
     status,
-    straightness,
 )
 from fastlink.mechanisms.focal.declare import focal
 
@@ -36,7 +35,6 @@ __all__ = [
     "residuals",
     "rocker",
     "status",
-    "straightness",
 ]
 
 #: The same mechanism by its other inputs.
