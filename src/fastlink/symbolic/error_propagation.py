@@ -69,9 +69,9 @@ class Bound:
 WORDS = {
     two_sum: 0.0,
     two_product: 0.0,
-    sum_of_four: 4.0 * U,
-    pair_product: 8.0 * U,
-    gap_product_quotient: 16.0 * U,
+    sum_of_four: 4 * U,
+    pair_product: 8 * U,
+    gap_product_quotient: 16 * U,
 }
 #: Elementary functions: two (arsinh, log_quotient: three) units in the last place are four (six) roundings.
 ARCTANGENT, LOGARITHM, LOG_QUOTIENT, ARSINH, COSINE = 4.0, 4.0, 6.0, 6.0, 4.0
