@@ -47,10 +47,13 @@ def loops_over_lanes(kernel):
 def test_lanes_are_whole_vectors_and_nothing_is_called_or_fused(name, target):
     for kernel, _ in kernels(FAMILIES[name].request()):
         text = assembly_for(kernel, target)
-        vector = [loop for loop in inner_loops(text) if loop.packed]
+        loops = inner_loops(text)
+        vector = [loop for loop in loops if loop.packed]
         assert len(vector) >= loops_over_lanes(kernel) > 0
         assert max(loop.packed for loop in vector) > 40
         assert [loop for loop in vector if loop.single] == []
+        # Loops over lanes have eleven operations at least; those over cells, of bounds and ends, are of one lane.
+        assert max((loop.single for loop in loops if not loop.packed), default=0) < 11
         assert called(text) <= COPIES
         assert fused(text) == []
 

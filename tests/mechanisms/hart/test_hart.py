@@ -133,8 +133,8 @@ def test_the_stroke_is_what_F_traces():
         outer, inner, stroke = told["F_y_outer"], told["F_y_inner"], told["stroke"]
         place = {"phi": graded_angles(design)[:, None], "branch": np.array([1.0, 2.0])}
         with np.errstate(invalid="ignore"):  # by NumPy's sines: evaluate tables 40 digits of each angle
-            y = read_facts(HART, ["F_y"], design | place)["F_y"]
-        y = np.sort(y[np.isfinite(y)])
+            curves = read_facts(HART, ["F_y"], design | place)["F_y"]
+        y = np.sort(curves[np.isfinite(curves)])
         two = STATUS_FLAGS[int(told["status"])] == "two_segments"
         seen.add(two)
         np.testing.assert_allclose(stroke, outer - inner if two else 2.0 * outer, rtol=64 * UNIT)
@@ -146,7 +146,10 @@ def test_the_stroke_is_what_F_traces():
         holes = steps > 0.01 * stroke
         assert holes.sum() == two
         if two:
-            np.testing.assert_allclose(steps[holes], 2.0 * inner, atol=0.02 * stroke)
+            # At either end F stands still at most half a step from an angle: an eighth of a second difference, which
+            # hardly changes from one angle to the next.
+            missed = 0.25 * np.nanmax(np.abs(np.diff(curves, 2, axis=0)))
+            assert -(2.0**-40) * outer <= steps[holes].item() - 2.0 * inner <= 2.0 * missed + 2.0**-40 * outer
     assert seen == {True, False}
 
 
@@ -158,9 +161,11 @@ def test_the_dyads_keep_their_side_along_the_stroke():
     closes = np.isfinite(omega[1:]) & np.isfinite(omega[:-1])
     changes = closes & (np.sign(omega[1:]) != np.sign(omega[:-1]))
     assert changes.any()
-    # A step of 2 pi/2000 from where F stands still, F_y'' of order 1: within 1e-4.
+    # A step at most from where F stands still: half a second difference, which hardly changes from step to step.
     near = np.minimum(np.abs(found["F_y"][1:]), np.abs(found["F_y"][:-1]))
-    np.testing.assert_allclose(near[changes], found["F_y_outer"][0], rtol=1e-4)
+    short = found["F_y_outer"][0] - near[changes]
+    assert (short >= -16 * UNIT).all()
+    assert (short <= np.nanmax(np.abs(np.diff(found["F_y"], 2)))).all()
 
 
 def test_the_greatest_height_over_phi_is_the_end_of_the_stroke():
