@@ -270,9 +270,8 @@ class Rules:
         if function is log1p:
             # of x >= 0 the slope times x is at most the value
             share, rest = (a.relative, a.rest) if a.positive else (0.0, self.error(x, a))
-            return Bound(
-                share + LOGARITHM, self._of_place(graph.add(graph.one, x), rest), positive=a.positive
-            )
+            rest = self._of_place(graph.add(graph.one, x), rest)
+            return Bound(share + LOGARITHM, rest, positive=a.positive)
         if function is log_quotient:
             return self._of_logarithm(node.args[:2], LOG_QUOTIENT)
         if function is log:
@@ -292,14 +291,8 @@ class Rules:
         else:
             a, b = self.settled(x), self.settled(y)
         rest = self.graph.select(condition, a.rest, b.rest)
-        return Bound(
-            max(a.relative, b.relative),
-            rest,
-            lost,
-            a.scale and b.scale,
-            a.one and b.one,
-            a.positive and b.positive,
-        )
+        both = (a.scale and b.scale, a.one and b.one, a.positive and b.positive)
+        return Bound(max(a.relative, b.relative), rest, lost, *both)
 
     def _of_direction(self, node: Node) -> Bound:
         y, x = node.args
