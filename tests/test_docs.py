@@ -124,7 +124,7 @@ def test_the_quantity_of_contributing_works():
     example, _ = code_blocks((ROOT / "CONTRIBUTING.md").read_text(), "python")
     run_example(
         "from typing import Any\n"
-        "from fastlink.mechanisms.planar_4r.declare import HAYES, planar_4r\nimport fastlink.mechanisms.planar_4r\n"
+        "from fastlink.mechanisms.planar_4r.inputs import HAYES, planar_4r\nimport fastlink.mechanisms.planar_4r\n"
         + example
         + "\nimport fastlink as fl\n"
         "design = fl.grid(a1=0.4, a2=1.2, a3=0.8, a4=1.0, omega1=25.0)\n"

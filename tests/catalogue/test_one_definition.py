@@ -40,7 +40,7 @@ def twins(catalogue, chosen):
     graph = ExpressionGraph(FUNCTIONS)
     replaced = {name for key in chosen for name in catalogue.variants.get(key, {})}
     given = {*catalogue.known_inputs(chosen), *catalogue.tables, *catalogue.table_low_parts}
-    given |= {catalogue.position.name, "branch", *(catalogue.graded.leaves if catalogue.graded else ())}
+    given |= {catalogue.position.name, "branch", *(catalogue.graded.coordinates if catalogue.graded else ())}
     values = {name: graph.name(name) for name in given - replaced}
     names = sorted(name for name in catalogue.facts if not catalogue.is_derivative(name))
     first, pairs = {}, []

@@ -70,7 +70,7 @@ def names_of_its_own(plan):
     stored = {n.id for n in ast.walk(tree) if isinstance(n, ast.Name) and isinstance(n.ctx, ast.Store)}
     stored |= {argument.arg for argument in ast.walk(tree) if isinstance(argument, ast.arg)}
     stored |= {alias.name for alias in ast.walk(tree) if isinstance(alias, ast.alias)}
-    known = known_names(PLANAR) | set(PLANAR.graded.leaves)
+    known = known_names(PLANAR) | set(PLANAR.graded.coordinates)
     return {name for name in stored if name.split("__")[0] not in known and not name.startswith("out_")}
 
 

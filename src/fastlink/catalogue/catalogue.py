@@ -200,7 +200,7 @@ class Catalogue(Declarations):
         } - derivatives
         leaves = {"branch", self.position.name, *self.tables, *self.table_low_parts}
         if self.graded is not None:
-            leaves |= set(self.graded.leaves)
+            leaves |= set(self.graded.coordinates)
         for option in ((), *((name,) for name in {*self.variants, *self.variant_inputs})):
             replaced = {name for key in option for name in self.variants.get(key, {})}
             known = leaves | (set(self.known_inputs(option)) - replaced)

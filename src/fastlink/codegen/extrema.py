@@ -119,7 +119,7 @@ class _Refined(ExtremaSchedule):
     def write_samples(self) -> None:
         """The derivatives at all places of the graded range, on both sides of it: both branches side by side."""
         text, cells, plan = self.text, self.cells, self.plan
-        side = self.graded.leaves[2]
+        side = self.graded.coordinates[2]
         self.places = rows = self.row("places", 2 * (cells + 1))
         spare = self.row("spare", 4)
         scale, start = self.row(self.graded.ends[0][0]), self.row(self.graded.ends[0][1])
@@ -172,7 +172,7 @@ class _Refined(ExtremaSchedule):
 
     def write_place(self, place: str, upper: str) -> None:
         """The distances of a place from the near and the far end, over the width."""
-        near, far = self.graded.leaves[:2]
+        near, far = self.graded.coordinates[:2]
         text = self.text
         text.add(f"square = {place} * {place}")
         text.add("rest = 1.0 / (1.0 + square)")
@@ -192,7 +192,7 @@ class _Refined(ExtremaSchedule):
 
     def scaled(self, search: ExtremumSearch, copy: str = "") -> str:
         """Return the derivative times the power of sin mu that keeps it finite and not zero at a toggle."""
-        factors = [search.slope, *[self.graded.sine] * search.slope_order]
+        factors = [search.slope, *[self.graded.bounded_factor] * search.slope_order]
         return " * ".join(self.named(name, copy) for name in factors)
 
     def paste(self, step: Fact, copy: str = "") -> None:
@@ -310,7 +310,7 @@ class _Refined(ExtremaSchedule):
 
     def write_half(self, half: str) -> None:
         """Tell branch and side of a half: halves are numbered branch by branch, both sides of each."""
-        side, computed = self.graded.leaves[2], self.plan.computed
+        side, computed = self.graded.coordinates[2], self.plan.computed
         above = f"({half} == 0.0) | ({half} == 2.0)"
         self.text.add(f"{side} = 1.0 if {above} else -1.0" if self.plan.sides == 2 else f"{side} = 1.0")
         former = f"{computed[0]}.0 if {half} <= {self.plan.sides - 1.0} else " if len(computed) > 1 else ""

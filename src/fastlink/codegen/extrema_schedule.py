@@ -74,11 +74,11 @@ class ExtremaSchedule:
 
     def slope_names(self) -> list[str]:
         """Return what the sampled functions are made of."""
-        return [self.graded.sine, *(search.slope for search in self.plan.searches)]
+        return [self.graded.bounded_factor, *(search.slope for search in self.plan.searches)]
 
     def slope_of(self, search: ExtremumSearch) -> list[str]:
         """Return what one sampled function is made of."""
-        return [self.graded.sine, search.slope]
+        return [self.graded.bounded_factor, search.slope]
 
     def values_of(self, search: ExtremumSearch) -> list[str]:
         """Return what is evaluated where an extreme was found: the quantity and the input position."""

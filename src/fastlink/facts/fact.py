@@ -99,45 +99,46 @@ class System:
 
 @dataclass(frozen=True)
 class GradedRange:
-    """Where a mechanism's extremes are looked for: samples that are dense where its curves are steep.
+    """The range in which extremes of a mechanism are searched, with samples that are dense where curves are steep.
 
     Attributes
     ----------
     name : str
-        The set of facts that give the position from a place in the range.
+        The set of facts that give the input position from the coordinates of a place in the range.
     ends : tuple of (scale, start, toggle)
         For the lower and the upper end the facts of the design that grade the samples: with rho the ratio of the
         distances to both ends, samples stand at ``sqrt(rho) = scale sinh(j h)``, the first one at ``start``;
         ``toggle`` is 1 where the branches meet there.
-    leaves : tuple of str
-        A place: the distances from the ends over the width, and the side of the ground line (1 or -1).
-    odd : tuple of str
-        What changes sign in the mirror that exchanges the sides and the branches.
-    vanishing, inverse, sine : str
-        A fact that vanishes at toggles like the root of the distance, the one that is its reciprocal, and one in
-        proportion to it that is 1 at most.
-    cells, most : mapping of str to int
+    coordinates : tuple of str
+        The coordinates of a place: its distances from both ends over the width, and the side of the ground line (1 or
+        -1).
+    antisymmetric : tuple of str
+        The values that change sign in the mirror that exchanges the sides and the branches.
+    vanishes_at_toggle, reciprocal, bounded_factor : str
+        A fact that vanishes at toggles like the root of the distance, its reciprocal, and a fact in proportion to it
+        that is 1 at most.
+    cells, max_extrema : mapping of str to int
         For some quantities half the number of cells that find every extreme, a power of two, and how many
-        extremes there are at most; `cells_otherwise` and `most_otherwise` for all others.
-    rough : tuple of str
-        What no derivative describes: residuals, and what has poles.
-    jumps : mapping of str to str
-        For an angle the fact that vanishes where it passes pi, and where it passes 0.
+        extremes there are at most; `cells_otherwise` and `max_extrema_otherwise` for all others.
+    not_differentiable : tuple of str
+        The quantities that no derivative describes: residuals, and those with poles.
+    wraps_at : mapping of str to str
+        For an angle the fact that vanishes where the angle passes pi, and where it passes 0.
     """
 
     name: str
     ends: tuple[tuple[str, str, str], tuple[str, str, str]]
-    leaves: tuple[str, str, str]
-    odd: tuple[str, ...]
-    vanishing: str
-    inverse: str
-    sine: str
+    coordinates: tuple[str, str, str]
+    antisymmetric: tuple[str, ...]
+    vanishes_at_toggle: str
+    reciprocal: str
+    bounded_factor: str
     cells: Mapping[str, int]
-    most: Mapping[str, int]
-    rough: tuple[str, ...] = ()
-    jumps: Mapping[str, str] = field(default_factory=dict)
+    max_extrema: Mapping[str, int]
+    not_differentiable: tuple[str, ...] = ()
+    wraps_at: Mapping[str, str] = field(default_factory=dict)
     cells_otherwise: int = 32
-    most_otherwise: int = 12
+    max_extrema_otherwise: int = 12
 
 
 def parameters(function: Callable[..., Any]) -> tuple[str, ...]:

@@ -24,7 +24,7 @@ def find_extremum_search(
         An input that it needs is not given.
     """
     graded = catalogue.graded
-    if graded is None or quantity in graded.rough:
+    if graded is None or quantity in graded.not_differentiable:
         return None
     slope = derivative_name(quantity, catalogue.position.name)
     try:
@@ -33,18 +33,18 @@ def find_extremum_search(
         return None
     if any(isinstance(step, System) for step in steps):
         return None
-    found = asymptotics(graded, steps, (*graded.leaves, "branch"))
+    found = asymptotics(graded, steps, (*graded.coordinates, "branch"))
     needed = {name for step in _closure(catalogue, (quantity,), given, variants) for name in step.names}
     return ExtremumSearch(
         quantity,
         slope,
         graded.cells.get(quantity, graded.cells_otherwise),
-        graded.most.get(quantity, graded.most_otherwise),
+        graded.max_extrema.get(quantity, graded.max_extrema_otherwise),
         round(found[quantity].order),
         max(round(found[slope].order), 0),
         found[quantity].parity,
         -found[quantity].parity,  # the input position is odd
-        graded.inverse not in needed and not found[quantity].choice,
+        graded.reciprocal not in needed and not found[quantity].choice,
     )
 
 
@@ -52,7 +52,7 @@ def find_jumps(catalogue: Catalogue, search: ExtremumSearch) -> ExtremumSearch |
     """Return where the angle of a search jumps by 2 pi, or None where it does not."""
     graded = catalogue.graded
     assert graded is not None
-    vanishing = graded.jumps.get(search.quantity)
+    vanishing = graded.wraps_at.get(search.quantity)
     if vanishing is None:
         return None
     # It is the sine of the angle times a length: odd where the angle is.
@@ -65,7 +65,9 @@ def _closure(
     """Return what is computed for facts at places of the graded range."""
     graded = catalogue.graded
     assert graded is not None
-    return tuple(catalogue.dependencies(names, (*given, *graded.leaves, "branch"), (graded.name, *variants)))
+    return tuple(
+        catalogue.dependencies(names, (*given, *graded.coordinates, "branch"), (graded.name, *variants))
+    )
 
 
 def extrema_programs(
@@ -86,7 +88,7 @@ def extrema_programs(
     ends = [name for end in graded.ends for name in end]
     result = []
     for group in groups.values():
-        names = [catalogue.position.name, graded.sine, *ends]
+        names = [catalogue.position.name, graded.bounded_factor, *ends]
         names += [name for search in group for name in (search.slope, search.quantity)]
         steps = [s for s in _closure(catalogue, names, given, variants) if isinstance(s, Fact)]
         read = {need for step in steps for need in step.depends_on}

@@ -155,7 +155,7 @@ class ExtremaProgram:
         """The axes on which each value depends."""
         graded = self.catalogue.graded
         assert graded is not None
-        return axes_of(self.steps, self.inputs, graded.leaves, self.catalogue.position.name)
+        return axes_of(self.steps, self.inputs, graded.coordinates, self.catalogue.position.name)
 
     @property
     def mirrored(self) -> bool:

@@ -99,7 +99,7 @@ class Stationary:
         self.inputs = {**inputs, "branch": branches}
         self.variants = (graded.name, *variants)
         self.facts = HighPrecision(
-            catalogue, (quantity, self.position), (*self.inputs, *graded.leaves), self.variants
+            catalogue, (quantity, self.position), (*self.inputs, *graded.coordinates), self.variants
         )
         self.movable = [n for n in inputs if not catalogue.known_inputs(variants)[n].choices]
         self._sample()
@@ -112,7 +112,7 @@ class Stationary:
     ) -> list[NDArray[Any]]:
         """Return facts at signed x from the lower ends, or the upper ones where `high`, of the designs `which`."""
         values: dict[str, Any] = {name: column[which] for name, column in self.inputs.items()}
-        values |= zip(self.graded.leaves, _leaves(x, high), strict=True)
+        values |= zip(self.graded.coordinates, _leaves(x, high), strict=True)
         with np.errstate(all="ignore"):
             found = read_facts(self.catalogue, names, values, self.variants)
         return [np.broadcast_to(found[name], x.shape) for name in names]
@@ -139,7 +139,7 @@ class Stationary:
         inside = np.ones((*self.x.shape[:2], self.x.shape[2] - 1), dtype=bool)
         inside[..., SAMPLES] = ~self.bounded
         with np.errstate(invalid="ignore", over="ignore"):
-            jumping = inside & (abs(np.diff(self.values)) > np.pi) & (self.quantity in self.graded.jumps)
+            jumping = inside & (abs(np.diff(self.values)) > np.pi) & (self.quantity in self.graded.wraps_at)
             sides = np.sign(self.slopes)
             turning = inside & (sides[..., 1:] * sides[..., :-1] <= 0.0) & (sides[..., 1:] != 0.0) & ~jumping
         for design, end, cell in np.argwhere(jumping).tolist():
@@ -185,7 +185,9 @@ class Stationary:
 
     def is_half_turn(self, extreme: Extreme) -> bool:
         """Tell whether an angle ends at pi, which is -pi, too."""
-        return self.quantity in self.graded.jumps and abs(abs(extreme.value) - CONTEXT.pi) < SETTLED * GROWS
+        return (
+            self.quantity in self.graded.wraps_at and abs(abs(extreme.value) - CONTEXT.pi) < SETTLED * GROWS
+        )
 
     def angle(self, design: int, candidate: Candidate) -> float:
         """Return the input angle of a candidate, in doubles."""
@@ -219,7 +221,7 @@ class Stationary:
     def _leaves_at(self, end: int, x: Any) -> dict[str, Any]:
         near = x * x / (1 + x * x)
         places = (1 - near, near) if end else (near, 1 - near)
-        return dict(zip(self.graded.leaves, (*places, CONTEXT.mpf(-1 if x < 0 else 1)), strict=True))
+        return dict(zip(self.graded.coordinates, (*places, CONTEXT.mpf(-1 if x < 0 else 1)), strict=True))
 
     def _at(self, base: Mapping[str, Any], end: int, x: Any) -> dict[str, Any]:
         return self.facts.moved(base, self._leaves_at(end, x))

@@ -121,16 +121,18 @@ def asymptotics(
     varying : iterable of str
         The given values that change over the cycle or with the branch; all others are of the design.
     """
-    found: dict[str, Any] = {name: Asymptotics(0.0, -1 if name in graded.odd else 1) for name in varying}
+    found: dict[str, Any] = {
+        name: Asymptotics(0.0, -1 if name in graded.antisymmetric else 1) for name in varying
+    }
     moving = set(found)
     for step in steps:
         if isinstance(step, System):
             continue
         if moving.intersection(step.depends_on):
             moving.update(step.names)
-        if step.name == graded.vanishing:
+        if step.name == graded.vanishes_at_toggle:
             found[step.name] = Asymptotics(-1.0, 1)
-        elif step.name in graded.odd:
+        elif step.name in graded.antisymmetric:
             found[step.name] = Asymptotics(0.0, -1)
         else:
             # A mass centre on its link's line is no more than 0.0 across it, whose products are nothing.

@@ -9,7 +9,7 @@ import numpy as np
 from fastlink.analysis.planar.designs import broadcast
 from fastlink.errors import InputError, suggest
 from fastlink.mechanisms.planar_4r import planar_4r
-from fastlink.mechanisms.planar_4r.factors import IO_CROSS, IO_PRODUCTS
+from fastlink.mechanisms.planar_4r.residuals import IO_CROSS, IO_PRODUCTS
 
 __all__ = ["io_coefficients"]
 

@@ -1,41 +1,23 @@
 """The focal mechanism of Burmester, after Wunderlich."""
 
-from fastlink.mechanisms.focal import (
-    apex,
+from fastlink.mechanisms.focal import (  # noqa: F401 (they declare its facts)
+    by_crank,
     completion,
     crank,
     crank_graded,
     design_facts,
-    drives,
     dyad,
-    graded,
+    four_bar,
+    joint_F,
     points,
-    ranges,
     reach,
     residuals,
     rocker,
     status,
 )
-from fastlink.mechanisms.focal.declare import focal
+from fastlink.mechanisms.focal.inputs import focal
 
-__all__ = [
-    "DRIVEN",
-    "apex",
-    "completion",
-    "crank",
-    "crank_graded",
-    "design_facts",
-    "drives",
-    "dyad",
-    "focal",
-    "graded",
-    "points",
-    "ranges",
-    "reach",
-    "residuals",
-    "rocker",
-    "status",
-]
+__all__ = ["DRIVEN", "focal"]
 
 #: The same mechanism by its other inputs.
-DRIVEN = {"sigma": drives.with_design_facts}
+DRIVEN = {"sigma": by_crank.with_design_facts}

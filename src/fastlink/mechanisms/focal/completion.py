@@ -13,7 +13,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from fastlink.mechanisms.focal.declare import DESIGN, GIVEN_LAMBDA, GIVEN_S, WUNDERLICH, focal
+from fastlink.mechanisms.focal.inputs import DESIGN, GIVEN_LAMBDA, GIVEN_S, WUNDERLICH, focal
 from fastlink.numerics.compensated import pair_product, power_of_two_below, square_sum, sum_of_four, two_sum
 from fastlink.numerics.elementary import NOT_A_NUMBER, select, sqrt
 from fastlink.numerics.vectors import sign

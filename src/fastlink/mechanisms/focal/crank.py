@@ -10,13 +10,12 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import Any
 
-from fastlink.mechanisms.focal.declare import WUNDERLICH
-from fastlink.mechanisms.focal.drives import by_crank
+from fastlink.mechanisms._shared.laws import angle, opposite, opposite_product, product, same
+from fastlink.mechanisms.focal.by_crank import by_crank
 from fastlink.mechanisms.focal.dyad import DYAD
-from fastlink.mechanisms.focal.points import FIGURES, POSITION, angle, declare_fifth, declare_T
+from fastlink.mechanisms.focal.inputs import WUNDERLICH
+from fastlink.mechanisms.focal.points import FIGURES, POSITION, declare_fifth, declare_T
 from fastlink.mechanisms.planar_4r import planar_4r
-from fastlink.mechanisms.planar_4r.rates import product
-from fastlink.mechanisms.planar_4r.slopes import opposite, opposite_product, same
 from fastlink.numerics.elementary import sqrt
 
 SIGMA = by_crank.position.name

@@ -9,7 +9,7 @@ from __future__ import annotations
 from typing import Any
 
 from fastlink.catalogue.catalogue import GradedRange
-from fastlink.mechanisms.focal.drives import by_crank
+from fastlink.mechanisms.focal.by_crank import by_crank
 from fastlink.mechanisms.focal.dyad import DYAD
 from fastlink.mechanisms.planar_4r import graded
 from fastlink.numerics.elementary import select
@@ -93,15 +93,15 @@ step(graded.is_toggle, "toggle_high", "toggle_high", limit="C0")
 by_crank.graded = GradedRange(
     name="graded",
     ends=(("scale_low", "start_low", "toggle_low"), ("scale_high", "start_high", "toggle_high")),
-    leaves=("from_low", "from_high", "side"),
-    odd=("side", "omega_sign"),
-    vanishing="half_sine_omega",
-    inverse="per_half_sine",
-    sine="size_of_sine",
+    coordinates=("from_low", "from_high", "side"),
+    antisymmetric=("side", "omega_sign"),
+    vanishes_at_toggle="half_sine_omega",
+    reciprocal="per_half_sine",
+    bounded_factor="size_of_sine",
     cells={},
-    most={},
-    rough=("closure_residual", "F_path_residual"),
-    jumps={
+    max_extrema={},
+    not_differentiable=("closure_residual", "F_path_residual"),
+    wraps_at={
         "phi": "u_y",
         "psi": "v_y",
         **dict.fromkeys(("omega_angle", "alpha", "beta", "chi"), "half_sine_omega"),

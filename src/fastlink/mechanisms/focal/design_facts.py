@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from typing import Any
 
-from fastlink.mechanisms.borrow import borrow
-from fastlink.mechanisms.focal.declare import DESIGN, GIVEN_S, LINKS, WUNDERLICH, focal
+from fastlink.mechanisms._shared.reuse import borrow
+from fastlink.mechanisms.focal.inputs import DESIGN, GIVEN_S, LINKS, WUNDERLICH, focal
 from fastlink.mechanisms.planar_4r import planar_4r
 from fastlink.numerics.compensated import sum_of_four
 from fastlink.numerics.elementary import NOT_A_NUMBER, select, sqrt

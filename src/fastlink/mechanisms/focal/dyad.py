@@ -18,9 +18,9 @@ from __future__ import annotations
 
 from typing import Any
 
-from fastlink.mechanisms.borrow import borrow
-from fastlink.mechanisms.focal.declare import DESIGN, GIVEN_LAMBDA, focal
+from fastlink.mechanisms._shared.reuse import borrow
 from fastlink.mechanisms.focal.design_facts import FOUR_BAR, PREFIX
+from fastlink.mechanisms.focal.inputs import DESIGN, GIVEN_LAMBDA, focal
 from fastlink.mechanisms.planar_4r import planar_4r
 from fastlink.numerics.compensated import two_product
 from fastlink.numerics.elementary import select

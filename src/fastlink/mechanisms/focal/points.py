@@ -13,10 +13,10 @@ from __future__ import annotations
 from typing import Any
 
 from fastlink.catalogue.catalogue import Catalogue
-from fastlink.mechanisms.focal.declare import DESIGN, WUNDERLICH
+from fastlink.mechanisms._shared.laws import along, product
+from fastlink.mechanisms.focal.by_crank import either, quantities, steps
 from fastlink.mechanisms.focal.design_facts import length_of
-from fastlink.mechanisms.focal.drives import either, quantities, steps
-from fastlink.mechanisms.planar_4r.rates import product
+from fastlink.mechanisms.focal.inputs import DESIGN, WUNDERLICH
 from fastlink.numerics.elementary import atan2
 
 POSITION = f"{DESIGN}#position"
@@ -31,17 +31,6 @@ def real_part(a_x: Any, a_y: Any, b_x: Any, b_y: Any) -> Any:
 def imaginary_part(a_x: Any, a_y: Any, b_x: Any, b_y: Any) -> Any:
     """Return the second component of the product of two directions."""
     return a_x * b_y + a_y * b_x
-
-
-def along(start: Any, length: Any, direction: Any) -> Any:
-    """Return what a length along a direction leads to."""
-    return start + length * direction
-
-
-def angle(x: Any, y: Any) -> Any:
-    """Return the angle of a vector in (-pi, pi]."""
-    # + 0.0 turns -0.0 into 0.0, so that the straight angle is pi and never -pi.
-    return atan2(y + 0.0, x)
 
 
 # -- directions of PF and QF ----------------------------------------------------------------------------------

@@ -8,10 +8,9 @@ from __future__ import annotations
 
 from typing import Any
 
-from fastlink.mechanisms.focal.declare import DESIGN, WUNDERLICH, focal
+from fastlink.mechanisms._shared.laws import opposite_product, product
 from fastlink.mechanisms.focal.design_facts import PREFIX
-from fastlink.mechanisms.planar_4r.rates import product
-from fastlink.mechanisms.planar_4r.slopes import opposite_product
+from fastlink.mechanisms.focal.inputs import DESIGN, WUNDERLICH, focal
 from fastlink.numerics.elementary import NOT_A_NUMBER, atan2, select, sqrt
 
 CRANK = f"{WUNDERLICH}, section 6; {DESIGN}#the-crank"

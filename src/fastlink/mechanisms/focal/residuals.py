@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
-from fastlink.mechanisms.focal.declare import WUNDERLICH
-from fastlink.mechanisms.focal.drives import either, steps
+from fastlink.mechanisms.focal.by_crank import either, steps
+from fastlink.mechanisms.focal.inputs import WUNDERLICH
 from fastlink.mechanisms.focal.points import POSITION
 from fastlink.numerics.compensated import square_sum
 from fastlink.numerics.elementary import select, sqrt

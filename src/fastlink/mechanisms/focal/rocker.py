@@ -10,12 +10,12 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import Any
 
-from fastlink.mechanisms.borrow import borrow, renaming
-from fastlink.mechanisms.focal.declare import WUNDERLICH, focal
+from fastlink.mechanisms._shared.laws import product, quotient
+from fastlink.mechanisms._shared.reuse import borrow, renaming
 from fastlink.mechanisms.focal.design_facts import FOUR_BAR, PREFIX
+from fastlink.mechanisms.focal.inputs import WUNDERLICH, focal
 from fastlink.mechanisms.focal.points import FIGURES, POSITION, declare_fifth, declare_T
 from fastlink.mechanisms.planar_4r import planar_4r
-from fastlink.mechanisms.planar_4r.rates import product
 from fastlink.numerics.elementary import sqrt
 
 PHI = focal.position.name
@@ -62,16 +62,11 @@ borrow(
 )
 
 
-def share(x: Any, length: Any) -> Any:
-    """Component of a direction."""
-    return x / length
-
-
 step = focal.steps(units="1", source=FIGURES)
-step(share, "v_x", "v_x", "Direction of NB, x", x="NB_x", length="b")
-step(share, "v_y", "v_y", "Direction of NB, y", x="NB_y", length="b")
-step(share, "e_x", "e_x", "Direction of AB, x", x="AB_x", length="c")
-step(share, "e_y", "e_y", "Direction of AB, y", x="AB_y", length="c")
+step(quotient, "v_x", "v_x", "Direction of NB, x", x="NB_x", y="b")
+step(quotient, "v_y", "v_y", "Direction of NB, y", x="NB_y", y="b")
+step(quotient, "e_x", "e_x", "Direction of AB, x", x="AB_x", y="c")
+step(quotient, "e_y", "e_y", "Direction of AB, y", x="AB_y", y="c")
 
 
 # -- w ----------------------------------------------------------------------------------------------------------

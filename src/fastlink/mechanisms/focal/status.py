@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from fastlink.mechanisms.focal.declare import DESIGN, WUNDERLICH, focal
+from fastlink.mechanisms.focal.inputs import DESIGN, WUNDERLICH, focal
 from fastlink.numerics.elementary import INFINITY, select
 
 STATUS_FLAGS = {

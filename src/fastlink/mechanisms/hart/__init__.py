@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from fastlink.mechanisms.hart import by_line, design_facts, four_bar, line, motion
-from fastlink.mechanisms.hart.declare import hart
+from fastlink.mechanisms.hart import by_line, design_facts, four_bar, line, motion  # noqa: F401 (they declare its facts)
+from fastlink.mechanisms.hart.inputs import hart
 
-__all__ = ["DRIVEN", "by_line", "design_facts", "four_bar", "hart", "line", "motion"]
+__all__ = ["DRIVEN", "hart"]
 
 #: The same linkage driven by F along its line.
 DRIVEN = {by_line.by_line.position.name: by_line.with_facts_of_hart}

@@ -14,18 +14,19 @@ from functools import cache
 from typing import Any
 
 from fastlink.catalogue.catalogue import Catalogue, Input
-from fastlink.mechanisms import lengths
-from fastlink.mechanisms.hart.declare import PAGE, WUNDERLICH, hart
-from fastlink.mechanisms.hart.motion import BAR_ERRORS, omega_angle, quotient
-from fastlink.mechanisms.planar_4r.rates import product
+from fastlink.mechanisms._shared import lengths
+from fastlink.mechanisms._shared.laws import along, mean, product, quotient
+from fastlink.mechanisms._shared.other_input import ByOtherInput
+from fastlink.mechanisms.hart.inputs import PAGE, WUNDERLICH, hart
+from fastlink.mechanisms.hart.motion import BAR_ERRORS, omega_angle
 from fastlink.numerics.compensated import UNIT_ROUNDING
 from fastlink.numerics.elementary import NOT_A_NUMBER, atan2, select, sqrt
 
 DRIVE = f"{PAGE}#driven-along-the-line"
 POSITION = f"{WUNDERLICH}, eqs. (1.2) to (1.4); {DRIVE}"
 
-by_line = Catalogue(
-    f"{hart.name} driven by F_y",
+by_line = ByOtherInput(
+    hart,
     f"{hart.title}, driven by F along its line",
     branches={
         1: "F to the right of the directed line from M to P: omega from 0 to pi where kappa > 0",
@@ -33,6 +34,7 @@ by_line = Catalogue(
     },
     position=Input("F_y", "m", "y", "height of F over MN"),
     positions=(-1.0, 1.0, 401),
+    instead=("dphi_dF_y", "dpsi_dF_y"),
 )
 by_line.inputs = hart.inputs
 
@@ -134,16 +136,6 @@ def direction(x: Any, y: Any, lambda_sign: Any) -> Any:
     return atan2(lambda_sign * y + 0.0, lambda_sign * x)
 
 
-def along(start: Any, length: Any, share: Any) -> Any:
-    """Return start + length share."""
-    return start + length * share
-
-
-def mean(x: Any, y: Any) -> Any:
-    """Return the mean of two numbers."""
-    return 0.5 * (x + y)
-
-
 def rate(x: Any, y: Any, own: Any, other: Any, K: Any, w_x: Any, w_y: Any, lift: Any, unit: Any) -> Any:
     """Return the rate of a direction by the height of F."""
     # Im(w u)/(own sin(omega)) for u = z/(own - K other w), of which both lengths are that of z
@@ -173,9 +165,9 @@ joint(product, "P_x", "P_x", "Joint P, x", x="m", y="u_x")
 joint(product, "P_y", "P_y", "Joint P, y", x="m", y="u_y")
 joint(product, "A_x", "A_x", "Joint A, x", x="a", y="u_x")
 joint(product, "A_y", "A_y", "Joint A, y", x="a", y="u_y")
-joint(along, "Q_x", "Q_x", "Joint Q, x", start="d", length="n", share="v_x")
+joint(along, "Q_x", "Q_x", "Joint Q, x", start="d", length="n", direction="v_x")
 joint(product, "Q_y", "Q_y", "Joint Q, y", x="n", y="v_y")
-joint(along, "B_x", "B_x", "Joint B, x", start="d", length="b", share="v_x")
+joint(along, "B_x", "B_x", "Joint B, x", start="d", length="b", direction="v_x")
 joint(product, "B_y", "B_y", "Joint B, y", x="b", y="v_y")
 joint(mean, "PF_mid_x", "PF_mid_x", "Middle of PF, x", x="P_x", y="F_x")
 joint(mean, "PF_mid_y", "PF_mid_y", "Middle of PF, y", x="P_y", y="F_y")
@@ -212,7 +204,5 @@ def F_deviation(P_x: Any, u_x: Any, u_y: Any, w_x: Any, w_y: Any, line_x: Any, m
 @cache
 def with_facts_of_hart() -> Catalogue:
     """Return the catalogue with what belongs to the design as a whole, and what measures the bars."""
-    for name, fact in hart.facts.items():
-        if not (hart.is_derivative(name) or hart.varies(name)) or name in (*BAR_ERRORS, "closure_residual"):
-            by_line.facts.setdefault(name, fact)
+    by_line.adopt_design_facts((*BAR_ERRORS, "closure_residual"))
     return by_line

@@ -10,10 +10,9 @@ from __future__ import annotations
 
 from typing import Any
 
-from fastlink.mechanisms import lengths
-from fastlink.mechanisms.hart.declare import PAGE, hart
-from fastlink.mechanisms.planar_4r.rates import product
-from fastlink.mechanisms.planar_4r.slopes import opposite
+from fastlink.mechanisms._shared import lengths
+from fastlink.mechanisms._shared.laws import opposite, product
+from fastlink.mechanisms.hart.inputs import PAGE, hart
 from fastlink.numerics.compensated import (
     UNIT_ROUNDING,
     gap_product_quotient,

@@ -8,21 +8,16 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import Any
 
-from fastlink.mechanisms.borrow import borrow, borrow_range
-from fastlink.mechanisms.hart.declare import WUNDERLICH, hart
+from fastlink.mechanisms._shared.laws import product, size
+from fastlink.mechanisms._shared.reuse import borrow, borrow_range
 from fastlink.mechanisms.hart.design_facts import NUMERICS
+from fastlink.mechanisms.hart.inputs import WUNDERLICH, hart
 from fastlink.mechanisms.planar_4r import planar_4r
-from fastlink.mechanisms.planar_4r.rates import product
 from fastlink.numerics.compensated import pair_product, sum_of_four, two_product
 from fastlink.numerics.elementary import NOT_A_NUMBER, select
 
 PLANAR = "docs/numerics.md"
 POSITION = f"{WUNDERLICH}, eqs. (1.2) to (1.4); {NUMERICS}"
-
-
-def size(x: Any) -> Any:
-    """Return |x|."""
-    return abs(x)
 
 
 length = hart.steps(units="m", source=NUMERICS)
@@ -146,7 +141,10 @@ borrow_range(
     NAMES,
     PREFIX,
     cells={"psi": planar_4r.graded.cells["theta4"], "dpsi_dphi": planar_4r.graded.cells["omega4"]},
-    most={"psi": planar_4r.graded.most["theta4"], "dpsi_dphi": planar_4r.graded.most["omega4"]},
-    rough=("F_x", "F_deviation", "closure_residual"),
-    jumps={"psi": "B_y", "omega_angle": "sine_part"},
+    max_extrema={
+        "psi": planar_4r.graded.max_extrema["theta4"],
+        "dpsi_dphi": planar_4r.graded.max_extrema["omega4"],
+    },
+    not_differentiable=("F_x", "F_deviation", "closure_residual"),
+    wraps_at={"psi": "B_y", "omega_angle": "sine_part"},
 )

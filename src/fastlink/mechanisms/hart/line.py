@@ -10,7 +10,7 @@ from __future__ import annotations
 from typing import Any
 
 from fastlink.mechanisms.hart import design_facts  # noqa: F401 (on which it builds)
-from fastlink.mechanisms.hart.declare import PAGE, WUNDERLICH, hart
+from fastlink.mechanisms.hart.inputs import PAGE, WUNDERLICH, hart
 from fastlink.numerics.elementary import NOT_A_NUMBER, select, sqrt
 
 STROKE = f"{PAGE}#stroke"

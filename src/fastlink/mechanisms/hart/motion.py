@@ -14,11 +14,10 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
-from fastlink.mechanisms.hart.declare import PAGE, WUNDERLICH, hart
+from fastlink.mechanisms._shared.laws import along, product, quotient, same, total
 from fastlink.mechanisms.hart.design_facts import NUMERICS
 from fastlink.mechanisms.hart.four_bar import POSITION
-from fastlink.mechanisms.planar_4r.rates import product
-from fastlink.mechanisms.planar_4r.slopes import same
+from fastlink.mechanisms.hart.inputs import PAGE, WUNDERLICH, hart
 from fastlink.numerics.compensated import UNIT_ROUNDING
 from fastlink.numerics.elementary import NOT_A_NUMBER, atan2, select, sqrt
 from fastlink.numerics.vectors import largest
@@ -44,19 +43,9 @@ def PF_across(sigma: Any, branch_sign: Any) -> Any:
     return branch_sign * (2.0 * sigma)
 
 
-def end(start: Any, length: Any, direction: Any) -> Any:
-    """Return where a bar ends."""
-    return start + length * direction
-
-
 def middle(start: Any, length: Any, direction: Any) -> Any:
     """Return where the middle of a bar is."""
     return start + 0.5 * (length * direction)
-
-
-def quotient(x: Any, y: Any) -> Any:
-    """Return x/y."""
-    return x / y
 
 
 def from_start(start: Any, x: Any, lambda_: Any) -> Any:
@@ -64,18 +53,13 @@ def from_start(start: Any, x: Any, lambda_: Any) -> Any:
     return start + x / lambda_
 
 
-def plus(x: Any, y: Any) -> Any:
-    """Return x + y."""
-    return x + y
-
-
 joint = hart.quantities(units="m", source=POSITION)
 joint(product, "P_x", "P_x", "Joint P, x", x="m_along", y="cos_phi")
 joint(product, "P_y", "P_y", "Joint P, y", x="m_along", y="sin_phi")
 joint(middle, "PF_mid_x", "PF_mid_x", "Middle of PF, x", start="P_x", length="m_along", direction="PF_along")
 joint(middle, "PF_mid_y", "PF_mid_y", "Middle of PF, y", start="P_y", length="m_along", direction="PF_across")
-joint(plus, "B_x", "B_x", "Joint B, x", x="d", y="NB_x")
-joint(end, "F_y", "F_y", "Joint F, y", start="P_y", length="m_along", direction="PF_across")
+joint(total, "B_x", "B_x", "Joint B, x", x="d", y="NB_x")
+joint(along, "F_y", "F_y", "Joint F, y", start="P_y", length="m_along", direction="PF_across")
 joint(from_start, "Q_x", "Q_x", "Joint Q, x", start="d", x="NB_x")
 joint(quotient, "Q_y", "Q_y", "Joint Q, y", x="B_y", y="lambda_")
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from fastlink.mechanisms.minkowski_4r import (
+from fastlink.mechanisms.minkowski_4r import (  # noqa: F401 (they declare its facts)
     coupler,
     design_facts,
     flags,
@@ -14,25 +14,14 @@ from fastlink.mechanisms.minkowski_4r import (
     sextic,
     types,
 )
-from fastlink.mechanisms.minkowski_4r.declare import minkowski_4r
+from fastlink.mechanisms.minkowski_4r.inputs import minkowski_4r
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
     from fastlink.catalogue.catalogue import Catalogue
 
-__all__ = [
-    "DRIVEN",
-    "coupler",
-    "design_facts",
-    "flags",
-    "limits",
-    "minkowski_4r",
-    "position",
-    "rates",
-    "sextic",
-    "types",
-]
+__all__ = ["DRIVEN", "minkowski_4r"]
 
 #: No other input drives it.
 DRIVEN: dict[str, Callable[[], Catalogue]] = {}

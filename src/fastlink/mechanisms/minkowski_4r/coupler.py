@@ -5,8 +5,9 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
+from fastlink.mechanisms._shared.laws import product
 from fastlink.mechanisms.minkowski_4r import position  # noqa: F401 (on which it builds)
-from fastlink.mechanisms.minkowski_4r.declare import HEGEDUS, NUMERICS, minkowski_4r
+from fastlink.mechanisms.minkowski_4r.inputs import HEGEDUS, NUMERICS, minkowski_4r
 from fastlink.numerics.elementary import INFINITY, NOT_A_NUMBER, PI, select, sqrt
 from fastlink.numerics.logarithm import arsinh, log_quotient
 
@@ -69,11 +70,6 @@ def zeta(zeta_excess: Any, r: Any, twos: Any) -> Any:
 def finite(x: Any) -> Any:
     """Return x; NaN where it is beyond the range of numbers."""
     return select(abs(x) < INFINITY, x, NOT_A_NUMBER)
-
-
-def product(x: Any, y: Any) -> Any:
-    """Return x y."""
-    return x * y
 
 
 def first(offset: Any, along_u: Any, along_v: Any, u: Any, v: Any, side: Any) -> Any:

@@ -8,8 +8,8 @@ from __future__ import annotations
 
 from typing import Any
 
-from fastlink.mechanisms import lengths
-from fastlink.mechanisms.minkowski_4r.declare import LINKS, NUMERICS, minkowski_4r
+from fastlink.mechanisms._shared import lengths
+from fastlink.mechanisms.minkowski_4r.inputs import LINKS, NUMERICS, minkowski_4r
 from fastlink.numerics.compensated import gap_product_quotient, power_of_two_below, sum_of_four
 
 POSITION = f"{NUMERICS}#position"

@@ -6,7 +6,7 @@ from collections.abc import Callable
 from typing import Any
 
 from fastlink.mechanisms.minkowski_4r import coupler, rates, sextic  # noqa: F401 (of which they tell)
-from fastlink.mechanisms.minkowski_4r.declare import NUMERICS, minkowski_4r
+from fastlink.mechanisms.minkowski_4r.inputs import NUMERICS, minkowski_4r
 from fastlink.numerics.elementary import INFINITY, select
 
 CONFIGURATIONS = f"{NUMERICS}#configurations"

@@ -11,7 +11,8 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
-from fastlink.mechanisms.minkowski_4r.declare import HEGEDUS, minkowski_4r
+from fastlink.mechanisms._shared.laws import same
+from fastlink.mechanisms.minkowski_4r.inputs import HEGEDUS, minkowski_4r
 from fastlink.numerics.compensated import sum_of_four, two_sum
 from fastlink.numerics.elementary import INFINITY, NOT_A_NUMBER, select, sqrt
 from fastlink.numerics.logarithm import arsinh
@@ -119,11 +120,6 @@ def difference(p: Any, q: Any) -> Any:
     return p - q
 
 
-def as_it_is(value: Any) -> Any:
-    """Return what is 0 only where it is."""
-    return value
-
-
 def zero_within(replaced: Any, tolerance: Any, length_sum: Any) -> Any:
     """Return a sum of lengths, 0 within the tolerance."""
     return zero_where(abs(replaced) <= tolerance * length_sum, replaced)
@@ -132,7 +128,7 @@ def zero_within(replaced: Any, tolerance: Any, length_sum: Any) -> Any:
 def declare_sure(name: str, symbol: str, source: str) -> None:
     """Declare a sum as it is, and where a tolerance is given, 0 within it."""
     sure, meaning = f"sure_{name}", f"{symbol}, 0 within the tolerance if one is given"
-    minkowski_4r.steps(units="m", source=source)(as_it_is, sure, symbol, meaning, value=name)
+    minkowski_4r.steps(units="m", source=source)(same, sure, symbol, meaning, x=name)
     with_tolerance = minkowski_4r.steps(units="m", source=source, variant=TOLERANCE)
     with_tolerance(zero_within, sure, symbol, meaning, replaced=sure)
 
@@ -146,7 +142,7 @@ def declare_sum(name: str, meaning: str, law: Law, sign_law: Law, source: str = 
     labels = f"sign_{name}", symbol, f"number of the sign of {symbol}"
     minkowski_4r.steps(units="m", source=LIMITS)(sign_law, *labels, **given)
     with_tolerance = minkowski_4r.steps(units="m", source=LIMITS, variant=TOLERANCE)
-    with_tolerance(as_it_is, *labels, value=f"sure_{name}")
+    with_tolerance(same, *labels, x=f"sure_{name}")
 
 
 def declare_difference(p: str, q: str) -> None:

@@ -11,8 +11,8 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
-from fastlink.mechanisms.minkowski_4r.declare import HEGEDUS, minkowski_4r
 from fastlink.mechanisms.minkowski_4r.design_facts import POSITION, SCALING
+from fastlink.mechanisms.minkowski_4r.inputs import HEGEDUS, minkowski_4r
 from fastlink.numerics.elementary import (
     INFINITY,
     NOT_A_NUMBER,

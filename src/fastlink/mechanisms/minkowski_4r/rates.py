@@ -22,8 +22,9 @@ from __future__ import annotations
 
 from typing import Any
 
+from fastlink.mechanisms._shared.laws import same
 from fastlink.mechanisms.minkowski_4r import coupler, position  # noqa: F401 (whose rates these are)
-from fastlink.mechanisms.minkowski_4r.declare import NUMERICS, minkowski_4r
+from fastlink.mechanisms.minkowski_4r.inputs import NUMERICS, minkowski_4r
 from fastlink.numerics.compensated import sum_of_four
 from fastlink.numerics.elementary import NOT_A_NUMBER, select
 
@@ -220,11 +221,6 @@ def AB_rate(
 
 
 # -- declared derivatives by theta: of the tables, and where the closed form is there already --------------------
-
-
-def same(x: Any) -> Any:
-    """Return x."""
-    return x
 
 
 def constant() -> Any:

@@ -8,9 +8,9 @@ from __future__ import annotations
 
 from typing import Any
 
-from fastlink.mechanisms import lengths
+from fastlink.mechanisms._shared import lengths
 from fastlink.mechanisms.minkowski_4r import position  # noqa: F401 (on which it builds)
-from fastlink.mechanisms.minkowski_4r.declare import HEGEDUS, NUMERICS, minkowski_4r
+from fastlink.mechanisms.minkowski_4r.inputs import HEGEDUS, NUMERICS, minkowski_4r
 
 SEXTIC = f"{NUMERICS}#sextic"
 

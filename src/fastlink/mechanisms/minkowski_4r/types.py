@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from fastlink.mechanisms.minkowski_4r.declare import HEGEDUS, minkowski_4r
+from fastlink.mechanisms.minkowski_4r.inputs import HEGEDUS, minkowski_4r
 from fastlink.mechanisms.minkowski_4r.limits import THEOREMS
 from fastlink.numerics.elementary import NOT_A_NUMBER, select
 from fastlink.numerics.vectors import sign

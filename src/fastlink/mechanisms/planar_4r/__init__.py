@@ -1,14 +1,14 @@
 """The Euclidean planar 4R of Hayes, Hninn and Irani."""
 
-from fastlink.mechanisms.planar_4r import (
+from fastlink.mechanisms.planar_4r import (  # noqa: F401 (they declare its facts)
     acceleration,
+    angle_derivatives,
+    by_joint,
     circuits,
     classes,
     counterweights,
     coupler,
     dense,
-    design_facts,
-    driven,
     factors,
     forces,
     graded,
@@ -17,33 +17,15 @@ from fastlink.mechanisms.planar_4r import (
     loads,
     position,
     rates,
+    ratios,
+    residuals,
+    scaling,
     shaking,
-    slopes,
+    toggles,
 )
-from fastlink.mechanisms.planar_4r.declare import planar_4r
+from fastlink.mechanisms.planar_4r.inputs import planar_4r
 
-__all__ = [
-    "DRIVEN",
-    "acceleration",
-    "circuits",
-    "classes",
-    "counterweights",
-    "coupler",
-    "dense",
-    "design_facts",
-    "driven",
-    "factors",
-    "forces",
-    "graded",
-    "joints",
-    "links",
-    "loads",
-    "planar_4r",
-    "position",
-    "rates",
-    "shaking",
-    "slopes",
-]
+__all__ = ["DRIVEN", "planar_4r"]
 
 #: The same linkage by its other inputs.
-DRIVEN = driven.driven_catalogues()
+DRIVEN = by_joint.driven_catalogues()

@@ -9,8 +9,8 @@ from __future__ import annotations
 from typing import Any
 
 from fastlink.facts.names import Below, Quantity
-from fastlink.mechanisms.planar_4r import coupler, joints, loads, slopes  # noqa: F401 (declare what is replaced)
-from fastlink.mechanisms.planar_4r.declare import build_on, planar_4r
+from fastlink.mechanisms.planar_4r import angle_derivatives, coupler, joints, loads  # noqa: F401 (declare what is replaced)
+from fastlink.mechanisms.planar_4r.inputs import build_on, planar_4r
 
 ACCELERATED = "acceleration"
 

@@ -11,7 +11,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from fastlink.mechanisms.planar_4r.declare import NUMERICS, planar_4r
+from fastlink.mechanisms.planar_4r.inputs import NUMERICS, planar_4r
 from fastlink.numerics.elementary import NOT_A_NUMBER, select
 
 CIRCUITS = f"{NUMERICS}#circuits"

@@ -1,4 +1,4 @@
-"""Facts of one design of the planar 4R, without any angle: class, ranges, swing, transmission angle, time ratio.
+"""Facts of one design of the planar 4R, without any angle: status, class, ranges, swing, transmission angle.
 
 The signs of A1, B1, C1 of eq. (1) tell the eight types apart; a factor within the rounding of the lengths is
 zero, as for `status`. NaN is selected, never computed: of two NaNs in a product the compiler keeps either, and their
@@ -13,12 +13,20 @@ from __future__ import annotations
 
 from typing import Any
 
-from fastlink.mechanisms.planar_4r.declare import HAYES, NUMERICS, planar_4r
+from fastlink.mechanisms.planar_4r import factors, scaling  # noqa: F401 (on which it builds)
+from fastlink.mechanisms.planar_4r.inputs import HAYES, NUMERICS, planar_4r
 from fastlink.numerics.elementary import NOT_A_NUMBER, atan2, select, sqrt
 from fastlink.numerics.vectors import zero_where
 
 STATUS = f"{HAYES}, eq. (1); {NUMERICS}#status"
 TOGGLES = f"{NUMERICS}#toggles"
+STATUS_FLAGS = {
+    0: "rotates_fully",
+    1: "assembles_over_part_of_the_turn",
+    2: "never_assembles",
+    3: "change_point",
+    4: "invalid_input",
+}
 CLASS_FLAGS = {
     0: "crank_rocker",
     1: "double_crank",
@@ -36,6 +44,27 @@ CLASS_FLAGS = {
     13: "never_assembles",
     14: "invalid_input",
 }
+
+
+@planar_4r.quantity(units="1", symbol="assembles", source=STATUS, internal=True)
+def assembles(factor_A2: Any, factor_B2: Any, factor_C2: Any, factor_D2: Any, valid: Any) -> Any:
+    """1 where the design assembles at some angle, else 0."""
+    one_too_long = (factor_A2 < 0.0) | (factor_B2 > 0.0) | (factor_C2 < 0.0) | (factor_D2 < 0.0)
+    return select(one_too_long, 0.0, select(valid == 1.0, 1.0, 0.0))
+
+
+@planar_4r.quantity(units="1", symbol="status", source=STATUS, flags=STATUS_FLAGS)
+def status(
+    factor_A1: Any, factor_B1: Any, factor_C1: Any, gap_rounding: Any, assembles: Any, valid: Any
+) -> Any:
+    """How the design assembles over a full turn of the input."""
+    change_point = (
+        (abs(factor_A1) <= gap_rounding) | (abs(factor_B1) <= gap_rounding) | (abs(factor_C1) <= gap_rounding)
+    )
+    turns = (factor_A1 * factor_B1 >= 0.0) & (factor_C1 <= 0.0)
+    code = select(change_point, 3.0, select(turns, 0.0, 1.0))
+    code = select(assembles == 1.0, code, 2.0)
+    return select(valid == 1.0, code, 4.0)
 
 
 def unless_rounding(factor: Any, gap_rounding: Any) -> Any:

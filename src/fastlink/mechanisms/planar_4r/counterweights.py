@@ -9,8 +9,9 @@ from __future__ import annotations
 from functools import partial
 from typing import Any
 
+from fastlink.mechanisms._shared.laws import product
 from fastlink.mechanisms.planar_4r import loads  # noqa: F401 (declares what is replaced)
-from fastlink.mechanisms.planar_4r.declare import HAYES, LINKS, build_on, planar_4r, plus
+from fastlink.mechanisms.planar_4r.inputs import HAYES, LINKS, build_on, planar_4r, plus
 from fastlink.numerics.elementary import PI, cosine, select, sine
 
 COUNTERWEIGHTS = f"{HAYES}, Fig. 2, with counterweights"
@@ -99,11 +100,6 @@ def reciprocal(whole: Any) -> Any:
     return select(whole > 0.0, 1.0 / select(whole > 0.0, whole, 1.0), 0.0)
 
 
-def centre(part: Any, per_mass: Any) -> Any:
-    """Mass centre of a link with its counterweight, from its fixed pivot."""
-    return part * per_mass
-
-
 def leaning(part: Any, per_mass: Any, length: Any) -> Any:
     """Cross product of the mass centre of the output link with its counterweight and B, both from D."""
     return -((part * per_mass) * (length * length))
@@ -123,8 +119,9 @@ def declare_centre(link: int, pivot: str) -> None:
     name, per_mass = f"counterweight{link}", f"per_mass{link}"
     step = planar_4r.steps(units="m", source=COUNTERWEIGHTS, variant=name)
     step(reciprocal, per_mass, f"1/m_{link}", whole=f"mass{link}", units="kg-1")
-    step(centre, f"{pivot}G_x", f"{pivot}G_{link}x", part=f"m{link}_{pivot}G_x", per_mass=per_mass)
-    step(centre, f"{pivot}G_y", f"{pivot}G_{link}y", part=f"m{link}_{pivot}G_y", per_mass=per_mass)
+    centre = "Mass centre of a link with its counterweight, from its fixed pivot"
+    step(product, f"{pivot}G_x", f"{pivot}G_{link}x", centre, x=f"m{link}_{pivot}G_x", y=per_mass)
+    step(product, f"{pivot}G_y", f"{pivot}G_{link}y", centre, x=f"m{link}_{pivot}G_y", y=per_mass)
     build_on(
         name,
         f"I{link}_G",

@@ -8,7 +8,8 @@ from __future__ import annotations
 
 from typing import Any
 
-from fastlink.mechanisms.planar_4r.declare import HAYES, planar_4r
+from fastlink.mechanisms._shared.laws import same
+from fastlink.mechanisms.planar_4r.inputs import HAYES, planar_4r
 from fastlink.numerics.vectors import cross
 
 EQUATION_9 = f"{HAYES}, eq. (9)"
@@ -52,16 +53,9 @@ def couple2(I2: Any, alpha2: Any) -> Any:
     return I2 * alpha2
 
 
-def about_centre(inertia: Any) -> Any:
-    """Moment of inertia of a link about its mass centre."""
-    return inertia
-
-
 step = planar_4r.steps(units="kg m2", source=EQUATION_9)
-step(about_centre, "I1_G", "I_CG1", "Moment of inertia of the crank about its mass centre", inertia="I1")
-step(
-    about_centre, "I3_G", "I_CG3", "Moment of inertia of the output link about its mass centre", inertia="I3"
-)
+step(same, "I1_G", "I_CG1", "Moment of inertia of the crank about its mass centre", x="I1")
+step(same, "I3_G", "I_CG3", "Moment of inertia of the output link about its mass centre", x="I3")
 
 
 @planar_4r.quantity(units="N m", symbol="I_CG3 alpha_3", source=EQUATION_9, internal=True)

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from fastlink.mechanisms.planar_4r.declare import HAYES, planar_4r
+from fastlink.mechanisms.planar_4r.inputs import HAYES, planar_4r
 from fastlink.numerics.vectors import cross, magnitude
 
 REACTIONS = f"{HAYES}, eq. (9)"

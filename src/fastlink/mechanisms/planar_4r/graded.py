@@ -12,8 +12,8 @@ from collections.abc import Callable
 from typing import Any
 
 from fastlink.catalogue.catalogue import GradedRange
-from fastlink.mechanisms.planar_4r.declare import NUMERICS, planar_4r
-from fastlink.mechanisms.planar_4r.factors import IO_PRODUCTS
+from fastlink.mechanisms.planar_4r.inputs import NUMERICS, planar_4r
+from fastlink.mechanisms.planar_4r.residuals import IO_PRODUCTS
 from fastlink.numerics.elementary import NOT_A_NUMBER, TWO_PI, atan2, select, sqrt
 
 EXTREMES = f"{NUMERICS}#extremes"
@@ -118,20 +118,20 @@ declare_end("high", "upper", "C0", first_place)
 planar_4r.graded = GradedRange(
     name="graded",
     ends=(("scale_low", "start_low", "toggle_low"), ("scale_high", "start_high", "toggle_high")),
-    leaves=("from_low", "from_high", "side"),
-    odd=("side", "branch_sign"),
-    vanishing="sigma",
-    inverse="per_sigma",
-    sine="sine_mu",
+    coordinates=("from_low", "from_high", "side"),
+    antisymmetric=("side", "branch_sign"),
+    vanishes_at_toggle="sigma",
+    reciprocal="per_sigma",
+    bounded_factor="sine_mu",
     cells=dict.fromkeys(MONOTONE, 16) | dict.fromkeys(ACCELERATIONS, 32),
-    most=dict.fromkeys(MONOTONE, 2) | dict.fromkeys(ACCELERATIONS, 5),
-    rough=(
+    max_extrema=dict.fromkeys(MONOTONE, 2) | dict.fromkeys(ACCELERATIONS, 5),
+    not_differentiable=(
         "loop_residual",
         "joint_angle_1",
         *(f"io_residual_{pair}" for pair in IO_PRODUCTS),
         *(f"v{k}" for k in range(1, 5)),
     ),
-    jumps={"theta2": "AB_y", "theta4": "DB_y", "joint_angle_2": "AB_v", "joint_angle_4": "DB_y"},
+    wraps_at={"theta2": "AB_y", "theta4": "DB_y", "joint_angle_2": "AB_v", "joint_angle_4": "DB_y"},
 )
 
 

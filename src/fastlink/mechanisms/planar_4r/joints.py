@@ -13,7 +13,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from fastlink.mechanisms.planar_4r.declare import HAYES, planar_4r
+from fastlink.mechanisms.planar_4r.inputs import HAYES, planar_4r
 from fastlink.numerics.elementary import INFINITY, NOT_A_NUMBER, atan2, select, sqrt
 
 JOINTS = f"{HAYES}, eqs. (1) to (6)"

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from fastlink.mechanisms.planar_4r.declare import HAYES, LINKS, planar_4r
+from fastlink.mechanisms.planar_4r.inputs import HAYES, LINKS, planar_4r
 from fastlink.numerics.elementary import PI
 
 ROUND_BAR = "round_bar"

@@ -10,8 +10,9 @@ from __future__ import annotations
 
 from typing import Any
 
+from fastlink.mechanisms._shared.laws import product, same
 from fastlink.mechanisms.planar_4r import dense, forces, shaking  # noqa: F401 (declare what is replaced)
-from fastlink.mechanisms.planar_4r.declare import HAYES, build_on, less, planar_4r, plus
+from fastlink.mechanisms.planar_4r.inputs import HAYES, build_on, less, planar_4r, plus
 from fastlink.numerics.vectors import cross
 
 LOADS = f"{HAYES}, eq. (9), with loads"
@@ -48,21 +49,11 @@ load(MOMENT_POINT, "M_y", "m", "M_y", "point that shaking_moment_at is taken abo
 # -- whole links ----------------------------------------------------------------------------------
 
 
-def as_given(value: Any) -> Any:
-    """Return a link's own value, to which counterweights add theirs."""
-    return value
-
-
-def first_moment(mass: Any, centre: Any) -> Any:
-    """Mass times centre."""
-    return mass * centre
-
-
 step = planar_4r.steps(units="kg m", source=LOADS)
-step(as_given, "mass1", "m_1", "whole mass of the crank", value="m1", units="kg")
-step(as_given, "mass3", "m_3", "whole mass of the output link", value="m3", units="kg")
-step(first_moment, "m1_G1_u", "m_1 G_1u", "mass times centre of the crank, along", mass="m1", centre="G1_u")
-step(first_moment, "m1_G1_v", "m_1 G_1v", "mass times centre of the crank, across", mass="m1", centre="G1_v")
+step(same, "mass1", "m_1", "whole mass of the crank", x="m1", units="kg")
+step(same, "mass3", "m_3", "whole mass of the output link", x="m3", units="kg")
+step(product, "m1_G1_u", "m_1 G_1u", "mass times centre of the crank, along", x="m1", y="G1_u")
+step(product, "m1_G1_v", "m_1 G_1v", "mass times centre of the crank, across", x="m1", y="G1_v")
 
 
 @planar_4r.quantity(units="kg m", symbol="m_1 OG_1x", source=LOADS, internal=True)

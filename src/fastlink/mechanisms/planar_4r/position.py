@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from fastlink.mechanisms.planar_4r.declare import HAYES, NUMERICS, planar_4r
+from fastlink.mechanisms.planar_4r.inputs import HAYES, NUMERICS, planar_4r
 from fastlink.numerics.elementary import atan2, cos, select, sin, sqrt
 from fastlink.numerics.vectors import largest
 

@@ -13,7 +13,8 @@ from __future__ import annotations
 
 from typing import Any
 
-from fastlink.mechanisms.planar_4r.declare import HAYES, NUMERICS, planar_4r
+from fastlink.mechanisms._shared.laws import product
+from fastlink.mechanisms.planar_4r.inputs import HAYES, NUMERICS, planar_4r
 
 RATES = f"{NUMERICS}#rates"
 
@@ -199,11 +200,6 @@ step(
 def omega1_cubed(omega1_squared: Any, omega1: Any) -> Any:
     """Cube of the input speed."""
     return omega1_squared * omega1
-
-
-def product(x: Any, y: Any) -> Any:
-    """Return a product."""
-    return x * y
 
 
 jerk = planar_4r.quantities(units="rad s-3", source=f"{HAYES}, eq. (8), differentiated")

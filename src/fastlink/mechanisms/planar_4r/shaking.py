@@ -7,8 +7,8 @@ from __future__ import annotations
 
 from typing import Any
 
-from fastlink.mechanisms.planar_4r.declare import HAYES, planar_4r
 from fastlink.mechanisms.planar_4r.forces import CENTRES, force_magnitude
+from fastlink.mechanisms.planar_4r.inputs import HAYES, planar_4r
 from fastlink.numerics.vectors import cross
 
 SHAKING = f"{HAYES}, section 5"

@@ -13,8 +13,9 @@ from __future__ import annotations
 
 from typing import Any
 
+from fastlink.mechanisms._shared.laws import opposite, opposite_product, product, same, twice
 from fastlink.mechanisms.planar_4r import coupler, joints, position, rates  # noqa: F401 (whose derivatives these are)
-from fastlink.mechanisms.planar_4r.declare import NUMERICS, planar_4r
+from fastlink.mechanisms.planar_4r.inputs import NUMERICS, planar_4r
 from fastlink.numerics.elementary import INFINITY, select
 
 RATES = f"{NUMERICS}#rates"
@@ -54,26 +55,6 @@ def joint_ratio_4(output_ratio: Any) -> Any:
 
 
 # -- declared derivatives ------------------------------------------------------------------------------
-
-
-def same(x: Any) -> Any:
-    """Return x."""
-    return x
-
-
-def opposite(x: Any) -> Any:
-    """Return -x."""
-    return -x
-
-
-def twice(x: Any) -> Any:
-    """Return 2 x."""
-    return 2.0 * x
-
-
-def opposite_product(x: Any, y: Any) -> Any:
-    """Return -x y."""
-    return -(x * y)
 
 
 def half_tangent(v: Any, ratio: Any) -> Any:
@@ -116,16 +97,16 @@ derivative(same, "output_slope", x="output_bend")
 derivative(same, "joint_angle_2", x="joint_ratio_2")
 derivative(same, "joint_angle_3", x="joint_ratio_3")
 derivative(same, "joint_angle_4", x="joint_ratio_4")
-derivative(rates.product, "omega2", x="omega1", y="coupler_slope")
-derivative(rates.product, "omega4", x="omega1", y="output_slope")
-derivative(rates.product, "joint_omega_2", x="omega1", y="coupler_slope")
-derivative(rates.product, "alpha2", x="omega1_squared", y="coupler_bend")
-derivative(rates.product, "alpha4", x="omega1_squared", y="output_bend")
-derivative(rates.product, "H_rate", x="omega1_squared", y="H_bend")
-derivative(rates.product, "AB_y", x="coupler_ratio", y="AB_x")
-derivative(rates.product, "DB_y", x="output_ratio", y="DB_x")
-derivative(rates.product, "B_y", x="output_ratio", y="DB_x")
-derivative(rates.product, "AB_v", x="joint_ratio_2", y="AB_u")
+derivative(product, "omega2", x="omega1", y="coupler_slope")
+derivative(product, "omega4", x="omega1", y="output_slope")
+derivative(product, "joint_omega_2", x="omega1", y="coupler_slope")
+derivative(product, "alpha2", x="omega1_squared", y="coupler_bend")
+derivative(product, "alpha4", x="omega1_squared", y="output_bend")
+derivative(product, "H_rate", x="omega1_squared", y="H_bend")
+derivative(product, "AB_y", x="coupler_ratio", y="AB_x")
+derivative(product, "DB_y", x="output_ratio", y="DB_x")
+derivative(product, "B_y", x="output_ratio", y="DB_x")
+derivative(product, "AB_v", x="joint_ratio_2", y="AB_u")
 derivative(opposite_product, "AB_x", x="coupler_ratio", y="AB_y")
 derivative(opposite_product, "DB_x", x="output_ratio", y="DB_y")
 derivative(opposite_product, "B_x", x="output_ratio", y="DB_y")

@@ -8,11 +8,10 @@ from __future__ import annotations
 
 from typing import Any
 
-from fastlink.mechanisms.focal.declare import WUNDERLICH, focal
-from fastlink.mechanisms.focal.drives import either, steps
-from fastlink.mechanisms.focal.points import FIGURES, POSITION, angle
-from fastlink.mechanisms.planar_4r.rates import product
-from fastlink.mechanisms.planar_4r.slopes import same
+from fastlink.mechanisms._shared.laws import angle, product, same
+from fastlink.mechanisms.focal.by_crank import either, steps
+from fastlink.mechanisms.focal.inputs import WUNDERLICH, focal
+from fastlink.mechanisms.focal.points import FIGURES, POSITION
 from fastlink.numerics.elementary import atan2, select, sqrt
 
 

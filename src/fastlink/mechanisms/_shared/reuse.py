@@ -102,14 +102,15 @@ def borrow_range(
     borrower, lender, names, prefix
         As in `borrow`.
     **told
-        What belongs to the borrower's quantities: ``cells``, ``most``, ``rough`` and ``jumps`` of `GradedRange`.
+        The fields of `GradedRange` that belong to the borrower's quantities: ``cells``, ``max_extrema``,
+        ``not_differentiable`` and ``wraps_at``.
     """
     graded = lender.graded
     assert graded is not None
-    rename = renaming(lender, {leaf: leaf for leaf in graded.leaves} | dict(names), prefix)
+    rename = renaming(lender, {leaf: leaf for leaf in graded.coordinates} | dict(names), prefix)
     places = [fact for fact in lender.variants[graded.name].values() if isinstance(fact, Fact)]
     needed = {need for fact in places for need in fact.depends_on}.intersection(lender.facts)
-    needed |= {graded.sine, graded.inverse, *(name for end in graded.ends for name in end)}
+    needed |= {graded.bounded_factor, graded.reciprocal, *(name for end in graded.ends for name in end)}
     borrow(borrower, lender, names, prefix, {name: {} for name in sorted(needed)})
     borrower.variants[graded.name] = {rename(fact.name): fact.renamed(rename) for fact in places}
     (low, high) = graded.ends
@@ -119,9 +120,9 @@ def borrow_range(
             (rename(low[0]), rename(low[1]), rename(low[2])),
             (rename(high[0]), rename(high[1]), rename(high[2])),
         ),
-        odd=tuple(map(rename, graded.odd)),
-        vanishing=rename(graded.vanishing),
-        inverse=rename(graded.inverse),
-        sine=rename(graded.sine),
+        antisymmetric=tuple(map(rename, graded.antisymmetric)),
+        vanishes_at_toggle=rename(graded.vanishes_at_toggle),
+        reciprocal=rename(graded.reciprocal),
+        bounded_factor=rename(graded.bounded_factor),
         **told,
     )

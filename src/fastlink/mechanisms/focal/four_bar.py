@@ -1,13 +1,14 @@
-"""The four-bar of a focal mechanism: its class and the ranges of its rockers, those of a planar 4R.
+"""The four-bar of a focal mechanism, a planar 4R: its class, the ranges of its rockers, and the graded range of phi.
 
-It moves as without its completion, so these are the ranges where the crank SF drives, too.
+It moves as without its completion, so its ranges are those where the crank SF drives, too.
 """
 
 from __future__ import annotations
 
-from fastlink.mechanisms.borrow import borrow
-from fastlink.mechanisms.focal.declare import DESIGN, focal
+from fastlink.mechanisms._shared.reuse import borrow, borrow_range
 from fastlink.mechanisms.focal.design_facts import FOUR_BAR, PREFIX
+from fastlink.mechanisms.focal.inputs import DESIGN, focal
+from fastlink.mechanisms.focal.rocker import NAMES
 from fastlink.mechanisms.planar_4r import planar_4r
 from fastlink.mechanisms.planar_4r.classes import CLASS_FLAGS
 
@@ -39,5 +40,22 @@ borrow(
             for number, angle, bar in ((1, "phi", "MA"), (4, "psi", "NB"))
             for end, size in (("low", "Least"), ("high", "Greatest"))
         },
+    },
+)
+
+_lent = planar_4r.graded
+assert _lent is not None
+borrow_range(
+    focal,
+    planar_4r,
+    NAMES,
+    PREFIX,
+    cells={"psi": _lent.cells["theta4"], "dpsi_dphi": _lent.cells["omega4"]},
+    max_extrema={"psi": _lent.max_extrema["theta4"], "dpsi_dphi": _lent.max_extrema["omega4"]},
+    not_differentiable=("closure_residual", "F_path_residual"),
+    wraps_at={
+        "psi": "NB_y",
+        "sigma": "MF_y",
+        **dict.fromkeys(("omega_angle", "alpha", "beta", "chi"), "w_y"),
     },
 )

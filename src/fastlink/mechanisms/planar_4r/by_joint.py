@@ -14,16 +14,16 @@ the ground frame is not offered.
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterable
+from collections.abc import Callable
 from dataclasses import replace
 from functools import cache, partial
 from typing import Any
 
 from fastlink.catalogue.catalogue import Catalogue, Fact, Input
-from fastlink.errors import InputError, Setting
-from fastlink.facts.names import Derivative, Quantity, deepest
-from fastlink.mechanisms.borrow import facts_of, with_derivatives
-from fastlink.mechanisms.planar_4r.declare import planar_4r
+from fastlink.facts.names import Derivative, Quantity
+from fastlink.mechanisms._shared.other_input import ByOtherInput
+from fastlink.mechanisms._shared.reuse import facts_of, with_derivatives
+from fastlink.mechanisms.planar_4r.inputs import planar_4r
 from fastlink.numerics.elementary import TWO_PI, atan2, cos, select, sin, sqrt
 
 __all__ = ["driven_by", "driven_catalogues"]
@@ -55,23 +55,6 @@ KEPT = (
     "grashof_excess",
     *(f"io_residual_{pair}" for pair in ("12", "13", "14", "23", "24", "34")),
 )
-
-
-class _Driven(Catalogue):
-    """A mechanism by another of its inputs: fewer quantities, and why others are missing."""
-
-    def unknown(self, name: str, known: Iterable[str]) -> InputError:
-        first = planar_4r.position.name
-        if name in (self.position.name, *self.inputs):
-            what = f"quantity {name!r} is given, and a coordinate of the result"
-            return InputError(what, remedy="leave it out")
-        if deepest(name, planar_4r) in planar_4r.public:
-            other = f"joint_angle_{moved_number(2, int(self.position.name[-1]))}"
-            rates = ", ".join(repr(other.replace("angle", rate)) for rate in ("omega", "alpha"))
-            what = f"quantity {name!r} is defined for input {first!r} alone"
-            here = ("with ", Setting("input", self.position.name), " ")
-            return InputError(what, remedy=(here, f"ask for such as {other!r}, {rates}, or leave input out"))
-        return super().unknown(name, known)
 
 
 def minus_cosine(angle: Any) -> Any:
@@ -128,7 +111,7 @@ def driven_by(joint: int) -> Catalogue:
     assert graded is not None
     places = [fact for fact in planar_4r.variants[graded.name].values() if isinstance(fact, Fact)]
     of_places = {need for fact in places for need in fact.depends_on}.intersection(planar_4r.facts)
-    of_ends = {graded.sine, *(name for end in graded.ends for name in end)}
+    of_ends = {graded.bounded_factor, *(name for end in graded.ends for name in end)}
     offered = {*KEPT, *(moved_name(name, joint) for name in MOVED)}
     for fact in with_derivatives(planar_4r, (*MOVED, *HALF_ANGLES, *of_places, *of_ends)).values():
         found = _moved(fact, joint)
@@ -136,7 +119,8 @@ def driven_by(joint: int) -> Catalogue:
     for fact in facts_of(planar_4r, KEPT, driven.facts):
         driven.facts |= dict.fromkeys(fact.names, fact)
     # Angles jump where they pass pi, which no derivative tells: their extremes are taken over the given angles.
-    driven.graded = replace(graded, rough=(*graded.rough, *(f"joint_angle_{i}" for i in (1, 2, 3, 4))))
+    angles = (f"joint_angle_{i}" for i in (1, 2, 3, 4))
+    driven.graded = replace(graded, not_differentiable=(*graded.not_differentiable, *angles))
     placed = {fact.name: fact for fact in (_moved(place, joint) for place in places)}
     placed[driven.position.name] = replace(placed[driven.position.name], function=angle_of_place)
     driven.variants[graded.name] = dict(placed)
@@ -160,14 +144,16 @@ def _declared(joint: int) -> Catalogue:
     angle = planar_4r.facts[f"joint_angle_{joint}"]
     far = f"joint_angle_{moved_number(3, joint)}"
     line = f"of the directed line from {left} to {right}"
-    driven = _Driven(
-        f"{planar_4r.name} driven by {angle.name}",
+    other = f"joint_angle_{moved_number(2, joint)}"
+    driven = ByOtherInput(
+        planar_4r,
         f"{planar_4r.title.removesuffix(POINTS[0])}{point}",
         branches={
             1: f"{far} from 0 to pi: {opposite} to the right {line}",
             2: f"{far} from -pi to 0: {opposite} to the left {line}",
         },
         position=Input(angle.name, angle.units, angle.symbol, angle.meaning),
+        instead=(other, other.replace("angle", "omega"), other.replace("angle", "alpha")),
     )
     for i, link in enumerate(LINKS, 1):
         driven.inputs[f"a{i}"] = replace(planar_4r.inputs[f"a{i}"], meaning=f"length of the link {link}")

@@ -1,0 +1,57 @@
+"""A mechanism driven by another of its inputs than the first: fewer quantities, and why others are missing."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterable, Mapping
+
+from fastlink.catalogue.catalogue import Catalogue, Input
+from fastlink.errors import InputError, Setting
+from fastlink.facts.names import deepest
+
+__all__ = ["ByOtherInput"]
+
+
+class ByOtherInput(Catalogue):
+    """The catalogue of a mechanism by another input.
+
+    Parameters
+    ----------
+    first : Catalogue
+        The mechanism by its first input.
+    title, branches, position, positions
+        As in `Catalogue`.
+    instead : sequence of str
+        Some quantities that are offered here, for who asks for what is not.
+    """
+
+    def __init__(
+        self,
+        first: Catalogue,
+        title: str,
+        branches: Mapping[int, str],
+        position: Input,
+        positions: tuple[float, float, int] | None = None,
+        *,
+        instead: Iterable[str],
+    ) -> None:
+        super().__init__(f"{first.name} driven by {position.name}", title, branches, position, positions)
+        self.first, self.instead = first, tuple(instead)
+
+    def unknown(self, name: str, known: Iterable[str]) -> InputError:
+        """Return the error of a name that is none of the known ones."""
+        if name in (self.position.name, *self.inputs):
+            what = f"quantity {name!r} is given, and a coordinate of the result"
+            return InputError(what, remedy="leave it out")
+        if deepest(name, self.first) in self.first.public:
+            what = f"quantity {name!r} is defined for input {self.first.position.name!r} alone"
+            here = ("with ", Setting("input", self.position.name), " ")
+            instead = ", ".join(map(repr, self.instead))
+            return InputError(what, remedy=(here, f"ask for such as {instead}, or leave input out"))
+        return super().unknown(name, known)
+
+    def adopt_design_facts(self, further: Collection[str] = ()) -> None:
+        """Declare here what belongs to the design as a whole, and further facts that hold whatever drives."""
+        for name, fact in self.first.facts.items():
+            of_design = not (self.first.is_derivative(name) or self.first.varies(name))
+            if of_design or name in further:
+                self.facts.setdefault(name, fact)

@@ -1,0 +1,50 @@
+"""Ratios of the lengths of the planar 4R that positions and rates are made of."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from fastlink.mechanisms.planar_4r import scaling  # noqa: F401 (on which it builds)
+from fastlink.mechanisms.planar_4r.inputs import NUMERICS, planar_4r
+
+
+@planar_4r.quantity(units="1", symbol="1/(4 a_1 a_4)", source=f"{NUMERICS}#scaling", internal=True)
+def per_4_s1_s4(s1: Any, s4: Any) -> Any:
+    """Reciprocal of four times crank times ground, scaled."""
+    return 0.25 / (s1 * s4)
+
+
+@planar_4r.quantity(units="1", symbol="gamma_0", source=f"{NUMERICS}#rates", internal=True)
+def gamma0(s1: Any, s4: Any, per_4_s1_s4: Any) -> Any:
+    """(a1 - a4)^2/(4 a1 a4): squared distance of A and D over 4 a1 a4, at theta1 = 0."""
+    return (s1 - s4) * (s1 - s4) * per_4_s1_s4
+
+
+@planar_4r.quantity(units="1", symbol="lambda", source=f"{NUMERICS}#rates", internal=True)
+def crank_excess(s1: Any, s4: Any) -> Any:
+    """(a1 - a4)/(2 a4)."""
+    return 0.5 * (s1 - s4) / s4
+
+
+@planar_4r.quantity(units="1", symbol="epsilon", source=f"{NUMERICS}#rates", internal=True)
+def epsilon(s1: Any, s4: Any, per_4_s1_s4: Any) -> Any:
+    """(a1^2 - a4^2)/(4 a1 a4)."""
+    return (s1 - s4) * (s1 + s4) * per_4_s1_s4
+
+
+@planar_4r.quantity(units="1", symbol="kappa", source=f"{NUMERICS}#rates", internal=True)
+def kappa(s2: Any, s3: Any, per_4_s1_s4: Any) -> Any:
+    """(a2^2 - a3^2)/(4 a1 a4)."""
+    return (s2 - s3) * (s2 + s3) * per_4_s1_s4
+
+
+@planar_4r.quantity(units="1", symbol="beta", source=f"{NUMERICS}#position", internal=True)
+def coupler_offset(s2: Any, s3: Any, per_4_s1_s4: Any) -> Any:
+    """a2 (a2 - a3)/(4 a1 a4)."""
+    return s2 * (s2 - s3) * per_4_s1_s4
+
+
+@planar_4r.quantity(units="1", symbol="delta", source=f"{NUMERICS}#position", internal=True)
+def output_offset(s2: Any, s3: Any, per_4_s1_s4: Any) -> Any:
+    """a3 (a3 - a2)/(4 a1 a4)."""
+    return s3 * (s3 - s2) * per_4_s1_s4
