@@ -73,7 +73,7 @@ def test_kernels_have_the_bits_of_the_facts(drive):
         (
             "sigma",
             {"input": "sigma"},
-            "quantity 'sigma' is the input, and a coordinate of the result; leave it out",
+            "quantity 'sigma' is given, and a coordinate of the result; leave it out",
         ),
         (
             "dsigma_dphi",
