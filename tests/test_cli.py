@@ -298,7 +298,7 @@ def test_a_real_process_runs_and_refuses(folder):
 
 def test_the_names_of_the_package_are_functions_whatever_was_imported():
     script = (
-        "import fastlink.engine.sweep, fastlink.space.samplers, fastlink.summary\n"
+        "import fastlink.engine.sweep, fastlink.space.samplers, fastlink.report.summary\n"
         "import fastlink as fl\n"
         "modules = ('focal', 'hart', 'minkowski', 'planar')\n"
         "assert all(callable(getattr(fl, name)) for name in fl.__all__ if name not in modules)\n"

@@ -1,90 +1,55 @@
 """Planar linkages by the million: a design space in, one labelled HDF5 map out.
 
-Names are imported on first use, so that ``fastlink --help`` loads nothing heavy.
+The public names are the imports below, each run when its name is first used, so that ``fastlink --help`` loads nothing
+heavy.
 """
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from fastlink.analysis import focal, hart, minkowski, planar
-    from fastlink.diagnostics import accuracy, accuracy_table
-    from fastlink.diagnostics.explain import explain
-    from fastlink.engine.evaluate import evaluate
-    from fastlink.engine.function import function
-    from fastlink.engine.sweep import sweep
-    from fastlink.errors import InputError
-    from fastlink.io.writer import open_map as open
-    from fastlink.plot.plot_map import plot_map
-    from fastlink.report.quantities import quantities
-    from fastlink.report.summary import summary
-    from fastlink.space.links import round_bar
-    from fastlink.space.samplers import DesignSpace, grid, latin_hypercube, sobol, table
-    from fastlink.study.study import run_study
+    from fastlink.analysis import focal as focal
+    from fastlink.analysis import hart as hart
+    from fastlink.analysis import minkowski as minkowski
+    from fastlink.analysis import planar as planar
+    from fastlink.diagnostics import accuracy as accuracy
+    from fastlink.diagnostics import accuracy_table as accuracy_table
+    from fastlink.diagnostics.explain import explain as explain
+    from fastlink.engine.evaluate import evaluate as evaluate
+    from fastlink.engine.function import function as function
+    from fastlink.engine.sweep import sweep as sweep
+    from fastlink.errors import InputError as InputError
+    from fastlink.io import open as open
+    from fastlink.plot.plot_map import plot_map as plot_map
+    from fastlink.report.quantities import quantities as quantities
+    from fastlink.report.summary import summary as summary
+    from fastlink.space.design_space import DesignSpace as DesignSpace
+    from fastlink.space.links import round_bar as round_bar
+    from fastlink.space.samplers import grid as grid
+    from fastlink.space.samplers import latin_hypercube as latin_hypercube
+    from fastlink.space.samplers import sobol as sobol
+    from fastlink.space.samplers import table as table
+    from fastlink.study.study import run_study as run_study
+else:
 
-_PLACES = {
-    "accuracy": ("fastlink.diagnostics", "accuracy"),
-    "accuracy_table": ("fastlink.diagnostics", "accuracy_table"),
-    "DesignSpace": ("fastlink.space.design_space", "DesignSpace"),
-    "InputError": ("fastlink.errors", "InputError"),
-    "evaluate": ("fastlink.engine.evaluate", "evaluate"),
-    "explain": ("fastlink.diagnostics.explain", "explain"),
-    "function": ("fastlink.engine.function", "function"),
-    "grid": ("fastlink.space.samplers", "grid"),
-    "latin_hypercube": ("fastlink.space.samplers", "latin_hypercube"),
-    "open": ("fastlink.io.writer", "open_map"),
-    "plot_map": ("fastlink.plot.plot_map", "plot_map"),
-    "quantities": ("fastlink.report.quantities", "quantities"),
-    "round_bar": ("fastlink.space.links", "round_bar"),
-    "run_study": ("fastlink.study.study", "run_study"),
-    "sobol": ("fastlink.space.samplers", "sobol"),
-    "summary": ("fastlink.report.summary", "summary"),
-    "sweep": ("fastlink.engine.sweep", "sweep"),
-    "table": ("fastlink.space.samplers", "table"),
-}
+    def _modules() -> dict[str, str]:
+        """Return the module of each public name, read from the imports above."""
+        import ast
 
-#: Packages that are imported when first named.
-_PACKAGES = ("focal", "hart", "minkowski", "planar")
+        tree = ast.parse(__loader__.get_source(__name__))
+        (block,) = [node for node in tree.body if isinstance(node, ast.If)]
+        return {alias.name: statement.module for statement in block.body for alias in statement.names}
 
-__all__ = [
-    "DesignSpace",
-    "InputError",
-    "accuracy",
-    "accuracy_table",
-    "evaluate",
-    "explain",
-    "focal",
-    "function",
-    "grid",
-    "hart",
-    "latin_hypercube",
-    "minkowski",
-    "open",
-    "planar",
-    "plot_map",
-    "quantities",
-    "round_bar",
-    "run_study",
-    "sobol",
-    "summary",
-    "sweep",
-    "table",
-]
+    _MODULES = _modules()
+    __all__ = sorted(_MODULES)
 
+    def __getattr__(name: str) -> object:
+        if name not in _MODULES:
+            raise AttributeError(f"module 'fastlink' has no attribute {name!r}")
+        value = getattr(__import__(_MODULES[name], fromlist=[name]), name)
+        globals()[name] = value
+        return value
 
-def __getattr__(name: str) -> Any:
-    from importlib import import_module
-
-    if name in _PACKAGES:
-        return import_module(f"fastlink.analysis.{name}")
-    if name not in _PLACES:
-        raise AttributeError(f"module 'fastlink' has no attribute {name!r}")
-    module, attribute = _PLACES[name]
-    value = getattr(import_module(module), attribute)
-    globals()[name] = value
-    return value
-
-
-def __dir__() -> list[str]:
-    return sorted({*globals(), *_PLACES, *_PACKAGES})
+    def __dir__() -> list[str]:
+        return sorted({*globals(), *__all__})

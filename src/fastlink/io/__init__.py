@@ -2,3 +2,7 @@
 
 Nothing here knows a mechanism or a kernel.
 """
+
+from fastlink.io.writer import open_map as open
+
+__all__ = ["open"]
