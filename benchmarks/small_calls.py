@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import Any
 
 import fastlink as fl
-from fastlink.engine import labels as labelling
+from fastlink.engine import labels
 from fastlink.engine.executor import Job, run
 from fastlink.engine.resolve import resolve
 from fastlink.engine.sweep import _Sweep
@@ -54,7 +54,7 @@ def sweep_in_parts() -> dict[str, float]:
     )
     function([1.2])
     bound = function._own.bound
-    about = labelling.about("planar_4r", asked.plan, "eliminated", 360, 1, "llvm")
+    about = labels.about("planar_4r", asked.plan, "eliminated", 360, 1, "llvm")
     named = {v.name: t for v, t in zip(sweeping.variables, targets, strict=True)}
     return {
         "the design: `fl.grid`": shortest(space),
@@ -63,7 +63,7 @@ def sweep_in_parts() -> dict[str, float]:
         "buffers, and the kernels in them": shortest(lambda k: run(job, targets=targets)),
         "of these, the kernels themselves": shortest(lambda k: [part.run(1) for part in bound]),
         "the Dataset": shortest(
-            lambda k: labelling.assembled(
+            lambda k: labels.assembled(
                 asked.plan, asked.space, asked.positions, sweeping.variables, named, about
             )
         ),

@@ -177,7 +177,9 @@ def explain_request(asked: ResolvedSweep) -> Explanation:
     return Explanation(
         f"{asked.mechanism}: {', '.join(sizes)}",
         tuple(output.name for output in plan.outputs),
-        "" if asked.spread is None else f"{asked.spread.name} ({asked.spread.length:,} values)",
+        ""
+        if asked.scaling_axis is None
+        else f"{asked.scaling_axis.name} ({asked.scaling_axis.length:,} values)",
         [_kernel(kernel, asked) for kernel in asked.kernels],
         tuple(name for name in catalogue.public if name not in made and name not in wanted),
         sum(name not in made for name in catalogue.facts),

@@ -15,7 +15,7 @@ from fastlink.diagnostics.truth import truth_of
 from fastlink.engine.resolve import resolve
 from fastlink.errors import InputError
 from fastlink.io.dataset import plain_attrs
-from fastlink.io.writer import check_target
+from fastlink.io.partial_file import check_target
 from fastlink.space.design_space import sampled
 from fastlink.study.study import read_study
 

@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 
     from fastlink.codegen.source import Array
 
-__all__ = ["Deliver", "Job", "Part", "aligned", "block_length", "default_threads", "run"]
+__all__ = ["Job", "Part", "Sink", "aligned", "block_length", "default_threads", "run"]
 
 # Larger blocks leave the caches (two threads gain 1.2 instead of 1.9 at 16 MB), smaller ones pay for being handed out.
 BLOCK_BYTES = 4 << 20
@@ -34,7 +34,7 @@ CACHE_LINE = 64
 KEPT, KEPT_BYTES = 8, 4 << 20
 
 Fill = Callable[[int, int, "NDArray[Any]"], None]
-Deliver = Callable[[int, int, "list[NDArray[Any]]"], None]
+Sink = Callable[[int, int, "list[NDArray[Any]]"], None]
 
 
 @dataclass(frozen=True)
@@ -149,7 +149,7 @@ def run(
     job: Job,
     *,
     targets: Sequence[NDArray[Any]] | None = None,
-    deliver: Deliver | None = None,
+    deliver: Sink | None = None,
     threads: int = 1,
     block: int | None = None,
     todo: Sequence[tuple[int, int]] | None = None,

@@ -52,7 +52,7 @@ class ResolvedSweep:
         Input positions.
     solver : str
         How reactions are found; empty where nothing that is computed depends on it.
-    spread : Spread or None
+    scaling_axis : ScalingAxis or None
         The axis that only scales the results, if there is one.
     backend : str
         What compiles the kernels.
@@ -65,7 +65,7 @@ class ResolvedSweep:
     branches: tuple[int, ...]
     positions: NDArray[Any]
     solver: str
-    spread: ScalingAxis | None
+    scaling_axis: ScalingAxis | None
     backend: str
 
     @property
@@ -90,7 +90,7 @@ class ResolvedSweep:
     @property
     def evaluated(self) -> DesignSpace:
         """The designs that kernels see."""
-        return self.space if self.spread is None else self.spread.space
+        return self.space if self.scaling_axis is None else self.scaling_axis.space
 
     def parts(self, *, relaxed: bool = False) -> list[Part]:
         """Return the kernels, compiled, with what they run on."""

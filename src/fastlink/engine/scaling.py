@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from fastlink.engine.executor import Deliver
+from fastlink.engine.executor import Sink
 from fastlink.facts.names import ErrorBound, Trust
 from fastlink.symbolic.homogeneity import homogeneity_degrees
 
@@ -51,7 +51,7 @@ class ScalingAxis:
     factors: tuple[NDArray[Any] | None, ...]
     length: int
 
-    def over(self, deliver: Deliver) -> Deliver:
+    def over(self, deliver: Sink) -> Sink:
         """Return what takes results of the space without the axis, and delivers those of the whole space."""
 
         def spread(start: int, stop: int, arrays: list[NDArray[Any]]) -> None:

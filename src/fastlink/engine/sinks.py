@@ -11,13 +11,13 @@ import numpy as np
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from fastlink.engine.executor import Deliver
+    from fastlink.engine.executor import Sink
     from fastlink.plan.plan import Plan
 
 __all__ = ["Bar", "StatusCounts", "progress_bar", "tee"]
 
 
-def tee(*takers: Deliver) -> Deliver:
+def tee(*takers: Sink) -> Sink:
     """Return what hands results on to each of several takers."""
 
     def deliver(start: int, stop: int, arrays: list[NDArray[Any]]) -> None:

@@ -12,13 +12,15 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from fastlink.engine import labels as labelling
-from fastlink.engine.executor import Deliver, Job, block_length, default_threads, run
+from fastlink.engine import labels
+from fastlink.engine.executor import Job, Sink, block_length, default_threads, run
 from fastlink.engine.resolve import ResolvedSweep, resolve
 from fastlink.engine.sinks import StatusCounts, progress_bar, tee
 from fastlink.errors import InputError
-from fastlink.io import dataset as label
-from fastlink.io import writer as store
+from fastlink.io.dataset import Variable
+from fastlink.io.partial_file import check_target
+from fastlink.io.reader import open_map
+from fastlink.io.writer import Writer
 from fastlink.precision import Verification, check_verify
 
 if TYPE_CHECKING:
@@ -155,11 +157,11 @@ def sweep(
     )
     space, count = asked.space, _check_threads(threads)
     sweeping = _Sweep(asked, count, block, verify=check_verify(verify, to is not None))
-    about = labelling.about(mechanism, asked.plan, asked.solver, asked.positions.size, count, asked.backend)
+    about = labels.about(mechanism, asked.plan, asked.solver, asked.positions.size, count, asked.backend)
     about |= attrs or {}
-    if asked.spread is not None:
-        about["scaling_axis"] = asked.spread.name
-    target = None if to is None else store.check_target(to, sweeping.nbytes, overwrite)
+    if asked.scaling_axis is not None:
+        about["scaling_axis"] = asked.scaling_axis.name
+    target = None if to is None else check_target(to, sweeping.nbytes, overwrite)
     sweeping.load()
     bar = progress_bar(space.size, progress)
     before = time.perf_counter()
@@ -175,7 +177,7 @@ def sweep(
         if target is None:
             return sweeping.in_memory(bar.take, about, report)
         sweeping.to_file(target, overwrite, bar.take, about, report)
-    return store.open_map(target)
+    return open_map(target)
 
 
 #: The keywords of a sweep besides the name of the input.
@@ -197,11 +199,11 @@ class _Sweep:
 
     def __init__(self, asked: ResolvedSweep, threads: int, block: int | None, verify: int) -> None:
         plan, space, positions = asked.plan, asked.space, asked.positions
-        self.asked, self.plan, self.space, self.spread = asked, plan, space, asked.spread
+        self.asked, self.plan, self.space, self.spread = asked, plan, space, asked.scaling_axis
         self.threads, self.block = threads, block
-        self.variables = [labelling.variable(o, plan, space, positions.size) for o in plan.outputs]
+        self.variables = [labels.variable(o, plan, space, positions.size) for o in plan.outputs]
         self.nbytes = sum(variable.nbytes for variable in self.variables)
-        self.shapes = [(labelling.trailing(o, plan, positions.size), o.dtype) for o in plan.outputs]
+        self.shapes = [(labels.trailing(o, plan, positions.size), o.dtype) for o in plan.outputs]
         self.counts = StatusCounts(plan)
         self.verification = Verification(plan, space, positions, verify) if verify else None
 
@@ -221,7 +223,7 @@ class _Sweep:
             found["configurations_per_second"] = rate * of_each
         return found
 
-    def takers(self, show: Deliver) -> Deliver:
+    def takers(self, show: Sink) -> Sink:
         """Return what takes the results besides the file or the arrays."""
         verified = [] if self.verification is None else [self.verification.take]
         return tee(self.counts.take, *verified, show)
@@ -231,7 +233,7 @@ class _Sweep:
         return ({}, {}) if self.verification is None else self.verification.measure()
 
     def in_memory(
-        self, show: Deliver, about: dict[str, Any], report: Callable[[], dict[str, Any]]
+        self, show: Sink, about: dict[str, Any], report: Callable[[], dict[str, Any]]
     ) -> xr.Dataset:
         """Evaluate all designs, and return the labelled results."""
         arrays = [np.empty((self.space.size, *shape), dtype) for shape, dtype in self.shapes]
@@ -245,7 +247,7 @@ class _Sweep:
         measured, errors = self.measure()
         variables = [replace(v, attrs=v.attrs | errors.get(v.name, {})) for v in self.variables]
         named = {variable.name: array for variable, array in zip(variables, arrays, strict=True)}
-        return labelling.assembled(
+        return labels.assembled(
             self.plan, self.space, self.asked.positions, variables, named, about | measured
         )
 
@@ -253,15 +255,15 @@ class _Sweep:
         self,
         target: Path,
         overwrite: bool,
-        show: Deliver,
+        show: Sink,
         about: dict[str, Any],
         report: Callable[[int], dict[str, Any]],
     ) -> None:
         """Evaluate all designs into a file, or those that a killed run of the same has left."""
         variables, spread = self.variables, self.spread
-        coords = labelling.coordinates(self.plan, self.space, self.asked.positions)
+        coords = labels.coordinates(self.plan, self.space, self.asked.positions)
         key = _fingerprint(self.asked, about, variables), self.job.size
-        with store.Writer(target, coords, variables, about, overwrite=overwrite, run=key) as writer:
+        with Writer(target, coords, variables, about, overwrite=overwrite, run=key) as writer:
 
             def write(start: int, stop: int, arrays: list[NDArray[Any]]) -> None:
                 for variable, array in zip(variables, arrays, strict=True):
@@ -281,18 +283,18 @@ class _Sweep:
                 writer.finish(found, errors)
 
 
-def _fingerprint(asked: ResolvedSweep, about: Mapping[str, Any], variables: Sequence[label.Variable]) -> str:
+def _fingerprint(asked: ResolvedSweep, about: Mapping[str, Any], variables: Sequence[Variable]) -> str:
     """Return what tells the file of a sweep from all others, however many threads write it."""
-    labels = {name: value for name, value in about.items() if name != "threads"}
-    return hashlib.sha256(repr((asked.fingerprint, labels, variables)).encode()).hexdigest()
+    kept = {name: value for name, value in about.items() if name != "threads"}
+    return hashlib.sha256(repr((asked.fingerprint, kept, variables)).encode()).hexdigest()
 
 
 def _replay(
-    writer: store.Writer,
-    variables: Sequence[label.Variable],
+    writer: Writer,
+    variables: Sequence[Variable],
     shapes: Sequence[tuple[tuple[int, ...], str]],
     spread: ScalingAxis | None,
-    take: Deliver,
+    take: Sink,
 ) -> int:
     """Hand on what a killed run has written; return how many designs these are."""
     count = 0
@@ -315,7 +317,7 @@ def _check_threads(threads: int | None) -> int:
     return threads
 
 
-def _into(whole: list[NDArray[Any]]) -> Deliver:
+def _into(whole: list[NDArray[Any]]) -> Sink:
     def deliver(start: int, stop: int, arrays: list[NDArray[Any]]) -> None:
         for kept, array in zip(whole, arrays, strict=True):
             kept[start:stop] = array

@@ -3,6 +3,6 @@
 Nothing here knows a mechanism or a kernel.
 """
 
-from fastlink.io.writer import open_map as open
+from fastlink.io.reader import open_map as open
 
 __all__ = ["open"]

@@ -1,4 +1,4 @@
-"""Labelled HDF5 files that are filled block by block and appear under their name only when complete.
+"""Write labelled HDF5 files that are filled block by block and appear under their name only when complete.
 
 The file is laid out once; then every block is one plain ``pwrite`` at a known offset, which any thread may do
 in any order and which is faster than a write through HDF5. All this happens in ``NAME.part``; the last step
@@ -21,13 +21,12 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from fastlink.errors import InputError
-from fastlink.io import partial_file as target
+from fastlink.io import partial_file
 from fastlink.io.dataset import FORMAT, FORMAT_VERSION, Variable, check_dims, plain_attrs
 from fastlink.io.journal import Journal, Range, joined, journal_of, missing, read_journal
-from fastlink.io.partial_file import check_target
 from fastlink.io.skeleton import lay_out, set_attrs
 
-__all__ = ["Writer", "check_target", "open_map"]
+__all__ = ["Writer"]
 
 NO_ROOM = {errno.ENOSPC, errno.EFBIG, getattr(errno, "EDQUOT", errno.ENOSPC)}
 
@@ -68,8 +67,8 @@ class Writer:
         for variable in variables:
             check_dims(coords, variable)
         self._nbytes = coords.nbytes + sum(variable.nbytes for variable in variables)
-        self.path = check_target(path, self._nbytes, overwrite)
-        self.part = target.part_of(self.path)
+        self.path = partial_file.check_target(path, self._nbytes, overwrite)
+        self.part = partial_file.part_of(self.path)
         self._overwrite = overwrite
         self._variables = {variable.name: variable for variable in variables}
         self._written = dict.fromkeys(self._variables, 0)
@@ -80,7 +79,7 @@ class Writer:
         self._done: list[Range] = []
         try:
             if not self._resumed():
-                with target.claimed(self.part):
+                with partial_file.claimed(self.part):
                     journal_of(self.part).unlink(missing_ok=True)
                     self._offsets, self._fd = self._start(coords, variables, attrs)
         except (OSError, RuntimeError) as error:  # HDF5 reports a full disk as either
@@ -148,7 +147,7 @@ class Writer:
                 raise ValueError(f"{self.path}: the file is closed")
             self._writing += 1
         try:
-            target.write_all(self._fd, block.reshape(-1).view(np.uint8).data, position)
+            partial_file.write_all(self._fd, block.reshape(-1).view(np.uint8).data, position)
         except OSError as error:
             raise self._failure(error) from error
         else:
@@ -183,21 +182,21 @@ class Writer:
             set_attrs(self._fd, self.part, last, further)
             os.fsync(self._fd)
         except BaseException as error:
-            target.discard(self._fd, self.part)
+            partial_file.discard(self._fd, self.part)
             if isinstance(error, OSError):
                 raise self._failure(error) from error
             raise
         try:
-            target.publish(self._fd, self.part, self.path, self._overwrite)
+            partial_file.publish(self._fd, self.part, self.path, self._overwrite)
         except OSError as error:
-            what = f"{self.path}: cannot give the complete file its name ({target.reason(error)})"
+            what = f"{self.path}: cannot give the complete file its name ({partial_file.reason(error)})"
             remedy = f"it is kept as {self.part}, rename it"
             raise InputError(what, where=("to",), remedy=remedy) from error
 
     def _resumed(self) -> bool:
         """Take over what a killed run of the same fingerprint has left."""
         found = read_journal(self.part, self._fingerprint) if self._fingerprint else None
-        fd = None if found is None else target.reopened(self.part)
+        fd = None if found is None else partial_file.reopened(self.part)
         if found is None or fd is None:
             return False
         about, self._done = found
@@ -220,16 +219,18 @@ class Writer:
         """Lay the file out and reserve its room; return where each variable starts, and the file number."""
         fresh = self.part.with_name(self.part.name + ".new")
         try:
-            target.make_sure_of_room(fresh, coords.nbytes + target.SLACK)
+            partial_file.make_sure_of_room(fresh, coords.nbytes + partial_file.SLACK)
             offsets = lay_out(fresh, coords, variables, attrs)
-            fd = target.adopt(fresh, self.part)
+            fd = partial_file.adopt(fresh, self.part)
         except BaseException:
             fresh.unlink(missing_ok=True)
             raise
         try:
-            target.reserve(fd, target.SLACK)  # HDF5 gives back at the end what the attributes leave
+            partial_file.reserve(
+                fd, partial_file.SLACK
+            )  # HDF5 gives back at the end what the attributes leave
         except BaseException:
-            target.discard(fd, self.part)
+            partial_file.discard(fd, self.part)
             raise
         return offsets, fd
 
@@ -250,8 +251,8 @@ class Writer:
 
     def _failure(self, error: OSError | RuntimeError) -> InputError:
         if getattr(error, "errno", None) in NO_ROOM:
-            return target.no_room(self.path, self._nbytes, error)
-        what = f"{self.path} cannot be written ({target.reason(error)})"
+            return partial_file.no_room(self.path, self._nbytes, error)
+        what = f"{self.path} cannot be written ({partial_file.reason(error)})"
         return InputError(what, where=("to",), remedy="choose another place")
 
     def _close_to_writers(self, *, keep: bool = False) -> None:
@@ -265,62 +266,4 @@ class Writer:
 
     def _discard(self) -> None:
         self._close_to_writers()
-        target.discard(self._fd, self.part)
-
-
-def open_map(path: str | Path) -> xr.Dataset:
-    """Open a map that a sweep has written; values are read when they are used.
-
-    Parameters
-    ----------
-    path : str or path
-        The file.
-
-    Returns
-    -------
-    xarray.Dataset
-        Close it, or use it in a ``with`` statement, before deleting the file.
-
-    Examples
-    --------
-    >>> import tempfile, numpy as np
-    >>> from fastlink.io.dataset import Variable
-    >>> coords = xr.Dataset(coords={"a2": ("a2", [1.0, 1.2], {"units": "m"})})
-    >>> speed = Variable("omega4_max", ("a2",), (2,), np.dtype("f8"), {"units": "rad s-1"})
-    >>> with tempfile.TemporaryDirectory() as folder:
-    ...     with Writer(f"{folder}/maps.h5", coords, [speed], {"title": "two designs"}) as writer:
-    ...         writer.write("omega4_max", 0, np.array([31.0, 29.5]))
-    ...         writer.finish({})
-    ...     with open_map(f"{folder}/maps.h5") as maps:
-    ...         maps.title, float(maps.omega4_max.sel(a2=1.2))
-    ('two designs', 29.5)
-    """
-    path = Path(os.path.expanduser(path))
-    if not path.exists():
-        part = target.part_of(path)
-        hint = f"; {part.name} is of a run that has not finished" if part.exists() else ""
-        raise InputError(f"{path}: there is no such file{hint}; give the path of a written map")
-    if path.is_dir():
-        raise InputError(f"{path}: is a folder; give the path of a map that a sweep has written")
-    try:
-        dataset = xr.open_dataset(path, engine="h5netcdf")
-    except (OSError, ValueError, KeyError, RuntimeError) as error:
-        raise InputError(
-            f"{path}: cannot be read as HDF5 ({target.reason(error)}); give a map that a sweep has written"
-        ) from error
-    problem = _foreign(dataset.attrs.get(FORMAT))
-    if problem:
-        dataset.close()
-        raise InputError(f"{path}: {problem}")
-    return dataset
-
-
-def _foreign(version: Any) -> str:
-    """Return why a file with that format attribute is not read, or an empty text."""
-    if version is None:
-        return (
-            f"is no finished map (it has no attribute {FORMAT!r}); other files open with xarray.open_dataset"
-        )
-    if version > FORMAT_VERSION:
-        return f"has format {version}, this version reads up to {FORMAT_VERSION}; update fastlink"
-    return ""
+        partial_file.discard(self._fd, self.part)

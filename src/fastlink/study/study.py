@@ -26,7 +26,7 @@ from fastlink.errors import (
     Wording,
     path_text,
 )
-from fastlink.io.writer import check_target
+from fastlink.io.partial_file import check_target
 from fastlink.mechanisms import catalogue as find_catalogue
 from fastlink.plan.validate import check_keywords
 from fastlink.space.design_space import DesignSpace

@@ -14,11 +14,12 @@ import xarray as xr
 from tests.support.map_files import DESCRIBED, Sample, digest, left_in, raising
 
 from fastlink.errors import InputError
-from fastlink.io import partial_file as target
-from fastlink.io import writer as store
+from fastlink.io import partial_file
 from fastlink.io.dataset import Variable, coordinates
+from fastlink.io.partial_file import check_target
+from fastlink.io.reader import open_map
 from fastlink.io.skeleton import lay_out
-from fastlink.io.writer import Writer, check_target, open_map
+from fastlink.io.writer import Writer
 from fastlink.space.samplers import grid
 
 # --- other processes -------------------------------------------------------------------------------
@@ -79,7 +80,7 @@ def test_the_room_of_what_a_killed_run_left_is_given_back_first(tmp_path, monkey
         sizes.append(part.stat().st_size)
         return lay_out(*args)
 
-    monkeypatch.setattr(store, "lay_out", observed)
+    monkeypatch.setattr("fastlink.io.writer.lay_out", observed)
     Sample().save(tmp_path / "m.h5")
     assert sizes == [0]
 
@@ -88,7 +89,7 @@ def test_the_room_of_what_a_killed_run_left_is_given_back_first(tmp_path, monkey
 def test_a_partial_file_that_gets_its_name_while_it_is_claimed_is_left_alone(tmp_path, monkeypatch, next_run):
     part, other = tmp_path / "m.h5.part", tmp_path / "other.h5"
     part.write_text("complete")
-    lock = target._lock
+    lock = partial_file._lock
 
     def published_meanwhile(fd, path):
         if not other.exists():
@@ -97,8 +98,8 @@ def test_a_partial_file_that_gets_its_name_while_it_is_claimed_is_left_alone(tmp
                 part.write_text("killed early")
         lock(fd, path)
 
-    monkeypatch.setattr(target, "_lock", published_meanwhile)
-    with target.claimed(part):
+    monkeypatch.setattr(partial_file, "_lock", published_meanwhile)
+    with partial_file.claimed(part):
         assert other.read_text() == "complete"
         assert part.read_bytes() == b""
 
@@ -151,8 +152,8 @@ LACKS = {
     "room for a whole write": lambda patch: patch.setattr(
         os, "pwrite", lambda fd, data, at, write=os.pwrite: write(fd, data[:7], at)
     ),
-    "fcntl": lambda patch: patch.setattr(target, "fcntl", None),
-    "locks": lambda patch: patch.setattr(target.fcntl, "flock", raising(errno.ENOSYS)),
+    "fcntl": lambda patch: patch.setattr(partial_file, "fcntl", None),
+    "locks": lambda patch: patch.setattr(partial_file.fcntl, "flock", raising(errno.ENOSYS)),
     "posix_fallocate": lambda patch: patch.delattr(os, "posix_fallocate"),
     "reserving": lambda patch: patch.setattr(os, "posix_fallocate", raising(errno.EOPNOTSUPP)),
     "hard links": lambda patch: patch.setattr(os, "link", raising(errno.EPERM)),
@@ -201,7 +202,7 @@ def test_a_disk_that_is_too_small_is_refused_before_anything_is_written(tmp_path
 
 def test_what_a_killed_run_left_counts_as_free(tmp_path, monkeypatch):
     (tmp_path / "m.h5.part").write_bytes(b"x" * 4_000_000)
-    monkeypatch.setattr(target, "_free", lambda path: target.SLACK)
+    monkeypatch.setattr(partial_file, "_free", lambda path: partial_file.SLACK)
     assert check_target(tmp_path / "m.h5", 3_900_000, False) == tmp_path / "m.h5"
     with pytest.raises(InputError, match=r"needs 4\.2 MB but 1\.05 MB are free"):
         check_target(tmp_path / "m.h5", 4_200_000, False)
@@ -306,7 +307,7 @@ def test_places_that_cannot_be_written(tmp_path, monkeypatch):
     assert message("a\0b").endswith(" cannot be written (embedded null byte); choose another place")
     long = tmp_path / ("x" * 254)
     assert message(long) == f"to: {long} cannot be written (File name too long); choose another place"
-    monkeypatch.setattr(target.tempfile, "TemporaryFile", raising(errno.EACCES))
+    monkeypatch.setattr(partial_file.tempfile, "TemporaryFile", raising(errno.EACCES))
     path = tmp_path / "m.h5"
     assert message(path) == f"to: {path} cannot be written (Permission denied); choose another place"
 

@@ -15,9 +15,10 @@ import xarray as xr
 from tests.support.map_files import DESCRIBED, SPACES, Sample, digest, left_in, raising
 
 from fastlink.errors import InputError
-from fastlink.io import writer as store
+from fastlink.io import reader
 from fastlink.io.dataset import Variable, coordinates
-from fastlink.io.writer import Writer, open_map
+from fastlink.io.reader import open_map
+from fastlink.io.writer import Writer
 from fastlink.space.samplers import grid
 
 # --- what is in the file ---------------------------------------------------------------------------
@@ -307,6 +308,6 @@ def test_files_that_cannot_be_opened(tmp_path):
 
 
 def test_the_examples_run():
-    result = doctest.testmod(store)
+    result = doctest.testmod(reader)
     assert result.attempted > 0
     assert result.failed == 0

@@ -82,7 +82,7 @@ def test_any_speed_is_within_rounding():
 )
 def test_no_axis_is_used_that_does_more_than_scale(given, asked):
     space = fl.grid(**{"a1": 0.4, "a2": 1.1, "a3": 0.8, "a4": 1.0, **given})
-    assert resolve("planar_4r", space, asked, links=BAR).spread is None
+    assert resolve("planar_4r", space, asked, links=BAR).scaling_axis is None
 
 
 def test_density_scales_forces_and_leaves_rates():

@@ -13,8 +13,8 @@ from numpy.testing import assert_array_equal
 
 import fastlink as fl
 from fastlink.io import journal
-from fastlink.io import writer as store
 from fastlink.io.journal import RECORD, Journal, journal_of, missing, read_journal
+from fastlink.io.writer import Writer
 
 COUPLERS, OUTPUTS = np.linspace(1.0, 1.4, 41), np.linspace(0.6, 1.0, 31)
 DESIGNS = {"a1": 0.4, "a2": COUPLERS, "a3": OUTPUTS, "a4": 1.0}
@@ -29,7 +29,7 @@ def sweep(to, **given):
 
 def interrupt_after(monkeypatch, records):
     """Let a sweep be interrupted once so many blocks are written."""
-    record = store.Writer.record
+    record = Writer.record
 
     def counted(self, start, stop, seen=[0]):  # noqa: B006
         record(self, start, stop)
@@ -37,7 +37,7 @@ def interrupt_after(monkeypatch, records):
         if seen[0] == records:
             raise KeyboardInterrupt
 
-    monkeypatch.setattr(store.Writer, "record", counted)
+    monkeypatch.setattr(Writer, "record", counted)
 
 
 def assert_same(found, expected):
@@ -96,7 +96,6 @@ import os, signal, sys
 import numpy as np
 import fastlink as fl
 from fastlink.io import journal
-from fastlink.io import writer as store
 journal.STEP_SECONDS = 0.0
 commit, place, kill_at = journal.Journal._commit, sys.argv[1], int(sys.argv[2])
 seen = 0
