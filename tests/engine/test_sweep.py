@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-import re
-
 import numpy as np
 import pytest
 import xarray as xr
 from tests.support.configurations import PLANAR
+from tests.support.refusals import refused
 
 import fastlink as fl
 
@@ -247,88 +246,96 @@ def test_file_and_memory_hold_the_same(tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("change", "message"),
+    ("change", "key", "remedy"),
     [
-        ({"mechanism": "planar_4R"}, "mechanism: 'planar_4R' is unknown; did you mean 'planar_4r'?"),
-        ({"quantities": ["omega_4"]}, "quantity 'omega_4' is unknown to planar_4r; did you mean 'omega4'?"),
-        ({"quantities": ["omega4_maximum"]}, "did you mean 'omega4_max'?"),
-        ({"quantities": ["status_max"]}, "quantity 'status_max' is unknown to planar_4r"),
-        ({"quantities": ["theta1_at_omega4_rms"]}, "quantity 'theta1_at_omega4_rms' is unknown"),
-        ({"quantities": "omega4"}, "quantities is one text, 'omega4'; write a list: ['omega4']"),
-        ({"quantities": []}, "quantities is empty; write at least one name"),
-        ({"quantities": ["omega4", "omega4"]}, "quantities[1]: 'omega4' is named twice; name it once"),
-        ({"quantities": ["sigma"]}, "quantity 'sigma' is unknown to planar_4r"),
+        ({"mechanism": "planar_4R"}, "mechanism: 'planar_4R'", "did you mean 'planar_4r'?"),
+        ({"quantities": ["omega_4"]}, "quantity 'omega_4'", "did you mean 'omega4'?"),
+        ({"quantities": ["omega4_maximum"]}, "'omega4_maximum'", "did you mean 'omega4_max'?"),
+        ({"quantities": ["status_max"]}, "quantity 'status_max'", ""),
+        ({"quantities": ["theta1_at_omega4_rms"]}, "quantity 'theta1_at_omega4_rms'", ""),
+        ({"quantities": "omega4"}, "quantities", "a list: ['omega4']"),
+        ({"quantities": []}, "quantities", "at least one name"),
+        ({"quantities": ["omega4", "omega4"]}, "quantities[1]", "name it once"),
+        ({"quantities": ["sigma"]}, "quantity 'sigma'", ""),
         (
             {"space": {"a1": 0.4, "a2": 1.2, "a3": 0.8, "omega1": 1.0}},
-            "design: a4 is missing (length of the ground link OD [m])",
+            "design: a4",
+            "",
         ),
         (
             {"space": {**TABLE_1}},
-            "design: omega1 is missing (angular velocity of the crank, constant [rad s-1])",
+            "design: omega1",
+            "",
         ),
         (
             {"space": {**TABLE_1, "omega1": 1.0, "a5": 1.0}},
-            "design: a5 is unknown to planar_4r; did you mean 'a4'?",
+            "design: a5",
+            "did you mean 'a4'?",
         ),
         (
             {"space": {**TABLE_1, "omega1": 1.0, "radius": 0.1}},
-            "design: radius belongs to links of model 'round_bar'",
+            "design: radius",
+            "",
         ),
         (
             {"quantities": ["T41"], "space": {**TABLE_1, "omega1": 1.0}, "links": fl.round_bar(7750.0)},
-            "links: radius is missing (radius of the round bars [m])",
+            "links: radius",
+            "",
         ),
         (
             {"space": {**TABLE_1, "omega1": 1.0, "a3": 0.0}},
-            "design: a3 is 0.0 (length of the output link DB); write a finite number greater than 0",
+            "design: a3",
+            "greater than 0",
         ),
         (
             {"space": {**TABLE_1, "omega1": 1.0, "a3": [0.8, -0.1]}},
-            "design: a3[1] is -0.1 (length of the output link DB)",
+            "design: a3[1]",
+            "",
         ),
         (
             {"space": {**TABLE_1, "omega1": 1.0, "m2": -1.0}},
-            "design: m2 is -1.0 (mass of the coupler AB); write a finite number at least 0",
+            "design: m2",
+            "at least 0",
         ),
-        ({"theta1": 0}, "theta1: 0 input angles; write a number of at least 1, or an array in rad"),
-        ({"theta1": []}, "theta1: the array of input positions is empty; give at least one"),
-        ({"theta1": [0.0, 1.0, 0.0]}, "theta1: 0.0 stands twice (at 0 and 2); give each position once"),
-        ({"theta1": [0.0, np.nan]}, "theta1[1] is nan; write finite angles in rad"),
-        ({"theta1": "all"}, "theta1 is 'all'; write a number of angles, or a flat array of angles in rad"),
-        ({"theta1": 2.5}, "theta1 is 2.5; write a number of angles, or a flat array of angles in rad"),
-        ({"branch": 3}, "branch: 3 is no assembly mode of planar_4r; write some of 1, 2"),
-        ({"branch": (1, 1)}, "branch: 1 is given twice; write each once"),
-        ({"branch": ()}, "branch: none is given; write some of 1, 2"),
-        ({"solver": "lu"}, "solver: 'lu' is unknown"),
-        ({"threads": 0}, "threads is 0; write a whole number of at least 1"),
+        ({"theta1": 0}, "theta1", "a number of at least 1, or an array in rad"),
+        ({"theta1": []}, "theta1", "at least one"),
+        ({"theta1": [0.0, 1.0, 0.0]}, "theta1", "each position once"),
+        ({"theta1": [0.0, np.nan]}, "theta1[1]", "finite angles in rad"),
+        ({"theta1": "all"}, "theta1", "a number of angles, or a flat array of angles in rad"),
+        ({"theta1": 2.5}, "theta1", "a number of angles, or a flat array of angles in rad"),
+        ({"branch": 3}, "branch", "some of 1, 2"),
+        ({"branch": (1, 1)}, "branch", "each once"),
+        ({"branch": ()}, "branch", "some of 1, 2"),
+        ({"solver": "lu"}, "solver: 'lu'", ""),
+        ({"threads": 0}, "threads", "a whole number of at least 1"),
     ],
 )
-def test_bad_input_gets_one_clear_line(change, message):
+def test_bad_input_gets_one_clear_line(change, key, remedy):
     options = {
         "mechanism": "planar_4r",
         "space": {**TABLE_1, "omega1": 1.0},
         "quantities": ["omega4"],
     } | change
-    with pytest.raises(fl.InputError, match=re.escape(message)) as caught:
+    with refused(key, remedy):
         fl.sweep(
             options.pop("mechanism"), fl.grid(**options.pop("space")), options.pop("quantities"), **options
         )
-    assert "\n" not in str(caught.value)
 
 
 @pytest.mark.parametrize(
-    ("arguments", "message"),
+    ("arguments", "key", "remedy"),
     [
-        ({"density": -1.0}, "links: density is -1.0; write a finite number of at least 0"),
-        ({"radius": float("nan")}, "links: radius is nan; write a finite number of at least 0"),
+        ({"density": -1.0}, "links: density", "at least 0"),
+        ({"radius": float("nan")}, "links: radius", "at least 0"),
         (
             {"radius": [0.1]},
-            "links: radius is [0.1]; write one number, or leave it out and give radius in the design",
+            "links: radius",
+            "one number, or leave it out and give radius in the design",
         ),
     ],
 )
-def test_bad_links(arguments, message):
-    with pytest.raises(fl.InputError, match=re.escape(message)):
+def test_bad_links(arguments, key, remedy):
+    with refused(key, remedy):
         fl.round_bar(**arguments)
 
 
@@ -343,19 +350,19 @@ def test_an_existing_file_is_kept_unless_overwrite(tmp_path):
     path = tmp_path / "maps.h5"
     small_map(to=path, verify=0).close()
     before = path.read_bytes()
-    with pytest.raises(fl.InputError, match="the file exists; choose another name, or write overwrite=True"):
+    with refused(str(path), "overwrite=True"):
         small_map(to=path, verify=0)
     assert path.read_bytes() == before
     small_map(to=path, overwrite=True, verify=0).close()
 
 
 def test_an_output_folder_that_does_not_exist(tmp_path):
-    with pytest.raises(fl.InputError, match="there is no folder"):
+    with refused("nowhere"):
         small_map(to=tmp_path / "nowhere" / "maps.h5")
 
 
 def test_evaluate_refuses_what_it_cannot_read():
-    with pytest.raises(fl.InputError, match="evaluate: theta1 is missing"):
+    with refused("theta1"):
         fl.evaluate("planar_4r", ["B_x"], **TABLE_1)
-    with pytest.raises(fl.InputError, match="quantity 'B_z' is unknown to planar_4r; did you mean"):
+    with refused("'B_z'", "did you mean"):
         fl.evaluate("planar_4r", ["B_z"], theta1=0.0, **TABLE_1)

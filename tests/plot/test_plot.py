@@ -9,6 +9,7 @@ import matplotlib as mpl
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose, assert_array_equal
+from tests.support.refusals import refused
 
 import fastlink as fl
 from fastlink.plot.colours import limits_of
@@ -299,48 +300,44 @@ def test_matplotlib_is_left_as_it_was(maps):
 
 
 @pytest.mark.parametrize(
-    ("name", "options", "message"),
+    ("name", "options", "key", "remedy"),
     [
-        ("omega_max", {}, "name: there is no variable 'omega_max'; did you mean 'omega4_max'?"),
+        ("omega_max", {}, "name", "did you mean 'omega4_max'?"),
         (
             "omega4_max",
             {},
-            "plot: omega4_max has the dimensions a1 (4 from 0.2 to 3), a2 (5 from 0.3 to 1.5), "
-            "a4 (2 from 0.9 to 1); fix one of them by at={'a4': 1.0}",
+            "plot: omega4_max",
+            "fix one of them by at={'a4': 1.0}",
         ),
         (
             "omega4_max",
             {"at": {"a5": 1.0}},
-            "at: 'a5' is no dimension of omega4_max that can be fixed; did you mean 'a4'?",
+            "at: 'a5'",
+            "did you mean 'a4'?",
         ),
         (
             "omega4_max",
             {"at": {"branch": 1}},
-            "at: 'branch' is no dimension of omega4_max that can be fixed; choose an assembly mode by branch=1",
+            "at: 'branch'",
+            "an assembly mode by branch=1",
         ),
         (
             "omega4_max",
             {"at": {"a4": 1.2}},
-            "at: a4 is 1.2, outside the result; write a number from 0.9 to 1",
+            "at: a4",
+            "a number from 0.9 to 1",
         ),
-        ("omega4_max", {"at": {"a4": "1"}}, "at: a4 is '1'; write a finite number"),
-        ("omega4_max", {"at": {"a4": np.inf}}, "at: a4 is inf; write a finite number"),
-        ("omega4_max", {"branch": 3}, "branch: 3 is not in the result; write one of 1, 2"),
-        ("status", {"branch": 1}, "branch: status is the same in every assembly mode; leave it out"),
-        ("omega4_max", {"to": "map.h5"}, None),
-        ("omega4_max", {"to": "map"}, None),
+        ("omega4_max", {"at": {"a4": "1"}}, "at: a4", "a finite number"),
+        ("omega4_max", {"at": {"a4": np.inf}}, "at: a4", "a finite number"),
+        ("omega4_max", {"branch": 3}, "branch", "one of 1, 2"),
+        ("status", {"branch": 1}, "status", "leave it out"),
+        ("omega4_max", {"to": "map.h5"}, "map.h5", "png"),
+        ("omega4_max", {"to": "map"}, "map", "png"),
     ],
 )
-def test_bad_input(maps, name, options, message):
-    with pytest.raises(fl.InputError) as caught:
+def test_bad_input(maps, name, options, key, remedy):
+    with refused(key, remedy):
         fl.plot_map(maps, name, **options)
-    if message is None:
-        found = "ends in 'h5'" if options["to"].endswith("h5") else "has no ending"
-        message = f"to: {options['to']}: the name of the picture {found}; write one of "
-        assert str(caught.value).startswith(message)
-        assert "png" in str(caught.value)
-    else:
-        assert str(caught.value) == message
 
 
 def test_a_single_number_is_told_instead(curves):

@@ -15,8 +15,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.testing import assert_array_equal
 from scipy.stats import qmc
+from tests.support.refusals import refused
 
-from fastlink.errors import InputError
 from fastlink.space import design_space as space
 from fastlink.space import samplers as design
 from fastlink.space.samplers import grid, latin_hypercube, sobol
@@ -120,7 +120,7 @@ def test_with_constants_adds_only_what_is_missing():
     designs = grid(a1=0.4, a2=[1.0, 2.0]).with_constants({"a1": 9.0, "a2": 9.0, "omega1": 1})
     assert designs.constants == {"a1": 0.4, "omega1": 1.0}
     assert_array_equal(designs.axes["a2"], [1.0, 2.0])
-    with pytest.raises(InputError, match=r"^constants: m1 is inf; write a finite number$"):
+    with refused("constants: m1", "a finite number"):
         designs.with_constants({"m1": np.inf})
 
 
@@ -139,10 +139,9 @@ def test_one_more_axis_repeats_every_design(designs):
 
 
 def test_an_input_without_a_value_is_named_with_the_nearest():
-    message = "^design: 'omega_1' has no value; did you mean 'omega1'\\?$"
-    with pytest.raises(InputError, match=message):
+    with refused("'omega_1'", "did you mean 'omega1'?"):
         grid(omega1=1.0).values("omega_1")
-    with pytest.raises(InputError, match=message):
+    with refused("'omega_1'", "did you mean 'omega1'?"):
         filled(grid(omega1=1.0), ["omega_1"], 0, 1)
 
 
@@ -153,45 +152,43 @@ def test_designs_outside_the_space_are_refused(start, stop):
 
 
 GRID_ERRORS = {
-    "empty": ([], "grid: a2 is an empty axis; give it at least one value"),
-    "nan constant": (np.nan, "grid: a2 is nan; write a finite number"),
-    "inf in axis": ([1.0, -np.inf], "grid: a2[1] is -inf; write a finite number"),
+    "empty": ([], "grid: a2", "at least one value"),
+    "nan constant": (np.nan, "grid: a2", "a finite number"),
+    "inf in axis": ([1.0, -np.inf], "grid: a2[1]", "a finite number"),
     "masked": (
         np.ma.masked_array([1, 2], mask=[False, True]),
-        "grid: a2[1] is nan; write a finite number",
+        "grid: a2[1]",
+        "a finite number",
     ),
-    "repeat": ([1.0, 2.0, 3.0, 2.0], "grid: a2 holds 2.0 twice (at 1 and 3); give each value once"),
-    "signed zeros": ([0.0, -0.0], "grid: a2 holds 0.0 twice (at 0 and 1); give each value once"),
+    "repeat": ([1.0, 2.0, 3.0, 2.0], "grid: a2", "each value once"),
+    "signed zeros": ([0.0, -0.0], "grid: a2", "each value once"),
     "two dimensions": (
         np.ones((2, 2)),
-        "grid: a2 has 2 dimensions; write a number or a flat list of numbers",
+        "grid: a2",
+        "a flat list of numbers",
     ),
-    "ragged": ([[1.0], [1.0, 2.0]], "grid: a2 is a ragged list; write a number or a flat list of numbers"),
-    "text": ("1.0", "grid: a2 is '1.0', not a number; write a number or a flat list of numbers"),
-    "none": (None, "grid: a2 is None, not a number; write a number or a flat list of numbers"),
-    "text in list": ([1.0, "x"], "grid: a2[1] is 'x', not a number; write a number"),
-    "truth": (True, "grid: a2 is True, not a number; write a number or a flat list of numbers"),
-    "truths": (np.array([True]), "grid: a2[0] is True, not a number; write a number"),
-    "complex": ([1.0, 1j], "grid: a2[1] is 1j, not a number; write a number"),
-    "durations": (np.array([1], "m8[ns]"), "grid: a2 holds dates or durations; write numbers"),
-    "too large": (10**400, "grid: a2 holds a number beyond the range of a double; write a smaller one"),
+    "ragged": ([[1.0], [1.0, 2.0]], "grid: a2", "a flat list of numbers"),
+    "text": ("1.0", "grid: a2", "a flat list of numbers"),
+    "none": (None, "grid: a2", "a flat list of numbers"),
+    "text in list": ([1.0, "x"], "grid: a2[1]", "a number"),
+    "truth": (True, "grid: a2", "a flat list of numbers"),
+    "truths": (np.array([True]), "grid: a2[0]", "a number"),
+    "complex": ([1.0, 1j], "grid: a2[1]", "a number"),
+    "durations": (np.array([1], "m8[ns]"), "grid: a2", "numbers"),
+    "too large": (10**400, "grid: a2", "a smaller one"),
 }
 
 
-@pytest.mark.parametrize(("values", "message"), GRID_ERRORS.values(), ids=GRID_ERRORS)
-def test_a_bad_axis_is_refused_in_one_line(values, message):
-    with pytest.raises(InputError) as caught:
+@pytest.mark.parametrize(("values", "key", "remedy"), GRID_ERRORS.values(), ids=GRID_ERRORS)
+def test_a_bad_axis_is_refused_in_one_line(values, key, remedy):
+    with refused(key, remedy):
         grid(a1=0.4, a2=values)
-    assert str(caught.value) == message
 
 
 def test_more_designs_than_can_be_numbered_are_refused():
     axis = np.arange(2.0**16)
-    with pytest.raises(InputError) as caught:
+    with refused("1.84e+19 designs", "a: 65536, b: 65536, c: 65536, d: 65536"):
         grid(a=axis, b=axis, c=axis, d=axis)
-    assert str(caught.value) == (
-        "grid: 1.84e+19 designs are too many; shorten an axis (a: 65536, b: 65536, c: 65536, d: 65536)"
-    )
 
 
 @pytest.mark.parametrize("n", [1, 2, 7, 64, 1000, 2**16 + 3])
@@ -238,30 +235,29 @@ def test_a_range_is_not_left_by_rounding():
 
 
 SAMPLE_ERRORS = {
-    "no designs": ({"n": 0}, "n is 0; write an integer from 1 to 1073741824"),
-    "too many": ({"n": 2**30 + 1}, "n is 1073741825; write an integer from 1 to 1073741824"),
-    "fraction": ({"n": 8.0}, "n is 8.0; write an integer from 1 to 1073741824"),
-    "truth": ({"n": True}, "n is True; write an integer from 1 to 1073741824"),
-    "no seed": ({"seed": None}, "seed is None; write an integer of 0 or more"),
-    "negative seed": ({"seed": -1}, "seed is -1; write an integer of 0 or more"),
-    "three": ({"a1": (1, 2, 3)}, "a1 holds 3 values; write (lo, hi), or a number for a constant"),
-    "reversed": ({"a1": (0.5, 0.4)}, "a1 runs from 0.5 to 0.4; write (lo, hi) with lo < hi"),
-    "equal": ({"a1": (0.5, 0.5)}, "a1 runs from 0.5 to 0.5; write (lo, hi) with lo < hi"),
-    "infinite": ({"a1": (0.5, np.inf)}, "a1 runs from 0.5 to inf; write finite ends"),
-    "nan": ({"a1": (np.nan, 1.0)}, "a1 runs from nan to 1.0; write finite ends"),
-    "too wide": ({"a1": (-1e308, 1e308)}, "a1 runs from -1e+308 to 1e+308; write finite ends"),
-    "nan constant": ({"a2": np.nan}, "a2 is nan; write a finite number"),
-    "text": ({"a1": "0..1"}, "a1 is '0..1', not a number; write a number or a flat list of numbers"),
-    "no range": ({"a1": 1.0}, "no input has a range; write (lo, hi) for at least one, or use a grid"),
+    "no designs": ({"n": 0}, "n", "an integer from 1 to 1073741824"),
+    "too many": ({"n": 2**30 + 1}, "n", "an integer from 1 to 1073741824"),
+    "fraction": ({"n": 8.0}, "n", "an integer from 1 to 1073741824"),
+    "truth": ({"n": True}, "n", "an integer from 1 to 1073741824"),
+    "no seed": ({"seed": None}, "seed", "an integer of 0 or more"),
+    "negative seed": ({"seed": -1}, "seed", "an integer of 0 or more"),
+    "three": ({"a1": (1, 2, 3)}, "a1", "(lo, hi), or a number for a constant"),
+    "reversed": ({"a1": (0.5, 0.4)}, "a1", "(lo, hi) with lo < hi"),
+    "equal": ({"a1": (0.5, 0.5)}, "a1", "(lo, hi) with lo < hi"),
+    "infinite": ({"a1": (0.5, np.inf)}, "a1", "finite ends"),
+    "nan": ({"a1": (np.nan, 1.0)}, "a1", "finite ends"),
+    "too wide": ({"a1": (-1e308, 1e308)}, "a1", "finite ends"),
+    "nan constant": ({"a2": np.nan}, "a2", "a finite number"),
+    "text": ({"a1": "0..1"}, "a1", "a flat list of numbers"),
+    "no range": ({"a1": 1.0}, "input", "(lo, hi) for at least one, or use a grid"),
 }
 
 
 @pytest.mark.parametrize("sample", [sobol, latin_hypercube])
-@pytest.mark.parametrize(("change", "message"), SAMPLE_ERRORS.values(), ids=SAMPLE_ERRORS)
-def test_a_bad_sample_is_refused_in_one_line(sample, change, message):
-    with pytest.raises(InputError) as caught:
+@pytest.mark.parametrize(("change", "key", "remedy"), SAMPLE_ERRORS.values(), ids=SAMPLE_ERRORS)
+def test_a_bad_sample_is_refused_in_one_line(sample, change, key, remedy):
+    with refused(key, remedy):
         sample(**{"n": 8, "a1": (0.2, 0.4), **change})
-    assert str(caught.value) == f"{sample.__name__}: {message}"
 
 
 def top_level_imports(path):

@@ -202,6 +202,11 @@ def minkowskian_designs(kind: str, rng: np.random.Generator, n: int) -> dict[str
     return dict(zip(minkowski_designs.LENGTHS, lengths, strict=True))
 
 
+#: 1 + w, w being right to 6 units of 2^-53: two sums, two quotients, two products.
+COSINES = dict.fromkeys(
+    ("cosh_theta_min", "cosh_theta_max", "cosh_psi_min", "cosh_psi_max", "cosh_theta_branching"), 7.0
+)
+
 MINKOWSKI_4R = (
     Entry(
         *("minkowski_4r", "theta"),
@@ -211,11 +216,13 @@ MINKOWSKI_4R = (
         many=300,
         # Two sums of four terms, each right to 2 roundings; a product of two sums of 10 terms of 8 roundings at most.
         errors={"loop_residual": 8 * UNIT, "sextic_residual": 16 * UNIT},
+        long_chains=COSINES,
     ),
     Entry(
         *("minkowski_4r", "theta"),
         about="designs of",
         families=families(minkowskian_designs, minkowski_designs.FAMILIES),
+        long_chains=COSINES,
         slopes={"random": 1.0},
         looseness=10.0,
         few=12,

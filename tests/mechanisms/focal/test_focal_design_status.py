@@ -7,9 +7,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 from tests.support.focal_designs import FACTS, FOCAL, NUMBERS, facts
+from tests.support.refusals import refused
 
 import fastlink as fl
-from fastlink.errors import InputError
 from fastlink.mechanisms.focal.status import STATUS_FLAGS
 from fastlink.precision.reference import UNIT
 from fastlink.study.study import run_study
@@ -118,25 +118,24 @@ def test_change_points_are_told_as_such():
 
 
 @pytest.mark.parametrize(
-    ("design", "message"),
+    ("design", "key", "remedy"),
     [
-        ({"rho": 1.0, "s": 2.0}, "s and rho determine each other; leave one of them out"),
-        ({"s": 1.0, "lambda_": 2.0}, "determine each other; leave one of them out"),
-        ({}, "rho is missing"),
-        ({"rho": 1.0, "completion": 3}, "completion is 3.0"),
+        ({"rho": 1.0, "s": 2.0}, "s", "leave one of them out"),
+        ({"s": 1.0, "lambda_": 2.0}, "lambda_", "leave one of them out"),
+        ({}, "rho", ""),
+        ({"rho": 1.0, "completion": 3}, "completion", ""),
         (
             {"rho": 1.0, "a": -1.0},
-            "a is -1.0 (length of the rocker MA); write a finite number greater than 0",
+            "a",
+            "greater than 0",
         ),
-        ({"rho": np.nan}, "rho is nan; write a finite number"),
-        ({"s": 1.0}, "quantity 's' is given, and a coordinate of the result; leave it out"),
+        ({"rho": np.nan}, "rho", "a finite number"),
+        ({"s": 1.0}, "quantity 's'", "leave it out"),
     ],
 )
-def test_bad_designs_are_refused_in_a_line(design, message):
-    with pytest.raises(InputError) as refused:
+def test_bad_designs_are_refused_in_a_line(design, key, remedy):
+    with refused(key, remedy):
         fl.sweep("focal", fl.grid(**FOUR_BAR | design), ["s"])
-    assert message in str(refused.value)
-    assert "\n" not in str(refused.value)
 
 
 # -- studies --------------------------------------------------------------------------------------------------

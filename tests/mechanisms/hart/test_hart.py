@@ -9,10 +9,10 @@ import numpy as np
 import pytest
 from tests.support.configurations import DIGITS, UNIT
 from tests.support.hart_configurations import HART, INPUTS, OF_THE_CRANK, QUANTITIES, WUNDERLICH, at, family
+from tests.support.refusals import refused
 
 import fastlink as fl
 from fastlink.catalogue.evaluate import read_facts
-from fastlink.errors import InputError
 from fastlink.mechanisms.hart.line import KITE_FLAGS, STATUS_FLAGS
 from fastlink.precision.reference import CONTEXT, HighPrecision
 from fastlink.study.study import run_study
@@ -288,26 +288,25 @@ def test_status_agrees_with_the_four_bar():
 
 
 @pytest.mark.parametrize(
-    ("changes", "message"),
+    ("changes", "key", "remedy"),
     [
-        ({"m": -4.0}, "design: m is -4.0 (length of MP); write a finite number greater than 0"),
-        ({"d": 0.0}, "design: d is 0.0 (length of the ground link MN); write a finite number greater than 0"),
-        ({"k": 0.5}, "design: k is unknown to hart"),
-        ({"rho": -1.0}, "design: rho is unknown to hart"),
+        ({"m": -4.0}, "design: m", "greater than 0"),
+        ({"d": 0.0}, "design: d", "greater than 0"),
+        ({"k": 0.5}, "design: k", ""),
+        ({"rho": -1.0}, "design: rho", ""),
     ],
 )
-def test_bad_designs_are_refused(changes, message):
-    with pytest.raises(InputError) as refused:
+def test_bad_designs_are_refused(changes, key, remedy):
+    with refused(key, remedy):
         fl.sweep("hart", fl.grid(**(WUNDERLICH | changes)), ["stroke"])
-    assert message in str(refused.value)
 
 
 def test_what_is_missing_or_misnamed_is_told():
-    with pytest.raises(InputError, match="kappa is missing"):
+    with refused("kappa"):
         fl.sweep("hart", fl.grid(m=4.0, n=8.0, d=6.0), ["stroke"])
-    with pytest.raises(InputError, match="'strok' is unknown to hart; did you mean 'stroke'"):
+    with refused("'strok'", "did you mean 'stroke'?"):
         fl.sweep("hart", fl.grid(**WUNDERLICH), ["strok"])
-    with pytest.raises(InputError, match="branch: 3 is no assembly mode of hart"):
+    with refused("branch"):
         fl.sweep("hart", fl.grid(**WUNDERLICH), ["F_y"], branch=3)
-    with pytest.raises(InputError, match="theta1: the input is phi"):
+    with refused("theta1", "phi"):
         fl.sweep("hart", fl.grid(**WUNDERLICH), ["F_y"], theta1=[1.0])

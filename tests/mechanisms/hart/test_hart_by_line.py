@@ -6,9 +6,9 @@ import mpmath as mp
 import numpy as np
 import pytest
 from tests.support.hart_configurations import HART, INPUTS, MEASURES, WUNDERLICH, family
+from tests.support.refusals import refused
 
 import fastlink as fl
-from fastlink.errors import InputError
 from fastlink.mechanisms import catalogue
 from fastlink.precision.reference import CONTEXT, HighPrecision
 
@@ -68,9 +68,9 @@ def test_it_assembles_along_the_stroke_alone(design):
 
 
 def test_what_it_does_not_tell_is_said():
-    with pytest.raises(InputError, match=r"'dF_y_dphi' is defined for input 'phi' alone; .* 'dphi_dF_y'"):
+    with refused("'dF_y_dphi'", "'dphi_dF_y'"):
         fl.sweep("hart", fl.grid(**WUNDERLICH), ["dF_y_dphi"], input="F_y")
-    with pytest.raises(InputError, match="input: 'F_x' is unknown to hart; did you mean 'F_y'"):
+    with refused("input", "did you mean 'F_y'?"):
         fl.sweep("hart", fl.grid(**WUNDERLICH), ["psi"], input="F_x")
-    with pytest.raises(InputError, match="angles: 12 is no array, and F_y has no bounds"):
+    with refused("angles", "numpy.linspace"):
         fl.sweep("hart", fl.grid(**WUNDERLICH), ["psi"], input="F_y", angles=12)

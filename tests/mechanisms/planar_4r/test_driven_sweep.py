@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from tests.support.refusals import refused
 from tests.support.study_files import written
 
 import fastlink as fl
@@ -62,34 +63,34 @@ def test_refined_extremes_are_those_of_a_dense_curve(k):
 
 
 @pytest.mark.parametrize(
-    ("quantity", "options", "message"),
+    ("quantity", "options", "key", "remedy"),
     [
         (
             "theta2",
             {},
-            "quantity 'theta2' is defined for input 'theta1' alone; with input='joint_angle_2' ask for",
+            "quantity 'theta2'",
+            "with input='joint_angle_2' ask for",
         ),
-        ("shaking_force_max", {}, "'shaking_force_max' is defined for input 'theta1' alone"),
-        ("theta1_at_v1_max", {}, "'theta1_at_v1_max' is defined for input 'theta1' alone"),
-        ("joint_angle_2", {}, "'joint_angle_2' is given, and a coordinate of the result; leave it out"),
-        ("joint_omega_2", {}, "'joint_omega_2' is given, and a coordinate of the result; leave it out"),
-        ("joint_omga_3", {}, "unknown to planar_4r driven by joint_angle_2; did you mean 'joint_omega_3'?"),
-        ("v1", {"theta1": 8}, "theta1: the input is joint_angle_2; write its positions as joint_angle_2"),
-        ("v1", {"angles": 0}, "angles: 0 input angles"),
+        ("shaking_force_max", {}, "'shaking_force_max'", ""),
+        ("theta1_at_v1_max", {}, "'theta1_at_v1_max'", ""),
+        ("joint_angle_2", {}, "'joint_angle_2'", "leave it out"),
+        ("joint_omega_2", {}, "'joint_omega_2'", "leave it out"),
+        ("joint_omga_3", {}, "'joint_omga_3'", "did you mean 'joint_omega_3'?"),
+        ("v1", {"theta1": 8}, "theta1", "joint_angle_2"),
+        ("v1", {"angles": 0}, "angles", "at least 1"),
         (
             "v1",
             {"links": fl.round_bar(1.0, 1.0)},
-            "links: nothing of planar_4r driven by joint_angle_2 depends",
+            "links",
+            "",
         ),
-        ("v1", {"input": "joint_angle_5"}, "input: 'joint_angle_5' is unknown to planar_4r; did you mean"),
-        ("v1", {"input": "theta1"}, "design: joint_omega_2 is unknown to planar_4r"),
+        ("v1", {"input": "joint_angle_5"}, "input: 'joint_angle_5'", "did you mean"),
+        ("v1", {"input": "theta1"}, "design: joint_omega_2", ""),
     ],
 )
-def test_a_sweep_says_what_is_wrong(quantity, options, message):
-    with pytest.raises(fl.InputError) as caught:
+def test_a_sweep_says_what_is_wrong(quantity, options, key, remedy):
+    with refused(key, remedy):
         fl.sweep("planar_4r", fl.grid(**SPACE), [quantity], **{"input": "joint_angle_2"} | options)
-    assert message in str(caught.value)
-    assert "\n" not in str(caught.value)
 
 
 def test_angles_and_theta1_are_two_names_of_one_thing():
