@@ -361,7 +361,7 @@ def test_a_picture_that_cannot_be_written(maps, tmp_path):
 def test_without_matplotlib_the_remedy_is_told(maps, monkeypatch):
     for module in [name for name in sys.modules if name.startswith(("matplotlib", "fastlink.plot."))]:
         monkeypatch.delitem(sys.modules, module)
-    monkeypatch.delattr(sys.modules["fastlink"], "plot_draw", raising=False)
+    monkeypatch.delattr(sys.modules["fastlink.plot"], "draw", raising=False)
     monkeypatch.setitem(sys.modules, "matplotlib", None)
     with pytest.raises(
         fl.InputError, match=r"matplotlib is not installed; python -m pip install 'fastlink-li"
