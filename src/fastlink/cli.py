@@ -242,15 +242,17 @@ def cache(
 
     The environment variable FASTLINK_CACHE_DIR is another folder, FASTLINK_CACHE_BYTES another limit.
     """
-    from fastlink.codegen import cache as kept
+    from fastlink._text import counted, size
+    from fastlink.codegen import cache as kernel_cache
 
-    found = kept.clear() if clear else kept.contents()
-    kernels = f"{found.kernels:,} kernel{'s' * (found.kernels != 1)} of {found.size:,} bytes"
+    state = kernel_cache.clear() if clear else kernel_cache.contents()
+    kernels = f"{counted(state.kernels, 'kernel')} of {size(state.size)}"
     if clear:
-        left = kept.contents().size
-        typer.echo(f"{found.folder}: {kernels} removed" + (f"; {left:,} bytes cannot be" if left else ""))
+        left = kernel_cache.contents().size
+        remark = f"; {size(left)} could not be removed" if left else ""
+        typer.echo(f"{state.folder}: {kernels} removed{remark}")
     else:
-        typer.echo(f"{found.folder}: {kernels}; the oldest go beyond {found.limit:,}")
+        typer.echo(f"{state.folder}: {kernels}; beyond {size(state.limit)} the oldest are removed")
 
 
 @command

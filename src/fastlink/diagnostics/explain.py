@@ -12,6 +12,7 @@ from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from fastlink._text import aligned
 from fastlink.codegen.kernel import llvm_text
 from fastlink.codegen.machine import assembly
 from fastlink.codegen.translate import Refused
@@ -310,12 +311,5 @@ def _folded(head: str, names: Iterable[str]) -> str:
 
 def _table(loops: Sequence[LoopWork]) -> str:
     """Return the work of loops as aligned text."""
-    rows: list[tuple[str, ...]] = [("for each", "how often", *KINDS)]
-    rows += [(loop.per, loop.times, *(str(loop.work[kind]) for kind in KINDS)) for loop in loops]
-    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
-    lines = []
-    for row in rows:
-        texts = (f"{cell:<{width}}" for cell, width in zip(row[:2], widths[:2], strict=True))
-        numbers = (f"{cell:>{width}}" for cell, width in zip(row[2:], widths[2:], strict=True))
-        lines.append("  " + "  ".join((*texts, *numbers)))
-    return "\n".join(lines)
+    rows = [(loop.per, loop.times, *(str(loop.work[kind]) for kind in KINDS)) for loop in loops]
+    return aligned([("for each", "how often", *KINDS), *rows], right=2, indent="  ")

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from fastlink._text import aligned
 from fastlink.errors import InputError
 
 if TYPE_CHECKING:
@@ -67,14 +68,7 @@ def accuracy_table(measured: xr.Dataset) -> str:
             way = one.isel(way=int(k))
             if not math.isnan(way["ns_per_design"]):
                 rows.append(_row(way))
-        widths = [max(len(row[c]) for row in rows) for c in range(len(head))]
-        lines = [
-            "  ".join(
-                t.ljust(w) if c < 2 else t.rjust(w) for c, (t, w) in enumerate(zip(row, widths, strict=True))
-            )
-            for row in rows
-        ]
-        blocks.append("\n".join([str(quantity), *(line.rstrip() for line in lines)]))
+        blocks.append(f"{quantity}\n{aligned(rows, right=2)}")
     return "\n\n".join(blocks)
 
 

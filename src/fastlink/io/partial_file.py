@@ -11,6 +11,7 @@ import threading
 from collections.abc import Iterator
 from pathlib import Path
 
+from fastlink._text import size
 from fastlink.errors import InputError, Remedy, Setting
 
 try:
@@ -84,7 +85,7 @@ def no_room(path: Path, nbytes: int, error: Exception | None = None) -> InputErr
     """Return the error of a disk that is too small for a file."""
     why = f" ({reason(error)})" if error else ""
     return _refused(
-        f"{path} needs {_human(nbytes)} but {_human(_free(path))} are free{why}",
+        f"{path} needs {size(nbytes)} but {size(_free(path))} are free{why}",
         "ask for fewer quantities or designs, or choose another disk",
     )
 
@@ -298,12 +299,3 @@ def _held_by(part: Path) -> int:
     except FileNotFoundError:
         return 0
     return getattr(status, "st_blocks", 0) * 512
-
-
-def _human(nbytes: int) -> str:
-    size = float(nbytes)
-    for unit in ("B", "kB", "MB", "GB"):
-        if size < 1000:
-            return f"{size:.3g} {unit}"
-        size /= 1000
-    return f"{size:.3g} TB"

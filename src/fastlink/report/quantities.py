@@ -5,11 +5,13 @@
 
 from __future__ import annotations
 
+import itertools
 import re
 import textwrap
 from collections.abc import Iterable, Sequence
 from dataclasses import astuple, dataclass, fields
 
+from fastlink._text import aligned
 from fastlink.catalogue.catalogue import Catalogue, Fact, Input
 from fastlink.facts.names import Derivative, ErrorBound, ListOfExtrema, Reduced, Trust
 from fastlink.facts.names import Quantity as Plain
@@ -264,23 +266,12 @@ def _header(row: type) -> tuple[str, ...]:
 
 def _text_table(header: tuple[str, ...], rows: Sequence[tuple[str, ...]]) -> str:
     """Return a table as aligned text, long cells folded."""
-    folds = {"meaning": MEANING_WIDTH, "source": SOURCE_WIDTH}
-    folded = [
-        [textwrap.wrap(cell, folds.get(name, 1000)) or [""] for name, cell in zip(header, row, strict=True)]
-        for row in rows
-    ]
-    widths = [
-        max(len(name), *(len(line) for row in folded for line in row[column]))
-        for column, name in enumerate(header)
-    ]
-    lines = [header, tuple("-" * width for width in widths)]
-    for row in folded:
-        for k in range(max(len(cell) for cell in row)):
-            lines.append(tuple(cell[k] if k < len(cell) else "" for cell in row))
-    return "\n".join(
-        "  ".join(f"{cell:<{width}}" for cell, width in zip(line, widths, strict=True)).rstrip()
-        for line in lines
-    )
+    widths = [{"meaning": MEANING_WIDTH, "source": SOURCE_WIDTH}.get(name, 1000) for name in header]
+    lines = [header]
+    for row in rows:
+        cells = map(textwrap.wrap, row, widths)
+        lines += itertools.zip_longest(*cells, fillvalue="")
+    return aligned(lines, ruled=True)
 
 
 def _markdown_table(header: tuple[str, ...], rows: Sequence[tuple[str, ...]]) -> str:

@@ -1,0 +1,96 @@
+"""Text for people: aligned columns, sizes of files, run times, counts."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+__all__ = ["aligned", "counted", "duration", "scaled", "size"]
+
+BYTES = (" B", " kB", " MB", " GB", " TB")
+
+
+def aligned(
+    rows: Sequence[Sequence[str]], *, right: int | None = None, ruled: bool = False, indent: str = ""
+) -> str:
+    """Return rows of cells as lines of text, with columns below each other.
+
+    Parameters
+    ----------
+    rows : sequence of sequence of str
+        All of one length.
+    right : int, optional
+        The first of the columns that are flush right; none by default.
+    ruled : bool
+        Draw a line below the first row.
+    indent : str
+        What each line starts with.
+
+    Examples
+    --------
+    >>> print(aligned([("", "way", "ns"), ("*", "refined", "335")], right=2, ruled=True))
+       way       ns
+    -  -------  ---
+    *  refined  335
+    """
+    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
+    right = len(widths) if right is None else right
+    lines = [list(row) for row in rows]
+    if ruled:
+        lines.insert(1, ["-" * width for width in widths])
+    for line in lines:
+        line[:right] = map(str.ljust, line[:right], widths[:right])
+        line[right:] = map(str.rjust, line[right:], widths[right:])
+    return "\n".join(f"{indent}{'  '.join(line)}".rstrip() for line in lines)
+
+
+def counted(number: int, noun: str) -> str:
+    """Return a number with its noun, in the plural where there is not one.
+
+    Examples
+    --------
+    >>> counted(1, "kernel"), counted(2048, "kernel")
+    ('1 kernel', '2,048 kernels')
+    """
+    return f"{number:,} {noun}{'' if number == 1 else 's'}"
+
+
+def duration(seconds: float) -> str:
+    """Return a time in words.
+
+    Examples
+    --------
+    >>> duration(0.0123), duration(4.56), duration(125.0), duration(7300.0)
+    ('0.012 s', '4.6 s', '2 min 5 s', '2 h 1 min')
+    """
+    if seconds < 60:
+        return f"{seconds:.2g} s"
+    minutes, rest = divmod(round(seconds), 60)
+    if minutes < 60:
+        return f"{minutes} min {rest} s"
+    return f"{minutes // 60} h {minutes % 60} min"
+
+
+def scaled(value: float, units: Sequence[str]) -> str:
+    """Return a number with three digits and its unit, one of the units for 1, 10^3, 10^6 ...
+
+    Examples
+    --------
+    >>> scaled(1.23456e6, ("/s", " thousand/s", " million/s"))
+    '1.23 million/s'
+    """
+    for unit in units[:-1]:
+        if value < 1000:
+            return f"{value:.3g}{unit}"
+        value /= 1000
+    return f"{value:.3g}{units[-1]}"
+
+
+def size(nbytes: int) -> str:
+    """Return a number of bytes in words.
+
+    Examples
+    --------
+    >>> size(512), size(268_435_456)
+    ('512 B', '268 MB')
+    """
+    return scaled(nbytes, BYTES)
