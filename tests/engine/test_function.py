@@ -8,6 +8,7 @@ from concurrent.futures import ThreadPoolExecutor
 import numpy as np
 import pytest
 from scipy.optimize import NonlinearConstraint, differential_evolution
+from tests.support.refusals import refused
 
 import fastlink as fl
 
@@ -104,40 +105,41 @@ def test_a_pickled_function_is_the_same():
 
 
 @pytest.mark.parametrize(
-    ("inputs", "outputs", "options", "message"),
+    ("inputs", "outputs", "options", "key", "remedy"),
     [
-        (["a2", "a7"], ["omega4_max"], FIXED, "a7 is unknown to planar_4r"),
-        (["a2", "a3"], ["omega5_max"], FIXED, "did you mean 'omega4_max'"),
-        (["a2"], ["omega4_max"], FIXED, "a3 is missing"),
-        (["a2", "a3"], ["omega4_max"], FIXED | {"a2": 1.0}, "a2 is among the inputs and given as 1.0"),
+        (["a2", "a7"], ["omega4_max"], FIXED, "a7", ""),
+        (["a2", "a3"], ["omega5_max"], FIXED, "'omega5_max'", "did you mean 'omega4_max'?"),
+        (["a2"], ["omega4_max"], FIXED, "a3", ""),
+        (["a2", "a3"], ["omega4_max"], FIXED | {"a2": 1.0}, "a2", ""),
         (
             ["a2", "a3"],
             ["omega4_max"],
             FIXED | {"a1": -1.0},
-            "a1 is -1.0 .*; write a finite number greater than 0",
+            "a1",
+            "greater than 0",
         ),
-        (["a2", "a3"], ["omega4_max"], FIXED | {"a1": [1.0, 2.0]}, "a1 is given 2 values; write one number"),
-        ("a2", ["omega4_max"], FIXED, r"inputs is one text, 'a2'; write a list: \['a2'\]"),
-        (["a2", "a3"], [], FIXED, "outputs is empty"),
-        (["a2", "a2"], ["omega4_max"], FIXED, "'a2' is named twice"),
-        (["a2", "a3"], ["omega4", "omega4_extrema"], FIXED, "make a function of each"),
-        (["a2", "a3"], ["omega4_max"], FIXED | {"backend": "gcc"}, "'gcc' is unknown"),
+        (["a2", "a3"], ["omega4_max"], FIXED | {"a1": [1.0, 2.0]}, "a1", "one number"),
+        ("a2", ["omega4_max"], FIXED, "inputs", "['a2']"),
+        (["a2", "a3"], [], FIXED, "outputs", ""),
+        (["a2", "a2"], ["omega4_max"], FIXED, "'a2'", "name it once"),
+        (["a2", "a3"], ["omega4", "omega4_extrema"], FIXED, "omega4_extrema", "make a function of each"),
+        (["a2", "a3"], ["omega4_max"], FIXED | {"backend": "gcc"}, "'gcc'", ""),
     ],
 )
-def test_wrong_requests_are_refused(inputs, outputs, options, message):
-    with pytest.raises(fl.InputError, match=message):
+def test_wrong_requests_are_refused(inputs, outputs, options, key, remedy):
+    with refused(key, remedy):
         fl.function("planar_4r", inputs, outputs, **options)
 
 
 def test_a_choice_is_to_be_made():
-    with pytest.raises(fl.InputError, match="completion is missing; give it, one of 1"):
+    with refused("completion", "one of 1"):
         fl.function("focal", ["b"], ["T_x"], a=1.0, c=1.1, d=1.4, rho=0.5)
 
 
 def test_an_argument_of_another_shape_is_refused():
     made = fl.function("planar_4r", ["a2", "a3"], ["omega4_max"], **FIXED)
     for wrong in (1.0, [1.0], np.ones((3, 2))):
-        with pytest.raises(fl.InputError, match="its first axis has 2 rows: a2, a3"):
+        with refused("x", "2 rows: a2, a3"):
             made(wrong)
 
 

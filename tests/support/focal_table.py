@@ -1,4 +1,4 @@
-"""The table of docs/focal.md: `python tests/support/focal_table.py`, from the root of the repository."""
+"""The table of docs/focal.md: `python -m tests.support.focal_table`, from the root of the repository."""
 
 from __future__ import annotations
 

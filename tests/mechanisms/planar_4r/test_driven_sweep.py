@@ -133,29 +133,30 @@ def test_a_study_names_its_input(folder):
 
 
 @pytest.mark.parametrize(
-    ("old", "new", "message"),
+    ("old", "new", "key", "remedy"),
     [
-        ("joint_angle_2", "joint_angle_9", "cycle.input: 'joint_angle_9' is unknown to planar_4r"),
+        ("joint_angle_2", "joint_angle_9", "cycle.input", "did you mean"),
         (
             "angles",
             "theta1",
-            "cycle.theta1: the input is joint_angle_2; write its positions as joint_angle_2",
+            "cycle.theta1",
+            "joint_angle_2",
         ),
-        ("12", "{values = [1.0, 1.0]}", "cycle.angles: 1.0 stands twice (at 0 and 1)"),
-        ("12", "0", "cycle.angles is 0; write a number of angles from 1"),
-        ("joint_omega_2", "omega1", "design.omega1 is unknown to planar_4r driven by"),
+        ("12", "{values = [1.0, 1.0]}", "cycle.angles", "once"),
+        ("12", "0", "cycle.angles", "from 1"),
+        ("joint_omega_2", "omega1", "design.omega1", "did you mean"),
         (
             '"joint_angle_1"',
             '"theta4"',
-            "quantities[0]: quantity 'theta4' is defined for input 'theta1' alone",
+            "quantities[0]",
+            "joint_angle_2",
         ),
-        ("[cycle]", "[links]\nmodel = 'round_bar'\n[cycle]", "links: nothing of planar_4r driven by"),
+        ("[cycle]", "[links]\nmodel = 'round_bar'\n[cycle]", "links", "leave"),
     ],
 )
-def test_a_study_says_what_is_wrong_with_its_input(folder, old, new, message):
-    with pytest.raises(fl.InputError) as caught:
+def test_a_study_says_what_is_wrong_with_its_input(folder, old, new, key, remedy):
+    with refused(key, remedy):
         read_study(written(STUDY.replace(old, new, 1)))
-    assert str(caught.value).startswith(f"study.toml: {message}")
 
 
 def test_the_listing_is_of_the_input():
