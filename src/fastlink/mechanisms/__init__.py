@@ -41,7 +41,7 @@ def catalogue(mechanism: str, input: str | None = None) -> Catalogue:
 
 
 def _package(mechanism: str) -> tuple[Catalogue, dict[str, Callable[[], Catalogue]]]:
-    """Return the catalogue of a mechanism, and by the names of its other inputs what makes theirs."""
+    """Return the catalogue of a mechanism, and factories of those by its other inputs, by name."""
     if mechanism not in NAMES:
         remedy = suggest(str(mechanism), NAMES)
         raise InputError(f"{mechanism!r} is unknown", where=("mechanism",), remedy=remedy)

@@ -1,1 +1,1 @@
-"""What two mechanisms use: laws, lengths, and facts of one under their names in another."""
+"""Parts that two mechanisms use: laws, lengths, and facts of one under their names in another."""

@@ -1,4 +1,4 @@
-"""Laws that facts of several mechanisms have: products, quotients, signs, places along a direction."""
+"""Laws of facts in several mechanisms: products, quotients, signs, points along a direction."""
 
 from __future__ import annotations
 
@@ -53,7 +53,7 @@ def quotient(x: Any, y: Any) -> Any:
 
 
 def along(start: Any, length: Any, direction: Any) -> Any:
-    """Return the place at a length along a direction from another one."""
+    """Return the coordinate at a length along a direction from a point."""
     return start + length * direction
 
 

@@ -21,7 +21,7 @@ class ByOtherInput(Catalogue):
     title, branches, position, positions
         As in `Catalogue`.
     instead : sequence of str
-        Some quantities that are offered here, for who asks for what is not.
+        Some quantities that are offered here, named in the message about one that is not.
     """
 
     def __init__(
@@ -50,7 +50,7 @@ class ByOtherInput(Catalogue):
         return super().unknown(name, known)
 
     def adopt_design_facts(self, further: Collection[str] = ()) -> None:
-        """Declare here what belongs to the design as a whole, and further facts that hold whatever drives."""
+        """Adopt the facts of the design as a whole, and further ones that hold for every input."""
         for name, fact in self.first.facts.items():
             of_design = not (self.first.is_derivative(name) or self.first.varies(name))
             if of_design or name in further:

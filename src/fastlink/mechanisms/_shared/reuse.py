@@ -15,13 +15,13 @@ Renaming = Callable[[str], str]
 
 
 def facts_of(lender: Catalogue, names: Iterable[str], known: Iterable[str] = ()) -> list[Fact]:
-    """Return what is computed for the names, in order, but for what is known."""
+    """Return the facts that the names depend on, in order, except the known ones."""
     leaves = {*known, *lender.inputs, *lender.tables, *lender.table_low_parts, "branch"}
     return [step for step in lender.dependencies(names, leaves) if isinstance(step, Fact)]
 
 
 def with_derivatives(lender: Catalogue, names: Iterable[str], known: Iterable[str] = ()) -> dict[str, Fact]:
-    """Return what is computed for the names, and all that is declared of their derivatives."""
+    """Return the facts that the names depend on, with their declared derivatives."""
     facts: dict[str, Fact] = {}
     new = list(names)
     while new:
@@ -40,7 +40,7 @@ def with_derivatives(lender: Catalogue, names: Iterable[str], known: Iterable[st
 
 
 def renaming(lender: Catalogue, names: Mapping[str, str], prefix: str) -> Renaming:
-    """Return what renames: some names as told, derivatives by their parts, all others by a prefix.
+    """Return a renaming: some names by a mapping, derivatives by their parts, all others by a prefix.
 
     Examples
     --------
@@ -68,7 +68,7 @@ def borrow(
     prefix: str,
     labels: Mapping[str, Mapping[str, Any]],
 ) -> None:
-    """Declare facts of one mechanism in another, with all that they need and what is declared of their derivatives.
+    """Declare facts of one mechanism in another, with their dependencies and declared derivatives.
 
     Parameters
     ----------
@@ -80,20 +80,20 @@ def borrow(
     prefix : str
         Before the names of all other facts.
     labels : mapping of str to mapping
-        The facts that are asked for by name, and what is said of them otherwise than by the lender: ``symbol``,
+        The facts that keep a name, and their labels where these differ from the lender's: ``symbol``,
         ``meaning``, ... What these need in turn is internal.
     """
     rename = renaming(lender, names, prefix)
     own = [name for name, other in names.items() if other in borrower.facts]
     for name, fact in with_derivatives(lender, labels, own).items():
-        said = {"internal": fact.internal, **labels[name]} if name in labels else {"internal": True}
-        found = replace(fact.renamed(rename), **said)
+        own_labels = {"internal": fact.internal, **labels[name]} if name in labels else {"internal": True}
+        found = replace(fact.renamed(rename), **own_labels)
         for each in found.names:
             borrower.facts.setdefault(each, found)
 
 
 def borrow_range(
-    borrower: Catalogue, lender: Catalogue, names: Mapping[str, str], prefix: str, **told: Any
+    borrower: Catalogue, lender: Catalogue, names: Mapping[str, str], prefix: str, **fields: Any
 ) -> None:
     """Declare the graded range of one mechanism in another, with all that it needs.
 
@@ -101,7 +101,7 @@ def borrow_range(
     ----------
     borrower, lender, names, prefix
         As in `borrow`.
-    **told
+    **fields
         The fields of `GradedRange` that belong to the borrower's quantities: ``cells``, ``max_extrema``,
         ``not_differentiable`` and ``wraps_at``.
     """
@@ -124,5 +124,5 @@ def borrow_range(
         vanishes_at_toggle=rename(graded.vanishes_at_toggle),
         reciprocal=rename(graded.reciprocal),
         bounded_factor=rename(graded.bounded_factor),
-        **told,
+        **fields,
     )

@@ -1,6 +1,6 @@
-"""What may drive the focal mechanism: the rocker MA, or the crank SF in a catalogue of its own.
+"""The focal mechanism driven by the crank SF, a catalogue beside the one by the rocker MA.
 
-What holds of both is declared in both by `either`.
+Facts that hold for both are declared in both by `either`, `quantities` and `steps`.
 """
 
 from __future__ import annotations
@@ -31,17 +31,17 @@ by_crank.inputs, by_crank.variant_inputs = focal.inputs, focal.variant_inputs
 
 
 def quantities(*, units: str, source: str) -> Rows:
-    """Return what declares quantities whatever drives, row by row."""
+    """Return rows of quantities that hold for both inputs."""
     return Rows((focal, by_crank), units, source, internal=False)
 
 
 def steps(*, units: str, source: str) -> Rows:
-    """Return what declares steps on the way whatever drives, row by row."""
+    """Return rows of internal steps that hold for both inputs."""
     return Rows((focal, by_crank), units, source, internal=True)
 
 
 def either(**labels: Any) -> Callable[[F], F]:
-    """Declare a fact that holds whatever drives: see `Catalogue.quantity`."""
+    """Declare a fact that holds for both inputs: see `Catalogue.quantity`."""
 
     def declare(law: F) -> F:
         for catalogue in (focal, by_crank):
@@ -53,7 +53,7 @@ def either(**labels: Any) -> Callable[[F], F]:
 
 @cache
 def with_design_facts() -> Catalogue:
-    """Return the catalogue of the crank with what belongs to the design as a whole; after all declarations."""
+    """Return the catalogue of the crank with the facts of the design as a whole; after all declarations."""
     by_crank.adopt_design_facts()
     for chosen in focal.variant_inputs:
         by_crank.variants[chosen] = focal.variants[chosen]

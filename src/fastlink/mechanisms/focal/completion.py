@@ -1,12 +1,12 @@
 """The two completions of a four-bar to a focal mechanism, by the ratio that is given.
 
-With rho = mp : nq and x = lambda - 1 = pq : mn, what the paper asks of lambda (2.5) is one symmetric equation,
+With rho = mp : nq and x = lambda - 1 = pq : mn, the paper's condition on lambda (2.5) is one symmetric equation,
 
     (1 + rho) (a^2 + rho b^2)/rho  =  (1 + x) (c^2 + x d^2)/x,    rho and x of one sign.
 
 So the laws below find x of a given rho by the pair c, d, and rho of a given x (`lambda_`) by the pair a, b. Their
-unknown is t u/v, where t and 1/t have the product 1: it is told by square roots of sums that do not cancel, and what is
-1 + the unknown by the product of both roots, (1 + t u/v)(1 + u/(v t)) = W/v^2.
+unknown is t u/v, where t and 1/t have the product 1: it is the square root of sums that do not cancel, and
+1 + the unknown follows from the product of both roots, (1 + t u/v)(1 + u/(v t)) = W/v^2.
 """
 
 from __future__ import annotations
@@ -81,7 +81,7 @@ def mixed(ratio: Any, ratio_low: Any, first: Any, second: Any) -> Any:
 
 
 def common(ratio: Any, plus_1: Any, mixed: Any) -> Any:
-    """W, what both sides of the equation are, over the squared unit."""
+    """W, the value of both sides of the equation, over the squared unit."""
     return plus_1 * mixed / ratio
 
 
@@ -108,7 +108,7 @@ def root(value: Any, assembles: Any) -> Any:
 
 
 def root_of_ratio(root_near: Any, root_far: Any, u: Any, v: Any, completion: Any) -> Any:
-    """Square root of the size of the ratio that is found."""
+    """Square root of the size of the unknown ratio."""
     size = 0.5 * (root_near + root_far)
     other = select(completion == 2.0, u / size, NOT_A_NUMBER)
     return select(completion == 1.0, size / v, other)
@@ -125,7 +125,7 @@ def one_plus_found(
     v: Any,
     completion: Any,
 ) -> Any:
-    """1 + the ratio that is found."""
+    """1 + the unknown ratio."""
     # Of the negative ratios, 1 + ratio is (middle -+ R)/(2 v^2), of the product W/v^2: the greater first.
     R = root_near * root_far
     middle = select(u < v, (v - u) * (v + u) + common, -(excess + 2.0 * v * (u - v)))
@@ -150,7 +150,7 @@ def root_of_size(ratio: Any) -> Any:
 def declare_completion(
     variant: str | None, pair: dict[str, str], known: str, found: tuple[str, str, str]
 ) -> None:
-    """Declare the ratio that is found, from the ratio that is given and the two pairs of lengths."""
+    """Declare the unknown ratio, from the given one and the two pairs of lengths."""
     root_found, ratio_found, plus_1_found = found
     given = {**pair, "root": root_found}
     step = focal.steps(units="1", source=COMPLETION, variant=variant)

@@ -19,7 +19,7 @@ from fastlink.mechanisms.planar_4r import planar_4r
 from fastlink.numerics.elementary import sqrt
 
 SIGMA = by_crank.position.name
-#: What the tables of the planar 4R are called here.
+#: The tables of the planar 4R, by their names here.
 TABLES = {"cos_theta1": "g_x", "sin_theta1": "g_y", "Z": "Z", "C": "C"}
 
 for _name, _here in TABLES.items():
@@ -32,7 +32,7 @@ for _name, _here in TABLES.items():
 
 
 def mixed(at_0: Any, at_pi: Any, C: Any, Z: Any) -> Any:
-    """What changes with the cosine of sigma, from its values at 0 and pi."""
+    """Value that is linear in the cosine of sigma, from its values at 0 and pi."""
     return at_0 * C + at_pi * Z
 
 
@@ -111,7 +111,7 @@ step(product, "MF_y", "z_y", "Vector from M to F, scaled, y", x="s_r", y="g_y")
 
 
 def swing(of_sine: Any, of_cosine: Any, squared_half_sine: Any, squared_half_cosine: Any) -> Any:
-    """What omega adds to F seen from M or N along the rocker."""
+    """Part of F seen from M or N along the rocker that changes with omega."""
     return of_sine * squared_half_sine + of_cosine * squared_half_cosine
 
 
@@ -256,7 +256,7 @@ def sine_change(s_s: Any, s_r: Any, s_m: Any, s_p: Any) -> Any:
     return -((s_s / s_m) * (s_r / s_p))
 
 
-# of what is tabled, or given by a place of the graded range
+# of tables, and of the facts that replace them in the graded range
 for _set in (None, "graded"):
     derivative = by_crank.derivatives(SIGMA, variant=_set)
     derivative(same, "Z", x="half_sine")

@@ -28,7 +28,7 @@ def whether_sine_grows(sine_falls: Any) -> Any:
 
 
 def of_both(sine_falls: Any, falling: Any, growing: Any) -> Any:
-    """The falling or the growing one of two squares: what sine is."""
+    """The falling or the growing one of two squares, that of the sine."""
     return select(sine_falls == 1.0, falling, growing)
 
 

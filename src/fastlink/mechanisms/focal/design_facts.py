@@ -12,7 +12,7 @@ from fastlink.numerics.elementary import NOT_A_NUMBER, select, sqrt
 
 SCALING = f"{DESIGN}#numerics"
 
-#: The four-bar MABN as a planar 4R: its lengths, and what else is called otherwise here.
+#: The four-bar MABN as a planar 4R: its lengths, and the other names that differ here.
 LENGTHS = {"a1": "a", "a2": "c", "a3": "b", "a4": "d"}
 SCALED = {f"s{length[1]}": f"s_{name}" for length, name in LENGTHS.items()}
 FOUR_BAR = {**LENGTHS, **SCALED, "theta1": "phi", "theta4": "psi", "omega1": "omega"}
@@ -26,11 +26,11 @@ FOUR_BAR |= {
 #: Before the names of all other facts that are the four-bar's.
 PREFIX = "bar_"
 
-_SAID: dict[str, dict[str, Any]] = {"valid": {}, "assembles": {}}
+LABELS: dict[str, dict[str, Any]] = {"valid": {}, "assembles": {}}
 for _name, _here in SCALED.items():
     _meaning = f"scaled length of the {LINKS[_here[-1]]}"
-    _SAID[_name] = {"symbol": _here, "meaning": _meaning, "source": SCALING}
-borrow(focal, planar_4r, FOUR_BAR, PREFIX, _SAID)
+    LABELS[_name] = {"symbol": _here, "meaning": _meaning, "source": SCALING}
+borrow(focal, planar_4r, FOUR_BAR, PREFIX, LABELS)
 
 
 def carried(length: Any, lambda_: Any, x: Any, rho: Any) -> Any:
@@ -78,7 +78,7 @@ def T_share(rho: Any, rho_plus_1: Any, valid: Any) -> Any:
 
 @focal.quantity(units="1", symbol="s", source=f"{WUNDERLICH}, eq. (1.9)", internal=True)
 def s_s(s_d: Any, T_share: Any) -> Any:
-    """Scaled place of the crank support S on MN."""
+    """Scaled position of the crank support S on MN."""
     return s_d * T_share
 
 
@@ -95,7 +95,7 @@ def share_of_support(s: Any, d: Any, valid: Any) -> Any:
     return select(valid == 1.0, s / d, NOT_A_NUMBER)
 
 
-# -- what users ask for ---------------------------------------------------------------------------------------
+# -- quantities ----------------------------------------------------------------------------------------------
 
 
 @focal.quantity(units="m", symbol="unit/lift", source=SCALING, internal=True)

@@ -2,7 +2,7 @@
 
 In between they are mixed: sin^2(omega/2) = C s_0 + Z s_pi with C = cos^2(sigma/2), Z = sin^2(sigma/2), sums of positive
 terms while the crank turns. The crank can stand in the ground line with omega = 0 or pi only where the four-bar folds.
-So the differences of lengths that the cosine theorem asks for hold its gaps as factors: with D = d + k c, D' = d - k c,
+So the differences of lengths in the cosine theorem hold its gaps as factors: with D = d + k c, D' = d - k c,
 k = 1 or -1, the sizes R >= L of sqrt(W - D^2) and K = (1 + rho)(a^2 + rho b^2)
 
     s = |lambda|/(4 a b kappa (1 + rho) K) [D (a + rho b) + ..(a - b)] [..(a + b) - D' (a - rho b)]

@@ -13,7 +13,7 @@ from fastlink.mechanisms.planar_4r import planar_4r
 from fastlink.mechanisms.planar_4r.classes import CLASS_FLAGS
 
 CLASS_MEANING = (
-    "Type of the four-bar: crank MA, coupler AB, output link NB; what turns fully, or is the longest"
+    "Type of the four-bar: crank MA, coupler AB, output link NB; the bars that turn fully, or the longest"
 )
 RANGE_MEANING = "reachable direction of {}, 0 to pi on either side of MN; the same where the crank SF drives"
 

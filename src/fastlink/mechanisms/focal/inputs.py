@@ -44,4 +44,6 @@ focal.input(
     meaning="which root completes the four-bar: of lambda - 1, or of rho where lambda_ is given",
     choices=COMPLETIONS,
 )
-focal.input("omega", units="rad s-1", symbol="omega", meaning="angular velocity of what drives, constant")
+focal.input(
+    "omega", units="rad s-1", symbol="omega", meaning="angular velocity of the driving link, constant"
+)

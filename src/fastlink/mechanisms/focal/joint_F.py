@@ -1,7 +1,7 @@
-"""Facts of the joint F: z, seen from M, of what S and what M say.
+"""Facts of the joint F: its vector z from M, by way of S or of P.
 
-One of both may be far away: S where rho nears -1, P where lambda nears 0. So F is taken from S where that is nearer to
-M and F than P is, else from P; the lengths of what is far away count as 0.
+One of both may be far away: S where rho nears -1, P where lambda nears 0. So F is computed from S where that is nearer
+to M and F than P is, else from P; the lengths of the other way count as 0.
 """
 
 from __future__ import annotations
@@ -23,12 +23,12 @@ def near_crank(s_s: Any, s_r: Any, s_m: Any, s_p: Any) -> Any:
 
 
 def of_crank(near_crank: Any, length: Any) -> Any:
-    """A length where F is taken from S, else 0."""
+    """A length where F is computed from S, else 0."""
     return select(near_crank == 1.0, length, 0.0)
 
 
 def of_dyad(near_crank: Any, length: Any) -> Any:
-    """A length where F is taken from M, else 0."""
+    """A length where F is computed from P, else 0."""
     return select(near_crank == 1.0, 0.0, length)
 
 
@@ -48,23 +48,23 @@ step(of_dyad, "near_p", "s_p", length="s_p")
 step(of_dyad, "near_q", "s_q", length="s_q")
 step(of_dyad, "far_s", "s_s", length="s_s")
 
-# -- z of S; 0 where it is taken from P ---------------------------------------------------------------------------
+# -- z by S; 0 where it is computed from P ------------------------------------------------------------------------
 
 
 @either(units="1", symbol="z_x", source=f"{WUNDERLICH}, eq. (1.7)", internal=True)
 def by_S_x(near_s: Any, near_r: Any, g_x: Any) -> Any:
-    """Vector from M to F of what S says, x."""
+    """Vector from M to F by way of S, x."""
     return near_s + near_r * g_x
 
 
 @either(units="1", symbol="z_x - d", source=f"{WUNDERLICH}, eq. (1.7)", internal=True)
 def from_N_by_S_x(near_SN: Any, near_r: Any, g_x: Any) -> Any:
-    """Vector from N to F of what S says, x."""
+    """Vector from N to F by way of S, x."""
     return near_r * g_x - near_SN
 
 
 step = steps(units="1", source=f"{WUNDERLICH}, eq. (1.7)")
-step(product, "by_S_y", "z_y", "Vector from M or N to F of what S says, y", x="near_r", y="g_y")
+step(product, "by_S_y", "z_y", "Vector from M or N to F by way of S, y", x="near_r", y="g_y")
 
 # -- angles that F encloses ---------------------------------------------------------------------------------------
 
@@ -109,19 +109,19 @@ def chi(MF_x: Any, MF_y: Any, s_a: Any, u_x: Any, u_y: Any) -> Any:
 
 
 def whether_far(near_crank: Any) -> Any:
-    """1 where F is taken from P, else 0."""
+    """1 where F is computed from P, else 0."""
     return 1.0 - near_crank
 
 
 @focal.quantity(units="1", symbol="sgn p m", source=POSITION, internal=True)
 def near_P_sign(near_crank: Any, P_sign: Any) -> Any:
-    """Sign of m p where F is taken from S, else 0."""
+    """Sign of m p where F is computed from S, else 0."""
     return near_crank * P_sign
 
 
 @focal.quantity(units="1", symbol="1/p", source=POSITION, internal=True)
 def near_per_p(near_crank: Any, s_p: Any) -> Any:
-    """Reciprocal of p where F is taken from S, else 0."""
+    """Reciprocal of p where F is computed from S, else 0."""
     return select(near_crank == 1.0, 1.0 / s_p, 0.0)
 
 
@@ -130,14 +130,14 @@ focal.steps(units="1", source=POSITION)(whether_far, "far_crank", "1")
 
 @focal.quantity(units="1", symbol="sin omega", source=f"{WUNDERLICH}, eq. (1.3)", internal=True)
 def by_S_sine(near_per_p: Any, by_S_x: Any, by_S_y: Any, u_x: Any, u_y: Any) -> Any:
-    """Sine of omega of what S says: the height of F over MP, over p."""
+    """Sine of omega by way of S: the height of F over MP, over p."""
     return near_per_p * (by_S_x * u_y - by_S_y * u_x)
 
 
 @focal.quantity(units="1", symbol="cos omega", source=f"{WUNDERLICH}, eqs. (1.3), (1.4)", internal=True)
 def w_x(far_crank: Any, closing_x: Any, near_P_sign: Any, by_S_sine: Any) -> Any:
     """Cosine of omega."""
-    # PF and PM are longer than FM where S says it: omega is within pi/3 of 0 or pi
+    # PF and PM are longer than FM where F is computed from S: omega is within pi/3 of 0 or pi
     return far_crank * closing_x + near_P_sign * sqrt(1.0 - by_S_sine * by_S_sine)
 
 

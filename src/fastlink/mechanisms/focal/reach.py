@@ -1,4 +1,4 @@
-"""How far the bars go: what stops the crank SF, and the least transmission angles at P, Q and F.
+"""Reach of the bars: where the crank SF stops, and the least transmission angles at P, Q and F.
 
 omega, the angle of P and Q, is extreme where the crank lies in the ground line (`dyad`); phi - psi, that of F, where AB
 is parallel to MN: there a, b and d - c, or d + c, make a triangle.
@@ -60,7 +60,7 @@ def crank_type(
 def least_acute_angle(
     sine: Any, cosine: Any, other_sine: Any, other_cosine: Any, folds: Any, known: Any
 ) -> Any:
-    """Least angle in [0, pi/2] between two lines, from what both extremes of their half-angle are in proportion to."""
+    """Least angle in [0, pi/2] between two lines, from numbers in proportion to both extremes of their half-angle."""
     steep, other_steep = sine > cosine, other_sine > other_cosine
     one = atan2(sqrt(select(steep, cosine, sine)), sqrt(select(steep, sine, cosine)))
     other = atan2(

@@ -19,7 +19,7 @@ from fastlink.mechanisms.planar_4r import planar_4r
 from fastlink.numerics.elementary import sqrt
 
 PHI = focal.position.name
-#: What the planar 4R calls otherwise.
+#: The names that differ from those of the planar 4R.
 NAMES = FOUR_BAR | {"cos_theta1": "u_x", "sin_theta1": "u_y", "DB_x": "NB_x", "DB_y": "NB_y"}
 NAMES |= {
     "output_ratio": "dpsi_dphi",
@@ -36,12 +36,12 @@ focal.table_low_parts = {RENAME(low): RENAME(name) for low, name in planar_4r.ta
 
 DIRECTION_OF_NB = {
     "symbol": "psi",
-    "meaning": "direction of NB in the ground frame",
+    "meaning": "Direction of NB in the ground frame",
     "source": f"{WUNDERLICH}, eq. (2.2)",
 }
 RATIO = {
     "symbol": "d psi/d phi",
-    "meaning": "angular velocity of NB over that of MA",
+    "meaning": "Angular velocity of NB over that of MA",
     "source": f"{WUNDERLICH}, eq. (2.4), differentiated",
     "internal": False,
 }

@@ -1,4 +1,4 @@
-"""What becomes of a design of the focal mechanism: why there is no completion."""
+"""Status of a design of the focal mechanism: whether there is a completion, and why not."""
 
 from __future__ import annotations
 

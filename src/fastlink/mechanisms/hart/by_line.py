@@ -128,7 +128,7 @@ step(turned_x, "v_x", "v_x", x="N_line", y="s_t", arm_x="N_arm_x", arm_y="N_arm_
 step(turned_y, "v_y", "v_y", x="N_line", y="s_t", arm_x="N_arm_x", arm_y="N_arm_y")
 
 
-# -- what is told ---------------------------------------------------------------------------------------------
+# -- quantities ----------------------------------------------------------------------------------------------
 
 
 def direction(x: Any, y: Any, lambda_sign: Any) -> Any:
@@ -203,6 +203,6 @@ def F_deviation(P_x: Any, u_x: Any, u_y: Any, w_x: Any, w_y: Any, line_x: Any, m
 
 @cache
 def with_facts_of_hart() -> Catalogue:
-    """Return the catalogue with what belongs to the design as a whole, and what measures the bars."""
+    """Return the catalogue with the facts of the design as a whole, and those that measure the bars."""
     by_line.adopt_design_facts((*BAR_ERRORS, "closure_residual"))
     return by_line

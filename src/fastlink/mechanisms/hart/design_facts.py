@@ -1,9 +1,9 @@
 """Facts of one design of Hart's linkage, over a power of two near its longest given bar.
 
-Whether it assembles, where its toggles are, how long its line is: all of it is told by r - e and r + e for four reaches
-r = (1 +- K)(m +- n), with K = |kappa| and e = d, or -d where K > 1. They are products of sums in twice the working
-precision, so no difference from d cancels. But for factors 1 +- K they are the eight factors of the four-bar MABN
-(eq. (1) of Hayes et al.), which lose all digits where kappa is near 1 or -1; these do not.
+Whether it assembles, where its toggles are, how long its line is: all of it follows from r - e and r + e for four
+reaches r = (1 +- K)(m +- n), with K = |kappa| and e = d, or -d where K > 1. They are products of sums in twice the
+working precision, so no difference from d cancels. But for factors 1 +- K they are the eight factors of the four-bar
+MABN (eq. (1) of Hayes et al.), which lose all digits where kappa is near 1 or -1; these do not.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ from fastlink.numerics.elementary import NOT_A_NUMBER, select
 from fastlink.numerics.vectors import zero_where
 
 NUMERICS = f"{PAGE}#numerics"
-#: Beyond these powers of two the fourth power of kappa, or of its inverse, is no double.
+#: Beyond these powers of two the fourth power of kappa, or of its inverse, is not a double.
 LEAST_KAPPA, GREATEST_KAPPA = 2.0**-200, 2.0**200
 
 step = hart.steps(units="1", source=NUMERICS)
@@ -83,7 +83,7 @@ def reach(K: Any, s_m: Any, s_n: Any) -> Any:
 
 @hart.quantity(units="1", symbol="u P", source=NUMERICS, internal=True)
 def gap_rounding(far_sum: Any, s_d: Any) -> Any:
-    """What half a unit in the last place of each length may do to a reach less d: less is zero."""
+    """Effect of half a unit in the last place of each length on a reach less d, which counts as 0 below it."""
     return UNIT_ROUNDING * (far_sum + s_d)
 
 
@@ -94,7 +94,7 @@ def unless_rounding(reach: Any, reach_low: Any, other: Any, gap_rounding: Any) -
 
 
 def declare_reach(name: str, text: str, **given: str) -> None:
-    """Declare a reach, what it exceeds e and -e by, and what its square exceeds that of d by."""
+    """Declare a reach, its excess over e and -e, and the excess of its square over that of d."""
     low, less, plus = f"{name}_low", f"{name}_less", f"{name}_plus"
     step(reach, name, text, text, low=low, **given)
     step(unless_rounding, less, text, f"{text} - e", reach=name, reach_low=low, other="minus_e")

@@ -1,4 +1,4 @@
-"""The four-bar MABN of Hart's linkage, driven by MA: a planar 4R, whose position and graded range are taken over.
+"""The four-bar MABN of Hart's linkage, driven by MA: a planar 4R, whose position and graded range it reuses.
 
 Its toggles are those of `design_facts`, in which lambda is divided out, as it is here where lengths are over lengths.
 """
@@ -100,7 +100,7 @@ def range_width(
 
 
 PREFIX = "bar_"
-#: What MABN is called as a planar 4R.
+#: The names of MABN's values as a planar 4R.
 NAMES = {"a1": "size_a", "a2": "size_c", "a3": "size_b", "a4": "d"}
 NAMES |= {"s1": "s_a", "s2": "s_c", "s3": "s_b", "s4": "s_d"}
 NAMES |= {"theta1": "phi", "cos_theta1": "cos_phi", "sin_theta1": "sin_phi", "p": "past_Z0", "q": "past_C0"}
@@ -117,7 +117,7 @@ for _table in planar_4r.tables.values():
     hart.tables[NAMES[_table.name]] = replace(_table, name=NAMES[_table.name], depends_on=("phi",))
 hart.table_low_parts = dict(planar_4r.table_low_parts)
 
-_SAID: dict[str, dict[str, Any]] = {
+LABELS: dict[str, dict[str, Any]] = {
     "A_x": {"source": POSITION},
     "A_y": {"source": POSITION},
     "DB_y": {"symbol": "B_y", "meaning": "Joint B, y", "source": POSITION, "internal": False},
@@ -132,7 +132,7 @@ _SAID: dict[str, dict[str, Any]] = {
         "meaning": "Type of the four-bar MABN, with the crank MA, the coupler AB and the output link NB"
     },
 }
-borrow(hart, planar_4r, NAMES, PREFIX, _SAID)
+borrow(hart, planar_4r, NAMES, PREFIX, LABELS)
 
 assert planar_4r.graded is not None
 borrow_range(

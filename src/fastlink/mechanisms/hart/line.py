@@ -45,16 +45,16 @@ def minus_ratio_times(ratio: Any, length: Any, valid: Any) -> Any:
 
 
 length = hart.quantities(units="m", source=f"{WUNDERLICH}, eq. (7.2)")
-length(ratio_times, "p", "p", "length of PF, kappa n, with the sign of kappa", ratio="kappa", length="n")
+length(ratio_times, "p", "p", "Length of PF, kappa n, with the sign of kappa", ratio="kappa", length="n")
 length(
-    minus_ratio_times, "q", "q", "length of QF, -kappa m, with the sign of -kappa", ratio="kappa", length="m"
+    minus_ratio_times, "q", "q", "Length of QF, -kappa m, with the sign of -kappa", ratio="kappa", length="m"
 )
 length = hart.quantities(units="m", source=f"{WUNDERLICH}, eq. (7.4)")
 length(
     ratio_times,
     "a",
     "a",
-    "length of MA along MP: negative on the extension beyond M",
+    "Length of MA along MP: negative on the extension beyond M",
     ratio="lambda_",
     length="m",
 )
@@ -62,11 +62,11 @@ length(
     ratio_times,
     "b",
     "b",
-    "length of NB along NQ: negative on the extension beyond N",
+    "Length of NB along NQ: negative on the extension beyond N",
     ratio="lambda_",
     length="n",
 )
-length(ratio_times, "c", "c", "length of AB, kappa d, with the sign of kappa", ratio="kappa", length="d")
+length(ratio_times, "c", "c", "Length of AB, kappa d, with the sign of kappa", ratio="kappa", length="d")
 
 
 @hart.quantity(
@@ -113,7 +113,7 @@ def F_y_inner(inner_end: Any, stays_off: Any, lift: Any, unit: Any, assembles: A
 
 @hart.quantity(units="m", symbol="stroke", source=STROKE)
 def stroke(F_y_outer: Any, F_y_inner: Any, m: Any, n: Any, K: Any) -> Any:
-    """Length of the line that F traces without the linkage being taken apart."""
+    """Length of the line that F traces without disassembly."""
     # the squares of both ends differ by 4 K m n
     segment = 4.0 * (m / (F_y_outer + F_y_inner)) * (K * n)
     return select(F_y_inner > 0.0, segment, 2.0 * F_y_outer)

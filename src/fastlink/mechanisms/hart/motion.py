@@ -95,7 +95,7 @@ def dF_y_dphi(m_along: Any, sine_part: Any, per_sigma: Any, branch_sign: Any) ->
     return -(branch_sign * (0.5 * m_along * (sine_part * per_sigma)))
 
 
-# -- what rounding does ---------------------------------------------------------------------------------------
+# -- rounding errors -----------------------------------------------------------------------------------------
 
 
 @hart.quantity(units="1", symbol="u", source=NUMERICS)

@@ -1,4 +1,4 @@
-"""Facts of the Minkowskian 4R in the words of the paper: its angles, points in the ground frame, what went wrong."""
+"""Facts of the Minkowskian 4R in the words of the paper: its angles, points in the ground frame, status."""
 
 from __future__ import annotations
 
@@ -101,7 +101,7 @@ def C_y(g: Any) -> Any:
 
 
 def declare_coordinate(name: str, meaning: str, equation: str, law: Callable[..., Any], **given: str) -> None:
-    """Declare a coordinate of a point, and what it is whatever its size."""
+    """Declare a coordinate of a point, and the same beyond the range of numbers."""
     point, source = f"point_{name}", f"{HEGEDUS}, {equation}; {POSITION}"
     minkowski_4r.steps(units="m", source=source)(law, point, name, f"{meaning}, whatever its size", **given)
     minkowski_4r.quantities(units="m", source=source)(finite, name, name, meaning, x=point)
@@ -109,17 +109,17 @@ def declare_coordinate(name: str, meaning: str, equation: str, law: Callable[...
 
 _B = {"along_u": "b", "along_v": "b", "u": "CB_far", "v": "CB_v"}
 _X = {"along_u": "X_along_u", "along_v": "X_along_v", "u": "AB_far", "v": "AB_v"}
-declare_coordinate("A_x", "moving pivot A, first coordinate", "eq. (5)", product, x="a", y="cosh_theta")
-declare_coordinate("A_y", "moving pivot A, second coordinate", "eq. (5)", product, x="a", y="sinh_theta")
-declare_coordinate("B_x", "moving pivot B, first coordinate", "eq. (5)", first, offset="g", **_B)
-declare_coordinate("B_y", "moving pivot B, second coordinate", "eq. (5)", second, offset="C_y", **_B)
-declare_coordinate("X_x", "coupler point X, first coordinate", "section 3.5", first, offset="point_A_x", **_X)
+declare_coordinate("A_x", "Moving pivot A, first coordinate", "eq. (5)", product, x="a", y="cosh_theta")
+declare_coordinate("A_y", "Moving pivot A, second coordinate", "eq. (5)", product, x="a", y="sinh_theta")
+declare_coordinate("B_x", "Moving pivot B, first coordinate", "eq. (5)", first, offset="g", **_B)
+declare_coordinate("B_y", "Moving pivot B, second coordinate", "eq. (5)", second, offset="C_y", **_B)
+declare_coordinate("X_x", "Coupler point X, first coordinate", "section 3.5", first, offset="point_A_x", **_X)
 declare_coordinate(
-    "X_y", "coupler point X, second coordinate", "section 3.5", second, offset="point_A_y", **_X
+    "X_y", "Coupler point X, second coordinate", "section 3.5", second, offset="point_A_y", **_X
 )
 
 
-# -- what went wrong ---------------------------------------------------------------------------------------------
+# -- residual and status -----------------------------------------------------------------------------------------
 
 
 @minkowski_4r.quantity(units="1", symbol="e", source=POSITION)
@@ -164,7 +164,7 @@ def configuration_status(
     loop_residual: Any,
     valid: Any,
 ) -> Any:
-    """Whether the loop closes in this configuration, and why a quantity of it is no finite number."""
+    """Whether the loop closes in this configuration, and why a quantity of it is not a finite number."""
     escaped = CB_orientation * AB_orientation == 0.0
     lightlike = (alpha_r == 0.0) | (beta == 0.0)
     pins_coincide = (alpha_r == 0.0) & (beta == 0.0) & (CB_half == 0.0)

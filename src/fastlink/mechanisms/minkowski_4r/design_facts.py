@@ -1,7 +1,7 @@
-"""Facts of one design of the Minkowskian 4R: scaled lengths, limits, and what the loop takes from them.
+"""Facts of one design of the Minkowskian 4R: scaled lengths, limits, and the constants of the loop.
 
-Lengths are divided by a power of two near the longest. The limits of theta are told as sinh^2(theta/2), in twice the
-working precision, times kappa, the power of two of a g: so that a quotient of the most unequal lengths is no overflow.
+Lengths are divided by a power of two near the longest. The limits of theta are given as sinh^2(theta/2), in twice the
+working precision, times kappa, the power of two of a g: so that quotients of unequal lengths do not overflow.
 """
 
 from __future__ import annotations

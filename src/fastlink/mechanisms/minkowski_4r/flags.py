@@ -1,11 +1,11 @@
-"""Flags of the Minkowskian 4R that tell of the coupler point and of the rates why they are no finite numbers."""
+"""Flags of the Minkowskian 4R: why the coupler point or the rates are not finite numbers."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
 from typing import Any
 
-from fastlink.mechanisms.minkowski_4r import coupler, rates, sextic  # noqa: F401 (of which they tell)
+from fastlink.mechanisms.minkowski_4r import coupler, rates, sextic  # noqa: F401 (which they describe)
 from fastlink.mechanisms.minkowski_4r.inputs import NUMERICS, minkowski_4r
 from fastlink.numerics.elementary import INFINITY, select
 
@@ -13,8 +13,8 @@ CONFIGURATIONS = f"{NUMERICS}#configurations"
 THERE = {0: "there", 1: "see_configuration_status", 2: "beyond_the_range_of_numbers"}
 
 
-def told(code: Any, configuration_status: Any) -> Any:
-    """Return a code, 1 instead where the configuration says why something is missing."""
+def with_reason(code: Any, configuration_status: Any) -> Any:
+    """Return a code, 1 instead where the status of the configuration gives the reason."""
     lacking = (configuration_status > 0.0) & (configuration_status < 7.0)
     return select((code > 0.0) & lacking, 1.0, code)
 
@@ -31,12 +31,12 @@ def code_of_rates(dpsi_dtheta: Any, d2psi_dtheta2: Any) -> Any:
 
 
 def declare_flags(name: str, law: Callable[..., Any], what: str, third: str) -> None:
-    """Declare the code of what is missing, by itself and with the configuration's reason before it."""
+    """Declare the code of missing values, alone and after the reason that the configuration gives."""
     step = minkowski_4r.steps(units="1", source=CONFIGURATIONS)
     step(law, f"{name}_code", name)
     status = minkowski_4r.quantities(units="1", source=CONFIGURATIONS, flags=THERE | {3: third})
-    meaning = f"Why {what} is no finite number"
-    status(told, f"{name}_status", name.replace("_", " "), meaning, code=f"{name}_code")
+    meaning = f"Why {what} is not a finite number"
+    status(with_reason, f"{name}_status", name.replace("_", " "), meaning, code=f"{name}_code")
 
 
 declare_flags(

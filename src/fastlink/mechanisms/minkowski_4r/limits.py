@@ -1,9 +1,9 @@
 """Facts of one design of the Minkowskian 4R: the sums T_i, the limits of both cranks, branching, status.
 
 Every limit is a product of two T_i over two lengths, and each T_i is summed without loss: nothing cancels near a
-hyperbolic cosine of 1, and the signs, which decide what there is, are exact in the lengths as given. The input
+hyperbolic cosine of 1, and the signs, which decide which limits exist, are exact in the lengths as given. The input
 `tolerance` is the one that widens them: a T_i, or a difference of two lengths, of no more than `tolerance` times the
-sum of all four lengths then counts as 0. Ratios are taken length by length, so that no product overflows.
+sum of all four lengths then counts as 0. Ratios are formed length by length, so that no product overflows.
 """
 
 from __future__ import annotations
@@ -69,7 +69,7 @@ def T7(length_sum: Any, sums_are_valid: Any) -> Any:
     return select(sums_are_valid == 1.0, length_sum, NOT_A_NUMBER)
 
 
-# -- the sums T_i and what is taken as 0 ----------------------------------------------------------------------
+# -- the sums T_i, and which of them count as 0 ----------------------------------------------------------------------
 
 
 def two_against_two(p: Any, q: Any, r: Any, s: Any, sums_are_valid: Any) -> Any:
@@ -90,8 +90,8 @@ def one_against_three(p: Any, q: Any, r: Any, s: Any, sums_are_valid: Any) -> An
     return select(sums_are_valid == 1.0, total, NOT_A_NUMBER)
 
 
-# What types need of the sums is their signs, which a few operations tell: rounded, p + q and r + s stand in the order
-# that they have, and where they are one number, what rounding lost tells.
+# Types need the signs of the sums only, which take a few operations: rounded, p + q and r + s are in the order of their
+# exact values, and where both are one number, their rounding errors decide.
 
 
 def sign_of_two(p: Any, q: Any, r: Any, s: Any) -> Any:
@@ -134,7 +134,7 @@ def declare_sure(name: str, symbol: str, source: str) -> None:
 
 
 def declare_sum(name: str, meaning: str, law: Law, sign_law: Law, source: str = LIMITS, **given: str) -> None:
-    """Declare a sum T_i, what counts as 0 of it, and a number of its sign."""
+    """Declare a sum T_i, the same with 0 within the tolerance, and a number of its sign."""
     symbol = f"T_{name[1]}"
     declare = minkowski_4r.quantities if source == LIMITS else minkowski_4r.steps
     declare(units="m", source=source)(law, name, symbol, meaning, **given)
@@ -146,7 +146,7 @@ def declare_sum(name: str, meaning: str, law: Law, sign_law: Law, source: str = 
 
 
 def declare_difference(p: str, q: str) -> None:
-    """Declare the difference of two lengths, and what counts as 0 of it."""
+    """Declare the difference of two lengths, and the same with 0 within the tolerance."""
     name, symbol = f"{p}_minus_{q}", f"{p} - {q}"
     minkowski_4r.steps(units="m", source=THEOREMS)(difference, name, symbol, symbol, p=p, q=q)
     declare_sure(name, symbol, THEOREMS)
@@ -198,7 +198,7 @@ def declare_limit(
     given = {"first": factors[0], "second": factors[1], "x": lengths[0], "y": lengths[1]}
     symbol, source = name.replace("_", "_{") + "}", f"{HEGEDUS}, Theorem {theorem}"
     quantity = minkowski_4r.quantities(units="1", source=source)
-    cosine = f"hyperbolic cosine of {name} as the theorem has it: no angle below 1"
+    cosine = f"Hyperbolic cosine of {name} as the theorem has it: no angle below 1"
     quantity(cosh_law, f"cosh_{name}", f"ch({symbol})", cosine, **given)
     minkowski_4r.quantity(
         units="1",
@@ -212,10 +212,10 @@ def declare_limit(
 
 
 ABOVE, BELOW = (cosh_above, angle_above), (cosh_below, angle_below)
-declare_limit("theta_min", "greatest |theta| of the inner", "3.8", ABOVE, ("sure_T3", "sure_T4"), "ag")
-declare_limit("theta_max", "least |theta| of the outer", "3.8", BELOW, ("sure_T1", "sure_T2"), "ag")
-declare_limit("psi_min", "greatest |psi| of the inner", "3.10", BELOW, ("sure_T4", "sure_T5"), "bg")
-declare_limit("psi_max", "least |psi| of the outer", "3.10", BELOW, ("sure_T1", "T7"), "bg")
+declare_limit("theta_min", "Greatest |theta| of the inner", "3.8", ABOVE, ("sure_T3", "sure_T4"), "ag")
+declare_limit("theta_max", "Least |theta| of the outer", "3.8", BELOW, ("sure_T1", "sure_T2"), "ag")
+declare_limit("psi_min", "Greatest |psi| of the inner", "3.10", BELOW, ("sure_T4", "sure_T5"), "bg")
+declare_limit("psi_max", "Least |psi| of the outer", "3.10", BELOW, ("sure_T1", "T7"), "bg")
 
 
 @minkowski_4r.quantity(units="1", symbol="ln(g/a)", source=f"{HEGEDUS}, eq. (3); {THEOREMS}#escape")
@@ -265,7 +265,7 @@ def theta_branching(sure_T2: Any, sure_T3: Any, a: Any, sure_g_minus_b: Any) -> 
 def branching_kind(
     theta_branching: Any, folds_at_every_theta: Any, pins_may_coincide: Any, sums_are_valid: Any
 ) -> Any:
-    """What happens where A + C = 0 in eq. (3): one root at infinity (q = -1), or psi undetermined."""
+    """Kind of branching where A + C = 0 in eq. (3): one root at infinity (q = -1), or psi undetermined."""
     isolated = select(theta_branching >= 0.0, 1.0, 0.0)
     code = select(folds_at_every_theta == 1.0, 3.0, isolated)
     code = select(pins_may_coincide == 1.0, select(folds_at_every_theta == 1.0, 4.0, 2.0), code)

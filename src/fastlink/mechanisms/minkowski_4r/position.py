@@ -2,7 +2,7 @@
 
 The null coordinates of a vector are u = x + y and v = x - y. Turning by a rapidity t multiplies them by e^t and
 e^-t: OA is (a p, a/p) with p = e^theta, CB is (b q, b/q), AC is (alpha, beta) = (g - a p, g - a/p), AB is AC + CB.
-All is told of |theta|, of which p is the greater: for a negative theta u and v change places. What grows like p is
+All is in terms of |theta|, of which p is the greater: for a negative theta u and v are exchanged. What grows like p is
 tabled and computed times r, a power of two near 1/p, so nothing overflows.
 """
 
@@ -161,7 +161,7 @@ def arm_ratio(total: Any, takes_sum: Any, length: Any, alpha_r: Any, beta: Any) 
 
 
 def scale_of(takes_sum: Any, r: Any) -> Any:
-    """Return what the ratio was multiplied by."""
+    """Return the factor of the ratio."""
     return select(takes_sum == 1.0, r, 1.0)
 
 
@@ -246,9 +246,9 @@ def declare_arm(arm: str, length: str, angle: tuple[str, str, str, str]) -> None
     step(shrunk, "v", "second null coordinate over the length")
     name, symbol, of, equation = angle
     quantity = minkowski_4r.quantities(units="1", source=f"{HEGEDUS}, {equation}; {POSITION}")
-    quantity(rapidity, name, symbol, f"rapidity of {of}", **given)
+    quantity(rapidity, name, symbol, f"Rapidity of {of}", **given)
     code = minkowski_4r.quantities(units="1", source=POSITION, flags=ORIENTATION_FLAGS)
-    meaning = f"whether {arm} is future- or past-pointing; 0 where it is not determined"
+    meaning = f"Whether {arm} is future- or past-pointing; 0 where it is not determined"
     code(orientation, f"{arm}_orientation", f"sgn {arm}", meaning, **given)
 
 

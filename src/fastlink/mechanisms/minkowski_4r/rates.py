@@ -14,7 +14,7 @@ limits S1 and S2 of S, P = S1 - S, Q = S2 - S and n = N + h^2 - b^2 the same is
             + (a g sh(theta)/N^2) [2 a g sh(theta) (h^2 - b^2)/d - (g^2 - a^2)]
 
 which keeps its digits where the linkage nearly folds (p, q, u/v near 1, d near 0) and loses them where N
-is near 0 and for great theta. The one with the smaller terms is taken. Where psi follows theta, psi' is taken as
+is near 0 and for great theta. The form with the smaller terms is used. Where psi follows theta, psi' is
 1 - g (u - v)/d.
 """
 
@@ -111,7 +111,7 @@ def dpsi_dtheta(
     return select(abs(u) + abs(v) < 0.25, 1.0 - (u - v), ratio)
 
 
-# Each form of psi'' with what its terms add up to in size.
+# Each form of psi'', with the sum of the sizes of its terms.
 
 
 @minkowski_4r.quantity(units="1", symbol="1/d^3", source=RATES, internal=True)
@@ -229,12 +229,12 @@ def constant() -> Any:
 
 
 def growing(x: Any, side: Any) -> Any:
-    """Derivative of what grows like e^abs(theta)."""
+    """Derivative of a value that grows like e^abs(theta)."""
     return side * x
 
 
 def shrinking(x: Any, side: Any) -> Any:
-    """Derivative of what shrinks like e^-abs(theta)."""
+    """Derivative of a value that shrinks like e^-abs(theta)."""
     return -(side * x)
 
 

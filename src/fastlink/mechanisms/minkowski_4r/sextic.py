@@ -1,7 +1,7 @@
 """By how much a traced coupler point misses the coupler sextic.
 
 The sextic is N(W) + 4 V^2 = 0 as `fastlink.minkowski.sextic` has it, here in null coordinates, in which products are
-taken coordinate by coordinate, with W and V times h, and over powers of r, so that nothing overflows.
+formed coordinate by coordinate, with W and V times h, and over powers of r, so that nothing overflows.
 """
 
 from __future__ import annotations

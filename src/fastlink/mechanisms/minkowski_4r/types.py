@@ -1,7 +1,7 @@
-"""Types of one design of the Minkowskian 4R, and what assembles under the paper's standing assumption.
+"""Types of one design of the Minkowskian 4R, and its assemblies under the paper's standing assumption.
 
-The types are those of Theorems 3.9 to 3.22, by exact signs of the T_i: they tell where the loop closes at all. The
-paper supposes that OA and CB are future-pointing; where that is so is another matter, and said by the facts with
+The types are those of Theorems 3.9 to 3.22, by exact signs of the T_i: they decide where the loop closes at all. The
+paper supposes that OA and CB are future-pointing; where that is so is another matter, the subject of the facts with
 `future` in their names. docs/minkowski_theorems.md lists the theorems whose words need one or the other.
 """
 
@@ -16,7 +16,7 @@ from fastlink.numerics.vectors import sign
 
 FUTURE = f"{THEOREMS}#future-pointing-assemblies"
 CRANK_FLAGS = {0: "crank", 1: "rocker", 2: "superrocker", 3: "invalid_input"}
-# 4 kind + 2 (the input is no crank) + (the output is no crank)
+# 4 kind + 2 (the input is not a crank) + (the output is not a crank)
 LINKAGE_FLAGS = {
     0: "strange_crank_crank",
     1: "strange_crank_superrocker",

@@ -72,7 +72,7 @@ def half_tangent_1(Z: Any) -> Any:
     return select(Z == 0.0, INFINITY, 0.5 / Z)
 
 
-# of what is tabled, or given by a place of the graded range
+# of tables, and of the facts that replace them in the graded range
 for _set in (None, "graded"):
     derivative = planar_4r.derivatives("theta1", variant=_set)
     derivative(same, "Z", x="half_sine")

@@ -3,11 +3,11 @@
 Joint k stands between links k - 1 and k: O, A, B, D between links 4 and 1, 1 and 2, 2 and 3, 3 and 4. Seen from
 link k - 1 and driven at joint k, the linkage is again a planar 4R, with crank a_k and the other lengths in cyclic
 order; how the links move relative to each other does not depend on which of them is held. So every fact of the joints
-is the same law under another name: what `planar_4r` says of joint i and length i holds of joint and length
+is the same law under another name: what holds in `planar_4r` of joint i and length i holds of joint and length
 i + k - 1, with joint_angle_k + pi for theta1.
 
-Steps on the way are told in the frame of link k - 1 and keep the names that they have in `planar_4r`. What belongs to
-the linkage whichever joint is driven (its class, the input-output equations) is taken over as it is. What is told in
+Steps on the way are in the frame of link k - 1 and keep the names that they have in `planar_4r`. What belongs to
+the linkage whichever joint is driven (its class, the input-output equations) is adopted as it is. Quantities in
 the ground frame is not offered.
 """
 
@@ -38,7 +38,7 @@ RATES = {
 POINTS = ("O", "A", "B", "D")
 LINKS = ("OA", "AB", "DB", "OD")
 
-#: What is offered: told of the driven joint and the others (moved), and of the linkage (kept).
+#: The quantities that are offered: of the driven joint and the others (moved), and of the linkage (kept).
 MOVED = (
     *(f"joint_angle_{i}" for i in (2, 3, 4)),
     *(f"v{i}" for i in (1, 2, 3, 4)),
@@ -48,7 +48,7 @@ MOVED = (
     "loop_residual",
     "status",
 )
-#: What the residuals of the equations are made of.
+#: The half-angles of which the residuals of the equations are made.
 HALF_ANGLES = tuple(f"joint_{letter}{i}" for letter in "SCY" for i in (1, 2, 3, 4))
 KEPT = (
     "grashof_class",
@@ -86,7 +86,7 @@ def moved_number(number: int, joint: int) -> int:
 
 
 def moved_name(name: str, joint: int) -> str:
-    """Return what a fact of `planar_4r` is called where `joint` is driven.
+    """Return the name of a fact of `planar_4r` where `joint` is driven.
 
     Examples
     --------
@@ -118,7 +118,7 @@ def driven_by(joint: int) -> Catalogue:
         driven.facts |= dict.fromkeys(found.names, replace(found, internal=found.name not in offered))
     for fact in facts_of(planar_4r, KEPT, driven.facts):
         driven.facts |= dict.fromkeys(fact.names, fact)
-    # Angles jump where they pass pi, which no derivative tells: their extremes are taken over the given angles.
+    # Angles jump where they pass pi, where they have no derivative: their extremes are those over the given angles.
     angles = (f"joint_angle_{i}" for i in (1, 2, 3, 4))
     driven.graded = replace(graded, not_differentiable=(*graded.not_differentiable, *angles))
     placed = {fact.name: fact for fact in (_moved(place, joint) for place in places)}
@@ -128,12 +128,12 @@ def driven_by(joint: int) -> Catalogue:
 
 
 def driven_catalogues() -> dict[str, Callable[[], Catalogue]]:
-    """Return what makes the catalogue of each joint angle that may be the input, by its name: 10 ms each."""
+    """Return a factory of the catalogue for each joint angle that may be the input, by its name: 10 ms each."""
     return {f"joint_angle_{joint}": cache(partial(driven_by, joint)) for joint in (1, 2, 3, 4)}
 
 
 def _points(joint: int) -> tuple[str, str, str, str]:
-    """Return what stands for O, A, B, D where `joint` is driven."""
+    """Return the points that correspond to O, A, B, D where `joint` is driven."""
     first, second, third, fourth = (POINTS[moved_number(i, joint) - 1] for i in (1, 2, 3, 4))
     return first, second, third, fourth
 
@@ -177,7 +177,7 @@ def _declared(joint: int) -> Catalogue:
 
 
 def _moved(fact: Fact, joint: int) -> Fact:
-    """Return a fact under the names that it has where `joint` is driven, with what is said of them."""
+    """Return a fact under the names that it has where `joint` is driven, with their labels."""
     name = moved_name(fact.name, joint)
     law = fact.renamed(lambda other: moved_name(other, joint))
     if name == "transmission_angle":
@@ -191,5 +191,5 @@ def _moved(fact: Fact, joint: int) -> Fact:
         what, symbol = RATES[family]
         meaning = f"{what} of the {ORDINALS[number - 1]} joint angle"
         return replace(law, symbol=symbol.format(number), meaning=meaning)
-    said = planar_4r.facts[name]
-    return replace(law, symbol=said.symbol, meaning=said.meaning, source=said.source)
+    labels = planar_4r.facts[name]
+    return replace(law, symbol=labels.symbol, meaning=labels.meaning, source=labels.source)

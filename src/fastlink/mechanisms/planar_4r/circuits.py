@@ -1,7 +1,7 @@
 """Circuits of the planar 4R: which configurations reach each other without taking the linkage apart.
 
 In a linkage of Grashof's kind the shortest link turns fully against its two neighbours, and the other two joints
-never straighten: the sign of either tells the two circuits apart. Where crank or ground is the shortest, B is such a
+never straighten: the sign of either distinguishes the two circuits. Where crank or ground is the shortest, B is such a
 joint, and its sign is that of the branch. Where coupler or output link is the shortest, O is, and its sign is
 that of sin theta1; the branches of each half meet at its toggles. Every other linkage that assembles has one
 circuit: at a change point the two touch.
@@ -20,7 +20,7 @@ CIRCUITS = f"{NUMERICS}#circuits"
 @planar_4r.quantity(units="1", symbol="N_c", source=CIRCUITS)
 def circuit_count(grashof_class: Any) -> Any:
     """Number of circuits, sets of configurations that reach each other; 0 if the design never assembles."""
-    # The codes of classes.CLASS_FLAGS: Grashof's four, then what has one circuit.
+    # The codes of classes.CLASS_FLAGS: Grashof's four, then the linkages with one circuit.
     count = select(grashof_class <= 3.0, 2.0, select(grashof_class <= 12.0, 1.0, 0.0))
     return select(grashof_class <= 13.0, count, NOT_A_NUMBER)
 

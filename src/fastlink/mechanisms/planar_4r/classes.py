@@ -1,6 +1,6 @@
 """Facts of one design of the planar 4R, without any angle: status, class, ranges, swing, transmission angle.
 
-The signs of A1, B1, C1 of eq. (1) tell the eight types apart; a factor within the rounding of the lengths is
+The signs of A1, B1, C1 of eq. (1) distinguish the eight types; a factor within the rounding of the lengths is
 zero, as for `status`. NaN is selected, never computed: of two NaNs in a product the compiler keeps either, and their
 bits differ. Every angle is twice an arctangent of square roots of products of two factors, which are
 sums of four lengths without loss: nothing cancels near a change point.
@@ -68,7 +68,7 @@ def status(
 
 
 def unless_rounding(factor: Any, gap_rounding: Any) -> Any:
-    """Return a factor, zero where it is no more than the rounding of the lengths."""
+    """Return a factor, zero where it is at most the rounding of the lengths."""
     return zero_where(abs(factor) <= gap_rounding, factor)
 
 
@@ -80,7 +80,7 @@ step(unless_rounding, "sure_C1", "C_1", "C1, zero within the rounding of the len
 
 @planar_4r.quantity(units="1", symbol="class", source=STATUS, flags=CLASS_FLAGS)
 def grashof_class(sure_A1: Any, sure_B1: Any, sure_C1: Any, assembles: Any, valid: Any) -> Any:
-    """Type of the linkage: what turns fully, which link is the longest, which change point."""
+    """Type of the linkage: the links that turn fully, or the longest link, or the kind of change point."""
     a = sure_A1 > 0.0
     b = sure_B1 > 0.0
     c = sure_C1 > 0.0
@@ -113,24 +113,24 @@ def grashof_excess(sure_A1: Any, sure_B1: Any, sure_C1: Any, lift: Any, unit: An
 
 
 def limit_root(x: Any, y: Any) -> Any:
-    """Half-angle sine or cosine at a limit, over a common factor: the root of x y, 0 where there is no such limit."""
+    """Half-angle sine or cosine at a limit, over a common factor: sqrt(x y), 0 without such a limit."""
     product = x * y
     return select(product > 0.0, sqrt(product), 0.0)
 
 
 def opposite_limit_root(x: Any, y: Any) -> Any:
-    """Half-angle sine or cosine at a limit, over a common factor: the root of -x y, 0 where there is no such limit."""
+    """Half-angle sine or cosine at a limit, over a common factor: sqrt(-x y), 0 without such a limit."""
     product = -(x * y)
     return select(product > 0.0, sqrt(product), 0.0)
 
 
 def product_root(x: Any, y: Any) -> Any:
-    """Half-angle sine or cosine at a limit, over a common factor: the root of x y, both of them positive."""
+    """Half-angle sine or cosine at a limit, over a common factor: sqrt(x y), both factors positive."""
     return sqrt(x) * sqrt(y)
 
 
 def opposite_product_root(x: Any, y: Any) -> Any:
-    """Half-angle sine or cosine at a limit, over a common factor: the root of -x y, y being negative."""
+    """Half-angle sine or cosine at a limit, over a common factor: sqrt(-x y), the second factor negative."""
     return sqrt(x) * sqrt(-y)
 
 
@@ -148,7 +148,7 @@ step(opposite_limit_root, "cosine_greatest_mu", "sqrt(-C_1 D_1)", x="sure_C1", y
 
 
 def twice_arctangent(sine: Any, cosine: Any, assembles: Any) -> Any:
-    """Angle in [0, pi] from what its half-angle's sine and cosine are in proportion to."""
+    """Angle in [0, pi] from two numbers in proportion to its half-angle's sine and cosine."""
     return select(assembles == 1.0, 2.0 * atan2(sine, cosine), NOT_A_NUMBER)
 
 
@@ -157,7 +157,7 @@ limit(
     twice_arctangent,
     "theta1_low",
     "theta_1",
-    "least reachable |theta1|, 0 if none",
+    "Least reachable |theta1|, 0 if none",
     sine="sine_low_1",
     cosine="cosine_low_1",
 )
@@ -165,7 +165,7 @@ limit(
     twice_arctangent,
     "theta1_high",
     "theta_1",
-    "greatest reachable |theta1|, pi if none",
+    "Greatest reachable |theta1|, pi if none",
     sine="sine_high_1",
     cosine="cosine_high_1",
 )
@@ -173,7 +173,7 @@ limit(
     twice_arctangent,
     "theta4_low",
     "theta_4",
-    "least reachable |theta4|, 0 if none",
+    "Least reachable |theta4|, 0 if none",
     sine="sine_low_4",
     cosine="cosine_low_4",
 )
@@ -181,7 +181,7 @@ limit(
     twice_arctangent,
     "theta4_high",
     "theta_4",
-    "greatest reachable |theta4|, pi if none",
+    "Greatest reachable |theta4|, pi if none",
     sine="sine_high_4",
     cosine="cosine_high_4",
 )
@@ -189,7 +189,7 @@ limit(
     twice_arctangent,
     "transmission_angle_least",
     "mu",
-    "least transmission angle over the reachable range: at theta1 = 0, or 0 at a toggle",
+    "Least transmission angle over the reachable range: at theta1 = 0, or 0 at a toggle",
     sine="sine_least_mu",
     cosine="sine_high_1",
 )
@@ -197,7 +197,7 @@ limit(
     twice_arctangent,
     "transmission_angle_greatest",
     "mu",
-    "greatest transmission angle over the reachable range: at theta1 = pi, or pi at a toggle",
+    "Greatest transmission angle over the reachable range: at theta1 = pi, or pi at a toggle",
     sine="cosine_low_1",
     cosine="cosine_greatest_mu",
 )

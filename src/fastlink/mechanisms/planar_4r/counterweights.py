@@ -33,7 +33,7 @@ def spin(mass: Any, radius: Any) -> Any:
 
 
 def declare_counterweight(link: int) -> None:
-    """Declare the counterweight of one link, and what it adds wherever it is."""
+    """Declare the counterweight of one link, and the terms that it adds to either link."""
     name = f"counterweight{link}"
     mass, radius, direction = f"{name}_mass", f"{name}_radius", f"{name}_direction"
     given = partial(planar_4r.input, variant=name)

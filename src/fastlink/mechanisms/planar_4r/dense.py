@@ -31,13 +31,13 @@ def OG_y(G1_u: Any, G1_v: Any, cos_theta1: Any, sin_theta1: Any) -> Any:
 
 @planar_4r.quantity(units="N", symbol="m_2 a_CG2x", source=EQUATION_9, internal=True)
 def joint_force2_x(p2_x: Any) -> Any:
-    """What the joints' forces on the coupler add up to, x."""
+    """Sum of the joints' forces on the coupler, x."""
     return p2_x
 
 
 @planar_4r.quantity(units="N", symbol="m_2 a_CG2y", source=EQUATION_9, internal=True)
 def joint_force2_y(p2_y: Any) -> Any:
-    """What the joints' forces on the coupler add up to, y."""
+    """Sum of the joints' forces on the coupler, y."""
     return p2_y
 
 

@@ -202,13 +202,13 @@ def I3_D_per_2_a1_a4(I3_D: Any, unit_per_2_a1_a4: Any) -> Any:
 
 @planar_4r.quantity(units="N", symbol="M_2 unit/(AB x DB)", source=REACTIONS, internal=True)
 def pull_along_DB(moment2_A: Any, unit_per_2_a1_a4: Any, per_sigma: Any, branch_sign: Any) -> Any:
-    """What the coupler's moment asks of the joint B, along DB, for a length of that power of two."""
+    """Force in the joint B along DB that balances the coupler's moment, for a length of that power of two."""
     return moment2_A * (branch_sign * (unit_per_2_a1_a4 * per_sigma))
 
 
 @planar_4r.quantity(units="N", symbol="I_3D alpha_4 unit/(AB x DB)", source=REACTIONS, internal=True)
 def pull_along_AB(alpha4: Any, I3_D_per_2_a1_a4: Any, per_sigma: Any, branch_sign: Any) -> Any:
-    """What the output link's moment asks of the joint B, along AB, for a length of that power of two."""
+    """Force in the joint B along AB that balances the output link's moment, for a length of that power of two."""
     return alpha4 * (branch_sign * (I3_D_per_2_a1_a4 * per_sigma))
 
 

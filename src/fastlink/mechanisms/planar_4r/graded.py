@@ -21,7 +21,7 @@ EXTREMES = f"{NUMERICS}#extremes"
 NEAR_TOGGLE = 2.0**-60
 
 # Between extremes of a rate its derivative has the sign of a polynomial of degree 6 in tan^2(theta1/2): never more
-# than one maximum and one minimum by branch; that of an acceleration is of degree 11: 5 at most were ever found.
+# than one maximum and one minimum by branch; that of an acceleration is of degree 11: at most 5 were found.
 MONOTONE = ("omega2", "omega4", "theta2", "theta4", "transmission_angle")
 ACCELERATIONS = ("alpha2", "alpha4")
 
@@ -104,7 +104,7 @@ def is_toggle(limit: Any) -> Any:
 
 
 def declare_end(end: str, where: str, limit: str, first: Callable[..., Any]) -> None:
-    """Declare what grades the samples at one end of the range."""
+    """Declare the facts that grade the samples at one end of the range."""
     at = f"at the {where} end of the range"
     near, scale = f"near_{end}", f"scale_{end}"
     step(grade, scale, "scale", f"scale of the graded samples, {at}", near=near, width="range_width")
@@ -152,11 +152,11 @@ def from_end(least: Any, range_width: Any, fraction: Any) -> Any:
     return least + range_width * fraction
 
 
-place = planar_4r.steps(units="1", source=EXTREMES, variant="graded")
-place(from_end, "Z", "Z", "Z at a place of the graded range", least="Z_least", fraction="from_low")
-place(from_end, "p", "p", "p at a place of the graded range", least="p_least", fraction="from_low")
-place(from_end, "C", "C", "C at a place of the graded range", least="C_least", fraction="from_high")
-place(from_end, "q", "q", "q at a place of the graded range", least="q_least", fraction="from_high")
+graded = planar_4r.steps(units="1", source=EXTREMES, variant="graded")
+graded(from_end, "Z", "Z", "Z at a place of the graded range", least="Z_least", fraction="from_low")
+graded(from_end, "p", "p", "p at a place of the graded range", least="p_least", fraction="from_low")
+graded(from_end, "C", "C", "C at a place of the graded range", least="C_least", fraction="from_high")
+graded(from_end, "q", "q", "q at a place of the graded range", least="q_least", fraction="from_high")
 
 
 @planar_4r.quantity(units="1", symbol="sin theta_1", source=EXTREMES, internal=True, variant="graded")

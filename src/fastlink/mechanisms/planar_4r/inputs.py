@@ -56,7 +56,7 @@ declare_link(3, LINKS[3], "from D along DB")
 
 
 def build_on(chosen: str, name: str, law: Callable[..., Any], **given: str) -> None:
-    """Let a set of facts replace `name` by a law of what it replaces (the parameter `replaced`), labels kept."""
+    """Declare a fact of a variant that builds on the one it replaces, the law's parameter `replaced`."""
     base = planar_4r.facts[name]
     planar_4r.quantity(
         units=base.units,

@@ -1,6 +1,6 @@
 """Loads of the planar 4R: gravity, a force on the coupler point, a torque on the output link.
 
-Each load is a set of facts that giving one of its inputs chooses; what is not given is left out, not zero.
+Each load is a variant that one of its inputs selects; loads without inputs are left out, not zero.
 Its facts build on what they replace, so that loads add up in any combination. A weight is part of the rate of
 momentum, p_i = m_i (a_Gi - g): then every equation of `forces` holds as it stands but for the moments about the
 fixed pivots.
@@ -42,8 +42,8 @@ load(
     "T_2",
     "load torque on the output link over omega4 |omega4|",
 )
-load(MOMENT_POINT, "M_x", "m", "M_x", "point that shaking_moment_at is taken about, x")
-load(MOMENT_POINT, "M_y", "m", "M_y", "point that shaking_moment_at is taken about, y")
+load(MOMENT_POINT, "M_x", "m", "M_x", "point of reference of shaking_moment_at, x")
+load(MOMENT_POINT, "M_y", "m", "M_y", "point of reference of shaking_moment_at, y")
 
 
 # -- whole links ----------------------------------------------------------------------------------
@@ -90,7 +90,7 @@ def weight_moment(x: Any, y: Any, gravity_x: Any, gravity_y: Any) -> Any:
 
 
 def pull_less(replaced: Any, further: Any, unit_per_2_a1_a4: Any, per_sigma: Any, branch_sign: Any) -> Any:
-    """What the moments about D ask of the joint B, along AB, less a moment on the output link."""
+    """Force in the joint B along AB that balances the moments about D, less a moment on the output link."""
     return replaced - further * (branch_sign * (unit_per_2_a1_a4 * per_sigma))
 
 

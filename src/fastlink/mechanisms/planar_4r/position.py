@@ -1,7 +1,7 @@
 """Facts of position of the planar 4R: the dyad AB, DB, coupler point, angles, closure.
 
 With Z = sin^2(theta1/2), C = cos^2(theta1/2) every factor is a difference Z - Z0 or C - C0 from a toggle,
-taken in twice the working precision: nothing cancels, however near the toggle or the change point.
+in twice the working precision: nothing cancels, however near the toggle or the change point.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ from fastlink.numerics.elementary import atan2, cos, select, sin, sqrt
 from fastlink.numerics.vectors import largest
 
 POSITION = f"{NUMERICS}#position"
-#: Below it the folded position of a change point is not told from its neighbours.
+#: Below it the folded position of a change point is not distinguished from its neighbours.
 LEAST_ANGLE = 2.0**-500
 
 

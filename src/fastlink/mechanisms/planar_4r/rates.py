@@ -170,7 +170,7 @@ def H_bend(half_sine: Any, C0: Any, Z0: Any, Z: Any, C: Any, p: Any, q: Any, per
 
 @planar_4r.quantity(units="1", symbol="-(2 H' k' + H k'')/2", source=RATES, internal=True)
 def kappa_bend(H: Any, H_slope: Any, kappa_per_gamma: Any, log_rate: Any, gamma_bend: Any) -> Any:
-    """What the second derivative of kappa/gamma takes from that of the ratios."""
+    """Part of the second derivative of kappa/gamma in that of the ratios."""
     return kappa_per_gamma * (2.0 * (H_slope * log_rate) + 0.5 * (H * gamma_bend))
 
 

@@ -85,7 +85,7 @@ def declare_residual(pair: str) -> None:
             second=f"factor_{second}",
         )
     name, symbol = f"io_residual_{pair}", f"r_{pair}"
-    meaning = f"residual of the input-output equation of joints {i} and {j}, over the squared sum of lengths"
+    meaning = f"Residual of the input-output equation of joints {i} and {j}, over the squared sum of lengths"
     quantity = planar_4r.quantities(units="1", source=source)
     if pair not in IO_CROSS:
         quantity(residual, name, symbol, meaning, **terms)

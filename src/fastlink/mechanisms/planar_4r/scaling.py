@@ -1,4 +1,4 @@
-"""Scaled lengths of the planar 4R: over a power of two near the longest, and what rounding may do to their sums."""
+"""Scaled lengths of the planar 4R: over a power of two near the longest, and the effect of rounding on their sums."""
 
 from __future__ import annotations
 
@@ -26,5 +26,5 @@ def per_unit(lift: Any, unit: Any) -> Any:
 
 @planar_4r.quantity(units="1", symbol="u P", source=f"{NUMERICS}#status", internal=True)
 def gap_rounding(s1: Any, s2: Any, s3: Any, s4: Any) -> Any:
-    """What half a unit in the last place of each length may do to a sum of them: less is zero."""
+    """Effect of half a unit in the last place of each length on a sum of them, which counts as 0 below it."""
     return UNIT_ROUNDING * ((s1 + s2) + (s3 + s4))
