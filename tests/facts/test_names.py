@@ -45,7 +45,7 @@ DRIVES = [
 def plain_names(catalogue):
     """Return the declared names that are not made of others."""
     sets = [*catalogue.variants.values(), *catalogue.variant_inputs.values()]
-    declared = {*catalogue.facts, *catalogue.inputs, *catalogue.curves, *catalogue.tables}
+    declared = {*catalogue.facts, *catalogue.inputs, *catalogue.tables}
     declared |= {catalogue.position.name, *(name for names in sets for name in names)}
     return sorted(name for name in declared if parse(name, catalogue) == Quantity(name))
 
@@ -333,7 +333,7 @@ def test_the_search_finds_what_it_is_for(text):
 
 
 #: Names of functions in the text of kernels: slope_3.
-OF_KERNELS = {"explain.py": ["function.rpartition('_')"]}
+OF_KERNELS = {"diagnostics/explain.py": ["function.rpartition('_')"]}
 
 
 @pytest.mark.parametrize("path", sorted(SOURCE.rglob("*.py")), ids=lambda path: str(path.relative_to(SOURCE)))
