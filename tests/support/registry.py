@@ -85,7 +85,7 @@ class Entry:
     long_chains: Mapping[str, float] = field(default_factory=dict)
     errors: Mapping[str, float] = field(default_factory=dict)
     looseness: float = 25.0
-    near_bounds: float = 0.95
+    near_bounds: float = 0.9
     slopes: Mapping[str, float] = field(default_factory=lambda: {"random": 0.9})
     kinks: tuple[str, ...] = ()
     undetermined: Mapping[str, Callable[..., bool]] = field(default_factory=dict)
@@ -239,8 +239,8 @@ FOCAL = (
             *("focal", drive),
             families=families(focal_configurations.family, focal_configurations.FAMILIES, drive),
             looseness=20.0,
-            # By the crank one bound in five is greater near dead centres (as measured: nothing says it has to be).
-            near_bounds=0.95 if drive == "phi" else 0.85,
+            # By sigma one bound in five is greater near dead centres (as measured: nothing says it has to be).
+            near_bounds=0.9 if drive == "phi" else 0.8,
             few=10,
             many=600,
             # What is taken from S: s takes 3 roundings and r about 10, each of its own, while F, whose condition
@@ -294,7 +294,8 @@ HART = (
     Entry(
         *("hart", "F_y"),
         families=families(hart_configurations.along_line, hart_configurations.FAMILIES),
-        looseness=10.0,
+        # The rates by F_y are quotients of sums with common factors, each term of which is bounded on its own.
+        near_bounds=0.85,
         few=3,
         many=200,
         # Some ten roundings from F_y to P, those of PF, and of five bars each eight.

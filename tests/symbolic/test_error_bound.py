@@ -43,17 +43,11 @@ def quantities(mechanism):
 # -- each law ----------------------------------------------------------------------------------------------
 
 
-def root_by_slope(x, e):
-    """Root slopes are for errors of first order: those that they bound by the chord, too."""
-    return error_laws.root_slope(x, np.sqrt(x), e) * e
-
-
 #: The law over magnitudes and errors, and the operation.
 LAWS = {
     "product": (lambda x, y, e, f: error_laws.of_product(abs(x), abs(y), e, f), lambda x, y: x * y),
     "quotient": (lambda x, y, e, f: error_laws.of_quotient(abs(x / y), abs(y), e, f), lambda x, y: x / y),
     "root": (lambda x, y, e, f: error_laws.of_root(abs(x), np.sqrt(abs(x)), e), lambda x, y: mp.sqrt(abs(x))),
-    "slope of a root": (lambda x, y, e, f: root_by_slope(abs(x), e), lambda x, y: mp.sqrt(abs(x))),
     "direction": (
         lambda x, y, e, f: error_laws.of_direction(abs(y), abs(x), f, e),
         lambda x, y: mp.atan2(y, x),
@@ -138,7 +132,7 @@ def exactly_zero_apart(x, y):
 
 
 def shared(x, y):
-    """Return (x y + 1) - x y, whose terms share an error that is no error of it."""
+    """Return (x y + 1) - x y, whose terms are bounded each on its own, though they share an error."""
     return (x * y + 1.0) - x * y
 
 
@@ -149,8 +143,8 @@ def shared(x, y):
 def test_roundings_are_counted_once(law, roundings):
     found = read_facts(small(law), ["f", "f_error"], {"x": 3.0, "y": 0.7})
     if roundings is None:
-        # two sums of sizes 3.1 and 1, and the product twice with opposite signs: its error cancels
-        assert found["f_error"] == pytest.approx(UNIT * (3.1 + 1.0), rel=1e-12)
+        # two sums of sizes 3.1 and 1, and the rounding of the product, 2.1, in both terms
+        assert found["f_error"] == pytest.approx(UNIT * (3.1 + 1.0 + 2 * 2.1), rel=1e-12)
     else:
         assert found["f_error"] == UNIT * roundings * abs(found["f"])
 
@@ -268,7 +262,7 @@ def assert_bounded_by_twofold_numbers(name, n, block):
 def test_bounds_hold_where_digits_may_get_lost(name):
     tested, near = assert_bounded_by_twofold_numbers(name, 2000, 2000)
     assert tested > 200_000
-    assert near > 0.95
+    assert near > 0.9
 
 
 @pytest.mark.stress
@@ -277,7 +271,7 @@ def test_bounds_hold_at_a_million_hard_points(name):
     families = hard_points.FAMILIES[name][1]
     tested, near = assert_bounded_by_twofold_numbers(name, -(-1_000_000 // len(families)), 20_000)
     assert tested > 10_000_000
-    assert near > 0.95
+    assert near > 0.9
 
 
 @pytest.mark.parametrize("name", MECHANISMS)

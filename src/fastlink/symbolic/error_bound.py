@@ -17,7 +17,6 @@ from fastlink.facts.fact import Fact, Input, System
 from fastlink.facts.names import ErrorBound, Quantity, Trust
 from fastlink.numerics.elementary import INFINITY, select
 from fastlink.symbolic.derivative import in_a_sentence, made_function
-from fastlink.symbolic.error_adjoint import ReverseMode, is_size, is_smooth
 from fastlink.symbolic.error_propagation import Bound, Lost, Rules, U
 from fastlink.symbolic.expression import Node, is_power_of_two
 
@@ -98,7 +97,6 @@ class ErrorBounds:
         self._named: dict[str, Bound] = {}
         self._values: dict[str, Node] = {}
         self._facts: dict[str, Fact] = {}
-        self._passing: dict[str, bool] = {}
 
     def fact(self, name: str) -> Fact:
         """Return the error bound of a fact.
@@ -110,8 +108,7 @@ class ErrorBounds:
         """
         if name not in self._facts:
             found = self.found(name)
-            along = self._passes(name) and not is_size(self.rules, self._value(name))
-            root, own = self._along_paths(name) if along else self._running(name)
+            root, own = self._running(name)
             made = error_name(name)
             function, depends_on = made_function(made, self.graph, root, own)
             self._facts[name] = replace(
@@ -144,46 +141,6 @@ class ErrorBounds:
         # At least a trace of the value: where it is not finite, so is its error.
         whole = self.rules.error(value, replace(bound, relative=max(bound.relative, U)))
         return whole, {} if value.kind in ("name", "number", "neg") else {value: name}
-
-    # -- sums of products ----------------------------------------------------------------------------------------
-
-    def _passes(self, name: str) -> bool:
-        """Tell whether a fact is a sum of products whose errors are followed to where they come from.
-
-        Its terms share factors, and what the error of a factor does to one may undo what it does to another.
-        """
-        if name not in self._passing:
-            found = self.find(name) if name not in self.tables else None
-            self._passing[name] = isinstance(found, Fact) and self._is_sum(name, found)
-        return self._passing[name]
-
-    def _is_sum(self, name: str, found: Fact) -> bool:
-        value = self._value(name)
-        low_words = any(
-            times > 0.0 for need in found.depends_on for times, _high in self.named(need).lost.values()
-        )
-        settled = self.rules.settled(value)
-        return not low_words and settled.rest is not self.graph.zero and is_smooth(self.rules, value)
-
-    def _along_paths(self, name: str) -> tuple[Node, dict[Node, str]]:
-        """Return the sum over all roundings of what each does to a fact, and the values on the way as names."""
-        order: list[str] = []
-        self._visit(name, order)
-        paths, own = ReverseMode(self.rules, self.graph.name(name)), dict[Node, str]()
-        for of in reversed(order):
-            value = self._value(of)
-            paths.follow(self.graph.name(of), value)
-            if value.kind not in ("name", "number", "neg"):
-                own[value] = of
-        return paths.total(), own
-
-    def _visit(self, name: str, order: list[str]) -> None:
-        """Append to the order a fact and the sums of products that it is made of, each after what it needs."""
-        if name not in order:
-            for need in self.found(name).depends_on:
-                if self._passes(need):
-                    self._visit(need, order)
-            order.append(name)
 
     # -- names ---------------------------------------------------------------------------------------------------
 

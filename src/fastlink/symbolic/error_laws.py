@@ -9,12 +9,7 @@ from typing import Any
 
 from fastlink.numerics.elementary import PI, select, sqrt
 
-__all__ = [
-    *("of_direction", "of_logarithm", "of_product", "of_quotient", "of_root"),
-    *("root_slope", "root_slope_of_squares"),
-]
-
-TINY = 2.0**-1000
+__all__ = ["of_direction", "of_logarithm", "of_product", "of_quotient", "of_root"]
 
 
 def of_product(x: Any, y: Any, e_x: Any, e_y: Any) -> Any:
@@ -45,13 +40,3 @@ def of_direction(y: Any, x: Any, e_y: Any, e_x: Any) -> Any:
 def of_logarithm(x: Any, e: Any) -> Any:
     """Return what an error of x does to its logarithm: infinite where x may be zero."""
     return e / select(e < x, x - e, 0.0)
-
-
-def root_slope(x: Any, root: Any, e: Any) -> Any:
-    """Return the slope of a root; it bounds the chord over an error e of x, however near to zero x is."""
-    return select(16.0 * e < x, 0.52 / root, 1.0 / sqrt(e + TINY))
-
-
-def root_slope_of_squares(root: Any) -> Any:
-    """Return the slope of the root of what is never negative: its chords through zero are no steeper than that."""
-    return 0.5 / select(root > TINY, root, TINY)
