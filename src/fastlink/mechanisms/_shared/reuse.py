@@ -9,7 +9,7 @@ from typing import Any
 from fastlink.catalogue.catalogue import Catalogue, Fact
 from fastlink.facts.names import Derivative, Quantity
 
-__all__ = ["borrow", "borrow_range", "facts_of", "renaming", "with_derivatives"]
+__all__ = ["borrow", "borrow_range", "borrow_tables", "facts_of", "renaming", "with_derivatives"]
 
 Renaming = Callable[[str], str]
 
@@ -61,6 +61,19 @@ def renaming(lender: Catalogue, names: Mapping[str, str], prefix: str) -> Renami
     return rename
 
 
+def borrow_tables(borrower: Catalogue, lender: Catalogue, names: Mapping[str, str]) -> None:
+    """Declare tables of one mechanism in another, those that `names` has, by their names there."""
+    position, symbol = borrower.position.name, borrower.position.symbol
+    for name, table in lender.tables.items():
+        if name in names:
+            symbols = table.symbol.replace(lender.position.symbol, symbol)
+            here = replace(table, name=names[name], depends_on=(position,), symbol=symbols)
+            borrower.tables[here.name] = here
+    for low, high in lender.table_low_parts.items():
+        if low in names:
+            borrower.table_low_parts[names[low]] = names[high]
+
+
 def borrow(
     borrower: Catalogue,
     lender: Catalogue,
@@ -73,9 +86,9 @@ def borrow(
     Parameters
     ----------
     borrower, lender : Catalogue
-        Where they are declared, and whose they are.
+        The mechanism in which they are declared, and the one that has them.
     names : mapping of str to str
-        What the lender's inputs, its position, its tables and some of its facts are called by the borrower. What the
+        The borrower's names of the lender's inputs, its position, its tables and some of its facts. A fact that the
         borrower has under such a name already is its own.
     prefix : str
         Before the names of all other facts.

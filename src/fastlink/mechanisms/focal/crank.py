@@ -7,10 +7,10 @@ where both sides of a quotient have one length.
 
 from __future__ import annotations
 
-from dataclasses import replace
 from typing import Any
 
 from fastlink.mechanisms._shared.laws import angle, opposite, opposite_product, product, same
+from fastlink.mechanisms._shared.reuse import borrow_tables
 from fastlink.mechanisms.focal.by_crank import by_crank
 from fastlink.mechanisms.focal.dyad import DYAD
 from fastlink.mechanisms.focal.inputs import WUNDERLICH
@@ -22,11 +22,7 @@ SIGMA = by_crank.position.name
 #: The tables of the planar 4R, by their names here.
 TABLES = {"cos_theta1": "g_x", "sin_theta1": "g_y", "Z": "Z", "C": "C"}
 
-for _name, _here in TABLES.items():
-    _table = planar_4r.tables[_name]
-    by_crank.tables[_here] = replace(
-        _table, name=_here, depends_on=(SIGMA,), symbol=_table.symbol.replace("theta_1", SIGMA)
-    )
+borrow_tables(by_crank, planar_4r, TABLES)
 
 # -- w ----------------------------------------------------------------------------------------------------------
 

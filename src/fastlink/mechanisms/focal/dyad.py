@@ -18,6 +18,7 @@ from __future__ import annotations
 
 from typing import Any
 
+from fastlink.mechanisms._shared.laws import opposite
 from fastlink.mechanisms._shared.reuse import borrow
 from fastlink.mechanisms.focal.design_facts import FOUR_BAR, PREFIX
 from fastlink.mechanisms.focal.inputs import DESIGN, GIVEN_LAMBDA, focal
@@ -85,15 +86,9 @@ def crank_sign(rho_plus_1: Any, lambda_sign: Any) -> Any:
     return select(rho_plus_1 < 0.0, -lambda_sign, lambda_sign)
 
 
-def opposite(sign: Any) -> Any:
-    """The opposite sign."""
-    return -sign
-
-
-for _sign in ("lambda_sign", "crank_sign"):
-    focal.quantity(
-        units="1", symbol="k", source=DYAD, internal=True, name=f"minus_{_sign}", given={"sign": _sign}
-    )(opposite)
+step = focal.steps(units="1", source=DYAD)
+step(opposite, "minus_lambda_sign", "k", "The opposite sign", x="lambda_sign")
+step(opposite, "minus_crank_sign", "k", "The opposite sign", x="crank_sign")
 
 
 @focal.quantity(units="1", symbol="a + rho b", source=DYAD, internal=True)

@@ -7,18 +7,16 @@ P and Q divide MA and NB alike, so that PQ is -(AB + (lambda - 1) MN)/lambda, an
 
 from __future__ import annotations
 
-from dataclasses import replace
 from typing import Any
 
 from fastlink.mechanisms._shared.laws import product, quotient
-from fastlink.mechanisms._shared.reuse import borrow, renaming
+from fastlink.mechanisms._shared.reuse import borrow, borrow_tables
 from fastlink.mechanisms.focal.design_facts import FOUR_BAR, PREFIX
 from fastlink.mechanisms.focal.inputs import WUNDERLICH, focal
 from fastlink.mechanisms.focal.points import FIGURES, POSITION, declare_fifth, declare_T
 from fastlink.mechanisms.planar_4r import planar_4r
 from fastlink.numerics.elementary import sqrt
 
-PHI = focal.position.name
 #: The names that differ from those of the planar 4R.
 NAMES = FOUR_BAR | {"cos_theta1": "u_x", "sin_theta1": "u_y", "DB_x": "NB_x", "DB_y": "NB_y"}
 NAMES |= {
@@ -26,13 +24,7 @@ NAMES |= {
     **{name: name for name in ("Z", "C", "Z_low", "C_low", "A_x", "A_y", "AB_x", "AB_y", "branch_sign")},
     **{name: name for name in ("from_low", "from_high", "side")},
 }
-RENAME = renaming(planar_4r, NAMES, PREFIX)
-
-for _table in planar_4r.tables.values():
-    focal.tables[RENAME(_table.name)] = replace(
-        _table, name=RENAME(_table.name), depends_on=(PHI,), symbol=_table.symbol.replace("theta_1", "phi")
-    )
-focal.table_low_parts = {RENAME(low): RENAME(name) for low, name in planar_4r.table_low_parts.items()}
+borrow_tables(focal, planar_4r, NAMES)
 
 DIRECTION_OF_NB = {
     "symbol": "psi",

@@ -5,11 +5,10 @@ Its toggles are those of `design_facts`, in which lambda is divided out, as it i
 
 from __future__ import annotations
 
-from dataclasses import replace
 from typing import Any
 
 from fastlink.mechanisms._shared.laws import product, size
-from fastlink.mechanisms._shared.reuse import borrow, borrow_range
+from fastlink.mechanisms._shared.reuse import borrow, borrow_range, borrow_tables
 from fastlink.mechanisms.hart.design_facts import NUMERICS
 from fastlink.mechanisms.hart.inputs import WUNDERLICH, hart
 from fastlink.mechanisms.planar_4r import planar_4r
@@ -113,9 +112,7 @@ NAMES |= {name: name for name in ("branch_sign", "output_offset", "gamma0", "cra
 NAMES |= {"kappa": "squares_excess", "AD_x": "AN_x", "assembles": "assembles", "valid": "valid"}
 NAMES |= {name: name for name in ("A_x", "A_y", "sure_A1", "grashof_class")}
 
-for _table in planar_4r.tables.values():
-    hart.tables[NAMES[_table.name]] = replace(_table, name=NAMES[_table.name], depends_on=("phi",))
-hart.table_low_parts = dict(planar_4r.table_low_parts)
+borrow_tables(hart, planar_4r, NAMES)
 
 LABELS: dict[str, dict[str, Any]] = {
     "A_x": {"source": POSITION},
