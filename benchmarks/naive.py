@@ -12,7 +12,8 @@ from benchmarks.inputs import CASES, INPUTS, round_bars
 from fastlink.catalogue.evaluate import read_facts
 from fastlink.catalogue.tables import angle_tables
 from fastlink.mechanisms import catalogue
-from fastlink.precision.reference import UNIT, HighPrecision
+from fastlink.numerics.compensated import UNIT_ROUNDING
+from fastlink.precision.reference import HighPrecision
 
 PLANAR = catalogue("planar_4r")
 #: What is compared, by what it is made of; a vector is measured by its longest error over its length.
@@ -94,7 +95,7 @@ def error(way, exact, names, i):
     if not all(np.isfinite(way[name][i]) for name in names):
         return np.inf
     greatest = max(abs(exact[name]) for name in names)
-    return float(max(abs(float(way[name][i]) - exact[name]) for name in names) / greatest) / UNIT
+    return float(max(abs(float(way[name][i]) - exact[name]) for name in names) / greatest) / UNIT_ROUNDING
 
 
 def table(n=200):

@@ -6,7 +6,7 @@ from functools import cache
 
 import numpy as np
 import pytest
-from tests.support.configurations import LENGTHS, UNIT
+from tests.support.configurations import LENGTHS
 from tests.support.curve_designs import (
     CURVE,
     STEP,
@@ -19,6 +19,7 @@ from tests.support.curve_designs import (
 )
 
 from fastlink.analysis.planar import crunode_count, crunodes, cusp_count, cusps
+from fastlink.numerics.compensated import UNIT_ROUNDING
 
 # -- crunodes ----------------------------------------------------------------------------------------
 
@@ -45,7 +46,7 @@ def test_two_configurations_of_the_linkage_meet_at_a_crunode():
         B = A + a2 * (z - A) / p
         error = np.abs(np.abs(B - a4) - a3)
         # |A P| = |p| holds by construction; what is left is the third side, 1e4 for the three divisors above.
-        assert np.all((error <= 1e4 * UNIT * size / flat)[good])
+        assert np.all((error <= 1e4 * UNIT_ROUNDING * size / flat)[good])
 
 
 def test_a_curve_through_the_pivot_of_the_crank_crosses_itself_there():
@@ -53,7 +54,7 @@ def test_a_curve_through_the_pivot_of_the_crank_crosses_itself_there():
     X, Y, count = crunodes(1.0, 2.5, 2.5, 2.0, 0.6, 0.8)
     assert count >= 1
     # A few roundings of the lengths.
-    assert np.nanmin(np.hypot(X, Y)) <= 16 * UNIT
+    assert np.nanmin(np.hypot(X, Y)) <= 16 * UNIT_ROUNDING
     assert crunode_count(1.0, 2.5, 2.5, 2.0, 0.6, 0.8 + 1e-6) == count
 
 
@@ -172,7 +173,7 @@ def test_where_p_lies_on_the_moving_centrode_the_curve_has_a_cusp():
     # Roundings of P shift the cusp by as much as they do the double point: by the condition number of the cubic's
     # root, some 1e5 at worst, of the lengths.
     distance = np.nanmin(np.abs(X + 1j * Y - pole[:, None]), axis=1)
-    assert np.median(distance) < 100 * UNIT
+    assert np.median(distance) < 100 * UNIT_ROUNDING
     assert np.all(distance < 1e-9)
     # Beside the centrode, by far more than the tolerance, the cusp is a loop or nothing at all.
     beside = inputs | {"P_u": inputs["P_u"] + 1e-5}

@@ -8,7 +8,7 @@ from tests.support.focal_configurations import random_designs
 
 import fastlink as fl
 from fastlink.errors import InputError
-from fastlink.precision.reference import UNIT
+from fastlink.numerics.compensated import UNIT_ROUNDING
 
 MANY = 20_000
 
@@ -39,7 +39,7 @@ def assert_on(k, z):
     """Assert that points are on curves: each coefficient and coordinate is some ten roundings off."""
     found, size = value(k, z)
     there = np.isfinite(z)
-    assert (np.abs(found) <= 100 * UNIT * size)[there].all()
+    assert (np.abs(found) <= 100 * UNIT_ROUNDING * size)[there].all()
 
 
 def test_it_goes_through_the_corners_and_where_opposite_sides_meet():
@@ -48,7 +48,7 @@ def test_it_goes_through_the_corners_and_where_opposite_sides_meet():
     assert A.size > MANY // 2
     for corner in (0 * d, d):
         found, size = value(k, corner)
-        assert (np.abs(found) <= 100 * UNIT * np.maximum(size, np.abs(k).max(axis=(1, 2)))).all()
+        assert (np.abs(found) <= 100 * UNIT_ROUNDING * np.maximum(size, np.abs(k).max(axis=(1, 2)))).all()
     # X and Y are off by roundings over the sine of the angle in which the sides meet
     AB, v = B - A, B - d
     X = A * (d.real * v.imag) / (np.conj(A) * v).imag
@@ -62,7 +62,7 @@ def test_it_goes_through_the_corners_and_where_opposite_sides_meet():
         found, size = value(k, point)
         # a corner is as far off as its vector: rounded coordinates of all corners enter
         scale = np.maximum(size, np.abs(k[:, 1, 0]) * np.abs(d) + np.abs(k[:, 0, 1]) * np.abs(d))
-        assert (np.abs(found) <= 100 * UNIT * scale / np.abs(sine)).all()
+        assert (np.abs(found) <= 100 * UNIT_ROUNDING * scale / np.abs(sine)).all()
 
 
 def test_every_F_is_on_it():
@@ -72,7 +72,7 @@ def test_every_F_is_on_it():
     assert sure.sum() > MANY // 4
     found, size = value(k[sure], F[sure])
     # F is some roundings off, times what tells it: lambda near 0 is left out by the size of F
-    assert np.quantile(np.abs(found) / size, 0.99) <= 100 * UNIT
+    assert np.quantile(np.abs(found) / size, 0.99) <= 100 * UNIT_ROUNDING
     assert (np.abs(found) <= 1e-11 * size).all()
 
 
@@ -92,7 +92,7 @@ def test_traced_points_are_on_it():
     there = np.isfinite(z)
     # the roots of a quadratic equation that is some roundings off; near M linear terms alone are left, which cancel
     scale = np.maximum(size, np.abs(z) * np.hypot(k[:, 1, 0], k[:, 0, 1])[:, None])
-    assert (np.abs(found) <= 1000 * UNIT * scale)[there].all()
+    assert (np.abs(found) <= 1000 * UNIT_ROUNDING * scale)[there].all()
 
 
 def test_traced_points_are_foci_of_inscribed_conics():
@@ -146,13 +146,13 @@ def test_it_passes_all_real_points():
 
 def test_a_folded_four_bar_has_its_line_and_a_circle():
     k = fl.focal.cubic(1.0, 2.0, 1.5, 1.5, 0.0)  # A = (1, 0), B = (-0.5, 0) by AB = 1.5, NB = 2
-    assert np.abs(k[:, 0]).max() <= 10 * UNIT
+    assert np.abs(k[:, 0]).max() <= 10 * UNIT_ROUNDING
     assert np.isfinite(fl.focal.cubic_points(1.0, 2.0, 1.5, 1.5, 0.0)).any()
 
 
 def test_a_parallelogram_has_a_conic():
     k = fl.focal.cubic(1.0, 1.0, 2.0, 2.0, 1.0, branch=2)
-    assert np.abs(k[[3, 1, 2, 0], [0, 2, 1, 3]]).max() <= 10 * UNIT
+    assert np.abs(k[[3, 1, 2, 0], [0, 2, 1, 3]]).max() <= 10 * UNIT_ROUNDING
     assert_on(k[None, None], (lambda p: p[None, :, 0] + 1j * p[None, :, 1])(
         fl.focal.cubic_points(1.0, 1.0, 2.0, 2.0, 1.0, branch=2)))  # fmt: skip
 

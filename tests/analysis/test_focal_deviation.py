@@ -9,8 +9,8 @@ from numpy.testing import assert_array_equal
 from tests.support.focal_configurations import DRIVES, random_designs
 
 import fastlink as fl
+from fastlink.numerics.compensated import UNIT_ROUNDING
 from fastlink.precision.reference import CONTEXT as MP
-from fastlink.precision.reference import UNIT
 
 CHEBYSHEV = {"a": 5.0, "b": 5.0, "c": 2.0, "d": 4.0, "rho": 1.0, "completion": 1}
 DESIGNS = random_designs(np.random.default_rng(12), 150)
@@ -56,7 +56,7 @@ def test_it_is_exact_for_the_places_of_T(drive):
         # direction has as many of all squares over those that tell along from across, and 5 of its functions.
         size = max(abs(value) for value in (*x, *y))
         spread = sum(p * p + q * q for p, q in zip(along, across, strict=True))
-        bound = UNIT * size * (20 + 40 * spread / MP.hypot(squares, products))
+        bound = UNIT_ROUNDING * size * (20 + 40 * spread / MP.hypot(squares, products))
         errors = [abs(a - b) for a, b in zip(paths[2][row][there], exact, strict=True)]
         assert max(errors) <= bound
 
@@ -68,7 +68,7 @@ def test_a_map_in_a_file_has_it(tmp_path):
         # Chebyshev's linkage, about the line y = const by symmetry. The bound above: the path is within 6 of the
         # origin, and all squares at most twice the difference that determines its direction.
         path = maps.T_y.isel(branch=0).values
-        assert np.abs(found - (path - path.mean())).max() <= 6.0 * 100 * UNIT
+        assert np.abs(found - (path - path.mean())).max() <= 6.0 * 100 * UNIT_ROUNDING
 
 
 def test_maps_without_the_path_of_T_are_refused():

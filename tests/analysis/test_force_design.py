@@ -5,19 +5,13 @@ from __future__ import annotations
 import mpmath as mp
 import numpy as np
 import pytest
-from tests.support.configurations import (
-    LENGTHS,
-    PLANAR,
-    UNIT,
-    condition_sums,
-    masses_and_points,
-    random_lengths,
-)
+from tests.support.configurations import LENGTHS, PLANAR, condition_sums, masses_and_points, random_lengths
 from tests.support.newton import newton_euler
 from tests.support.registry import MULTIPLE
 
 import fastlink as fl
 from fastlink.catalogue.evaluate import read_facts
+from fastlink.numerics.compensated import UNIT_ROUNDING
 from fastlink.plan.validate import variants_of
 
 HAYES = {"a1": 0.4, "a2": 1.2, "a3": 0.8, "a4": 1.0, "omega1": 25.0}
@@ -46,7 +40,7 @@ def test_force_balance_leaves_no_shaking_force():
         for name in names:
             # The exact force is zero but for the roundings of the weights, up to 8 of each term that they balance;
             # each term stands in the sum as that of a mass. The facts add their MULTIPLE.
-            assert abs(got[name]) <= (MULTIPLE + 8) * UNIT * sums[name]
+            assert abs(got[name]) <= (MULTIPLE + 8) * UNIT_ROUNDING * sums[name]
         bare = {name: value for name, value in one.items() if name not in weights}
         assert (
             fl.evaluate("planar_4r", ["shaking_force"], **bare)["shaking_force"] > 1e8 * got["shaking_force"]
@@ -63,13 +57,13 @@ def test_the_free_radius_or_mass_is_kept_and_the_link_itself_is_the_default_radi
     # Mass centres at mid-length: products m1 a1/2 + m2 a1/2 and m3 a3/2 + m2 a3/2, opposite to the links.
     m1, m2, m3 = (7750.0 * np.pi * 1e-4 * a for a in (0.4, 1.2, 0.8))
     # Five roundings on either side.
-    assert by_default["counterweight1_mass"] == pytest.approx((m1 + m2) / 2, rel=10 * UNIT)
-    assert by_default["counterweight3_mass"] == pytest.approx((m3 + m2) / 2, rel=10 * UNIT)
+    assert by_default["counterweight1_mass"] == pytest.approx((m1 + m2) / 2, rel=10 * UNIT_ROUNDING)
+    assert by_default["counterweight3_mass"] == pytest.approx((m3 + m2) / 2, rel=10 * UNIT_ROUNDING)
     assert abs(by_default["counterweight1_direction"]) == np.pi
     chosen = fl.planar.force_balance(design, links=bars, mass1=2.0)
     product = chosen["counterweight1_mass"] * chosen["counterweight1_radius"]
     assert chosen["counterweight1_mass"] == 2.0
-    assert product == pytest.approx(0.4 * (m1 + m2) / 2, rel=10 * UNIT)
+    assert product == pytest.approx(0.4 * (m1 + m2) / 2, rel=10 * UNIT_ROUNDING)
 
 
 @pytest.mark.parametrize(

@@ -11,6 +11,7 @@ import pytest
 
 import fastlink as fl
 from fastlink.errors import InputError
+from fastlink.numerics.compensated import UNIT_ROUNDING
 
 SIZES = ("m", "n", "d", "p", "q", "a", "b", "c")
 
@@ -72,7 +73,7 @@ def test_a_table_of_them_is_swept():
     maps = fl.sweep("hart", fl.table(designs), ["status", *"pqabc"], threads=1)
     for name in "pqabc":
         # kappa = i/j is rounded, its square too: 4 roundings
-        np.testing.assert_allclose(maps[name], designs[name].values, rtol=8 * 2.0**-53)
+        np.testing.assert_allclose(maps[name], designs[name].values, rtol=8 * UNIT_ROUNDING)
     codes = dict(zip(maps.status.flag_values, maps.status.flag_meanings.split(), strict=True))
     told = {codes[code] for code in np.unique(maps.status)}
     assert told == {"one_segment", "two_segments", "change_point", "rigid"}

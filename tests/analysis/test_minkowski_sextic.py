@@ -5,11 +5,11 @@ from __future__ import annotations
 import mpmath as mp
 import numpy as np
 import pytest
-from tests.support.configurations import UNIT
 
 import fastlink as fl
 from fastlink.analysis.minkowski import sextic
 from fastlink.analysis.planar.sextics import BLOCK
+from fastlink.numerics.compensated import UNIT_ROUNDING
 
 DESIGN = ("a", "b", "g", "h", "x", "y")
 #: Causal types of a vector: the sign of its square.
@@ -106,7 +106,7 @@ def test_the_sextic_vanishes_on_the_traced_curve(AX, BX):
                 for X, Y in traced(designs[:, i], theta):
                     # The points are exact; each coefficient is a sum of products of at most 24 operations, each of
                     # which may be off by a rounding of its terms (worst seen: below 0.3).
-                    allowed = 24 * UNIT * majorant(designs[:, i], X, Y)
+                    allowed = 24 * UNIT_ROUNDING * majorant(designs[:, i], X, Y)
                     assert abs(value(c[i], X, Y)) <= allowed, (i, theta)
                     points += 1
     assert points > 100
@@ -127,9 +127,9 @@ def test_the_sextic_vanishes_on_the_points_of_the_mechanism(branch):
     values = sum(c[:, i, j, None] * X**i * Y**j for i in range(7) for j in range(7 - i))
     # A point is within some four roundings of one of a linkage whose lengths are within as many of these: of degree
     # eight in all, 32. Powers and partial sums add a few.
-    assert np.all(np.abs(values)[closes] <= 40 * UNIT * size[closes])
+    assert np.all(np.abs(values)[closes] <= 40 * UNIT_ROUNDING * size[closes])
     # The same relative to the terms that the mechanism takes, which are fewer.
-    assert np.all(np.abs(found["sextic_residual"][closes]) <= 40 * UNIT)
+    assert np.all(np.abs(found["sextic_residual"][closes]) <= 40 * UNIT_ROUNDING)
 
 
 def test_the_sextic_tells_the_curve_from_its_neighbours():
@@ -140,7 +140,7 @@ def test_the_sextic_tells_the_curve_from_its_neighbours():
         for i in range(designs.shape[1]):
             for X, Y in traced(designs[:, i], 0.7):
                 at = value(c[i], X + mp.mpf("1e-3"), Y)
-                off.append(abs(at) > 1e3 * UNIT * majorant(designs[:, i], X, Y))
+                off.append(abs(at) > 1e3 * UNIT_ROUNDING * majorant(designs[:, i], X, Y))
     # It may vanish beside the curve, on another arc, by chance.
     assert len(off) > 50
     assert np.mean(off) > 0.95
@@ -155,7 +155,9 @@ def test_at_any_point_it_is_the_paper_s_elimination_with_both_corrections():
             h = float(designs[3, i])
             exact = -printed(designs[:, i], mp.mpf(X), mp.mpf(Y)) / (4 * h**2)
             # Coefficients alone are rounded, as above.
-            assert abs(value(c[i], mp.mpf(X), mp.mpf(Y)) - exact) <= 24 * UNIT * majorant(designs[:, i], X, Y)
+            assert abs(value(c[i], mp.mpf(X), mp.mpf(Y)) - exact) <= 24 * UNIT_ROUNDING * majorant(
+                designs[:, i], X, Y
+            )
 
 
 @pytest.mark.parametrize(
@@ -200,7 +202,7 @@ def test_at_any_point_it_is_the_product_over_both_assemblies_with_the_crank():
                 B = (z[0] - (p[0] - h) * k, z[1] - (p[1] - h) / k)
                 product *= (B[0] - g) * (B[1] - g) - b**2
             size = majorant(designs[:, i], X, Y)
-            assert abs(value(c[i], mp.mpf(X), mp.mpf(Y)) - (product / h**2).real) <= 24 * UNIT * size
+            assert abs(value(c[i], mp.mpf(X), mp.mpf(Y)) - (product / h**2).real) <= 24 * UNIT_ROUNDING * size
             tested += 1
     assert tested > 60
 
@@ -235,7 +237,7 @@ def test_either_crank_may_be_the_input():
             one, other = value(c[i], mp.mpf(X), mp.mpf(Y)), value(reverse[i], *there)
             size = majorant(designs[:, i], X, Y)
             size += majorant((b[i], a[i], g[i], h[i], h[i] - x[i], y[i]), *there)
-            assert abs(one - other) <= 24 * UNIT * size
+            assert abs(one - other) <= 24 * UNIT_ROUNDING * size
 
 
 @pytest.mark.parametrize("boost", [-2.0, 0.5, 3.0])
@@ -247,7 +249,7 @@ def test_the_frame_may_be_boosted(boost):
     with mp.workdps(50):
         for i in range(designs.shape[1]):
             for X, Y in traced(designs[:, i], 0.3 + boost, boost):
-                assert abs(value(c[i], X, Y)) <= 24 * UNIT * majorant(designs[:, i], X, Y)
+                assert abs(value(c[i], X, Y)) <= 24 * UNIT_ROUNDING * majorant(designs[:, i], X, Y)
                 points += 1
     assert points > 50
 

@@ -29,6 +29,7 @@ from benchmarks import (
     report,
     table,
 )
+from fastlink.numerics.compensated import UNIT_ROUNDING
 
 # A reaction next to a toggle goes as 1/sigma^3: some 40 roundings times a condition of up to 100, relative to
 # the greatest value over the cycle; 7e-15 is the worst seen.
@@ -164,7 +165,7 @@ def test_pylinkage_finds_the_same_positions():
     call()
     for theirs, ours in zip(found, engine.bind("positions", x, K).arrays, strict=True):
         # It adds up K steps of the angle, each rounded: K / 2 roundings of 2 pi at most, and some of its own.
-        np.testing.assert_allclose(theirs, ours[:, 1], rtol=0, atol=K * 2 * math.pi * 2.0**-53 + 1e-14)
+        np.testing.assert_allclose(theirs, ours[:, 1], rtol=0, atol=K * 2 * math.pi * UNIT_ROUNDING + 1e-14)
 
 
 def test_the_scan_in_numba_finds_extremes_of_cranks():

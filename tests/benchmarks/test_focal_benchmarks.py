@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from benchmarks import c_kernel, engine, focal, in_c, in_numpy, inputs
+from fastlink.numerics.compensated import UNIT_ROUNDING
 
 N, K = 70, 64  # designs of two blocks; the kernels are those of the benchmark
 
@@ -47,4 +48,4 @@ def test_the_quadratic_as_it_stands_agrees_where_it_does_not_cancel():
     sound = (half**2 < 100 * (half**2 - (c * d) ** 2)) & (abs(W) < 10 * abs(half))
     assert sound.mean() > 0.5
     for ours, theirs in zip(bound.arrays, focal.quadratic(x), strict=False):
-        np.testing.assert_allclose(theirs[sound], ours[sound], rtol=5e4 * 2.0**-53)
+        np.testing.assert_allclose(theirs[sound], ours[sound], rtol=5e4 * UNIT_ROUNDING)

@@ -9,7 +9,7 @@ from tests.support.refusals import refused
 
 import fastlink as fl
 from fastlink.diagnostics.pareto import draw, front
-from fastlink.precision.reference import UNIT
+from fastlink.numerics.compensated import UNIT_ROUNDING
 
 STUDY = """
 mechanism = "planar_4r"
@@ -22,7 +22,7 @@ a4 = 1.0
 omega1 = 25.0
 """
 # Of a curve as of an extreme: what tests/mechanisms/test_precision.py allows, times a condition number of at most 100.
-SMALL = 400 * UNIT
+SMALL = 400 * UNIT_ROUNDING
 
 
 @pytest.fixture(scope="module")

@@ -10,6 +10,7 @@ import fastlink as fl
 from fastlink.engine.resolve import resolve
 from fastlink.engine.scaling import ScalingAxis
 from fastlink.mechanisms import catalogue
+from fastlink.numerics.compensated import UNIT_ROUNDING
 from fastlink.symbolic.homogeneity import homogeneity_degrees
 
 PLANAR = catalogue("planar_4r")
@@ -66,7 +67,7 @@ def test_any_speed_is_within_rounding():
         )
         for name in ("shaking_force_max", "omega4_max"):
             # Extremes of size do not cancel: both ways are within 4 (1 + 2) roundings, by the power of omega1.
-            assert_allclose(together[name].sel(omega1=speed), alone[name], rtol=2 * 12 * 2.0**-53)
+            assert_allclose(together[name].sel(omega1=speed), alone[name], rtol=2 * 12 * UNIT_ROUNDING)
 
 
 @pytest.mark.parametrize(

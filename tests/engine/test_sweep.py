@@ -9,6 +9,7 @@ from tests.support.configurations import PLANAR
 from tests.support.refusals import refused
 
 import fastlink as fl
+from fastlink.numerics.compensated import UNIT_ROUNDING
 
 TABLE_1 = {"a1": 0.4, "a2": 1.2, "a3": 0.8, "a4": 1.0}
 BARS = fl.round_bar(density=7750.0, radius=0.01)
@@ -135,7 +136,7 @@ def test_what_does_not_assemble_is_nan_and_alters_no_extreme():
     np.testing.assert_array_equal(result.theta1_at_omega4_max, at)
     # 45 squares summed in another order: 45 roundings at most.
     rms = np.sqrt((curves.shaking_force**2).mean("theta1"))
-    np.testing.assert_allclose(result.shaking_force_rms, rms, rtol=45 * 2.0**-53)
+    np.testing.assert_allclose(result.shaking_force_rms, rms, rtol=45 * UNIT_ROUNDING)
 
 
 def bits(values: np.ndarray) -> bytes:

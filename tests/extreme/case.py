@@ -11,7 +11,8 @@ import numpy as np
 
 import fastlink as fl
 from fastlink.catalogue.catalogue import Catalogue
-from tests.extreme.exact import CONTEXT, TINY, UNIT, Configuration, Size
+from fastlink.numerics.compensated import UNIT_ROUNDING
+from tests.extreme.exact import CONTEXT, TINY, Configuration, Size
 
 __all__ = ["MULTIPLE", "Case", "Mechanism", "Outcome", "evaluated", "outcomes"]
 
@@ -145,14 +146,14 @@ def outcomes(mechanism: Mechanism, case: Case, branch: int, found: Mapping[str, 
             result[name] = _value(found[name], CONTEXT.zero, mechanism.measures[name] / MULTIPLE)
         elif "residual" in name:
             # A coordinate has no more digits than its doubles.
-            unit = max(UNIT, max(TINY / case.inputs[length] for length in mechanism.lengths))
+            unit = max(UNIT_ROUNDING, max(TINY / case.inputs[length] for length in mechanism.lengths))
             result[name] = _value(found[name], CONTEXT.zero, RESIDUAL * unit / MULTIPLE)
         else:
             angle = catalogue.facts[name].units == "rad" and catalogue.varies(name)
             turned = angle and abs(found[name] - float(value)) > np.pi
             # Next to the straight angle rounding tells pi from -pi.
             value -= np.sign(float(value)) * 2 * CONTEXT.pi if turned else 0
-            result[name] = _value(found[name], value, UNIT * abs(value) + units[name])
+            result[name] = _value(found[name], value, UNIT_ROUNDING * abs(value) + units[name])
     for name in small.intersection(result):
         if not result[name].right:
             result[name] = Outcome("underflow", True)
@@ -170,7 +171,7 @@ def _code(found: float, exact: Any, missing: bool) -> Outcome:
 
 def _not_finite(found: float, exact: Any, undetermined: bool) -> Outcome:
     """Judge NaN and infinity: right where there is no number, or none of doubles, or data do not determine it."""
-    beyond = not abs(exact) <= LARGEST * (1 - MULTIPLE * UNIT)
+    beyond = not abs(exact) <= LARGEST * (1 - MULTIPLE * UNIT_ROUNDING)
     return Outcome("nan" if np.isnan(found) else "inf", bool(beyond or undetermined))
 
 

@@ -7,9 +7,10 @@ from functools import lru_cache
 from typing import Any
 
 from fastlink.catalogue.catalogue import Catalogue
-from fastlink.precision.reference import CONTEXT, UNIT, HighPrecision
+from fastlink.numerics.compensated import UNIT_ROUNDING
+from fastlink.precision.reference import CONTEXT, HighPrecision
 
-__all__ = ["CONTEXT", "TINY", "UNIT", "Configuration", "Size", "alone"]
+__all__ = ["CONTEXT", "TINY", "Configuration", "Size", "alone"]
 
 #: What one rounding of a sum in twice the working precision does.
 UNIT_OF_TWO = 2.0**-103
@@ -73,7 +74,7 @@ class Configuration:
             if size == 0 or CONTEXT.isnan(size):
                 continue
             parts = self.held[name](self.values) if name in self.held else 0
-            rounding = (max(UNIT * size, TINY) + UNIT_OF_TWO * abs(parts)) / size
+            rounding = (max(UNIT_ROUNDING * size, TINY) + UNIT_OF_TWO * abs(parts)) / size
             for quantity, slope in self.from_held.condition(self.values, (name,)).items():
                 # Where the value ends, it has no slope: nothing is allowed for it.
                 sums[quantity] += 0 if CONTEXT.isnan(slope) else slope * rounding

@@ -7,11 +7,11 @@ import numpy as np
 import fastlink as fl
 from fastlink.facts.fact import System
 from fastlink.facts.fact import parameters as needs_of
+from fastlink.numerics.compensated import UNIT_ROUNDING
 from tests.extreme.exact import Configuration
 from tests.extreme.planar import FOLDED, PLANAR_4R, ULP, scaled
 from tests.support.configurations import LENGTHS, PLANAR
 
-UNIT = 2.0**-53
 DENSE = PLANAR.variants["dense"]["T41"]
 assert isinstance(DENSE, System)
 
@@ -32,7 +32,7 @@ def test_the_dense_solve_is_right_to_its_condition_number_next_to_toggles():
             inverse, x = np.linalg.inv(rows[:, :9]), np.array([float(exact[name]) for name in DENSE.unknowns])
             # Entries are differences of lengths up to twice their size; pivoting mixes the rows.
             disturbed = np.max(2.0 * abs(rows[:, :9]) @ abs(x) + 4.0 * abs(rows[:, 9]))
-            bound = 16 * UNIT * np.sum(abs(inverse), axis=1) * disturbed
+            bound = 16 * UNIT_ROUNDING * np.sum(abs(inverse), axis=1) * disturbed
             error = abs(np.array([float(found[name][i]) for name in DENSE.unknowns]) - x)
             assert np.all(error <= bound), case.name
             seen += 1
@@ -75,7 +75,7 @@ def test_refined_extremes_are_attained_and_nothing_exceeds_them():
         curves = fl.evaluate("planar_4r", NAMES, branch=branch, theta1=ANGLES[None, :], **columns)
         for of in NAMES:
             # Relative to the greatest value twelve operations on factors right to a rounding each: 40 at most.
-            rounding = 40 * UNIT * np.nanmax(abs(curves[of]), axis=1, initial=0.0)
+            rounding = 40 * UNIT_ROUNDING * np.nanmax(abs(curves[of]), axis=1, initial=0.0)
             for kind, sign in KINDS.items():
                 extreme, place = (
                     swept[f"{of}_{kind}"].values[:, k],

@@ -8,6 +8,7 @@ from hypothesis import HealthCheck, Phase, given, settings
 from hypothesis import strategies as st
 
 import fastlink as fl
+from fastlink.numerics.compensated import UNIT_ROUNDING
 from tests.extreme.case import Case, evaluated, outcomes
 from tests.extreme.mechanisms import MECHANISMS
 from tests.extreme.planar import MASSES, POINTS
@@ -221,4 +222,4 @@ def test_driven_by_its_output_link_it_is_where_it_was(inputs):
         # and hardly bends within a rounding; theta4 of the swapped linkage has a condition of its own.
         lengths = [inputs[name] for name in ("a1", "a2", "a3", "a4")]
         reach = max(lengths) / min(lengths) / np.sin(mu) * (1.0 + 1.0 / abs(ratio))
-        assert np.nanmin(away) <= 16 * np.pi * 2.0**-53 * (1.0 + reach), k
+        assert np.nanmin(away) <= 16 * np.pi * UNIT_ROUNDING * (1.0 + reach), k

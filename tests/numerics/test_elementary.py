@@ -8,9 +8,9 @@ import mpmath as mp
 import numpy as np
 import pytest
 from tests.support.compiled import Compiled
-from tests.support.configurations import UNIT
 
 from fastlink.numerics import compensated, elementary
+from fastlink.numerics.compensated import UNIT_ROUNDING
 
 ATAN2 = Compiled(elementary, "atan2(a, b)")
 DIRECTION = Compiled(elementary, "cosine(a)", "sine(a)")
@@ -66,9 +66,9 @@ def test_gap_keeps_twice_the_working_precision():
             # Three two-sums are exact; only the last additions of errors round, each below 2^-105 of the terms.
             assert (
                 abs(mp.mpf(high) + low - exact)
-                <= 8 * mp.mpf(UNIT) ** 2 * (abs(a) + abs(b) + abs(c) + abs(d)) * UNIT
+                <= 8 * mp.mpf(UNIT_ROUNDING) ** 2 * (abs(a) + abs(b) + abs(c) + abs(d)) * UNIT_ROUNDING
             )
-            assert abs(high - exact) <= abs(exact) * UNIT
+            assert abs(high - exact) <= abs(exact) * UNIT_ROUNDING
 
 
 def test_two_product_is_exact():
@@ -83,12 +83,12 @@ def test_gap_product_quotient_has_thirty_digits():
     rng = np.random.default_rng(4)
     for _ in range(300):
         f, g, x, y = (float(v) for v in rng.uniform(0.1, 2.0, 4))
-        f_low, g_low = f * UNIT * 0.3, -g * UNIT * 0.4
+        f_low, g_low = f * UNIT_ROUNDING * 0.3, -g * UNIT_ROUNDING * 0.4
         high, low = compensated.gap_product_quotient(f, f_low, g, g_low, x, y)
         with mp.workdps(60):
             exact = (mp.mpf(f) + f_low) * (mp.mpf(g) + g_low) / (4 * mp.mpf(x) * y)
             # Each of the dropped terms is of second order in the rounding unit; there are fewer than 16.
-            assert abs(mp.mpf(high) + low - exact) <= 16 * mp.mpf(UNIT) ** 2 * abs(exact)
+            assert abs(mp.mpf(high) + low - exact) <= 16 * mp.mpf(UNIT_ROUNDING) ** 2 * abs(exact)
 
 
 def test_power_of_two_below():

@@ -8,18 +8,30 @@ import pytest
 
 from fastlink.catalogue import tables
 from fastlink.mechanisms import catalogue
-from fastlink.numerics.fixed_point import GREATEST, HALF_PI, LEAST, PLACES, fixed
+from fastlink.numerics.fixed_point import GREATEST_ANGLE, HALF_PI, LEAST_ANGLE, PLACES, fixed
 
 RNG = np.random.default_rng(2)
 ANGLES = {
     "anywhere": RNG.uniform(-7.0, 7.0, 2000),
     "a turn": np.arange(360) * (2.0 * np.pi / 360),
-    "many turns": RNG.uniform(-2.0 * GREATEST, 2.0 * GREATEST, 400),
+    "many turns": RNG.uniform(-2.0 * GREATEST_ANGLE, 2.0 * GREATEST_ANGLE, 400),
     "all sizes": 10.0 ** RNG.uniform(-200.0, 1.0, 400) * RNG.choice([-1, 1], 400),
     "near quarters": np.add.outer(np.arange(-9, 9) * np.pi / 2, [0.0, 1e-16, 1e-12, -1e-9, 3e-5]).ravel(),
     "near sixty-fourths": np.add.outer((np.arange(-60, 60) + 0.5) / 64, [0.0, 1e-17, -1e-15]).ravel(),
     "special": np.array(
-        [0.0, -0.0, 1.0, -0.5, 5e-324, 1e-310, LEAST, 2.0 * LEAST, GREATEST, -GREATEST, 1e300]
+        [
+            0.0,
+            -0.0,
+            1.0,
+            -0.5,
+            5e-324,
+            1e-310,
+            LEAST_ANGLE,
+            2.0 * LEAST_ANGLE,
+            GREATEST_ANGLE,
+            -GREATEST_ANGLE,
+            1e300,
+        ]
     ),
 }
 FUNCTIONS = {
@@ -63,7 +75,7 @@ def test_almost_every_rounding_is_certain(name):
 
 
 def test_nothing_is_certain_beyond_the_range():
-    for angle in (LEAST, -LEAST / 2, GREATEST, 1e300, np.inf, np.nan):
+    for angle in (LEAST_ANGLE, -LEAST_ANGLE / 2, GREATEST_ANGLE, 1e300, np.inf, np.nan):
         x, doubt = fixed(float(angle))
         assert not x.doubles(doubt)[2]
     x, doubt = fixed(0.0)
@@ -77,7 +89,7 @@ def test_pi_is_rounded_to_its_last_place():
 
 def test_errors_stay_below_the_doubt():
     """The doubt is 2^12 in the last place: 2^-180, and 2^-190 would be said of the steps alone."""
-    for angle in RNG.uniform(-GREATEST, GREATEST, 200).tolist():
+    for angle in RNG.uniform(-GREATEST_ANGLE, GREATEST_ANGLE, 200).tolist():
         x, doubt = fixed(angle)
         with mpmath.workprec(400):
             for value, exact in zip(x.cos_sin, (mpmath.cos(angle), mpmath.sin(angle)), strict=True):

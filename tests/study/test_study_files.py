@@ -10,11 +10,11 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from tests.support.configurations import UNIT
 
 import fastlink as fl
 from fastlink.mechanisms import catalogue
 from fastlink.mechanisms.planar_4r.classes import CLASS_FLAGS
+from fastlink.numerics.compensated import UNIT_ROUNDING
 from fastlink.study.study import read_study, run_study
 
 STUDIES = Path(__file__).parents[2] / "data" / "studies"
@@ -88,9 +88,9 @@ def test_the_map_of_counterweights(folder):
     weights = fl.planar.force_balance(design, links=bars, radius1=0.2, radius3=0.4)
     for i in (1, 3):
         name = f"counterweight{i}_mass"
-        np.testing.assert_allclose(maps[name][1], weights[name], rtol=16 * UNIT)
+        np.testing.assert_allclose(maps[name][1], weights[name], rtol=16 * UNIT_ROUNDING)
     # What is left there are roundings of some ten terms of the force that the counterweights take away.
-    assert np.all(force[1, 1] <= 32 * UNIT * force[0, 0])
+    assert np.all(force[1, 1] <= 32 * UNIT_ROUNDING * force[0, 0])
 
 
 @pytest.mark.parametrize("name", sorted(path.name for path in STUDIES.glob("*.toml")))

@@ -12,7 +12,6 @@ from benchmarks.families import near_toggle as near_toggle
 from fastlink.catalogue.catalogue import Catalogue, Input
 from fastlink.mechanisms import catalogue
 from fastlink.precision.reference import DIGITS as DIGITS
-from fastlink.precision.reference import UNIT as UNIT
 from fastlink.precision.reference import HighPrecision
 
 PLANAR: Catalogue = catalogue("planar_4r")

@@ -28,7 +28,6 @@ from math import lcm, pi
 import numpy as np
 from flint import arb, ctx, fmpz_poly
 
-UNIT = 2.0**-53
 RATES = ("omega4", "omega2", "alpha4", "alpha2")
 R, ONE_R = fmpz_poly([0, 1]), fmpz_poly([1, 1])
 #: Enclosures start with these bits; where they do not settle a sign, with twice as many.

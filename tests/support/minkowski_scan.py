@@ -8,6 +8,8 @@ from __future__ import annotations
 
 import numpy as np
 
+from fastlink.numerics.compensated import UNIT_ROUNDING
+
 STEP = 0.06
 #: Half a step off 0: there branches may meet.
 GRID = (np.arange(110) + 0.5) * STEP
@@ -87,4 +89,4 @@ def rounding(lengths, quadratic, rapidity):
     a, b, g, h = lengths
     size = abs(x) + abs(y) + abs(z) + b * b + h * h
     longest = (a + b + g + h) ** 2 * np.exp(2.0 * abs(rapidity))
-    return 16.0 * 2.0**-53 * (size + longest) ** 2 / (8.0 * a * b * g * h) + 2.0**-HALVINGS
+    return 16.0 * UNIT_ROUNDING * (size + longest) ** 2 / (8.0 * a * b * g * h) + 2.0**-HALVINGS

@@ -10,9 +10,10 @@ import xarray as xr
 
 import fastlink as fl
 from fastlink.facts.fact import parameters
+from fastlink.numerics.compensated import UNIT_ROUNDING
 from fastlink.plan.validate import variants_of
 from fastlink.precision.reference import CONTEXT as MP
-from fastlink.precision.reference import UNIT, HighPrecision
+from fastlink.precision.reference import HighPrecision
 from fastlink.symbolic.derivative import NoDerivative
 from tests.support.registry import Entry
 
@@ -132,7 +133,7 @@ class Truth:
                 units[quantity] = units.get(quantity, 0) + change
             left = self._left(left, units)
         return {
-            name: float(error / (UNIT * units[name])) if units[name] else np.inf
+            name: float(error / (UNIT_ROUNDING * units[name])) if units[name] else np.inf
             for name, error in left.items()
         }
 
@@ -141,7 +142,7 @@ class Truth:
         return {
             name: error
             for name, error in errors.items()
-            if not error <= allowed.get(name, self.entry.multiple) * UNIT * units[name]
+            if not error <= allowed.get(name, self.entry.multiple) * UNIT_ROUNDING * units[name]
         }
 
 

@@ -15,6 +15,7 @@ import numpy as np
 
 from fastlink.catalogue.catalogue import Catalogue
 from fastlink.mechanisms import catalogue
+from fastlink.numerics.compensated import UNIT_ROUNDING
 from tests.support import (
     configurations,
     focal_configurations,
@@ -23,7 +24,6 @@ from tests.support import (
     minkowski_configurations,
     minkowski_designs,
 )
-from tests.support.configurations import UNIT
 
 #: Draw some configurations, or fewer: the inputs, the input position and the modes (``branch`` and inputs with choices)
 #: by name. Of modes that are left out all are tested, without a position what belongs to a design alone.
@@ -131,7 +131,7 @@ def by_name(
 
 #: Terms of at most 1, each right to some ten roundings times the amplification of the lengths and the angle.
 CLOSURE = {
-    name: 64 * UNIT
+    name: 64 * UNIT_ROUNDING
     for name in ("loop_residual", *(f"io_residual_{pair}" for pair in ("12", "13", "14", "23", "24", "34")))
 }
 #: Derivatives that cancel are declared (`slopes.py`, or what takes its place).
@@ -215,7 +215,7 @@ MINKOWSKI_4R = (
         few=12,
         many=300,
         # Two sums of four terms, each right to 2 roundings; a product of two sums of 10 terms of 8 roundings at most.
-        errors={"loop_residual": 8 * UNIT, "sextic_residual": 16 * UNIT},
+        errors={"loop_residual": 8 * UNIT_ROUNDING, "sextic_residual": 16 * UNIT_ROUNDING},
         long_chains=COSINES,
     ),
     Entry(
@@ -249,7 +249,7 @@ FOCAL = (
             # (chi, where S is far away).
             long_chains=dict.fromkeys(("sigma", "alpha", "chi", "F_x", "F_y", "T_x", "T_y"), 8.0),
             # Of the longest bar: two ends of two coordinates, each right to 8 roundings, and the length itself.
-            errors={"closure_residual": 40 * UNIT},
+            errors={"closure_residual": 40 * UNIT_ROUNDING},
             elsewhere={"F_path_residual": "is measured by the reach of the dyads: test_focal_motion.py"},
         )
         for drive in focal_configurations.DRIVES
@@ -285,7 +285,7 @@ HART = (
         few=4,
         many=300,
         # Three roundings of MP and PF, which sum to MP + PF; of each bar eight in its joints.
-        errors={"F_deviation": 6.0, "closure_residual": 32 * UNIT},
+        errors={"F_deviation": 6.0, "closure_residual": 32 * UNIT_ROUNDING},
         # What rounding the lengths of a kite hides counts as nothing, and so do the steps of differences.
         kinks=("kite 0",),
         undetermined=dict.fromkeys(("kite 0", "kite 1e-9", "kite 1e-13"), hart_configurations.folded),
@@ -299,7 +299,7 @@ HART = (
         few=3,
         many=200,
         # Some ten roundings from F_y to P, those of PF, and of five bars each eight.
-        errors={"F_deviation": 16.0, "closure_residual": 32 * UNIT},
+        errors={"F_deviation": 16.0, "closure_residual": 32 * UNIT_ROUNDING},
         kinks=("kite 0",),
     ),
 )

@@ -27,10 +27,10 @@ from fastlink.catalogue.tables import _tabled, angle_tables
 from fastlink.errors import InputError
 from fastlink.facts.fact import Input
 from fastlink.mechanisms import NAMES, catalogue
-from fastlink.numerics.compensated import pair_product, sum_of_four
+from fastlink.numerics.compensated import UNIT_ROUNDING, pair_product, sum_of_four
 from fastlink.precision.reference import CONTEXT
 from fastlink.symbolic import error_laws
-from fastlink.symbolic.error_propagation import UNIT, WORDS, U
+from fastlink.symbolic.error_propagation import UNIT_WITH_MARGIN, WORDS
 
 MINKOWSKI = catalogue("minkowski_4r")
 MECHANISMS = {"planar_4r": PLANAR, "minkowski_4r": MINKOWSKI}
@@ -89,7 +89,9 @@ def test_a_gap_is_right_to_twice_the_digits_of_itself_however_much_cancels():
         d += float(rng.choice([0.0, 1e-20, 1e-35]))
         high, low = sum_of_four(a, b, c, d)
         exact = sum(map(Fraction, (a, b, c, d)))
-        assert abs(Fraction(high) + Fraction(low) - exact) <= WORDS[sum_of_four] * Fraction(U) * abs(exact)
+        assert abs(Fraction(high) + Fraction(low) - exact) <= WORDS[sum_of_four] * Fraction(
+            UNIT_ROUNDING
+        ) * abs(exact)
         nonzero += exact != 0
     assert nonzero > 3000
 
@@ -98,10 +100,12 @@ def test_a_product_of_pairs_is_right_to_twice_the_digits():
     rng = np.random.default_rng(3)
     for _ in range(2000):
         a, b, s, t = (float(x) for x in rng.uniform(-2.0, 2.0, 4))
-        a_low, b_low = a * U * s / 2.0, b * U * t / 2.0
+        a_low, b_low = a * UNIT_ROUNDING * s / 2.0, b * UNIT_ROUNDING * t / 2.0
         exact = (Fraction(a) + Fraction(a_low)) * (Fraction(b) + Fraction(b_low))
         high, low = pair_product(a, a_low, b, b_low)
-        assert abs(Fraction(high) + Fraction(low) - exact) <= WORDS[pair_product] * Fraction(U) * abs(exact)
+        assert abs(Fraction(high) + Fraction(low) - exact) <= WORDS[pair_product] * Fraction(
+            UNIT_ROUNDING
+        ) * abs(exact)
 
 
 # -- small mechanisms: what is counted -----------------------------------------------------------------------
@@ -138,15 +142,15 @@ def shared(x, y):
 
 @pytest.mark.parametrize(
     ("law", "roundings"),
-    [(times, 1.0), (twice_the_square, 1.0), (exactly_zero_apart, U), (shared, None)],
+    [(times, 1.0), (twice_the_square, 1.0), (exactly_zero_apart, UNIT_ROUNDING), (shared, None)],
 )
 def test_roundings_are_counted_once(law, roundings):
     found = read_facts(small(law), ["f", "f_error"], {"x": 3.0, "y": 0.7})
     if roundings is None:
         # two sums of sizes 3.1 and 1, and the rounding of the product, 2.1, in both terms
-        assert found["f_error"] == pytest.approx(UNIT * (3.1 + 1.0 + 2 * 2.1), rel=1e-12)
+        assert found["f_error"] == pytest.approx(UNIT_WITH_MARGIN * (3.1 + 1.0 + 2 * 2.1), rel=1e-12)
     else:
-        assert found["f_error"] == UNIT * roundings * abs(found["f"])
+        assert found["f_error"] == UNIT_WITH_MARGIN * roundings * abs(found["f"])
 
 
 def test_the_words_of_sums_of_two_meet():
@@ -165,7 +169,7 @@ def test_the_words_of_sums_of_two_meet():
     )
     found = read_facts(PLANAR, ["p", "p_error"], values)
     # three roundings of p at most, though p is 1e-9 of Z and Z0
-    assert np.all(found["p_error"] <= 3.001 * U * np.abs(found["p"]))
+    assert np.all(found["p_error"] <= 3.001 * UNIT_ROUNDING * np.abs(found["p"]))
 
 
 # -- every quantity ------------------------------------------------------------------------------------------
@@ -190,7 +194,7 @@ def bounds_over_errors(entry, names, kind, n):
                 error = min(error, abs(error - 2 * CONTEXT.pi))
             assert error <= bound, (name, one, value, float(error), bound)
             if "residual" not in name:  # nothing but errors
-                ratios.append(bound / max(float(error), U * abs(value), 1e-320))
+                ratios.append(bound / max(float(error), UNIT_ROUNDING * abs(value), 1e-320))
     return ratios
 
 
@@ -252,7 +256,7 @@ def assert_bounded_by_twofold_numbers(name, n, block):
                     error = np.minimum(error, np.abs(error - 2.0 * np.pi))
                 assert np.all(error <= bound[there]), (kind, quantity)
                 if "residual" not in quantity:
-                    least = U * np.abs(value[there]) + 1e-320
+                    least = UNIT_ROUNDING * np.abs(value[there]) + 1e-320
                     near += np.count_nonzero(bound[there] <= 100.0 * np.maximum(error, least))
                     tested += error.size
     return tested, near / tested
@@ -372,7 +376,7 @@ def test_at_toggles_and_folds_a_bound_says_how_much_is_known():
     # A and D coincide at 0: the transmission angle is 0 exactly, theta4 anything
     assert found["transmission_angle_error"][0] == 0.0
     assert np.isnan(found["theta4_error"][0])
-    assert found["theta4_error"][1] < 4.01 * U * np.pi
+    assert found["theta4_error"][1] < 4.01 * UNIT_ROUNDING * np.pi
     # at a toggle, told in doubles, the angle is known to the root of a rounding of a rounding
     toggle = fl.evaluate(
         "planar_4r", ["joint_angle_3_error"], a1=3.0, a2=2.0, a3=2.0, a4=5.0, theta1=np.arccos(0.6)

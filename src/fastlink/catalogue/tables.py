@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
 __all__ = ["angle_tables"]
 
-DIGITS = 40
+TABLE_DIGITS = 40
 #: So many angles are taken one by one: an array of Python's numbers costs 60 us and then 7 us for each.
 FEW = 6
 
@@ -68,7 +68,7 @@ def _fixed(theta: bytes) -> list[tuple[Any, Fixed, Any]]:
 def _by_mpmath(function: Any, angles: NDArray[Any]) -> NDArray[Any]:
     import mpmath
 
-    with mpmath.workdps(DIGITS):
+    with mpmath.workdps(TABLE_DIGITS):
         exact = [function(mpmath.mpf(angle)) for angle in angles.tolist()]
         high = [float(value) for value in exact]
         return np.array([high, [float(value - h) for value, h in zip(exact, high, strict=True)]])

@@ -23,6 +23,7 @@ __all__ = [
 
 # Veltkamp's constant splits a double into two halves of 26 bits, whose products are exact.
 SPLITTER = 134217729.0
+#: The greatest relative error of one operation on doubles.
 UNIT_ROUNDING = 2.0**-53
 
 

@@ -14,7 +14,7 @@ from fastlink.numerics.compiler import compiled_as, inlined
 
 __all__ = [
     *("select", "sqrt", "atan2", "cosine", "sine", "bits_of", "double_of", "trailing_zeros"),
-    *("sin", "cos", "exp", "doublings", "context_of"),
+    *("sin", "cos", "exp", "sinh", "cosh", "binary_exponent", "ldexp", "context_of"),
 ]
 
 PI, TWO_PI = 3.141592653589793, 6.283185307179586
@@ -99,7 +99,7 @@ def binary_exponent(x: Any) -> Any:
     return np.rint(x / np.log(2.0)) if context is None else context.nint(x / context.ln2)
 
 
-def doubled(x: Any, times: Any) -> Any:
+def ldexp(x: Any, times: Any) -> Any:
     """Return x times 2 to a whole number; tabled once per sweep, never called in a kernel."""
     context = context_of(x, times)
     return x * 2.0**times if context is None else context.ldexp(x, int(times))
@@ -181,12 +181,12 @@ PI_2_LOW = float.fromhex("0x1.3198a2e037073p-69")
 PER_PI_2 = 0.6366197723675814
 GREATEST_DIRECTION = 1e6
 # Added and taken away again, it rounds to a whole number.
-WHOLE = 1.5 * 2.0**52
+ROUNDING_SHIFT = 1.5 * 2.0**52
 
 
 @inlined
 def _polynomial_cos_sin(x: Any) -> Any:
-    quarters = (x * PER_PI_2 + WHOLE) - WHOLE
+    quarters = (x * PER_PI_2 + ROUNDING_SHIFT) - ROUNDING_SHIFT
     r = ((x - quarters * PI_2_HIGH) - quarters * PI_2_MIDDLE) - quarters * PI_2_LOW
     r = select(abs(x) <= GREATEST_DIRECTION, r, NOT_A_NUMBER)
     z = r * r
@@ -197,7 +197,7 @@ def _polynomial_cos_sin(x: Any) -> Any:
     even = 1.0 / 20922789888000.0 * z - 1.0 / 87178291200.0
     even = ((even * z + 1.0 / 479001600.0) * z - 1.0 / 3628800.0) * z + 1.0 / 40320.0
     cosine = (1.0 - 0.5 * z) + z * (z * ((even * z - 1.0 / 720.0) * z + 1.0 / 24.0))
-    fourth = quarters - 4.0 * ((quarters * 0.25 + WHOLE) - WHOLE)
+    fourth = quarters - 4.0 * ((quarters * 0.25 + ROUNDING_SHIFT) - ROUNDING_SHIFT)
     odd_quarter = (fourth == 1.0) | (fourth == -1.0)
     c = select(odd_quarter, sine, cosine)
     s = select(odd_quarter, cosine, sine)

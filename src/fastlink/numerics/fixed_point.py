@@ -21,9 +21,9 @@ HALF_PI = (0x1921FB54442D18469898CC51701B839A252049C1114CF98E804177D4C76273645 +
 #: What any result may be off, in the last place: 300 of pi by the turns, some dozens by the steps on the way.
 DOUBT = 1 << 12
 #: Angles beyond have more turns, those below fewer places than the doubt allows for.
-GREATEST, LEAST = 2.0**10, 2.0**-130
+GREATEST_ANGLE, LEAST_ANGLE = 2.0**10, 2.0**-130
 #: By this many places the 40 digits of mpmath are rounded, a few times each.
-DIGITS = 130
+MPMATH_PLACES = 130
 #: Cosine and sine are known at multiples of 2^-STEP; the rest is at most half of that.
 STEP = 6
 TERMS = 11
@@ -159,7 +159,7 @@ class Fixed:
             What the value may be off, in the last place, before mpmath rounds it.
         """
         value = self.value
-        doubt = doubt + (abs(value) >> DIGITS) * (doubt > 0)
+        doubt = doubt + (abs(value) >> MPMATH_PLACES) * (doubt > 0)
         high, other_high = _double(value - doubt), _double(value + doubt)
         rest = value - _whole(high)
         low, other_low = _double(rest - doubt), _double(rest + doubt)
@@ -181,7 +181,7 @@ def fixed(angles: Any) -> tuple[Fixed, Any]:
     Those that are too great or too small count as 0 with a doubt that no rounding survives.
     """
     size = abs(angles)
-    fit = (size < GREATEST) & (size > LEAST)
+    fit = (size < GREATEST_ANGLE) & (size > LEAST_ANGLE)
     if isinstance(angles, float):
         if not fit:
             return Fixed(0), 0 if angles == 0.0 else ONE

@@ -39,10 +39,10 @@ LN_2_HIGH = float.fromhex("0x1.62e42feep-1")
 LN_2_LOW = float.fromhex("0x1.a39ef35793c76p-33")
 LN_2 = LN_2_HIGH + LN_2_LOW
 # Beyond it sqrt(1 + x x) is x, and x x may overflow.
-LARGE = 2.0**500
+GREATEST_SQUARED = 2.0**500
 # The bits of 2^-1021, and how far those of 2^1022 are: between them a number is brought near another by its exponent.
 BITS_OF_LEAST, BITS_OF_RANGE = 2 << 52, np.uint64(2043 << 52)
-HALF_A_DOUBLING = 1 << 51
+HALF_AN_EXPONENT = 1 << 51
 BITS_OF_ONE, BITS_OF_ROOT_HALF, FRACTION_BITS = 0x3FF0000000000000, 0x3FE6A09E667F3BCD, 0x000FFFFFFFFFFFFF
 
 
@@ -90,7 +90,7 @@ def _polynomial_log_quotient(x: Any, y: Any, twos: Any) -> Any:
     x, y = abs(x), abs(y)
     x_bits, y_bits = bits_of(x), bits_of(y)
     # The difference of the bits is that of the logarithms to 0.09 doublings: x/(2^k y) is between 1/1.51 and 1.51.
-    k = (x_bits - y_bits + HALF_A_DOUBLING) >> 52
+    k = (x_bits - y_bits + HALF_AN_EXPONENT) >> 52
     near = double_of(y_bits + (k << 52))
     s = (x - near) / (x + near)
     z = s * s
@@ -164,4 +164,4 @@ def log1p(x: Any) -> Any:
 @inlined
 def arsinh(x: Any) -> Any:
     """Area hyperbolic sine of x >= 0, within 3 units in the last place; beyond 2^500 it is log(2 x)."""
-    return log1p(x + x * select(x < LARGE, x / (1.0 + sqrt(1.0 + x * x)), 1.0))
+    return log1p(x + x * select(x < GREATEST_SQUARED, x / (1.0 + sqrt(1.0 + x * x)), 1.0))

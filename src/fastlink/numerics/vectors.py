@@ -10,8 +10,8 @@ from fastlink.numerics.elementary import context_of, select, sqrt
 
 __all__ = ["cross", "largest", "magnitude", "sign", "turn_rate", "zero_where"]
 
-# `power_of_two_below` overflows from 2^971 on; what underflows instead is as small as LEAST.
-LARGE, SMALL, LEAST = 2.0**60, 2.0**-60, 2.0**-1000
+# `power_of_two_below` overflows from 2^971 on; what underflows instead is as small as LEAST_SIZE.
+SCALE_UP, SCALE_DOWN, LEAST_SIZE = 2.0**60, 2.0**-60, 2.0**-1000
 
 
 @inlined
@@ -36,8 +36,8 @@ def zero_where(condition: Any, x: Any) -> Any:
 
 @inlined
 def _scaled_magnitude(x: Any, y: Any) -> Any:
-    size = LARGE * power_of_two_below(SMALL * abs(x) + SMALL * abs(y))
-    size = select(size == 0.0, LEAST, size)
+    size = SCALE_UP * power_of_two_below(SCALE_DOWN * abs(x) + SCALE_DOWN * abs(y))
+    size = select(size == 0.0, LEAST_SIZE, size)
     # Exact, as the size is a power of two: one division takes the place of two here, and of four in derivatives.
     per_size = 1.0 / size
     u = x * per_size

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from fastlink.numerics.compensated import UNIT_ROUNDING
 from fastlink.precision.errors import Measured
 from fastlink.precision.reference import CONTEXT
 from fastlink.precision.sample import within
@@ -25,7 +26,7 @@ __all__ = ["sampled", "values"]
 #: Configurations of each design, where they may be as many.
 ANGLES = 4
 #: Samples that differ by so many roundings may change places.
-TIE = 64 * 2.0**-53
+TIE = 64 * UNIT_ROUNDING
 FACTS = "the facts with 50 digits"
 #: What reductions are compared with, by whether they are extremes, and whether it is their place.
 METHODS = {

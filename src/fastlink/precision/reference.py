@@ -14,11 +14,11 @@ from mpmath import MPContext
 
 from fastlink.catalogue.catalogue import Catalogue, Fact, System
 from fastlink.catalogue.evaluate import steps_of, tables_at, take_step
+from fastlink.numerics.compensated import UNIT_ROUNDING
 
-__all__ = ["CONTEXT", "DIGITS", "STEP", "UNIT", "HighPrecision", "error_in_roundings"]
+__all__ = ["CONTEXT", "DIGITS", "STEP", "HighPrecision", "error_in_roundings"]
 
 DIGITS = 50
-UNIT = 2.0**-53
 #: Numbers of 50 digits, whatever precision others set for theirs.
 CONTEXT: Any = MPContext()
 CONTEXT.dps = DIGITS
@@ -125,5 +125,5 @@ def _take(step: Fact | System, known: dict[str, Any]) -> None:
 
 def error_in_roundings(value: float, exact: Any, condition: Any) -> float:
     """Return the error of a double in units of 2^-53 (|exact| + the sum of `Exact.condition`)."""
-    error, unit = abs(CONTEXT.mpf(value) - exact), UNIT * (abs(exact) + condition)
+    error, unit = abs(CONTEXT.mpf(value) - exact), UNIT_ROUNDING * (abs(exact) + condition)
     return 0.0 if error == 0 else float(error / unit) if unit != 0 else np.inf

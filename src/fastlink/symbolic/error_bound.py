@@ -15,9 +15,10 @@ from typing import Any
 from fastlink.errors import InputError, Setting
 from fastlink.facts.fact import Fact, Input, System
 from fastlink.facts.names import ErrorBound, Quantity, Trust
+from fastlink.numerics.compensated import UNIT_ROUNDING
 from fastlink.numerics.elementary import INFINITY, select
 from fastlink.symbolic.derivative import in_a_sentence, made_function
-from fastlink.symbolic.error_propagation import Bound, Lost, Rules, U
+from fastlink.symbolic.error_propagation import Bound, Lost, Rules
 from fastlink.symbolic.expression import Node, is_power_of_two
 
 __all__ = ["ErrorBounds", "error_name", "labelled_error", "trust_of"]
@@ -139,7 +140,7 @@ class ErrorBounds:
         if not self._pair(name, bound):
             bound = self.rules.settled(value, bound)
         # At least a trace of the value: where it is not finite, so is its error.
-        whole = self.rules.error(value, replace(bound, relative=max(bound.relative, U)))
+        whole = self.rules.error(value, replace(bound, relative=max(bound.relative, UNIT_ROUNDING)))
         return whole, {} if value.kind in ("name", "number", "neg") else {value: name}
 
     # -- names ---------------------------------------------------------------------------------------------------
@@ -184,7 +185,7 @@ class ErrorBounds:
         if low is None:
             return replace(self.exact, relative=1.0, positive=bound.positive)
         lost = {graph.name(low): (-1.0, graph.name(name))}
-        return replace(self.exact, relative=U, lost=lost, positive=bound.positive)
+        return replace(self.exact, relative=UNIT_ROUNDING, lost=lost, positive=bound.positive)
 
     def _pair(self, name: str, bound: Bound) -> Lost:
         """Return what is lost by names, of a fact with a low part: its text must say so of both words."""

@@ -1,8 +1,8 @@
 """How errors pass through one operation after another, and what each adds by its own rounding.
 
 Each operation has one rule, as each has one for its derivative. The rules bound the error, not its first order only:
-products and quotients of errors are in them. A bound is UNIT `relative` |value| + `rest`, where `relative` is a number
-known beforehand; where nothing cancels the rest is zero, and nothing is computed.
+products and quotients of errors are in them. A bound is u `relative` |value| + `rest`, where u is UNIT_WITH_MARGIN and
+`relative` a number known beforehand; where nothing cancels the rest is zero, and nothing is computed.
 """
 
 from __future__ import annotations
@@ -12,6 +12,7 @@ from dataclasses import dataclass, field, replace
 from functools import partial
 
 from fastlink.numerics.compensated import (
+    UNIT_ROUNDING,
     gap_product_quotient,
     pair_product,
     power_of_two_below,
@@ -25,8 +26,8 @@ from fastlink.numerics.elementary import (
     cos,
     cosh,
     cosine,
-    doubled,
     exp,
+    ldexp,
     select,
     sin,
     sine,
@@ -37,11 +38,10 @@ from fastlink.numerics.logarithm import arsinh, log, log1p, log_quotient
 from fastlink.symbolic.error_laws import of_direction, of_logarithm, of_product, of_quotient, of_root
 from fastlink.symbolic.expression import ExpressionGraph, Node, is_power_of_two
 
-__all__ = ["UNIT", "Bound", "Lost", "Rules", "U"]
+__all__ = ["UNIT_WITH_MARGIN", "Bound", "Lost", "Rules"]
 
-U = 2.0**-53
 #: A rounding, and a millionth more: for the rounding of the bounds themselves, and for products of a few roundings.
-UNIT = U * (1.0 + 2.0**-20)
+UNIT_WITH_MARGIN = UNIT_ROUNDING * (1.0 + 2.0**-20)
 
 #: What rounding lost and another value keeps (the low word of a sum of two): a multiple of that value is the error,
 #: with its sign, and cancels where both words meet. With it stands the high word, of which it is a rounding at most.
@@ -50,7 +50,7 @@ Lost = Mapping[Node, tuple[float, Node]]
 
 @dataclass(frozen=True)
 class Bound:
-    """By how much a value may be off: UNIT `relative` times its magnitude, and `rest`, besides what is lost.
+    """The error that a value may have: UNIT_WITH_MARGIN `relative` |value| + `rest`, besides what is lost.
 
     `scale` tells that it is 0 or a power of two, up to its sign, with which products are exact; `one` that it is 1,
     up to its sign (or NaN); `positive` that it is not negative.
@@ -69,9 +69,9 @@ class Bound:
 WORDS = {
     two_sum: 0.0,
     two_product: 0.0,
-    sum_of_four: 4 * U,
-    pair_product: 8 * U,
-    gap_product_quotient: 16 * U,
+    sum_of_four: 4 * UNIT_ROUNDING,
+    pair_product: 8 * UNIT_ROUNDING,
+    gap_product_quotient: 16 * UNIT_ROUNDING,
 }
 #: Elementary functions: two (arsinh, log_quotient: three) units in the last place are four (six) roundings.
 ARCTANGENT, LOGARITHM, LOG_QUOTIENT, ARSINH, COSINE = 4.0, 4.0, 6.0, 6.0, 4.0
@@ -92,7 +92,7 @@ class Rules:
 
     def __init__(self, named: Callable[[str], Bound]) -> None:
         self.named = named
-        self.graph = ExpressionGraph({*WORDS, power_of_two_below, arsinh, doubled, binary_exponent, *TABLED})
+        self.graph = ExpressionGraph({*WORDS, power_of_two_below, arsinh, ldexp, binary_exponent, *TABLED})
         self.exact = Bound(0.0, self.graph.zero)
         self._bounds: dict[Node, Bound] = {}
 
@@ -125,7 +125,7 @@ class Rules:
         return self.graph.add(bound.rest, self._roundings(bound.relative, node))
 
     def _roundings(self, number: float, node: Node) -> Node:
-        return self.graph.mul(self.graph.number(UNIT * number), self.size(node))
+        return self.graph.mul(self.graph.number(UNIT_WITH_MARGIN * number), self.size(node))
 
     def _rule(self, node: Node) -> Bound:
         match node.kind:
@@ -255,7 +255,7 @@ class Rules:
             return replace(self.exact, scale=True, positive=True)
         x = node.args[0]
         a = self.settled(x)
-        if function is doubled:
+        if function is ldexp:
             return replace(a, one=False)
         if function is abs:
             return replace(a, positive=True)
@@ -308,7 +308,7 @@ class Rules:
         rest = self.graph.zero
         for x in args:
             a = self.settled(x)
-            constant = self.graph.number(UNIT * a.relative)
+            constant = self.graph.number(UNIT_WITH_MARGIN * a.relative)
             rest = self.graph.add(rest, self.graph.add(self._of_place(self.size(x), a.rest), constant))
         return Bound(own, rest)
 

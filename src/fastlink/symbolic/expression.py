@@ -177,8 +177,8 @@ class ExpressionGraph:
                 case _:
                     assert isinstance(node, ast.Call)
                     assert isinstance(node.func, ast.Name)
-                    called = function.__globals__.get(node.func.id, abs)
-                    return self.apply(called, [value(arg) for arg in node.args])
+                    helper = function.__globals__.get(node.func.id, abs)
+                    return self.apply(helper, [value(arg) for arg in node.args])
 
         def bind(target: ast.expr, found: Node) -> None:
             if isinstance(target, ast.Tuple):

@@ -8,8 +8,9 @@ from tests.support.focal_designs import GIVEN, LENGTHS, exact, facts, family, gi
 
 import fastlink as fl
 from fastlink.mechanisms import catalogue
+from fastlink.numerics.compensated import UNIT_ROUNDING
 from fastlink.precision.reference import CONTEXT as MP
-from fastlink.precision.reference import UNIT, HighPrecision
+from fastlink.precision.reference import HighPrecision
 
 BARS = ("lambda_", "m", "n", "p", "q", "r", "FT", "s", "T_ratio")
 #: 50 digits, of which the worst of these designs loses some ten by cancellation.
@@ -121,8 +122,8 @@ def test_the_chebyshev_linkage_to_every_digit():
     }
     for name, value in expected.items():
         # condition numbers of m and r are below 10 here: the doubles are right to some units in the last place
-        assert abs(MP.mpf(float(first[name])) - value) <= 16 * UNIT * value, name
-    assert float(maps.r.sel(completion=2)) == pytest.approx(float(first.FT), rel=8 * UNIT)
+        assert abs(MP.mpf(float(first[name])) - value) <= 16 * UNIT_ROUNDING * value, name
+    assert float(maps.r.sel(completion=2)) == pytest.approx(float(first.FT), rel=8 * UNIT_ROUNDING)
     # as printed
     assert [round(float(first[name]), 4) for name in ("m", "p", "r")] == [0.8404, 1.8697, 0.4495]
 
@@ -247,13 +248,13 @@ def around(a, b, c, d, m, n, p, q, r, s, steps=4000):
     omega = np.arccos(cosine)
     w = np.exp(1j * omega)
     u, v = z / (m - p * w), (z - d) / (n + q * w)
-    lost_of_z = 8 * UNIT * (abs(s) + abs(r))
-    terms = 8 * UNIT * (2 * (m * m + p * p + abs(z) ** 2)) + 2 * abs(z) * lost_of_z
+    lost_of_z = 8 * UNIT_ROUNDING * (abs(s) + abs(r))
+    terms = 8 * UNIT_ROUNDING * (2 * (m * m + p * p + abs(z) ** 2)) + 2 * abs(z) * lost_of_z
     lost = terms / abs(2 * m * p)
     # an arccosine by its slope, or by what the error may do at its end
     lost = np.minimum(lost / np.sqrt(np.maximum(1 - cosine * cosine, 1e-300)), np.sqrt(2 * lost))
     directions = [
-        abs(x / y) * lost + lost_of_z / abs(along) + 16 * UNIT
+        abs(x / y) * lost + lost_of_z / abs(along) + 16 * UNIT_ROUNDING
         for x, y, along in ((p, m - p * w, z), (q, n + q * w, z - d))
     ]
     return closes, omega, np.angle(u), np.angle(v), np.max([lost, *directions])

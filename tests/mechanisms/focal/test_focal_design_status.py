@@ -11,7 +11,7 @@ from tests.support.refusals import refused
 
 import fastlink as fl
 from fastlink.mechanisms.focal.status import STATUS_FLAGS
-from fastlink.precision.reference import UNIT
+from fastlink.numerics.compensated import UNIT_ROUNDING
 from fastlink.study.study import run_study
 
 STUDIES = Path(__file__).parents[3] / "data" / "studies"
@@ -103,7 +103,7 @@ def test_both_completions_are_one_where_they_meet():
     one, other = (facts({name: [value] for name, value in BOUNDARIES[0][1].items()}, k) for k in (1.0, 2.0))
     for name in FACTS:
         # S/d and c/S are two roundings off one number, of which lambda is made
-        np.testing.assert_allclose(one[name], other[name], rtol=16 * UNIT, err_msg=name)
+        np.testing.assert_allclose(one[name], other[name], rtol=16 * UNIT_ROUNDING, err_msg=name)
 
 
 def test_change_points_are_told_as_such():

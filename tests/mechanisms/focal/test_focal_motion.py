@@ -7,7 +7,7 @@ import pytest
 from tests.support.focal_configurations import DRIVES, family, random_designs
 
 import fastlink as fl
-from fastlink.precision.reference import UNIT
+from fastlink.numerics.compensated import UNIT_ROUNDING
 
 MANY = 27_000
 POINTS = [f"{point}_{axis}" for point in "ABPQFT" for axis in "xy"]
@@ -47,13 +47,13 @@ def test_every_bar_and_both_ratios_close_in_every_branch(drive, kind):
         for branch in (1, 2):
             assert ((figure["completion"] == completion) & (figure["branch"] == branch)).sum() > 30
     # a point is a sum of two bars whose directions are the products of five; each is some roundings off
-    assert figure["closure_residual"].max() <= 30 * UNIT
+    assert figure["closure_residual"].max() <= 30 * UNIT_ROUNDING
 
 
 def test_F_stays_on_its_circle(figure):
     # F is some roundings of the bars off, and as many more as P is far away: w then is told by small angles
     far = figure.size / np.maximum(figure["a"], figure["d"])
-    assert (figure["F_path_residual"] <= 30 * UNIT * figure.size * far).all()
+    assert (figure["F_path_residual"] <= 30 * UNIT_ROUNDING * figure.size * far).all()
 
 
 def test_F_stays_on_a_straight_line_where_rho_is_minus_1():
@@ -63,9 +63,9 @@ def test_F_stays_on_a_straight_line_where_rho_is_minus_1():
     found = fl.evaluate("focal", names, completion=2, **inputs)
     closes = np.isfinite(found["F_x"])
     assert closes.sum() > 100
-    assert np.abs(found["F_x"] - found["line_x"])[closes].max() <= 30 * UNIT
-    assert np.nanmax(found["F_path_residual"]) <= 30 * UNIT
-    assert np.nanmax(found["closure_residual"]) <= 30 * UNIT
+    assert np.abs(found["F_x"] - found["line_x"])[closes].max() <= 30 * UNIT_ROUNDING
+    assert np.nanmax(found["F_path_residual"]) <= 30 * UNIT_ROUNDING
+    assert np.nanmax(found["closure_residual"]) <= 30 * UNIT_ROUNDING
 
 
 def assert_zero(value, *sizes):
@@ -73,7 +73,7 @@ def assert_zero(value, *sizes):
     total = np.ones_like(sizes[0])
     for size in sizes:
         total = total * size
-    assert (np.abs(value) <= 200 * UNIT * total).all()
+    assert (np.abs(value) <= 200 * UNIT_ROUNDING * total).all()
 
 
 def test_triangles_are_similar(figure):
@@ -126,7 +126,7 @@ def test_angles_are_those_of_the_figure(figure):
     ):
         turned = (end - apex) * np.conj(start - apex)
         assert_zero((turned * np.exp(-1j * figure[name])).imag, figure.size, figure.size)
-        assert ((turned * np.exp(-1j * figure[name])).real >= -200 * UNIT * figure.size**2).all()
+        assert ((turned * np.exp(-1j * figure[name])).real >= -200 * UNIT_ROUNDING * figure.size**2).all()
     other = np.where(figure["rho"] > 0.0, np.pi, 0.0) - figure["chi"]
     turned = (B - F) * np.conj(N - F)
     assert_zero((turned * np.exp(-1j * other)).imag, figure.size, figure.size)
@@ -148,7 +148,7 @@ def test_completions_exchange_the_crank_and_FT():
     for one, other in (("r", "FT"), ("FT", "r")):
         assert np.isfinite(first[one]).sum() > MANY // 2
         # roots that do not cancel: a dozen operations
-        np.testing.assert_allclose(first[one], second[other], rtol=30 * UNIT)
+        np.testing.assert_allclose(first[one], second[other], rtol=30 * UNIT_ROUNDING)
 
 
 def with_bounds(names):
@@ -173,7 +173,7 @@ def test_both_drives_say_the_same():
         assert np.median(allowed) < 1e-13
     there, back = by_crank["dphi_dsigma"], by_rocker["dsigma_dphi"]
     error = by_crank["dphi_dsigma_error"] + np.abs(by_crank["d_dphi_dsigma_d_sigma"]) * lost
-    allowed = error * np.abs(back) + by_rocker["dsigma_dphi_error"] * np.abs(there) + UNIT
+    allowed = error * np.abs(back) + by_rocker["dsigma_dphi_error"] * np.abs(there) + UNIT_ROUNDING
     assert (np.abs(there * back - 1.0) <= allowed).all()
     assert np.median(allowed) < 1e-13
     assert off.size > MANY // 4
@@ -206,10 +206,10 @@ def test_the_crank_turns_without_a_jump_of_branch():
         off = np.abs(moved - 0.5 * step * (rate[:, 1:] + rate[:, :-1]))
         lost = found[f"{name}_error"]
         # and angles have their errors, those within (-pi, pi] a rounding of pi more
-        assert (off <= step * around + lost[:, 1:] + lost[:, :-1] + 8 * np.pi * UNIT).all()
+        assert (off <= step * around + lost[:, 1:] + lost[:, :-1] + 8 * np.pi * UNIT_ROUNDING).all()
         # pi and -pi are two roundings apart from being a whole turn
         first, last = found[name][:, 0], found[name][:, -1]
-        allowed = lost[:, 0] + lost[:, -1] + (np.abs(rate[:, 0]) + 4.0) * 2 * np.pi * UNIT
+        allowed = lost[:, 0] + lost[:, -1] + (np.abs(rate[:, 0]) + 4.0) * 2 * np.pi * UNIT_ROUNDING
         assert (np.abs(np.exp(1j * first) - np.exp(1j * last)) <= allowed).all()
 
 
@@ -247,15 +247,15 @@ def test_newton_on_all_bars_finds_the_same(drive):
     sure = (condition < 30.0) & (figure.size < 20.0)
     assert sure.sum() > 300
     # the residuals are roundings of the bars, times the condition number
-    assert np.abs(unknown - known)[sure].max() <= 30.0 * 20.0 * 100 * UNIT
+    assert np.abs(unknown - known)[sure].max() <= 30.0 * 20.0 * 100 * UNIT_ROUNDING
 
 
 def test_T_deviation_of_a_straight_line_is_zero():
     x = np.linspace(-1.0, 2.0, 50)
     line = fl.focal.straight_line(np.append(3.0 + 2.0 * x, np.nan), np.append(1.0 - x, 0.0))
-    assert np.abs(line.deviation[:-1]).max() <= 10 * UNIT * 7.0
+    assert np.abs(line.deviation[:-1]).max() <= 10 * UNIT_ROUNDING * 7.0
     assert np.isnan(line.deviation[-1])
-    assert line.direction == pytest.approx(np.arctan2(-1.0, 2.0), abs=10 * UNIT)
+    assert line.direction == pytest.approx(np.arctan2(-1.0, 2.0), abs=10 * UNIT_ROUNDING)
 
 
 @pytest.mark.parametrize("power", [-900, -500, 500, 900])
@@ -274,4 +274,4 @@ def test_the_straight_line_has_the_least_sum_of_squares():
         for shift in (-0.1, 0.0, 0.1):
             angle = (line.direction + turn)[:, None]
             off = (y - line.y[:, None]) * np.cos(angle) - (x - line.x[:, None]) * np.sin(angle) + shift
-            assert ((off**2).sum(axis=-1) >= least * (1 - 100 * UNIT)).all()
+            assert ((off**2).sum(axis=-1) >= least * (1 - 100 * UNIT_ROUNDING)).all()

@@ -8,7 +8,7 @@ from tests.support.focal_configurations import DRIVES, random_designs
 
 import fastlink as fl
 from fastlink.errors import InputError
-from fastlink.precision.reference import UNIT
+from fastlink.numerics.compensated import UNIT_ROUNDING
 
 
 def test_the_coupler_is_farthest_where_it_is_parallel():
@@ -16,10 +16,10 @@ def test_the_coupler_is_farthest_where_it_is_parallel():
     one = fl.grid(a=5.0, b=5.0, c=2.0, d=4.0, rho=1.0, omega=1.0, completion=[1.0])
     found = fl.sweep("focal", one, ["T_y_max", "transmission_angle_F_min"], branch=2)
     # a value whose slope is zero: the roundings of T alone
-    assert found["T_y_max"].item() == pytest.approx(2.0 * np.sqrt(6.0), rel=10 * UNIT)
+    assert found["T_y_max"].item() == pytest.approx(2.0 * np.sqrt(6.0), rel=10 * UNIT_ROUNDING)
     # AB the other way round is parallel there: of the triangle with the sides 5, 5 and 4 + 2
     assert found["transmission_angle_F_min"].item() == pytest.approx(
-        np.pi - 2.0 * np.arcsin(3.0 / 5.0), rel=100 * UNIT
+        np.pi - 2.0 * np.arcsin(3.0 / 5.0), rel=100 * UNIT_ROUNDING
     )
 
 

@@ -7,13 +7,14 @@ from pathlib import Path
 import mpmath as mp
 import numpy as np
 import pytest
-from tests.support.configurations import DIGITS, UNIT
+from tests.support.configurations import DIGITS
 from tests.support.hart_configurations import HART, INPUTS, OF_THE_CRANK, QUANTITIES, WUNDERLICH, at, family
 from tests.support.refusals import refused
 
 import fastlink as fl
 from fastlink.catalogue.evaluate import read_facts
 from fastlink.mechanisms.hart.line import KITE_FLAGS, STATUS_FLAGS
+from fastlink.numerics.compensated import UNIT_ROUNDING
 from fastlink.precision.reference import CONTEXT, HighPrecision
 from fastlink.study.study import run_study
 
@@ -106,7 +107,7 @@ def test_the_sign_of_kappa_is_that_of_p_q_and_c_alone():
         if name == "omega_angle":
             turned = np.abs(plus[name] - minus[name])
             # two arctangents of 2 units in the last place of pi each
-            np.testing.assert_allclose(turned[np.isfinite(turned)], np.pi, atol=16 * UNIT)
+            np.testing.assert_allclose(turned[np.isfinite(turned)], np.pi, atol=16 * UNIT_ROUNDING)
         else:
             np.testing.assert_array_equal(minus[name], plus[name] * (-1.0 if name in "pqc" else 1.0))
 
@@ -137,7 +138,7 @@ def test_the_stroke_is_what_F_traces():
         y = np.sort(curves[np.isfinite(curves)])
         two = STATUS_FLAGS[int(told["status"])] == "two_segments"
         seen.add(two)
-        np.testing.assert_allclose(stroke, outer - inner if two else 2.0 * outer, rtol=64 * UNIT)
+        np.testing.assert_allclose(stroke, outer - inner if two else 2.0 * outer, rtol=64 * UNIT_ROUNDING)
         # F is off by a few roundings of m sin(phi) and of the toggles: 2^-40 is far more
         assert np.abs(y).max() <= outer * (1.0 + 2.0**-40)
         assert np.abs(y).min() >= inner * (1.0 - 2.0**-40)
@@ -164,7 +165,7 @@ def test_the_dyads_keep_their_side_along_the_stroke():
     # A step at most from where F stands still: half a second difference, which hardly changes from step to step.
     near = np.minimum(np.abs(found["F_y"][1:]), np.abs(found["F_y"][:-1]))
     short = found["F_y_outer"][0] - near[changes]
-    assert (short >= -16 * UNIT).all()
+    assert (short >= -16 * UNIT_ROUNDING).all()
     assert (short <= np.nanmax(np.abs(np.diff(found["F_y"], 2)))).all()
 
 
@@ -176,7 +177,7 @@ def test_the_greatest_height_over_phi_is_the_end_of_the_stroke():
     # F_y is flat there; its few roundings are of lengths up to some ten times as great as the height.
     for name, sign in (("F_y_max", 1.0), ("F_y_min", -1.0)):
         reached = (sign * maps[name]).max("branch")
-        np.testing.assert_allclose(reached, maps.F_y_outer, rtol=64 * UNIT)
+        np.testing.assert_allclose(reached, maps.F_y_outer, rtol=64 * UNIT_ROUNDING)
 
 
 # -- the example of the paper, kites, codes --------------------------------------------------------------------
@@ -199,15 +200,15 @@ def test_the_study_of_the_example(tmp_path):
         maps.load()
     assert maps.F_deviation.max() <= 3.0
     # sixteen joints of about four roundings each, over the longest bar
-    assert maps.closure_residual.max() <= 16 * UNIT
+    assert maps.closure_residual.max() <= 16 * UNIT_ROUNDING
     assert (maps.F_x == 0.0).all()
     moves = (maps.branch == 2) == (maps.phi < np.pi)
     # at M, C and Z being a rounding apart
-    assert abs(maps.F_y.where(~moves)).max() <= 8 * 16 * UNIT
+    assert abs(maps.F_y.where(~moves)).max() <= 8 * 16 * UNIT_ROUNDING
     # the figures: y = 2 m sin(phi), the ellipse about M; P runs on a circle of 4, twice as low as F
-    assert abs(maps.F_y - 8.0 * np.sin(maps.phi)).where(moves).max() <= 32 * UNIT
+    assert abs(maps.F_y - 8.0 * np.sin(maps.phi)).where(moves).max() <= 32 * UNIT_ROUNDING
     round_M = (maps.PF_mid_x / maps.ellipse_b) ** 2 + (maps.PF_mid_y / maps.ellipse_a) ** 2
-    assert abs(round_M - 1.0).where(moves).max() <= 16 * UNIT
+    assert abs(round_M - 1.0).where(moves).max() <= 16 * UNIT_ROUNDING
 
 
 @pytest.mark.parametrize("kappa", [0.1, 0.5, -0.3, 0.9, 1.5, -4.0])
@@ -222,15 +223,17 @@ def test_kites_in_decimals(kappa, n):
         assert (told["is_kite"], told["status"]) == (kite, 2)
         assert np.isfinite(told["ellipse_a"]) == (kite == 1)
         # the line runs through M or N within the rounding of three lengths
-        assert abs(told["line_x"] - (0.0 if kite == 1 else ground)) <= 8 * UNIT * (m + other + ground)
-        np.testing.assert_allclose(told["stroke"], 4.0 * small, rtol=8 * UNIT)
+        assert abs(told["line_x"] - (0.0 if kite == 1 else ground)) <= 8 * UNIT_ROUNDING * (
+            m + other + ground
+        )
+        np.testing.assert_allclose(told["stroke"], 4.0 * small, rtol=8 * UNIT_ROUNDING)
         if kite == 1:
             found = at(["PF_mid_x", "PF_mid_y", "F_y"], branch=np.array([[1], [2]]), phi=phi, **given)
             moves = np.abs(found["F_y"]) > 1e-6 * small  # in the other branch F stays at M
             assert moves.sum() == phi.size
             x, y = found["PF_mid_x"] / told["ellipse_b"], found["PF_mid_y"] / told["ellipse_a"]
             # the lengths are off the kite by 2 roundings, each coordinate by 4
-            np.testing.assert_allclose((x * x + y * y)[moves], 1.0, rtol=32 * UNIT)
+            np.testing.assert_allclose((x * x + y * y)[moves], 1.0, rtol=32 * UNIT_ROUNDING)
 
 
 @pytest.mark.parametrize(

@@ -7,13 +7,14 @@ from dataclasses import replace
 import mpmath as mp
 import numpy as np
 import pytest
-from tests.support.configurations import DIGITS, UNIT
+from tests.support.configurations import DIGITS
 from tests.support.refusals import refused
 
 import fastlink as fl
 from fastlink.catalogue.evaluate import read_facts
 from fastlink.errors import InputError
 from fastlink.mechanisms import catalogue
+from fastlink.numerics.compensated import UNIT_ROUNDING
 
 MINKOWSKI = catalogue("minkowski_4r")
 #: In roundings of a double; 3.0 is the worst seen in 10^4 configurations of the families.
@@ -52,8 +53,8 @@ def test_residuals_are_roundings_on_every_circuit():
     closes = np.isin(found.configuration_status.values, (CLOSES, WITHOUT_ZETA))
     assert closes.mean() > 0.9
     # Two sums of four terms, each right to 2 roundings; a product of two sums of 10 terms of 8 roundings at most.
-    assert found.loop_residual.values[closes].max() <= 8 * UNIT
-    assert np.abs(found.sextic_residual.values[closes]).max() <= 16 * UNIT
+    assert found.loop_residual.values[closes].max() <= 8 * UNIT_ROUNDING
+    assert np.abs(found.sextic_residual.values[closes]).max() <= 16 * UNIT_ROUNDING
 
 
 # -- the equations of the paper --------------------------------------------------------------------------------
@@ -121,14 +122,14 @@ def test_the_point_at_infinity_of_the_half_angle_is_an_ordinary_position():
     theta = np.arccosh(1.5)
     found = maps([theta], a=1.0, b=1.0, g=4.0, h=1.0)
     # q = -1 there; theta is off by a rounding, and dpsi/dtheta is 1 or 14.
-    assert np.abs(found.psi.values).min() <= 32 * UNIT
+    assert np.abs(found.psi.values).min() <= 32 * UNIT_ROUNDING
     assert (found.CB_orientation == -1).all()
     folded = fl.evaluate(
         "minkowski_4r", ["half_angle_root", "B_x", "B_y"], branch=[1, 2], theta=0.5, a=2, b=3, g=3, h=2
     )
     k = int(np.argmax(np.abs(folded["half_angle_root"])))
     assert folded["half_angle_root"][k] == np.inf
-    assert abs(folded["B_x"][k]) + abs(folded["B_y"][k]) <= 8 * 3 * UNIT
+    assert abs(folded["B_x"][k]) + abs(folded["B_y"][k]) <= 8 * 3 * UNIT_ROUNDING
 
 
 # -- laws of the plane -------------------------------------------------------------------------------------------
@@ -154,12 +155,18 @@ def test_links_keep_their_lengths_and_orientations_in_every_frame():
     for boost in (0.0, 0.8):
         x, y = np.cosh(boost) * dx + np.sinh(boost) * dy, np.sinh(boost) * dx + np.cosh(boost) * dy
         size = x * x + y * y + found.A_x**2 + found.B_x**2
-        assert (abs(x * x - y * y - found.h**2) <= 64 * UNIT * np.exp(2 * boost) * size).values[closes].all()
+        assert (
+            (abs(x * x - y * y - found.h**2) <= 64 * UNIT_ROUNDING * np.exp(2 * boost) * size)
+            .values[closes]
+            .all()
+        )
         assert (np.sign(x) == found.AB_orientation).values[closes].all()
     # The coupler point is carried along: its interval from A is x^2 - y^2.
     dx, dy = found.X_x - found.A_x, found.X_y - found.A_y
     size = dx * dx + dy * dy + found.A_x**2 + found.X_x**2
-    assert (abs(dx * dx - dy * dy - (found.x**2 - found.y**2)) <= 64 * UNIT * size).values[closes].all()
+    assert (
+        (abs(dx * dx - dy * dy - (found.x**2 - found.y**2)) <= 64 * UNIT_ROUNDING * size).values[closes].all()
+    )
 
 
 def test_the_rates_are_the_derivatives():
@@ -194,7 +201,7 @@ def test_far_beyond_the_overflow_of_cosh_angles_are_right_and_points_flagged():
             true = exact([*POSITION, "zeta"], design | {"theta": t, "branch": branch})
             for name in (*POSITION, "zeta"):
                 # psi and zeta follow theta or are of the size of 1: 4 roundings of that.
-                bound = 4 * UNIT * (abs(true[name]) + 8)
+                bound = 4 * UNIT_ROUNDING * (abs(true[name]) + 8)
                 assert abs(mp.mpf(float(found[name].values[k, i])) - true[name]) <= bound
     far = theta > 710.0
     assert (found.configuration_status.values[:, far] == BEYOND).all()
@@ -211,8 +218,8 @@ def test_lengths_from_1e_minus_150_to_1e150(scale):
     found = maps(theta, **lengths)
     same = maps(theta, a=0.7, b=1.3, g=1.1, h=0.4)
     # The scaled lengths are each off by a rounding; the condition number of these configurations is below 30.
-    np.testing.assert_allclose(found.psi, same.psi, rtol=0.0, atol=64 * UNIT)
-    np.testing.assert_allclose(found.AB_rapidity, same.AB_rapidity, rtol=0.0, atol=64 * UNIT)
+    np.testing.assert_allclose(found.psi, same.psi, rtol=0.0, atol=64 * UNIT_ROUNDING)
+    np.testing.assert_allclose(found.AB_rapidity, same.AB_rapidity, rtol=0.0, atol=64 * UNIT_ROUNDING)
     assert np.isfinite(found.B_x.values[~np.isnan(found.psi.values)]).all()
 
 

@@ -7,7 +7,7 @@ from fractions import Fraction
 import mpmath as mp
 import numpy as np
 import pytest
-from tests.support.configurations import DIGITS, UNIT
+from tests.support.configurations import DIGITS
 from tests.support.minkowski_designs import FACTS, FAMILIES, LENGTHS, MANY, SUMS, all_kinds, decoded, facts
 from tests.support.minkowski_scan import quadratic_of_output
 
@@ -15,6 +15,7 @@ import fastlink as fl
 from fastlink.catalogue.evaluate import read_facts
 from fastlink.errors import InputError
 from fastlink.mechanisms.minkowski_4r import minkowski_4r
+from fastlink.numerics.compensated import UNIT_ROUNDING
 
 # -- branching, escape, Grashof, status -----------------------------------------------------------------------
 
@@ -45,7 +46,7 @@ def test_branching_is_where_q_is_minus_1_or_psi_is_undetermined():
     cosine = np.cosh(got["theta_branching"][somewhere])
     # Zero to the rounding of the cosine (4 units for cosh itself) and of four products.
     left = abs(at_0[somewhere] + slope[somewhere] * (cosine - 1.0))
-    assert np.all(left <= 16 * UNIT * (abs(at_0[somewhere]) + abs(slope[somewhere]) * cosine))
+    assert np.all(left <= 16 * UNIT_ROUNDING * (abs(at_0[somewhere]) + abs(slope[somewhere]) * cosine))
     # psi is undetermined where all three coefficients of the quadratic vanish.
     coefficients = np.array([abs(x) for x in quadratic_of_output(lengths, 0.0)])
     np.testing.assert_array_equal(np.all(coefficients == 0.0, axis=0), undetermined)
@@ -57,7 +58,8 @@ def test_eq_8_as_printed():
     printed = (a * a - h * h) / (2.0 * a * (g - b)) + (g - b) / (2.0 * a)
     # A quotient of differences of numbers below 4: 4 roundings of 8 each, over the divisor.
     np.testing.assert_array_less(
-        abs(facts(lengths)["cosh_theta_branching"] - printed), 32 * UNIT * (1.0 + 4.0 / abs(a * (g - b)))
+        abs(facts(lengths)["cosh_theta_branching"] - printed),
+        32 * UNIT_ROUNDING * (1.0 + 4.0 / abs(a * (g - b))),
     )
 
 
@@ -97,7 +99,7 @@ def test_equal_lengths_part_the_ranges():
     g = a + np.where(a > 1.0, -1.0, 1.0)
     got = facts([a, b, g, b])
     # The same angle by two formulas, each right to 12 units of 2^-53 (see test_angles_keep_every_digit).
-    np.testing.assert_allclose(got["theta_max"], got["theta_escape"], rtol=24 * UNIT)
+    np.testing.assert_allclose(got["theta_max"], got["theta_escape"], rtol=24 * UNIT_ROUNDING)
     np.testing.assert_array_equal(got["theta_max_future"], got["theta_escape"])
 
 
@@ -118,7 +120,7 @@ def test_sums_are_right_to_a_rounding_and_their_signs_exact(family):
             total = sum(sign * x for sign, x in zip(signs, exact, strict=True))
             found = Fraction(float(got[name][i]))
             # T7 is a sum of positive numbers: two roundings.
-            assert abs(found - total) <= 2 * Fraction(UNIT) * abs(total), (name, one)
+            assert abs(found - total) <= 2 * Fraction(UNIT_ROUNDING) * abs(total), (name, one)
             assert (found > 0) == (total > 0)
             assert (found < 0) == (total < 0)
             zeros += total == 0
@@ -149,7 +151,7 @@ def test_angles_keep_every_digit(family):
             assert np.isnan(found) == bool(mp.isnan(expected)), name
             if not np.isnan(found):
                 assert np.isfinite(found)
-                assert abs(mp.mpf(float(found)) - expected) <= 12 * UNIT * expected, name
+                assert abs(mp.mpf(float(found)) - expected) <= 12 * UNIT_ROUNDING * expected, name
                 seen += 1
     assert seen > 400
 
@@ -164,7 +166,7 @@ def test_cosines_are_right_to_a_few_roundings(family):
             if mp.isnan(expected):
                 assert np.isnan(found)
             else:
-                bound = UNIT * (7 * abs(expected - 1) + abs(expected))
+                bound = UNIT_ROUNDING * (7 * abs(expected - 1) + abs(expected))
                 assert abs(mp.mpf(float(found)) - expected) <= bound, name
 
 
@@ -173,7 +175,7 @@ def test_the_escape_is_the_logarithm():
     expected = [abs(mp.log(mp.mpf(float(g)) / mp.mpf(float(a)))) for a, _, g, _ in lengths.T]
     found = facts(lengths, ["theta_escape"])["theta_escape"]
     # As the angles above; mp.log has 53 bits itself.
-    assert all(abs(x - y) <= 16 * UNIT * y for x, y in zip(found, expected, strict=True))
+    assert all(abs(x - y) <= 16 * UNIT_ROUNDING * y for x, y in zip(found, expected, strict=True))
 
 
 def test_input_and_output_exchange():
@@ -185,7 +187,7 @@ def test_input_and_output_exchange():
     one, other = facts([a, b, g, h]), facts([b, a, g, h])
     # both are 1 + w, with w right to 6 units of 2^-53 each
     for mine, theirs in (("cosh_psi_min", "cosh_theta_max"), ("cosh_psi_max", "cosh_theta_min")):
-        bound = 16 * UNIT * (2.0 + abs(one[mine]))
+        bound = 16 * UNIT_ROUNDING * (2.0 + abs(one[mine]))
         assert np.all(abs(one[mine] + other[theirs]) <= bound), mine
 
 

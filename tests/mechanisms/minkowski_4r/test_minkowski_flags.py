@@ -5,11 +5,12 @@ from __future__ import annotations
 import mpmath as mp
 import numpy as np
 import pytest
-from tests.support.configurations import UNIT, condition_sums, reference
+from tests.support.configurations import condition_sums, reference
 from tests.support.minkowski_configurations import adversarial
 
 import fastlink as fl
 from fastlink.mechanisms import catalogue
+from fastlink.numerics.compensated import UNIT_ROUNDING
 
 MINKOWSKI = catalogue("minkowski_4r")
 ALL = [name for name in MINKOWSKI.public if MINKOWSKI.varies(name)]
@@ -75,7 +76,9 @@ def test_what_has_no_flag_is_right(n):
                 if mp.isnan(sums[name]):  # an end of what closes: no neighbour to measure by
                     continue
                 # Rates that fall like e^-|theta| underflow where they are below 1e-200.
-                bound = MULTIPLE * UNIT * (sums[name] + abs(true[name])) + (1e-200 if name in FLAGS else 0.0)
+                bound = MULTIPLE * UNIT_ROUNDING * (sums[name] + abs(true[name])) + (
+                    1e-200 if name in FLAGS else 0.0
+                )
                 error = abs(mp.mpf(float(found[name][k, i])) - true[name])
                 assert error <= bound, (name, one, float(found[name][k, i]), true[name])
                 tested += 1

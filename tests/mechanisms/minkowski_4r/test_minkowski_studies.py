@@ -6,10 +6,10 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from tests.support.configurations import UNIT
 
 import fastlink as fl
 from fastlink.mechanisms.minkowski_4r.types import LINKAGE_FLAGS
+from fastlink.numerics.compensated import UNIT_ROUNDING
 from fastlink.study.study import run_study
 
 STUDIES = Path(__file__).parents[3] / "data" / "studies"
@@ -72,14 +72,14 @@ def test_the_middle_of_the_coupler_traces_the_coupler_curve(examples):
     for name in ("x", "y"):
         middle = (examples[f"A_{name}"] + examples[f"B_{name}"]) / 2
         # Each of the points is some ten roundings off the size of its null coordinates.
-        assert float((abs(examples[f"X_{name}"] - middle) / size).max()) <= 32 * UNIT
+        assert float((abs(examples[f"X_{name}"] - middle) / size).max()) <= 32 * UNIT_ROUNDING
     c = fl.minkowski.sextic(*(examples[name].values for name in "abghxy"))
     X, Y = examples.X_x.values, examples.X_y.values
     terms = np.array([c[:, i, j, None, None] * X**i * Y**j for i in range(7) for j in range(7 - i)])
     there = np.isfinite(X)
     assert there.sum() > 2500
     # X and Y are some ten roundings off, and their powers six times that at most.
-    assert np.all(np.abs(terms.sum(axis=0))[there] <= 64 * UNIT * np.abs(terms).sum(axis=0)[there])
+    assert np.all(np.abs(terms.sum(axis=0))[there] <= 64 * UNIT_ROUNDING * np.abs(terms).sum(axis=0)[there])
 
 
 def test_the_atlas(tmp_path):

@@ -8,10 +8,11 @@ from fractions import Fraction
 import mpmath as mp
 import numpy as np
 import pytest
-from tests.support.configurations import DIGITS, LENGTHS, PLANAR, UNIT, condition_sums, designs, reference
+from tests.support.configurations import DIGITS, LENGTHS, PLANAR, condition_sums, designs, reference
 
 import fastlink as fl
 from fastlink.mechanisms.planar_4r.classes import CLASS_FLAGS
+from fastlink.numerics.compensated import UNIT_ROUNDING
 
 CODES = {meaning: code for code, meaning in CLASS_FLAGS.items()}
 FACTS = [
@@ -71,13 +72,13 @@ def test_class_and_excess_are_the_classical_ones_in_rational_numbers(kind):
     seen = set()
     for i, one in enumerate(lengths.T):
         expected, excess = classical(one)
-        rounding = UNIT * one.sum()
+        rounding = UNIT_ROUNDING * one.sum()
         if abs(excess) <= 2 * rounding:
             continue
         assert CLASS_FLAGS[int(got["grashof_class"][i])] == expected, one
         seen.add(expected)
         # Summed without loss, rounded once.
-        assert abs(Fraction(float(got["grashof_excess"][i])) - excess) <= 2 * UNIT * abs(excess)
+        assert abs(Fraction(float(got["grashof_excess"][i])) - excess) <= 2 * UNIT_ROUNDING * abs(excess)
     assert len(seen) >= 8
 
 
@@ -275,7 +276,7 @@ def test_limits_are_a_few_roundings_off(kind):
             for name, value in expected.items():
                 assert abs(own[name] - value) <= mp.mpf(10) ** -35, (name, i)
                 error = abs(mp.mpf(float(got[name][i])) - value)
-                assert error <= 4 * UNIT * (sums[name] + abs(value)), (name, i)
+                assert error <= 4 * UNIT_ROUNDING * (sums[name] + abs(value)), (name, i)
                 tested += 1
             if "time_ratio" not in expected:
                 assert np.isnan(got["time_ratio"][i])
@@ -286,7 +287,7 @@ def test_table_1():
     got = facts(TABLE_1)
     assert CLASS_FLAGS[int(got["grashof_class"][0])] == "crank_rocker"
     # The excess of the lengths as the doubles they are: each is off by half a unit at most.
-    assert got["grashof_excess"][0] == pytest.approx(-0.2, abs=2 * UNIT * sum(TABLE_1))
+    assert got["grashof_excess"][0] == pytest.approx(-0.2, abs=2 * UNIT_ROUNDING * sum(TABLE_1))
     assert (got["theta1_low"][0], got["theta1_high"][0]) == (0.0, np.pi)
     # |AD| = 0.6 and 1.4 with sides 1.2 and 0.8; |OB| = 0.8 and 1.6 with sides 0.8 and 1.0. A few roundings.
     for name, cosine in (
@@ -328,7 +329,9 @@ def test_scale_and_mirror():
     mirrored = facts(lengths[[2, 1, 0, 3]])
     for name, other in (("theta1_low", "theta4_high"), ("theta1_high", "theta4_low")):
         # Both are within a few roundings of pi of the exact value.
-        np.testing.assert_allclose(one[name], np.pi - mirrored[other], rtol=0, atol=16 * UNIT * np.pi)
+        np.testing.assert_allclose(
+            one[name], np.pi - mirrored[other], rtol=0, atol=16 * UNIT_ROUNDING * np.pi
+        )
 
 
 def test_facts_of_the_design_have_no_angle():

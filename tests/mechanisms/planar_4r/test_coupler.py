@@ -5,7 +5,7 @@ from __future__ import annotations
 import mpmath as mp
 import numpy as np
 import pytest
-from tests.support.configurations import LENGTHS, PLANAR, UNIT
+from tests.support.configurations import LENGTHS, PLANAR
 from tests.support.curve_designs import CURVE, evaluate, random_designs
 
 import fastlink as fl
@@ -19,6 +19,7 @@ from fastlink.analysis.planar import (
     straightness,
 )
 from fastlink.catalogue.evaluate import read_facts
+from fastlink.numerics.compensated import UNIT_ROUNDING
 
 # -- derivatives -------------------------------------------------------------------------------------
 
@@ -80,12 +81,12 @@ def test_curvature_of_circles():
     for branch in (1, 2):
         at_A = evaluate(["curvature"], lengths | {"P_u": 0.0, "P_v": 0.0}, theta, branch)["curvature"]
         # A dozen operations on the exact circle.
-        np.testing.assert_allclose(at_A, 1 / 0.4, rtol=16 * UNIT)
+        np.testing.assert_allclose(at_A, 1 / 0.4, rtol=16 * UNIT_ROUNDING)
         at_B = evaluate(
             ["curvature", "omega4"], lengths | {"P_u": 1.2, "P_v": 0.0, "omega1": 1.0}, theta, branch
         )
         # B runs around D: left while the output link turns left; relative error 1/omega4 times a few roundings.
-        allowed = 64 * UNIT * (1 + 1 / np.abs(at_B["omega4"])) ** 3
+        allowed = 64 * UNIT_ROUNDING * (1 + 1 / np.abs(at_B["omega4"])) ** 3
         assert np.all(np.abs(0.8 * at_B["curvature"] - np.sign(at_B["omega4"])) <= allowed)
 
 
@@ -142,10 +143,10 @@ def test_the_sextic_vanishes_on_the_curve(branch):
     values = sum(c[..., i, j] * X**i * Y**j for i in range(7) for j in range(7 - i))
     # (X, Y) is a point of a linkage whose lengths are within a rounding or two of these: of degree eight in
     # lengths and coordinates, 16. Coefficients and powers add roundings of their partial sums: worst seen 0.9.
-    assert np.all(np.abs(values)[closes] <= 16 * UNIT * majorant(inputs, X, Y)[closes])
+    assert np.all(np.abs(values)[closes] <= 16 * UNIT_ROUNDING * majorant(inputs, X, Y)[closes])
     # It does not vanish elsewhere: the bound tells points from their neighbours.
     off = sum(c[..., i, j] * (X + 1e-3) ** i * Y**j for i in range(7) for j in range(7 - i))
-    assert np.mean(np.abs(off)[closes] > 1e3 * UNIT * majorant(inputs, X, Y)[closes]) > 0.99
+    assert np.mean(np.abs(off)[closes] > 1e3 * UNIT_ROUNDING * majorant(inputs, X, Y)[closes]) > 0.99
 
 
 def test_the_sextic_anywhere_is_the_product_over_both_assemblies_with_the_crank():
@@ -171,7 +172,7 @@ def test_the_sextic_anywhere_is_the_product_over_both_assemblies_with_the_crank(
             found = mp.fsum(float(c[i, m, n]) * X**m * Y**n for m in range(7) for n in range(7))
             size = majorant({name: float(inputs[name][i]) for name in CURVE}, float(X), float(Y))
             # The coefficients alone are rounded here: sums of products of at most 24 operations each.
-            assert abs(found - expected) <= 32 * UNIT * size
+            assert abs(found - expected) <= 32 * UNIT_ROUNDING * size
 
 
 def test_the_sextic_is_tricircular_and_sees_both_branches_of_a_design():
@@ -208,7 +209,7 @@ def test_cognates_trace_the_same_points(branch):
         spread = (1 + reach / shortest) / (sine * (sine_cognate if cognate.number > 1 else sine))
         good = closes & (spread < 1e6)
         assert good.sum() > 0.95 * closes.sum()
-        allowed = 8 * UNIT * reach * spread
+        allowed = 8 * UNIT_ROUNDING * reach * spread
         assert np.all(np.hypot(X - got["P_x"], Y - got["P_y"])[good] <= allowed[good]), cognate.number
 
 
@@ -221,13 +222,15 @@ def test_cognates_share_the_sextic_and_the_third_pivot():
     for cognate in (first, second, third):
         side = np.hypot(cognate.D_x - cognate.O_x, cognate.D_y - cognate.O_y)
         scale = np.abs(cognate.D_x) + np.abs(cognate.O_x) + np.abs(cognate.D_y)
-        assert np.all(np.abs(side - cognate.design["a4"]) <= 16 * UNIT * scale)
+        assert np.all(np.abs(side - cognate.design["a4"]) <= 16 * UNIT_ROUNDING * scale)
     # The cognates of a cognate are the same three.
     again = cognates(second.design)
     for name in CURVE:
         # Its own second is similar by the inverse ratio: a dozen roundings of what is divided by |P|/a2.
         size = 1.0 + np.abs(inputs["P_u"]) + np.abs(inputs["P_v"])
-        assert np.all(np.abs(again[1].design[name] - inputs[name]) <= 64 * UNIT * size * inputs["a2"]), name
+        assert np.all(
+            np.abs(again[1].design[name] - inputs[name]) <= 64 * UNIT_ROUNDING * size * inputs["a2"]
+        ), name
     # A circle is traced by P = A: the second linkage has shrunk to nothing there.
     _, shrunk, whole = cognates(dict(zip(CURVE, (0.4, 1.2, 0.8, 1.0, 0.0, 0.0), strict=True)))
     assert shrunk.design["a1"] == shrunk.design["a4"] == 0.0
@@ -263,9 +266,9 @@ def test_straightness():
     for angle in (0.0, 0.7, 2.0, -1.5):
         x, y = s * np.cos(angle) - bow * np.sin(angle), s * np.sin(angle) + bow * np.cos(angle)
         # Half of the bow's height: coordinates of size 1 and edges as directions, a few roundings of the length 2.
-        assert straightness(x, y) == pytest.approx(0.005, abs=32 * UNIT)
-        assert straightness(s * np.cos(angle), s * np.sin(angle)) <= 32 * UNIT
-    assert straightness(np.r_[s, np.nan], np.r_[bow, 0.0]) == pytest.approx(0.005, abs=32 * UNIT)
+        assert straightness(x, y) == pytest.approx(0.005, abs=32 * UNIT_ROUNDING)
+        assert straightness(s * np.cos(angle), s * np.sin(angle)) <= 32 * UNIT_ROUNDING
+    assert straightness(np.r_[s, np.nan], np.r_[bow, 0.0]) == pytest.approx(0.005, abs=32 * UNIT_ROUNDING)
     assert np.isnan(straightness([np.nan], [0.0]))
     assert straightness([2.0, 3.0], [1.0, 1.0]) == straightness([2.0], [1.0]) == 0.0
     assert straightness(s * 2.0**600, bow * 2.0**600) == straightness(s, bow) * 2.0**600
@@ -276,7 +279,7 @@ def test_straightness():
     assert found.shape == (20, 3)
     for place in np.ndindex(found.shape):
         strips = 0.5 * np.ptp(np.cos(angle) * y[place] - np.sin(angle) * x[place], axis=1)
-        assert strips.min() - 8 * np.pi / 14400 <= found[place] <= strips.min() + 32 * UNIT
+        assert strips.min() - 8 * np.pi / 14400 <= found[place] <= strips.min() + 32 * UNIT_ROUNDING
 
 
 def test_straightness_of_curves():

@@ -5,17 +5,12 @@ from __future__ import annotations
 import mpmath as mp
 import numpy as np
 import pytest
-from tests.support.configurations import (
-    DIGITS,
-    LENGTHS,
-    PLANAR,
-    UNIT,
-    random_lengths,
-)
+from tests.support.configurations import DIGITS, LENGTHS, PLANAR, random_lengths
 
 import fastlink as fl
 from fastlink.catalogue.evaluate import read_facts
 from fastlink.mechanisms import catalogue
+from fastlink.numerics.compensated import UNIT_ROUNDING
 
 JOINTS = (1, 2, 3, 4)
 PAIRS = ("12", "13", "14", "23", "24", "34")
@@ -206,4 +201,4 @@ def test_joint_1_is_theta1_less_pi():
     )
     for name in names:
         # theta1 - pi is right to 2^-52; by it the acceleration changes by at most 25^2 * 60 here.
-        np.testing.assert_allclose(driven[name], at_o[name], rtol=1e-14, atol=25**2 * 60 * 2 * UNIT)
+        np.testing.assert_allclose(driven[name], at_o[name], rtol=1e-14, atol=25**2 * 60 * 2 * UNIT_ROUNDING)

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from tests.support.configurations import UNIT
 from tests.support.extrema_families import FAMILIES, found, names_of, space
 from tests.support.extrema_oracle import RATES, extrema
 from tests.support.extrema_rules import TURN, ends
 
 import fastlink as fl
+from fastlink.numerics.compensated import UNIT_ROUNDING
 
 # Errors of a value, in roundings of the terms that make it up, each a product of a dozen factors: 10 is the worst seen.
 VALUE_ROUNDINGS = 16
@@ -78,10 +78,12 @@ def test_none_is_missed_and_each_is_right_to_rounding(family, n):
                 for j, point in enumerate(points):
                     assert kind[i, k, j] == point.kind, about
                     # 1e-14 relative, unless the terms of the value cancel.
-                    allowed = max(1e-14 * abs(point.value), VALUE_ROUNDINGS * UNIT * point.value_terms)
+                    allowed = max(
+                        1e-14 * abs(point.value), VALUE_ROUNDINGS * UNIT_ROUNDING * point.value_terms
+                    )
                     assert abs(value[i, k, j] - point.value) <= allowed, about
                     # The last of these is a rounding of an angle up to 2 pi, in the oracle and in the engine.
-                    allowed = PLACE_ROUNDINGS * UNIT * point.theta1_terms + 4 * UNIT * TURN
+                    allowed = PLACE_ROUNDINGS * UNIT_ROUNDING * point.theta1_terms + 4 * UNIT_ROUNDING * TURN
                     assert circular(theta1[i, k, j] - point.theta1) <= allowed, about
 
 
@@ -108,8 +110,8 @@ def test_at_a_change_point_limits_count_and_errors_are_no_extrema(lengths, great
     one = fl.grid(**dict(zip(("a1", "a2", "a3", "a4"), lengths, strict=True)), omega1=1.0)
     result = fl.sweep("planar_4r", one, ["omega4_max", "omega4_min", "omega4_extrema_count"])
     # Ten roundings of terms of a size of 4.
-    np.testing.assert_allclose(result.omega4_max, greatest, rtol=0, atol=40 * UNIT)
-    np.testing.assert_allclose(result.omega4_min, least, rtol=0, atol=40 * UNIT)
+    np.testing.assert_allclose(result.omega4_max, greatest, rtol=0, atol=40 * UNIT_ROUNDING)
+    np.testing.assert_allclose(result.omega4_min, least, rtol=0, atol=40 * UNIT_ROUNDING)
     assert (result.omega4_extrema_count == 0).all()
 
 
@@ -131,7 +133,7 @@ def test_max_and_min_are_the_outermost_extrema_or_infinite_at_a_toggle(family, q
         unbounded = np.any(grows * ~np.isnan(angles) == sign, axis=2)
         np.testing.assert_array_equal(value[unbounded], sign * np.inf)
         # Where it is: at one of the toggles where the ratio grows that way, as theta1_low and theta1_high have it.
-        near = circular(theta1[:, :, None] - angles) <= 8 * UNIT * TURN
+        near = circular(theta1[:, :, None] - angles) <= 8 * UNIT_ROUNDING * TURN
         assert np.all(np.any(near & (grows == sign), axis=2)[unbounded])
         bounded = ~unbounded
         best = np.nanargmax(sign * extremum[bounded], axis=1)[:, None]
@@ -150,15 +152,15 @@ def test_the_transmission_angle_has_its_extremes_at_0_pi_and_toggles(family):
     # Both are within a few roundings of the exact angle.
     for one, other in (("greatest", greatest), ("least", least)):
         np.testing.assert_allclose(
-            other, np.tile(facts[f"transmission_angle_{one}"], (2, 1)).T, rtol=16 * UNIT
+            other, np.tile(facts[f"transmission_angle_{one}"], (2, 1)).T, rtol=16 * UNIT_ROUNDING
         )
-    assert np.all(np.abs(np.minimum(at_least, TURN - at_least) - low) <= 8 * UNIT * TURN)
-    assert np.all(np.abs(np.minimum(at_greatest, TURN - at_greatest) - high) <= 8 * UNIT * TURN)
+    assert np.all(np.abs(np.minimum(at_least, TURN - at_least) - low) <= 8 * UNIT_ROUNDING * TURN)
+    assert np.all(np.abs(np.minimum(at_greatest, TURN - at_greatest) - high) <= 8 * UNIT_ROUNDING * TURN)
     # Stationary at 0 and at pi, where these are within reach.
     np.testing.assert_array_equal(
         np.sum(~np.isnan(extremum), axis=2), np.tile((low == 0) + 0 + (high == np.pi), 2)
     )
-    assert np.all(np.isnan(place) | (np.abs(np.sin(place)) <= 8 * UNIT * TURN))
+    assert np.all(np.isnan(place) | (np.abs(np.sin(place)) <= 8 * UNIT_ROUNDING * TURN))
 
 
 def test_the_swing_of_a_crank_rocker_lies_between_extrema_of_theta4():
@@ -189,7 +191,7 @@ def test_samples_never_exceed_the_refined_extremes_and_come_close(quantity):
     for sign, exact, seen in zip((1, -1), refined, sampled, strict=True):
         size = np.abs(exact) + 1.0
         gain = sign * (exact - seen)
-        assert np.all(gain >= -16 * UNIT * size)
+        assert np.all(gain >= -16 * UNIT_ROUNDING * size)
         # f'' h^2/8 at most, h the step of 2 pi/3600; f'' of these linkages is below 30 times 1 + |f|.
         assert np.all(gain <= 30 * (TURN / 3600) ** 2 / 8 * size)
     assert np.any(refined[0] != sampled[0])

@@ -5,12 +5,13 @@ from __future__ import annotations
 import mpmath as mp
 import numpy as np
 import pytest
-from tests.support.configurations import LENGTHS, LOADS, PLANAR, UNIT, all_loads, masses_and_points
+from tests.support.configurations import LENGTHS, LOADS, PLANAR, all_loads, masses_and_points
 from tests.support.extrema_families import FAMILIES, names_of
 from tests.support.extrema_rules import TURN
 
 import fastlink as fl
 from fastlink.catalogue.evaluate import read_facts
+from fastlink.numerics.compensated import UNIT_ROUNDING
 
 QUANTITIES = ("shaking_force", "shaking_moment", "T41", "F41", "F21", "F32", "F43")
 #: What the short run asks for of each kind of links: a kernel of all takes long to compile.
@@ -119,7 +120,7 @@ def test_every_local_extremum_of_dense_samples_is_found(family, masses, n):
             # A golden section stops within sqrt(rounding) of the place, where the value is right to rounding: that of
             # its terms, which are no more than 1e3 times larger than the extrema of these linkages.
             size = np.max(np.abs(value[i, k, : count[i, k]]))
-            assert abs(value[i, k, j] - seen) <= 1e3 * UNIT * size, about
+            assert abs(value[i, k, j] - seen) <= 1e3 * UNIT_ROUNDING * size, about
             matched[i, k, j] = True
         # What samples do not show are pairs closer than a step: true extrema all the same.
         for i, k, j in zip(*np.nonzero((kind != 0) & ~matched), strict=True):
@@ -174,7 +175,7 @@ def test_forces_grow_without_bound_at_a_toggle():
     place = result.theta1_at_shaking_force_max.values
     toggles = np.stack([result.theta1_low, result.theta1_high], axis=-1)[:, None, :]
     distance = np.abs(np.minimum(place, TURN - place)[:, :, None] - toggles)
-    assert np.all(distance.min(axis=-1) <= 8 * UNIT * TURN)
+    assert np.all(distance.min(axis=-1) <= 8 * UNIT_ROUNDING * TURN)
     assert np.all(np.isfinite(result.shaking_force_min))
 
 

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from tests.support.configurations import LENGTHS, UNIT
+from tests.support.configurations import LENGTHS
 from tests.support.extrema_families import FAMILIES
 from tests.support.extrema_oracle import RATES, counts, extrema
 
 import fastlink as fl
+from fastlink.numerics.compensated import UNIT_ROUNDING
 
 DERIVATIVES = {"omega4": "alpha4", "omega2": "alpha2", "alpha4": "jerk4", "alpha2": "jerk2"}
 #: Families whose extrema lie no closer to each other, and whose ranges are no narrower, than dense samples resolve.
@@ -39,10 +40,10 @@ def test_values_and_angles_satisfy_the_facts(quantity):
         for point in extrema(column, quantity):
             names = [quantity, DERIVATIVES[quantity]]
             found = fl.evaluate("planar_4r", names, theta1=point.theta1, branch=point.branch, **given)
-            assert abs(found[quantity] - point.value) <= 8 * UNIT * point.value_terms
+            assert abs(found[quantity] - point.value) <= 8 * UNIT_ROUNDING * point.value_terms
             # A derivative of zero is off by a few roundings of its terms, and by what the angle's rounding makes.
             second = abs(point.slope_terms / point.theta1_terms)
-            allowed = 8 * UNIT * (point.slope_terms + 2 * np.pi * second)
+            allowed = 8 * UNIT_ROUNDING * (point.slope_terms + 2 * np.pi * second)
             assert abs(found[DERIVATIVES[quantity]]) <= allowed
 
 

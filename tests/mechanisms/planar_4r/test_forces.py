@@ -5,19 +5,12 @@ from __future__ import annotations
 import mpmath as mp
 import numpy as np
 import pytest
-from tests.support.configurations import (
-    LENGTHS,
-    LOADS,
-    PLANAR,
-    UNIT,
-    all_loads,
-    masses_and_points,
-    random_lengths,
-)
+from tests.support.configurations import LENGTHS, LOADS, PLANAR, all_loads, masses_and_points, random_lengths
 from tests.support.newton import Bodies, configuration, cross, facts, kinetic_energy, newton_euler
 
 import fastlink as fl
 from fastlink.codegen.kernel import kernel_of
+from fastlink.numerics.compensated import UNIT_ROUNDING
 from fastlink.plan.pointwise import make_program
 from fastlink.plan.validate import variants_of
 
@@ -143,7 +136,7 @@ def test_a_load_of_nothing_changes_nothing_but_roundings_and_a_load_not_given_is
         size = sum(abs(without[name]) for name in REACTIONS) * sum(
             abs(inputs[n]) for n in (*LENGTHS, "G3_u", "G3_v")
         )
-        assert np.isnan(a) or abs(a - b) <= 10 * UNIT * size
+        assert np.isnan(a) or abs(a - b) <= 10 * UNIT_ROUNDING * size
 
 
 def test_dense_and_eliminated_agree_under_all_loads():
@@ -160,7 +153,7 @@ def test_dense_and_eliminated_agree_under_all_loads():
     largest = np.max([np.abs(eliminated[name]) for name in REACTIONS], axis=0)
     arm = 1 + sum(np.abs(inputs[name]) for name in (*LENGTHS, "M_x", "M_y"))
     # Both are bounded by cond(9x9), about 10/sin(mu), times roundings of the largest unknown.
-    allowed = 32 * UNIT * (10 / np.sin(mu)) * largest * arm
+    allowed = 32 * UNIT_ROUNDING * (10 / np.sin(mu)) * largest * arm
     for name in names:
         assert np.all(np.abs(eliminated[name] - dense[name])[closes] <= allowed[closes]), name
 

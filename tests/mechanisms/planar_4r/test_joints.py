@@ -7,9 +7,10 @@ from fractions import Fraction
 import mpmath as mp
 import numpy as np
 import pytest
-from tests.support.configurations import LENGTHS, UNIT, near_change_point, near_toggle, random_lengths
+from tests.support.configurations import LENGTHS, near_change_point, near_toggle, random_lengths
 
 import fastlink as fl
+from fastlink.numerics.compensated import UNIT_ROUNDING
 
 PAIRS = ("12", "13", "14", "23", "24", "34")
 ANGLES = [f"joint_angle_{i}" for i in (1, 2, 3, 4)]
@@ -64,10 +65,10 @@ def test_joint_angles_are_the_turns_of_the_polygon(kind, branch):
             for k in range(4):
                 joint = wrapped(directions[k + 1] - directions[k])
                 error = abs(wrapped(joint - mp.mpf(float(got[ANGLES[k]][i]))))
-                assert error <= 16 * UNIT * (spread if k else 1), (k, i)
+                assert error <= 16 * UNIT_ROUNDING * (spread if k else 1), (k, i)
                 exact = mp.tan(joint / 2)
                 # d tan(x/2) = (1 + tan^2)/2 dx, and a rounding or two of the quotient itself.
-                allowed = 16 * UNIT * ((spread if k else 0) * (1 + exact**2) / 2 + abs(exact))
+                allowed = 16 * UNIT_ROUNDING * ((spread if k else 0) * (1 + exact**2) / 2 + abs(exact))
                 assert abs(mp.mpf(float(got[TANGENTS[k]][i])) - exact) <= allowed, (k, i)
             tested += 1
     assert tested > 25
@@ -88,7 +89,7 @@ def test_the_two_conventions():
         ):
             # Both are right to the error of theta2 and theta4, here at most a few units at amplification 1e3.
             turn = np.abs(np.exp(1j * (got[name] - difference)) - 1)[closes]
-            assert turn.max() <= 1e4 * UNIT, name
+            assert turn.max() <= 1e4 * UNIT_ROUNDING, name
         w = inputs["omega1"]
         for name, difference, size in (
             ("joint_omega_2", got["omega2"] - w, np.abs(got["omega2"]) + np.abs(w)),
@@ -99,7 +100,7 @@ def test_the_two_conventions():
             ("joint_alpha_4", -got["alpha4"], np.abs(got["alpha4"])),
         ):
             # The rates have terms larger than their sum; relative to the largest of them, a few roundings.
-            slack = 1e4 * UNIT * (size + np.abs(w) * (1 + np.abs(w)))
+            slack = 1e4 * UNIT_ROUNDING * (size + np.abs(w) * (1 + np.abs(w)))
             assert np.all(np.abs(got[name] - difference)[closes] <= slack[closes]), name
 
 
@@ -114,7 +115,7 @@ def test_all_six_residuals_are_a_few_roundings(kind, branch):
     # of ratio below 10: no term is above 1, and each is off by at most some ten roundings times the amplification
     # of theta1 and the lengths, 1/sin(mu); near a toggle the common error of sigma drops out of the closure.
     for name in RESIDUALS:
-        assert np.max(np.abs(got[name][closes])) <= 64 * UNIT, name
+        assert np.max(np.abs(got[name][closes])) <= 64 * UNIT_ROUNDING, name
         assert np.all(np.isnan(got[name][~closes])), name
 
 
@@ -132,7 +133,7 @@ def test_residuals_notice_a_wrong_joint(pair):
         return np.abs(sum(terms)) / np.max(np.abs(terms), axis=0)
 
     # v's are right to amplification times rounding: 1e3 at worst here, times the ten operations of the sum.
-    assert np.max(value(x, y)) <= 1e5 * UNIT
+    assert np.max(value(x, y)) <= 1e5 * UNIT_ROUNDING
     assert np.median(value(x, 1.01 * y)) > 1e-4
 
 
@@ -157,7 +158,7 @@ def test_velocity_and_acceleration_equations_hold_for_all_pairs(pair, branch):
     velocity = [(2 * A * y**2 * x) * dx, 2 * B * x * dx, K * y * dx]
     velocity += [(2 * A * x**2 * y) * dy, 2 * C * y * dy, K * x * dy]
     # Each v, v' and v'' is right to roundings times 1/sin^k(mu) <= 20^3, relative to the largest term.
-    allowed = 256 * UNIT * 20**3
+    allowed = 256 * UNIT_ROUNDING * 20**3
     size = np.max(np.abs(velocity), axis=0)
     assert np.all((np.abs(sum(velocity)) <= allowed * size)[good])
     acceleration = [
@@ -204,7 +205,7 @@ def test_straight_joints_are_pi_and_infinite():
         assert abs(got["joint_angle_3"]) < 1e-7
         assert abs(got["v3"]) < 1e-7
     got = evaluate(RESIDUALS, folded, 1)
-    assert all(abs(value) <= 64 * UNIT for value in got.values())
+    assert all(abs(value) <= 64 * UNIT_ROUNDING for value in got.values())
 
 
 def exact_coefficients(a, b, c, d, pair):
@@ -276,7 +277,7 @@ def test_io_coefficients_broadcast_and_keep_their_digits_near_change_points():
             a, b, c_, d = (mp.mpf(value) for value in (a, b, c_, d))
             exact = (a + b - c_ - d) * (a - b - c_ - d)
             # Two factors right to a rounding each, and a product.
-            assert abs(mp.mpf(float(got[k, 1])) - exact) <= 4 * UNIT * abs(exact)
+            assert abs(mp.mpf(float(got[k, 1])) - exact) <= 4 * UNIT_ROUNDING * abs(exact)
 
 
 @pytest.mark.parametrize(

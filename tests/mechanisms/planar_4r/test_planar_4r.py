@@ -7,10 +7,11 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from tests.support.configurations import LENGTHS, PLANAR, UNIT, masses_and_points, random_lengths
+from tests.support.configurations import LENGTHS, PLANAR, masses_and_points, random_lengths
 
 import fastlink as fl
 from fastlink.catalogue.evaluate import read_facts
+from fastlink.numerics.compensated import UNIT_ROUNDING
 
 TABLE_1 = {"a1": 0.4, "a2": 1.2, "a3": 0.8, "a4": 1.0, "omega1": 25.0}
 EXACT_TABLE_1 = {"a1": "0.4", "a2": "1.2", "a3": "0.8", "a4": "1", "omega1": "25"}
@@ -133,9 +134,9 @@ def test_the_six_io_equations_hold(branch):
             one * c[i] ** 2 * c[j] ** 2,
         ]
         scale = (a1 + a2 + a3 + a4) ** 2
-        assert np.all(np.abs(sum(terms))[good] <= (64 * UNIT * scale / sine)[good])
+        assert np.all(np.abs(sum(terms))[good] <= (64 * UNIT_ROUNDING * scale / sine)[good])
     # The residual of our own closure does not suffer from the toggle: lengths and loop close as they stand.
-    assert np.all(got["loop_residual"][closes] <= 16 * UNIT)
+    assert np.all(got["loop_residual"][closes] <= 16 * UNIT_ROUNDING)
 
 
 @pytest.mark.parametrize("branch", [1, 2])
@@ -174,7 +175,7 @@ def test_position_and_rates_against_a_newton_solve_of_the_closure(branch):
             # Sizes of the right-hand sides over the smallest pivot: what a rounding of the data can do.
             spread = (a1 + a2 + a3 + a4) / min(a2, a3) / sine
             rate = abs(w) * spread
-            allowed = 32 * UNIT * spread
+            allowed = 32 * UNIT_ROUNDING * spread
             assert abs(x - float(got["theta2"][i])) <= allowed
             assert abs(y - float(got["theta4"][i])) <= allowed
             assert abs(o2 - float(got["omega2"][i])) <= allowed * rate
@@ -212,7 +213,7 @@ def test_shaking_force_and_moment_are_what_the_ground_feels(branch, solver):
     assert closes.sum() > 500
     # The solve is backward stable: relative to the largest force, cond(9x9) roundings, cond about 10/sin(mu).
     mu = evaluate(["transmission_angle"], inputs, theta, branch)["transmission_angle"]
-    allowed = 16 * UNIT * (10 / np.sin(mu)) * force_scale(got)
+    allowed = 16 * UNIT_ROUNDING * (10 / np.sin(mu)) * force_scale(got)
     for c in "xy":
         difference = got[f"shaking_force_{c}"] + got[f"F41_{c}"] + got[f"F43_{c}"]
         assert np.all(np.abs(difference)[closes] <= allowed[closes])
@@ -231,7 +232,7 @@ def test_dense_and_eliminated_reactions_agree(branch):
     mu = evaluate(["transmission_angle"], inputs, theta, branch)["transmission_angle"]
     arm = 1 + sum(inputs[name] for name in LENGTHS)
     # Errors of both are bounded by cond(9x9), about 10/sin(mu), times the rounding of the largest unknown.
-    allowed = 16 * UNIT * (10 / np.sin(mu)) * force_scale(eliminated) * arm
+    allowed = 16 * UNIT_ROUNDING * (10 / np.sin(mu)) * force_scale(eliminated) * arm
     for name in names:
         assert np.all(np.abs(eliminated[name] - dense[name])[closes] <= allowed[closes]), name
 

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from tests.support.configurations import LENGTHS, PLANAR, UNIT, near_toggle
+from tests.support.configurations import LENGTHS, PLANAR, near_toggle
 
 import fastlink as fl
+from fastlink.numerics.compensated import UNIT_ROUNDING
 from fastlink.precision.reference import CONTEXT, HighPrecision
 
 NAMES = ["transmission_angle", "omega2", "omega4", "alpha2", "alpha4"]
@@ -25,7 +26,10 @@ def test_near_a_toggle_nothing_is_lost_though_the_condition_number_explodes(offs
         exact = facts.at({name: values[i] for name, values in inputs.items()} | {"branch": 2})
         if not CONTEXT.isnan(exact["omega4"]):
             errors.append(
-                [float(abs(found[name][i] - exact[name]) / abs(exact[name])) / UNIT for name in NAMES]
+                [
+                    float(abs(found[name][i] - exact[name]) / abs(exact[name])) / UNIT_ROUNDING
+                    for name in NAMES
+                ]
             )
     assert len(errors) > n // 2
     # Twelve operations on factors that are right to a rounding each; the naive form is off by 0.1/offset units.

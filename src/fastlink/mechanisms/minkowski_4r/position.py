@@ -18,8 +18,8 @@ from fastlink.numerics.elementary import (
     NOT_A_NUMBER,
     binary_exponent,
     cosh,
-    doubled,
     exp,
+    ldexp,
     select,
     sinh,
     sqrt,
@@ -47,13 +47,13 @@ def twos(theta: Any) -> Any:
 @minkowski_4r.table(symbol="r", source=SCALING)
 def r(theta: Any) -> Any:
     """Power of two near e^-abs(theta); it may underflow, where nothing of its size counts."""
-    return doubled(1.0, -binary_exponent(abs(theta)))
+    return ldexp(1.0, -binary_exponent(abs(theta)))
 
 
 @minkowski_4r.table(symbol="p r", source=POSITION, low="p_r_low")
 def p_r(theta: Any) -> Any:
     """e^abs(theta) times r."""
-    return doubled(exp(abs(theta)), -binary_exponent(abs(theta)))
+    return ldexp(exp(abs(theta)), -binary_exponent(abs(theta)))
 
 
 @minkowski_4r.table(symbol="1/p", source=POSITION, low="per_p_low")
@@ -65,13 +65,13 @@ def per_p(theta: Any) -> Any:
 @minkowski_4r.table(symbol="S r", source=POSITION, low="S_r_low")
 def S_r(theta: Any) -> Any:
     """sinh^2(theta/2) times r."""
-    return doubled(sinh(theta / 2) * sinh(theta / 2), -binary_exponent(abs(theta)))
+    return ldexp(sinh(theta / 2) * sinh(theta / 2), -binary_exponent(abs(theta)))
 
 
 @minkowski_4r.table(symbol="r sinh", source=POSITION)
 def sinh_r(theta: Any) -> Any:
     """Sinh of abs(theta), times r."""
-    return doubled(sinh(abs(theta)), -binary_exponent(abs(theta)))
+    return ldexp(sinh(abs(theta)), -binary_exponent(abs(theta)))
 
 
 @minkowski_4r.table(symbol="cosh theta", source=POSITION)
