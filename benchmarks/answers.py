@@ -123,7 +123,7 @@ def first(label, is_known):
     before = peak()
     parts, whole = [], label == COMMAND or not is_known
     found["cpu"], found["wall"] = shortest(
-        lambda: parts.extend(resolved(label).parts() if whole else [sweep(label)]), 1
+        lambda: parts.extend(resolved(label).job().tasks if whole else [sweep(label)]), 1
     )
     found["kernels"] = len(parts)
     after = peak()

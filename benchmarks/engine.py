@@ -9,7 +9,8 @@ import numpy as np
 from benchmarks.inputs import CASES, INPUTS, aligned_copy, designs
 from fastlink.codegen.kernel import kernel_of
 from fastlink.codegen.runtime.cells import LANES
-from fastlink.engine.executor import BLOCK_DESIGNS, Job, Part, aligned, run
+from fastlink.engine.binding import KernelTask, aligned
+from fastlink.engine.executor import BLOCK_DESIGNS, Job, run
 from fastlink.mechanisms import catalogue
 from fastlink.plan.pointwise import make_program
 from fastlink.plan.program import ExtremaProgram, Program
@@ -93,15 +94,15 @@ def job_of(plan, size, K, pool=BLOCK_DESIGNS):
         x[:, : stop - start] = rows[:, first : first + stop - start]
 
     outputs = [(shape, output.dtype) for shape, output in zip(shapes(plan, K), plan.outputs, strict=True)]
-    part = Part(
-        kernel_of(plan).compiled(),
-        kernel_of(plan).source.scratch,
-        len(plan.inputs),
+    kernel = kernel_of(plan)
+    task = KernelTask(
+        kernel,
+        kernel.compiled(),
         plan.angle_tables(angles(K)),
         tuple(range(len(outputs))),
         fill,
     )
-    return Job([part], outputs, size)
+    return Job([task], outputs, size)
 
 
 def threads(case, seconds=1.2, repeats=3, K=360):

@@ -9,7 +9,7 @@ import numpy as np
 
 from benchmarks.numpy_baseline import PIECE
 from fastlink.catalogue.evaluate import take_step
-from fastlink.engine.executor import aligned
+from fastlink.engine.binding import aligned
 
 
 def last_uses(steps, kept):

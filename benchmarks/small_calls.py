@@ -13,9 +13,9 @@ from typing import Any
 
 import fastlink as fl
 from fastlink.engine import labels
-from fastlink.engine.executor import Job, run
+from fastlink.engine.executor import run
 from fastlink.engine.resolve import resolve
-from fastlink.engine.sweep import _Sweep
+from fastlink.engine.sweep import _Evaluation
 
 FIXED = {"a1": 0.4, "a3": 0.8, "a4": 1.0, "omega1": 25.0}
 NAMES = ["omega4_max", "transmission_angle_min", "shaking_force_max"]
@@ -40,33 +40,27 @@ def space(k: int) -> fl.DesignSpace:
 def sweep_in_parts() -> dict[str, float]:
     """Return what the parts of a sweep of one design take."""
     one = space(0)
-    asked = resolve("planar_4r", one, NAMES, links=BAR)
-    sweeping = _Sweep(asked, 1, None, verify=0)
-    sweeping.load()
-    arrays = sweeping.in_memory(lambda *_: None, {}, dict)
-    job: Job = sweeping.job
+    resolved = resolve("planar_4r", one, NAMES, links=BAR)
+    evaluation = _Evaluation(resolved, 1, None, verify=0)
+    evaluation.load(time.perf_counter())
+    maps, job = evaluation.in_memory(lambda *_: None, {}), evaluation.job
     targets = [
-        arrays[v.name].values.reshape(1, *shape)
-        for v, (shape, _) in zip(sweeping.variables, job.outputs, strict=True)
+        maps[v.name].values.reshape(1, *shape)
+        for v, (shape, _) in zip(evaluation.variables, job.shapes, strict=True)
     ]
     function = fl.function(
         "planar_4r", ["a2"], [*NAMES, "status"], links=BAR, branch=(1, 2), **{k: v for k, v in FIXED.items()}
     )
     function([1.2])
-    bound = function._own.bound
-    about = labels.about("planar_4r", asked.plan, "eliminated", 360, 1, "llvm")
-    named = {v.name: t for v, t in zip(sweeping.variables, targets, strict=True)}
+    kernels = function._of_thread.kernels
+    about = labels.global_attrs(resolved, 1)
     return {
         "the design: `fl.grid`": shortest(space),
         "checks, and the plan that is kept": shortest(lambda k: resolve("planar_4r", one, NAMES, links=BAR)),
-        "labels of the results": shortest(lambda k: _Sweep(asked, 1, None, verify=0)),
+        "labels of the results": shortest(lambda k: _Evaluation(resolved, 1, None, verify=0)),
         "buffers, and the kernels in them": shortest(lambda k: run(job, targets=targets)),
-        "of these, the kernels themselves": shortest(lambda k: [part.run(1) for part in bound]),
-        "the Dataset": shortest(
-            lambda k: labels.assembled(
-                asked.plan, asked.space, asked.positions, sweeping.variables, named, about
-            )
-        ),
+        "of these, the kernels themselves": shortest(lambda k: [kernel.run(1) for kernel in kernels]),
+        "the Dataset": shortest(lambda k: labels.labelled(resolved, evaluation.variables, targets, about)),
         "all of `fl.sweep`, with its design": shortest(
             lambda k: fl.sweep("planar_4r", space(k), NAMES, links=BAR)
         ),
@@ -77,7 +71,7 @@ def other_calls() -> dict[str, float]:
     """Return what other small calls take."""
     function = fl.function("planar_4r", ["a2"], NAMES, links=BAR, **FIXED)
     function([1.2])
-    bound = function._own.bound
+    kernels = function._of_thread.kernels
     given = {"a2": 1.2, **FIXED}
     with tempfile.TemporaryDirectory() as folder:
 
@@ -88,7 +82,7 @@ def other_calls() -> dict[str, float]:
         to_files = shortest(to_file, 20)
     return {
         "`fl.function` of one design": shortest(lambda k: function([1.2 + 1e-4 * k])),
-        "of this, the kernels": shortest(lambda k: [part.run(1) for part in bound]),
+        "of this, the kernels": shortest(lambda k: [kernel.run(1) for kernel in kernels]),
         "`fl.evaluate` of omega4, at the same angle": shortest(
             lambda k: fl.evaluate("planar_4r", ["omega4"], theta1=0.3, **given)
         ),

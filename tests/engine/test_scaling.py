@@ -118,7 +118,7 @@ def test_degrees(name, chosen, expected):
 def test_every_cut_delivers_each_design_once(inner):
     length, slabs = 3, 5
     space = fl.grid(a1=np.arange(1.0, slabs + 1), a2=np.arange(1.0, inner + 1))
-    spread = ScalingAxis("omega1", space, inner, (None,), length)
+    axis = ScalingAxis("omega1", space, inner, (None,), length)
     numbers = np.arange(float(slabs * inner))
     whole = np.repeat(numbers.reshape(slabs, 1, inner), length, axis=1).ravel()
     for block in range(1, slabs * inner + 1):
@@ -128,8 +128,8 @@ def test_every_cut_delivers_each_design_once(inner):
             assert np.isnan(found[start:stop]).all()
             found[start:stop] = arrays[0]
 
-        deliver = spread.over(take)
+        sink = axis.over(take)
         for start in range(0, numbers.size, block):
             stop = min(start + block, numbers.size)
-            deliver(start, stop, [numbers[start:stop]])
+            sink(start, stop, [numbers[start:stop]])
         assert_array_equal(found, whole)

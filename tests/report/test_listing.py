@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 import fastlink as fl
-from fastlink.engine.labels import variable
+from fastlink.engine.labels import variables
 from fastlink.engine.resolve import resolve
 from fastlink.mechanisms import NAMES
 from fastlink.mechanisms import catalogue as find_catalogue
@@ -46,8 +46,8 @@ def results():
         asked = resolve(
             mechanism, fl.grid(**inputs), [row.name for row in fl.quantities(mechanism)], **options
         )
-        labels = (asked.plan, asked.space, asked.positions.size)
-        found[mechanism] = {output.name: variable(output, *labels) for output in asked.plan.outputs}
+        labelled = variables(asked.plan, asked.space, asked.positions.size)
+        found[mechanism] = {variable.name: variable for variable in labelled}
     return found
 
 

@@ -13,7 +13,7 @@ import numpy as np
 
 from fastlink.catalogue.declare import ELIMINATED
 from fastlink.diagnostics import baselines as outside
-from fastlink.engine.executor import Job, run
+from fastlink.engine.executor import run
 from fastlink.engine.resolve import ResolvedSweep, resolve
 
 if TYPE_CHECKING:
@@ -88,10 +88,8 @@ class Method:
 
     def _kernels(self, subject: Subject) -> Bound:
         asked = subject.asked(**self.options)
-        lengths = {"branch": len(asked.branches), asked.catalogue.position.name: asked.positions.size}
-        shapes = [(tuple(lengths[axis] for axis in o.axes), o.dtype) for o in asked.plan.outputs]
-        job = Job(asked.parts(relaxed=self.relaxed), shapes, asked.space.size)
-        arrays = [np.empty((asked.space.size, *shape), dtype) for shape, dtype in shapes]
+        job = asked.job(relaxed=self.relaxed)
+        arrays = [np.empty((asked.space.size, *shape), dtype) for shape, dtype in job.shapes]
         return Bound(arrays[0], asked.space.size, partial(run, job, targets=arrays))
 
 

@@ -1,115 +1,122 @@
-"""A kernel with one thread's buffers and the table of their addresses, which is filled once."""
+"""Kernels with the buffers of one thread: designs, angles and scratch, bound to the arrays of results."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+import math
+import threading
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from fastlink.codegen.kernel import MachineCode
-from fastlink.engine.executor import Part, aligned
+from fastlink.codegen.kernel import Kernel, MachineCode
+from fastlink.codegen.runtime.cells import LANES
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-__all__ = ["BLOCK", "COUNT", "Bound", "bind"]
+__all__ = ["COUNT", "VECTOR", "BoundKernel", "KernelTask", "aligned"]
 
-#: Most designs in one call.
-BLOCK = 1024
-#: Where the number of designs stands in the table of addresses: after two arrays with a length each.
+CACHE_LINE = 64
+#: Designs in the longest vector of a processor: a kernel reads no design beyond the last such group.
+VECTOR = 8
+#: Index of the number of designs in the table of addresses: after two arrays with a length each.
 COUNT = 4
+#: A thread keeps the scratch of so many kernels, each of so many bytes at most: refined extremes need 1 to 3 MB.
+KEPT, KEPT_BYTES = 8, 4 << 20
+
+Fill = Callable[[int, int, "NDArray[Any]"], None]
 
 
-@dataclass(frozen=True, eq=False)
-class Bound:
-    """A kernel with the arrays that it is called with.
+@dataclass(frozen=True)
+class KernelTask:
+    """One kernel of a request, compiled, with the data that it runs on.
 
     Attributes
     ----------
-    kernel : callable
-        The kernel.
-    table : array of int64, or None
-        The addresses and lengths of the arguments, where the kernel takes them so.
-    arguments : tuple
-        Designs, angles, two numbers, scratch.
-    rows : list of (array, int)
-        A row of the designs, and which input of the function it holds.
-    results : list of (int, array)
-        Which output of the function it gives, and where.
-    run : callable
-        ``run(count)`` evaluates the first designs.
+    kernel : Kernel
+        Its program and text.
+    code : callable
+        Its machine code.
+    angles : array (tables, positions)
+        Its angle array.
+    results : tuple of int
+        Which results of the job it gives, in the order of its arguments.
+    fill : callable
+        ``fill(start, stop, x)`` writes the inputs of designs start to stop into ``x[:, :stop - start]``.
     """
 
-    kernel: Callable[..., None]
-    table: NDArray[np.int64] | None
-    arguments: tuple[Any, ...]
-    rows: list[tuple[NDArray[Any], int]]
-    results: list[tuple[int, NDArray[Any]]]
-    run: Callable[[int], None]
+    kernel: Kernel
+    code: Callable[..., None]
+    angles: NDArray[Any]
+    results: tuple[int, ...]
+    fill: Fill
 
 
-def bind(
-    part: Part,
-    names: Sequence[str],
-    places: Mapping[str, int],
-    constants: Mapping[str, float],
-    outputs: Sequence[tuple[tuple[int, ...], str]],
-    block: int,
-) -> Bound:
-    """Return a kernel with buffers of its own.
+class _KeptScratch(threading.local):
+    """Scratch of this thread's last kernels: its pages take as long to come as one design to be evaluated."""
 
-    Parameters
+    def __init__(self) -> None:
+        self.arrays: dict[tuple[tuple[tuple[int, ...], str], ...], list[NDArray[Any]]] = {}
+
+
+_scratch = _KeptScratch()
+
+
+class BoundKernel:
+    """A kernel with the buffers of one thread.
+
+    Attributes
     ----------
-    part : Part
-        The kernel and what it runs on.
-    names : sequence of str
-        The inputs that it reads, in the order of the rows of its designs.
-    places : mapping of str to int
-        The inputs of the function and their order.
-    constants : mapping of str to float
-        The values of all others.
-    outputs : sequence of (shape, dtype)
-        What each design has of each output of the function.
-    block : int
-        Most designs in one call.
+    designs : array (inputs, designs padded to whole vectors)
+        The inputs, to be filled before a run; lanes beyond the last design repeat it.
     """
-    designs = aligned((len(names), -(-block // 64) * 64))
-    angles = aligned(part.angles.shape)
-    angles[...] = part.angles
-    for name, row in zip(names, designs, strict=True):
-        row[...] = constants.get(name, np.nan)
-    n_angles = angles.shape[1]
-    scratch = [aligned(array.lengths(n_angles), array.dtype) for array in part.scratch]
-    results = [aligned((block, *outputs[k][0]), outputs[k][1]) for k in part.results]
-    rows = [(row, places[name]) for name, row in zip(names, designs, strict=True) if name in places]
-    arguments = designs, angles, block, n_angles, *scratch
-    kernel, table = part.kernel, None
-    if isinstance(kernel, MachineCode):
-        table = kernel.table(*arguments, *results)
-        run = _by_table(kernel, table)
-    else:
-        run = _by_arguments(kernel, arguments, results)
-    return Bound(kernel, table, arguments, rows, list(zip(part.results, results, strict=True)), run)
+
+    def __init__(self, task: KernelTask, block: int) -> None:
+        self.task, self.block = task, block
+        self.designs = aligned((len(task.kernel.program.inputs), -(-block // LANES) * LANES))
+        self.angles = aligned(task.angles.shape)
+        self.angles[...] = task.angles
+        n_angles = task.angles.shape[1]
+        self.layout = tuple((a.lengths(n_angles), a.dtype) for a in task.kernel.source.scratch)
+        self.scratch = _scratch.arrays.pop(self.layout, []) or [aligned(*array) for array in self.layout]
+
+    def arguments(self, results: Sequence[NDArray[Any]]) -> list[Any]:
+        """Return the arguments of the kernel for a whole block."""
+        return [self.designs, self.angles, self.block, self.angles.shape[1], *self.scratch, *results]
+
+    def bind(self, results: Sequence[NDArray[Any]]) -> Callable[[int], None]:
+        """Return ``run(count)``, which evaluates the first designs into arrays.
+
+        The table of their addresses is filled once.
+        """
+        code, arguments = self.task.code, self.arguments(results)
+        if not isinstance(code, MachineCode):
+            rest = arguments[3 : len(arguments) - len(results)]
+            return lambda count: code(
+                self.designs, self.angles, count, *rest, *(result[:count] for result in results)
+            )
+        table = code.table(*arguments)
+        call, address = code.call, table.ctypes.data
+
+        def run(count: int) -> None:
+            table[COUNT] = count
+            call(address)
+
+        return run
+
+    def release(self) -> None:
+        """Keep the scratch for the next kernel of this thread that needs the same."""
+        if sum(array.nbytes for array in self.scratch) <= KEPT_BYTES:
+            _scratch.arrays[self.layout] = self.scratch
+            while len(_scratch.arrays) > KEPT:
+                del _scratch.arrays[next(iter(_scratch.arrays))]
 
 
-def _by_table(kernel: MachineCode, table: NDArray[np.int64]) -> Callable[[int], None]:
-    call, address = kernel.call, table.ctypes.data
-
-    def run(count: int) -> None:
-        table[COUNT] = count
-        call(address)
-
-    return run
-
-
-def _by_arguments(
-    kernel: Callable[..., None], arguments: tuple[Any, ...], results: Sequence[NDArray[Any]]
-) -> Callable[[int], None]:
-    designs, angles, _, n_angles, *scratch = arguments
-
-    def run(count: int) -> None:
-        kernel(designs, angles, count, n_angles, *scratch, *(result[:count] for result in results))
-
-    return run
+def aligned(shape: tuple[int, ...], dtype: str = "float64") -> NDArray[Any]:
+    """Return an uninitialised array that begins on a cache line: stores across two lines take longer."""
+    size = math.prod(shape) * np.dtype(dtype).itemsize
+    raw = np.empty(size + CACHE_LINE, dtype=np.uint8)
+    start = -raw.ctypes.data % CACHE_LINE
+    return raw[start : start + size].view(dtype).reshape(shape)

@@ -1,4 +1,4 @@
-"""A request checked part by part, so that all that is wrong with it is told at once."""
+"""Check a request part by part, so that all its problems are reported together."""
 
 from __future__ import annotations
 
@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
+from fastlink.catalogue.declare import ELIMINATED
 from fastlink.codegen.kernel import backend_of
 from fastlink.errors import InputError, Problems
 from fastlink.mechanisms import catalogue as find_catalogue
@@ -31,33 +32,39 @@ if TYPE_CHECKING:
     from fastlink.space.design_space import DesignSpace
     from fastlink.space.links import Links
 
-__all__ = ["Checked", "check", "check_names"]
+__all__ = ["CheckedRequest", "check", "check_names"]
 
 
 @dataclass(frozen=True, eq=False)
-class Checked:
-    """A request whose parts were each found right.
+class CheckedRequest:
+    """A request whose parts are each without problems.
 
     Attributes
     ----------
     catalogue : Catalogue
-        The mechanism by the input that drives it.
+        The mechanism, as driven by the input.
     names : tuple of str
         The quantities.
+    links : Links or None
+        The model of the links.
+    solver : str
+        How reactions are computed.
     variants : tuple of str
-        The chosen sets of facts.
+        The selected sets of facts.
     branches : tuple of int
         Assembly modes.
     positions : array
         Input positions.
     extrema : {"refined", "sampled"}
-        How extremes are found.
+        How extremes are computed.
     backend : str
         What compiles the kernels.
     """
 
     catalogue: Catalogue
     names: tuple[str, ...]
+    links: Links | None
+    solver: str
     variants: tuple[str, ...]
     branches: tuple[int, ...]
     positions: NDArray[Any]
@@ -76,25 +83,29 @@ def check(
     positions: Mapping[str, Any] | None = None,
     options: Iterable[str] = (),
     branch: int | Sequence[int] = (1, 2),
-    solver: str = "eliminated",
+    solver: str = ELIMINATED,
     extrema: str | None = None,
     allow_invalid: bool = False,
     backend: str | None = None,
     companions: bool = True,
-    called: str = "quantities",
-) -> Checked:
-    """Check each part of a request; all that is wrong is raised together.
+    parameter: str = "quantities",
+) -> CheckedRequest:
+    """Check each part of a request; all problems are raised together.
 
     Parameters
     ----------
     space : DesignSpace or None
         The designs; None leaves them unchecked.
-    called : str
+    positions : mapping of str to angles, optional
+        Input positions that were given by the name of the input.
+    options : iterable of str
+        What else may be given by name, for a hint where a name is unknown.
+    companions : bool
+        Whether to add the status of each design.
+    parameter : str
         The parameter that holds the quantities.
-    mechanism, quantities, links, input, angles, positions, options, branch, solver, extrema
-        As in `resolve`.
-    allow_invalid, backend, companions
-        As in `resolve`.
+    mechanism, quantities, links, input, angles, branch, solver, extrema, allow_invalid, backend
+        As in `fastlink.sweep`.
 
     Raises
     ------
@@ -104,9 +115,9 @@ def check(
     catalogue, problems = find_catalogue(mechanism, input), Problems()
     names: tuple[str, ...] = ()
     with problems.at():
-        names = check_names(called, quantities)
+        names = check_names(parameter, quantities)
         for k, name in enumerate(names):
-            with problems.at(called, k):
+            with problems.at(parameter, k):
                 parse_request(name, catalogue)
         names = names if "status" in names or not companions else (*names, "status")
     with problems.at():
@@ -124,19 +135,19 @@ def check(
         values = check_positions(catalogue, given, key)
         if not problems.noted:
             check_turn(catalogue, names, given)
-        way = check_extrema(extrema, catalogue, given)
+        method = check_extrema(extrema, catalogue, given)
     with problems.at():
         compiler = backend_of(backend)
     problems.stop()
-    return Checked(catalogue, names, variants, branches, values, way, compiler)
+    return CheckedRequest(catalogue, names, links, solver, variants, branches, values, method, compiler)
 
 
-def check_names(called: str, given: Sequence[str]) -> tuple[str, ...]:
-    """Return the names of a list, each of which is there once.
+def check_names(parameter: str, given: Sequence[str]) -> tuple[str, ...]:
+    """Return the names of a list, each of which must stand in it once.
 
     Parameters
     ----------
-    called : str
+    parameter : str
         The parameter that holds them.
     given : sequence of str
         The names.
@@ -144,16 +155,16 @@ def check_names(called: str, given: Sequence[str]) -> tuple[str, ...]:
     Raises
     ------
     InputError
-        It is one text, or empty, or a name stands twice.
+        It is one text, or empty, or a name stands in it twice.
     """
     if isinstance(given, str):
-        raise InputError(f"is one text, {given!r}", where=(called,), remedy=f"write a list: [{given!r}]")
+        raise InputError(f"is one text, {given!r}", where=(parameter,), remedy=f"write a list: [{given!r}]")
     names = tuple(given)
     if not names:
-        raise InputError("is empty", where=(called,), remedy="write at least one name")
+        raise InputError("is empty", where=(parameter,), remedy="write at least one name")
     problems = Problems()
     for k, name in enumerate(names):
         if name in names[:k]:
-            problems.add(f"{name!r} is named twice", (called, k), "name it once")
+            problems.add(f"{name!r} is named twice", (parameter, k), "name it once")
     problems.stop()
     return names

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from fastlink.catalogue.catalogue import Catalogue, Fact, System
+from fastlink.catalogue.declare import ELIMINATED
 from fastlink.catalogue.evaluate import take_step
 from fastlink.catalogue.tables import angle_tables
 from fastlink.errors import InputError
@@ -27,7 +28,7 @@ def evaluate(
     branch: Any = 1,
     links: Links | None = None,
     input: str | None = None,
-    solver: str = "eliminated",
+    solver: str = ELIMINATED,
     **inputs: Any,
 ) -> dict[str, Any]:
     """Evaluate quantities at given configurations, without compiling anything.
@@ -40,7 +41,7 @@ def evaluate(
     mechanism : str
         Name of the mechanism.
     quantities : iterable of str
-        Names of quantities (not what is taken over a cycle).
+        Names of quantities (not of their extremes or means over the cycle).
     branch : int or array_like
         Assembly mode.
     links : Links, optional
@@ -93,7 +94,7 @@ def evaluate(
 
 @dataclass(frozen=True)
 class _Recipe:
-    """What is computed for some names of given inputs, found once: that takes longer than to compute it.
+    """The steps to some quantities from given inputs, cached: to derive them takes longer than to compute them.
 
     Attributes
     ----------
@@ -102,7 +103,7 @@ class _Recipe:
     tables : tuple of str
         The functions of the input position that are read.
     steps : tuple of Fact or System
-        The closure, in order.
+        Everything that is computed, in order.
     """
 
     defaults: dict[str, float]
@@ -147,7 +148,7 @@ def _to_arrays(values: Mapping[str, Any]) -> tuple[Any, dict[str, Any]]:
     import xarray as xr
 
     wrapped = {name: value if name in labelled else xr.DataArray(value) for name, value in values.items()}
-    spread = dict(zip(wrapped, xr.broadcast(*wrapped.values()), strict=True))
-    template = next(iter(spread.values())).astype(float)
+    arrays = dict(zip(wrapped, xr.broadcast(*wrapped.values()), strict=True))
+    template = next(iter(arrays.values())).astype(float)
     template.attrs = {}
-    return template, {name: np.asarray(value.data, dtype=float) for name, value in spread.items()}
+    return template, {name: np.asarray(value.data, dtype=float) for name, value in arrays.items()}

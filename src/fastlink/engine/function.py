@@ -1,17 +1,19 @@
-"""A compiled kernel as a plain function of arrays, for optimisers and other libraries."""
+"""Compiled quantities as a plain function of arrays, for optimisers and other libraries."""
 
 from __future__ import annotations
 
 import math
 import threading
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
 from functools import cached_property, partial
 from inspect import signature
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from fastlink.engine.binding import BLOCK, Bound, bind
+from fastlink.catalogue.declare import ELIMINATED
+from fastlink.engine.binding import VECTOR, BoundKernel, aligned
 from fastlink.engine.checks import check_names
 from fastlink.engine.resolve import ResolvedSweep, resolve
 from fastlink.errors import InputError
@@ -28,8 +30,8 @@ if TYPE_CHECKING:
 
 __all__ = ["Function", "function"]
 
-#: Bytes of results that are computed at once: they fit the cache of one core.
-BLOCK_BYTES = 1 << 20
+#: Most designs in one call of a kernel, and bytes of their results: they fit the cache of one core.
+BLOCK, BLOCK_BYTES = 1024, 1 << 20
 
 
 def function(
@@ -41,7 +43,7 @@ def function(
     input: str | None = None,
     angles: int | ArrayLike | None = None,
     branch: int | Sequence[int] = 1,
-    solver: str = "eliminated",
+    solver: str = ELIMINATED,
     extrema: str | None = None,
     backend: str | None = None,
     **fixed: Any,
@@ -55,8 +57,8 @@ def function(
     inputs : sequence of str
         The inputs that vary: the rows of the function's argument.
     outputs : sequence of str
-        Quantities, or what is taken of them over the cycle, as in `fastlink.sweep`: the rows of its result. Ask for
-        ``"status"`` to have it.
+        Quantities, or their extremes and means over the cycle, as in `fastlink.sweep`: the rows of the function's
+        result. ``"status"`` is among them only if it is named.
     branch : int or sequence of int, default 1
         An assembly mode; or several, which are a further axis of the result.
     links, input, angles, solver, extrema, backend
@@ -106,22 +108,44 @@ def function(
     varying = DesignSpace(
         "table", (DESIGN,), (1,), constants, columns={name: np.full(1, np.nan) for name in names}
     )
-    asked = resolve(
+    resolved = resolve(
         mechanism,
         varying,
         outputs,
         positions=positions,
         allow_invalid=True,  # the fixed values are checked below, the others at each call
         companions=False,
-        called="outputs",
+        parameter="outputs",
         **options,
     )
-    variants = variants_of(asked.catalogue, links, solver, varying.names)
-    check_inputs(asked.catalogue, DesignSpace("grid", (), (), constants), variants, False)
-    _refuse_choices(asked, varying)
-    again: Any = function
-    recipe = partial(again, mechanism, names, list(outputs), **options, **fixed)
-    return Function(asked, names, isinstance(branch, (int, np.integer)), recipe)
+    variants = variants_of(resolved.catalogue, links, solver, varying.names)
+    check_inputs(resolved.catalogue, DesignSpace("grid", (), (), constants), variants, False)
+    _refuse_choices(resolved, varying)
+    function_again: Any = function
+    recipe = partial(function_again, mechanism, names, list(outputs), **options, **fixed)
+    return Function(resolved, names, isinstance(branch, (int, np.integer)), recipe)
+
+
+@dataclass(frozen=True, eq=False)
+class FunctionKernel:
+    """A kernel with arrays of its own for its results.
+
+    Attributes
+    ----------
+    bound : BoundKernel
+        The kernel and its buffers.
+    rows : list of (array, int)
+        The rows of its designs that are inputs of the function, and which; the others hold constants.
+    results : list of (int, array)
+        Which output of the function each of its results is, and where it is written.
+    run : callable
+        ``run(count)`` evaluates the first designs.
+    """
+
+    bound: BoundKernel
+    rows: list[tuple[NDArray[Any], int]]
+    results: list[tuple[int, NDArray[Any]]]
+    run: Callable[[int], None]
 
 
 class Function:
@@ -136,32 +160,25 @@ class Function:
     """
 
     def __init__(
-        self, asked: ResolvedSweep, inputs: Sequence[str], one_branch: bool, recipe: Callable[[], Function]
+        self, resolved: ResolvedSweep, inputs: Sequence[str], one_branch: bool, recipe: Callable[[], Function]
     ) -> None:
+        plan, lengths = resolved.plan, resolved.lengths
         self.inputs = tuple(inputs)
-        self.outputs = tuple(output.name for output in asked.plan.outputs)
-        self._asked, self._recipe = asked, recipe
-        axes = _axes(asked.plan.outputs)
-        lengths = {"branch": len(asked.branches), asked.catalogue.position.name: asked.positions.size}
-        lengths["extremum"] = asked.plan.extrema_kept
-        self.shape = tuple(lengths[axis] for axis in axes if not (one_branch and axis == "branch"))
-        #: What each design has of each output: its own lengths, and 1 along axes that it lacks.
+        self.outputs = tuple(output.name for output in plan.outputs)
+        self._resolved, self._recipe = resolved, recipe
+        self._job = resolved.job()
+        axes = [axis for axis in _axes(plan.outputs) if not (one_branch and axis == "branch")]
+        self.shape = tuple(lengths[axis] for axis in axes)
+        #: The shape of each output of one design: its own lengths, and 1 along axes that it lacks.
         self._shapes = [
-            tuple(
-                lengths[axis] if axis in output.axes else 1
-                for axis in axes
-                if not (one_branch and axis == "branch")
-            )
-            for output in asked.plan.outputs
+            tuple(lengths[axis] if axis in output.axes else 1 for axis in axes) for output in plan.outputs
         ]
-        self._buffers = [(tuple(lengths[axis] for axis in o.axes), o.dtype) for o in asked.plan.outputs]
-        known = asked.catalogue.known_inputs(asked.plan.variants)
+        known = resolved.catalogue.known_inputs(plan.variants)
         self._declared = [known[name] for name in self.inputs]
-        self._numbers = [k for k, output in enumerate(asked.plan.outputs) if output.dtype == "float64"]
+        self._numbers = [k for k, output in enumerate(plan.outputs) if output.dtype == "float64"]
         row = sum(8 * math.prod(shape) for shape in self._shapes)
         self._block = max(1, min(BLOCK, BLOCK_BYTES // row // 64 * 64))
-        self._own = threading.local()
-        self._parts = asked.parts()
+        self._of_thread = threading.local()
 
     def __call__(self, x: ArrayLike) -> NDArray[np.float64]:
         """Return the outputs (outputs, ...) of designs (inputs, ...)."""
@@ -172,29 +189,30 @@ class Function:
                 f"{', '.join(self.inputs)}"
             )
         try:
-            bound = self._own.bound
+            kernels = self._of_thread.kernels
         except AttributeError:
-            bound = self._own.bound = self._bind()
+            kernels = self._of_thread.kernels = self._bind(self._block)
         if given.ndim == 1:
-            return self._one(given, bound)
+            return self._evaluate_one(given, kernels)
         flat = given.reshape(len(self.inputs), -1)
-        found = np.empty((len(self.outputs), flat.shape[1], *self.shape))
+        result = np.empty((len(self.outputs), flat.shape[1], *self.shape))
         for start in range(0, flat.shape[1], self._block):
-            part = flat[:, start : start + self._block]
-            self._some(part, found[:, start : start + self._block], bound)
+            block = slice(start, start + self._block)
+            self._evaluate_block(flat[:, block], result[:, block], kernels)
         bad = np.zeros(flat.shape[1], dtype=bool)
         for declared, row in zip(self._declared, flat, strict=True):
             bad |= ~allowed(declared, row)
         if bad.any():
             for k in self._numbers:
-                found[k, bad] = np.nan
-        return found.reshape(len(self.outputs), *given.shape[1:], *self.shape)
+                result[k, bad] = np.nan
+        return result.reshape(len(self.outputs), *given.shape[1:], *self.shape)
 
     def __reduce__(self) -> tuple[Callable[[], Function], tuple[()]]:
         return self._recipe, ()
 
     def __repr__(self) -> str:
-        return f"<function of {self._asked.mechanism}: {', '.join(self.inputs)} to {', '.join(self.outputs)}>"
+        mechanism = self._resolved.mechanism
+        return f"<function of {mechanism}: {', '.join(self.inputs)} to {', '.join(self.outputs)}>"
 
     @cached_property
     def jitted(self) -> Any:
@@ -206,42 +224,48 @@ class Function:
 
         return jitted_of(self._bind(JITTED_BLOCK), self._declared, self._shapes, self.shape)
 
-    def _bind(self, block: int | None = None) -> list[Bound]:
-        space = self._asked.space
-        constants = space.constants
-        places = {name: k for k, name in enumerate(self.inputs)}
-        programs = self._asked.plan.programs
-        return [
-            bind(part, program.inputs, places, constants, self._buffers, block or self._block)
-            for part, program in zip(self._parts, programs, strict=True)
-        ]
+    def _bind(self, block: int) -> list[FunctionKernel]:
+        """Return the kernels with buffers for a block of designs, the constants filled in."""
+        constants, kernels = self._resolved.space.constants, []
+        for task in self._job.tasks:
+            bound, rows = BoundKernel(task, block), []
+            for name, row in zip(task.kernel.program.inputs, bound.designs, strict=True):
+                row[...] = constants.get(name, np.nan)
+                if name in self.inputs:
+                    rows.append((row, self.inputs.index(name)))
+            arrays = [aligned((block, *self._job.shapes[k][0]), self._job.shapes[k][1]) for k in task.results]
+            results = list(zip(task.results, arrays, strict=True))
+            kernels.append(FunctionKernel(bound, rows, results, bound.bind(arrays)))
+        return kernels
 
-    def _one(self, given: NDArray[np.float64], bound: list[Bound]) -> NDArray[np.float64]:
-        """Return the outputs of one design: no more than a dozen steps of Python."""
-        found = np.empty((len(self.outputs), *self.shape))
+    def _evaluate_one(self, given: NDArray[np.float64], kernels: list[FunctionKernel]) -> NDArray[np.float64]:
+        """Return the outputs of one design, in no more than a dozen steps of Python."""
+        outputs = np.empty((len(self.outputs), *self.shape))
         values = given.tolist()
-        for part in bound:
-            for row, place in part.rows:
-                row[:8] = values[place]
-            part.run(1)
-            for k, result in part.results:
-                found[k] = result[0].reshape(self._shapes[k])
+        for kernel in kernels:
+            for row, index in kernel.rows:
+                row[:VECTOR] = values[index]
+            kernel.run(1)
+            for k, result in kernel.results:
+                outputs[k] = result[0].reshape(self._shapes[k])
         if not all(map(allowed, self._declared, values)):
-            found[self._numbers] = np.nan
-        return found
+            outputs[self._numbers] = np.nan
+        return outputs
 
-    def _some(self, given: NDArray[np.float64], found: NDArray[np.float64], bound: list[Bound]) -> None:
-        """Evaluate designs of one block."""
+    def _evaluate_block(
+        self, given: NDArray[np.float64], outputs: NDArray[np.float64], kernels: list[FunctionKernel]
+    ) -> None:
+        """Evaluate designs of one block into the outputs."""
         count = given.shape[1]
         # lanes beyond the last design repeat it; their results are not read
-        padded = -(-count // 8) * 8
-        for part in bound:
-            for row, place in part.rows:
-                row[:count] = given[place]
-                row[count:padded] = given[place, -1]
-            part.run(count)
-            for k, result in part.results:
-                found[k] = result[:count].reshape(count, *self._shapes[k])
+        padded = -(-count // VECTOR) * VECTOR
+        for kernel in kernels:
+            for row, index in kernel.rows:
+                row[:count] = given[index]
+                row[count:padded] = given[index, -1]
+            kernel.run(count)
+            for k, result in kernel.results:
+                outputs[k] = result[:count].reshape(count, *self._shapes[k])
 
 
 def _fixed(
@@ -266,17 +290,17 @@ def _constants(fixed: Mapping[str, Any]) -> dict[str, float]:
     return space.constants
 
 
-def _refuse_choices(asked: ResolvedSweep, varying: DesignSpace) -> None:
+def _refuse_choices(resolved: ResolvedSweep, varying: DesignSpace) -> None:
     """Refuse an input that is a code and is not given; a sweep would have a dimension of all of them."""
-    known = asked.catalogue.known_inputs(asked.plan.variants)
-    for name in asked.space.axes:
+    known = resolved.catalogue.known_inputs(resolved.plan.variants)
+    for name in resolved.space.axes:
         if name not in varying.names:
             codes = ", ".join(f"{code} ({meaning})" for code, meaning in known[name].choices.items())
             raise InputError(f"function: {name} is missing; give it, one of {codes}")
 
 
 def _axes(outputs: Sequence[Output]) -> tuple[str, ...]:
-    """Return the axes of the results besides the design; what stands along one has no other."""
+    """Return the axes of the results besides the design: those of the output that has most."""
     first, *others = (output for output in sorted(outputs, key=lambda output: -len(output.axes)))
     for other in others:
         if set(other.axes) - set(first.axes):

@@ -1,4 +1,4 @@
-"""Kernels as a function that numba's compiled code calls: by their address, compiled once and not again."""
+"""Give numba's compiled code a function that calls kernels by their address, so that nothing is compiled again."""
 
 from __future__ import annotations
 
@@ -13,12 +13,13 @@ from numba.extending import intrinsic
 
 from fastlink.codegen.kernel import MachineCode
 from fastlink.codegen.numba_backend import OPTIONS
-from fastlink.engine.binding import COUNT, Bound
+from fastlink.engine.binding import COUNT, VECTOR
 from fastlink.errors import InputError
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
+    from fastlink.engine.function import FunctionKernel
     from fastlink.facts.fact import Input
 
 __all__ = ["JITTED_BLOCK", "jitted_of"]
@@ -89,7 +90,7 @@ def _evaluate(x: Any, y: int, values: int, layout: Any, rules: Any, codes: Any) 
         count = min(JITTED_BLOCK, x.shape[1] - start)
         for k in range(varying.shape[0]):
             # lanes beyond the last design repeat it
-            for i in range((count + 7) // 8 * 8):
+            for i in range(-(-count // VECTOR) * VECTOR):
                 room[first + varying[k, 0] + i] = x[varying[k, 1], start + min(i, count - 1)]
         for k in range(addresses.size):
             words[starts[k] + COUNT] = count
@@ -116,47 +117,55 @@ evaluate = numba.njit(**OPTIONS)(_evaluate)
 class _Layout:
     """Where the arrays of all kernels stand: in rooms of doubles, of words behind the tables, and of octets."""
 
-    def __init__(self, parts: Sequence[Bound]) -> None:
-        self.sizes = [0, sum(part.table.size for part in parts if part.table is not None), 0]
+    def __init__(self, kernels: Sequence[FunctionKernel]) -> None:
+        self.addresses: list[int] = []
+        self.tables: list[NDArray[np.int64]] = []
         self.starts: list[int] = []
         self.moving: list[tuple[int, int, int]] = []
         self.varying: list[tuple[int, int]] = []
         self.fixed: list[tuple[int, float]] = []
-        self.places: dict[int, int] = {}
+        self.offsets: dict[int, int] = {}
+        arguments = [one.bound.arguments([array for _, array in one.results]) for one in kernels]
+        for one, arrays in zip(kernels, arguments, strict=True):
+            code = one.bound.task.code
+            assert isinstance(code, MachineCode)
+            self.addresses.append(code.address)
+            self.tables.append(code.table(*arrays))
+        self.sizes = [0, sum(table.size for table in self.tables), 0]
         entry = 0
-        for part in parts:
-            assert isinstance(part.kernel, MachineCode)
+        for one, arrays in zip(kernels, arguments, strict=True):
             self.starts.append(entry)
-            arrays = [*part.arguments, *(result for _, result in part.results)]
-            for k, (argument, array) in enumerate(zip(part.kernel.source.arguments, arrays, strict=True)):
+            for k, (argument, array) in enumerate(
+                zip(one.bound.task.kernel.source.arguments, arrays, strict=True)
+            ):
                 lengths = argument[1]
                 if lengths and k != 1:  # the angles stay where they are
-                    self._place(entry, array)
+                    self._add(entry, array)
                 entry += 1 + lengths.count(None)
-            self._rows(part)
-            self.places |= {k: self.places[id(result)] for k, result in part.results}
+            self._add_rows(one)
+            self.offsets |= {k: self.offsets[id(result)] for k, result in one.results}
 
-    def _place(self, entry: int, array: NDArray[Any]) -> None:
-        """Note where an array stands, and which entry of the tables tells."""
+    def _add(self, entry: int, array: NDArray[Any]) -> None:
+        """Note where an array stands, and which entry of the tables holds its address."""
         room, size = ROOMS.index(array.dtype.name), array.itemsize
-        place = self.places[id(array)] = self.sizes[room]
-        self.moving.append((entry, room, place * size))
+        offset = self.offsets[id(array)] = self.sizes[room]
+        self.moving.append((entry, room, offset * size))
         self.sizes[room] += -(-array.nbytes // LINE_BYTES) * LINE_BYTES // size
 
-    def _rows(self, part: Bound) -> None:
+    def _add_rows(self, one: FunctionKernel) -> None:
         """Note which rows of a kernel's designs are inputs, and what the others hold."""
-        designs = part.arguments[0]
-        inputs = {row.ctypes.data: place for row, place in part.rows}
+        designs = one.bound.designs
+        inputs = {row.ctypes.data: index for row, index in one.rows}
         for k, row in enumerate(designs):
-            place = self.places[id(designs)] + k * designs.shape[1]
+            offset = self.offsets[id(designs)] + k * designs.shape[1]
             if row.ctypes.data in inputs:
-                self.varying.append((place, inputs[row.ctypes.data]))
+                self.varying.append((offset, inputs[row.ctypes.data]))
             else:
-                self.fixed.append((place, float(row[0])))
+                self.fixed.append((offset, float(row[0])))
 
 
 def jitted_of(
-    parts: Sequence[Bound],
+    kernels: Sequence[FunctionKernel],
     declared: Sequence[Input],
     shapes: Sequence[tuple[int, ...]],
     trailing: tuple[int, ...],
@@ -165,12 +174,12 @@ def jitted_of(
 
     Parameters
     ----------
-    parts : sequence of Bound
-        The kernels, bound for `JITTED_BLOCK` designs.
+    kernels : sequence of FunctionKernel
+        Bound for `JITTED_BLOCK` designs.
     declared : sequence of Input
         The inputs.
     shapes : sequence of tuple of int
-        What each design has of each output, with 1 along the axes that it lacks.
+        The shape of each output of one design, with 1 along the axes that it lacks.
     trailing : tuple of int
         The last axes of the result.
 
@@ -179,23 +188,23 @@ def jitted_of(
     InputError
         A kernel has no address: numba compiled it.
     """
-    if not all(isinstance(part.kernel, MachineCode) for part in parts):
+    if not all(isinstance(one.bound.task.code, MachineCode) for one in kernels):
         raise InputError(
             "function: jitted calls kernels by address, which those of backend 'numba' do not have; "
             "write backend='llvm'"
         )
-    layout, values = _Layout(parts), math.prod(trailing)
-    codes = {k: result.dtype == np.int8 for part in parts for k, result in part.results}
+    layout = _Layout(kernels)
+    codes = {k: result.dtype == np.int8 for one in kernels for k, result in one.results}
     picked = [np.broadcast_to(np.arange(math.prod(s)).reshape(s), trailing).ravel() for s in shapes]
-    results = [(layout.places[k], math.prod(shape), codes[k]) for k, shape in enumerate(shapes)]
+    results = [(layout.offsets[k], math.prod(shape), codes[k]) for k, shape in enumerate(shapes)]
     data = (
         tuple(layout.sizes),
-        np.array([part.kernel.address for part in parts if isinstance(part.kernel, MachineCode)]),
-        np.concatenate([part.table for part in parts if part.table is not None]),
+        np.array(layout.addresses),
+        np.concatenate(layout.tables),
         np.array(layout.starts),
         np.array(layout.moving).reshape(-1, 3),
         np.array(layout.varying).reshape(-1, 2),
-        np.array([place for place, _ in layout.fixed], dtype=np.int64),
+        np.array([offset for offset, _ in layout.fixed], dtype=np.int64),
         np.array([number for _, number in layout.fixed], dtype=np.float64),
         np.array(results, dtype=np.int64),
         np.array(picked),
@@ -205,13 +214,14 @@ def jitted_of(
     allowed = np.full((len(declared), max(longest, 1)), np.nan)
     for row, known in zip(allowed, declared, strict=True):
         row[: len(known.choices)] = list(known.choices)
-    return _entry(data, rules, allowed, len(shapes), values, trailing, parts)
+    jitted = _entry(data, rules, allowed, (len(shapes), *trailing))
+    jitted.kept = kernels  # their arrays of angles, whose addresses stand in the tables
+    return jitted
 
 
-def _entry(
-    data: Any, rules: Any, codes: Any, outputs: int, values: int, trailing: tuple[int, ...], kept: Any
-) -> Any:
-    inputs, one = len(rules), (outputs, *trailing)
+def _entry(data: Any, rules: Any, codes: Any, shape: tuple[int, ...]) -> Any:
+    inputs, values = len(rules), math.prod(shape[1:])
+    outputs, trailing = shape[0], shape[1:]
 
     def call(x: Any) -> Any:
         count = 1 if x.ndim == 1 else x.shape[1]
@@ -221,10 +231,8 @@ def _entry(
         for row in range(inputs):
             for i in range(count):
                 given[row, i] = x[row] if x.ndim == 1 else x[row, i]
-        y = np.empty(one if x.ndim == 1 else (outputs, count, *trailing))
+        y = np.empty(shape if x.ndim == 1 else (outputs, count, *trailing))
         evaluate(given, np.int64(y.ctypes.data), values, data, rules, codes)
         return y
 
-    jitted = numba.njit(**OPTIONS)(call)
-    jitted.kept = kept  # the arrays of angles, whose addresses stand in the tables
-    return jitted
+    return numba.njit(**OPTIONS)(call)

@@ -1,4 +1,4 @@
-"""What a result says of itself in the file: dimensions, units, meanings, sources, provenance."""
+"""Labels of the results: dimensions, units, meanings, sources, provenance."""
 
 from __future__ import annotations
 
@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from fastlink.catalogue.catalogue import Catalogue, Fact, Input
+from fastlink.engine.resolve import ResolvedSweep, axis_lengths
 from fastlink.io.dataset import Variable, assemble, marked, plain_attrs
 from fastlink.io.dataset import coordinates as dataset_coordinates
 from fastlink.plan.plan import Plan
@@ -20,28 +21,22 @@ if TYPE_CHECKING:
     import xarray as xr
     from numpy.typing import NDArray
 
-__all__ = ["about", "assembled", "coordinates", "trailing", "variable"]
+__all__ = ["coordinates", "global_attrs", "labelled", "variables"]
 
 
-def trailing(output: Output, plan: Plan, positions: int) -> tuple[int, ...]:
-    """Return what each design has of a result."""
-    lengths = {
-        "branch": len(plan.branches),
-        plan.catalogue.position.name: positions,
-        EXTREMUM: plan.extrema_kept,
-    }
-    return tuple(lengths[axis] for axis in output.axes)
-
-
-def variable(output: Output, plan: Plan, space: DesignSpace, positions: int) -> Variable:
-    """Return a result with its dimensions and attributes."""
-    return Variable(
-        output.name,
-        (*space.dims, *output.axes),
-        (*space.shape, *trailing(output, plan, positions)),
-        np.dtype(output.dtype),
-        dict(_labels(plan, output)),
-    )
+def variables(plan: Plan, space: DesignSpace, positions: int) -> list[Variable]:
+    """Return the results with their dimensions and attributes, for a number of input positions."""
+    lengths = axis_lengths(plan, positions)
+    return [
+        Variable(
+            output.name,
+            (*space.dims, *output.axes),
+            (*space.shape, *(lengths[axis] for axis in output.axes)),
+            np.dtype(output.dtype),
+            dict(_labels(plan, output)),
+        )
+        for output in plan.outputs
+    ]
 
 
 @lru_cache(maxsize=1024)
@@ -49,13 +44,13 @@ def _labels(plan: Plan, output: Output) -> dict[str, Any]:
     """Return the attributes of a result."""
     fact = plan.catalogue.public_fact(output.request.quantity)
     position = plan.catalogue.position
-    reduction, place = output.request.reduction, output.request.place
+    reduction = output.request.reduction
     attrs: dict[str, Any] = {"units": fact.units, "long_name": fact.meaning, "symbol": fact.symbol}
     if reduction is not None:
         attrs["units"] = reduction.units_of(fact.units)
         attrs["long_name"] = f"{fact.meaning}, {reduction.phrase}"
         attrs["symbol"] = f"{reduction.suffix} {fact.symbol}"
-        if place:
+        if output.request.place:
             attrs = {
                 "units": position.units,
                 "long_name": f"{position.meaning}, where {fact.symbol} is {reduction.phrase}",
@@ -73,19 +68,16 @@ def _labels(plan: Plan, output: Output) -> dict[str, Any]:
 
 
 def _of_list(part: str, fact: Fact, position: Input) -> dict[str, Any]:
-    """Return the labels of a list of extremes, of their places, kinds or number."""
+    """Return the attributes of a list of extremes, or of their places, kinds or number."""
     if part == "value":
         return {"units": fact.units, "long_name": f"{fact.meaning}, extremes", "symbol": f"ext {fact.symbol}"}
-    symbol = f"{position.symbol} at ext {fact.symbol}"
     if part == "place":
-        about = f"{position.meaning}, where {fact.symbol} is extreme"
-        return {"units": position.units, "long_name": about, "symbol": symbol}
+        meaning = f"{position.meaning}, where {fact.symbol} is extreme"
+        symbol = f"{position.symbol} at ext {fact.symbol}"
+        return {"units": position.units, "long_name": meaning, "symbol": symbol}
     if part == "count":
-        return {
-            "units": "1",
-            "long_name": f"number of extremes of {fact.symbol}",
-            "symbol": f"n ext {fact.symbol}",
-        }
+        meaning = f"number of extremes of {fact.symbol}"
+        return {"units": "1", "long_name": meaning, "symbol": f"n ext {fact.symbol}"}
     return {
         "long_name": f"kinds of the extremes of {fact.symbol}",
         "symbol": f"kind of ext {fact.symbol}",
@@ -112,65 +104,71 @@ def coordinates(plan: Plan, space: DesignSpace, positions: NDArray[Any]) -> xr.D
     return dataset_coordinates(space, {name: _describe(known[name]) for name in space.names}, further)
 
 
-def assembled(
-    plan: Plan,
-    space: DesignSpace,
-    positions: NDArray[Any],
+def labelled(
+    resolved: ResolvedSweep,
     variables: Sequence[Variable],
-    arrays: Mapping[str, NDArray[Any]],
+    arrays: Sequence[NDArray[Any]],
     attrs: Mapping[str, Any],
 ) -> xr.Dataset:
-    """Return the labelled Dataset of a sweep that stayed in memory.
+    """Return the labelled Dataset of a sweep that stays in memory.
 
     That of one design is a copy of the last one of its kind: 0.1 ms, where xarray takes 0.8 ms to make it anew, more
     than all the rest of such a sweep.
     """
+    plan, space, positions = resolved.plan, resolved.space, resolved.positions
+    data = {
+        variable.name: array.reshape(variable.shape)
+        for variable, array in zip(variables, arrays, strict=True)
+    }
     if space.dims:
-        return assemble(coordinates(plan, space, positions), variables, arrays, attrs)
+        return assemble(coordinates(plan, space, positions), variables, data, attrs)
     used = any(plan.catalogue.position.name in output.axes for output in plan.outputs)
-    known = tuple(space.constants), tuple(space.attrs.items()), positions.tobytes() if used else b""
-    data = {variable.name: arrays[variable.name].reshape(variable.shape) for variable in variables}
-    found = _blank(plan, *known).copy(deep=False, data=data)
+    kind = tuple(space.constants), tuple(space.attrs.items()), positions.tobytes() if used else b""
+    dataset = _blank(plan, *kind).copy(deep=False, data=data)
     for name, value in space.constants.items():
-        found.variables[name].data = np.array(value)
+        dataset.variables[name].data = np.array(value)
     for variable in variables:
-        found.variables[variable.name].attrs = plain_attrs(variable.attrs)
-    found.attrs |= marked(attrs)
-    return found
+        dataset.variables[variable.name].attrs = plain_attrs(variable.attrs)
+    dataset.attrs |= marked(attrs)
+    return dataset
 
 
 @lru_cache(maxsize=64)
 def _blank(
     plan: Plan, names: tuple[str, ...], attrs: tuple[tuple[str, Any], ...], positions: bytes
 ) -> xr.Dataset:
-    """Return the Dataset of one design, its values yet to come."""
+    """Return the Dataset of one design without its values."""
     space = DesignSpace("grid", (), (), dict.fromkeys(names, 0.0), attrs=dict(attrs))
     angles = np.frombuffer(positions)
-    variables = [variable(output, plan, space, angles.size) for output in plan.outputs]
-    values = {variable.name: np.empty(variable.shape, variable.dtype) for variable in variables}
-    return assemble(coordinates(plan, space, angles), variables, values, {})
+    results = variables(plan, space, angles.size)
+    values = {variable.name: np.empty(variable.shape, variable.dtype) for variable in results}
+    return assemble(coordinates(plan, space, angles), results, values, {})
 
 
-def about(
-    mechanism: str, plan: Plan, solver: str, positions: int, threads: int, backend: str
-) -> dict[str, Any]:
+def global_attrs(resolved: ResolvedSweep, threads: int) -> dict[str, Any]:
     """Return the global attributes that are known before a sweep."""
-    catalogue = plan.catalogue
-    versions = ["fastlink " + _version("fastlink-linkages"), *_compiler(backend), "numpy " + np.__version__]
+    plan, catalogue = resolved.plan, resolved.catalogue
+    versions = [
+        "fastlink " + _version("fastlink-linkages"),
+        *_compiler(resolved.backend),
+        "numpy " + np.__version__,
+    ]
     attrs: dict[str, Any] = {
         "Conventions": "CF-1.11",
         "title": f"{catalogue.title}: {', '.join(output.name for output in plan.outputs)}",
-        "mechanism": mechanism,
+        "mechanism": resolved.mechanism,
         "input": catalogue.position.name,
         "source": ", ".join(versions),
-        "backend": backend,
-        **({"solver": solver} if solver else {}),
+        "backend": resolved.backend,
+        **({"solver": resolved.solver} if resolved.solver else {}),
         "threads": threads,
     }
     if plan.uses_position:
-        attrs[f"{catalogue.position.name}_count"] = positions
+        attrs[f"{catalogue.position.name}_count"] = resolved.positions.size
     if plan.extrema:
         attrs["extrema"] = plan.extrema
+    if resolved.scaling_axis is not None:
+        attrs["scaling_axis"] = resolved.scaling_axis.name
     return attrs
 
 
@@ -187,7 +185,7 @@ def _flags(meanings: Mapping[int, str], dtype: str) -> dict[str, Any]:
 
 
 def _compiler(backend: str) -> tuple[str, ...]:
-    """Return what compiles kernels, with its version; what is not used need not be imported to tell."""
+    """Return the compilers of kernels with their versions, which need not be imported for that."""
     names = ("llvmlite",) if backend == "llvm" else (backend, "llvmlite")
     return tuple(f"{name} {_version(name)}" for name in names)
 

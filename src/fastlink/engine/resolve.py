@@ -1,4 +1,4 @@
-"""What a sweep was asked for, resolved: designs, input positions, and the plans that give the results."""
+"""Resolve a request to sweep: its designs, its input positions, and the plan that gives the results."""
 
 from __future__ import annotations
 
@@ -9,64 +9,71 @@ from functools import lru_cache, partial
 from typing import TYPE_CHECKING, Any
 
 from fastlink.codegen.kernel import Kernel, kernel_of
-from fastlink.engine.checks import Checked, check
-from fastlink.engine.executor import Part
+from fastlink.engine.binding import KernelTask
+from fastlink.engine.checks import CheckedRequest, check
+from fastlink.engine.executor import Job, Shapes
 from fastlink.engine.scaling import ScalingAxis, find_scaling_axis
 from fastlink.errors import InputError, Problem, Problems
 from fastlink.plan.plan import Plan, make_plan
 from fastlink.plan.pointwise import ANGLES_FOR_LANES
+from fastlink.plan.program import EXTREMUM
 from fastlink.plan.query import Extrema, parse_request, with_lists
 from fastlink.plan.reductions import REDUCTIONS
 from fastlink.plan.validate import all_choices, constants_of
 from fastlink.space.links import MODELS
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Mapping
+    from collections.abc import Iterable
 
     from numpy.typing import NDArray
 
     from fastlink.catalogue.catalogue import Catalogue
     from fastlink.space.design_space import DesignSpace
-    from fastlink.space.links import Links
 
-__all__ = ["ResolvedSweep", "resolve"]
+__all__ = ["ResolvedSweep", "axis_lengths", "cached_plan", "resolve"]
 
 
 @dataclass(frozen=True, eq=False)
 class ResolvedSweep:
-    """A request to sweep that was found right.
+    """A request to sweep whose every part was checked.
 
     Attributes
     ----------
-    mechanism : str
-        Its name.
-    catalogue : Catalogue
-        The mechanism by what drives it.
     space : DesignSpace
         The designs, with every constant and choice.
-    plan : PlanSet
+    plan : Plan
         What is computed.
-    branches : tuple of int
-        Assembly modes.
     positions : array
         Input positions.
     solver : str
-        How reactions are found; empty where nothing that is computed depends on it.
+        How reactions are computed; empty where nothing that is computed depends on it.
     scaling_axis : ScalingAxis or None
         The axis that only scales the results, if there is one.
     backend : str
         What compiles the kernels.
     """
 
-    mechanism: str
-    catalogue: Catalogue
     space: DesignSpace
     plan: Plan
-    branches: tuple[int, ...]
     positions: NDArray[Any]
     solver: str
     scaling_axis: ScalingAxis | None
     backend: str
+
+    @property
+    def catalogue(self) -> Catalogue:
+        """The mechanism, as driven by the input."""
+        return self.plan.catalogue
+
+    @property
+    def mechanism(self) -> str:
+        """The name of the mechanism."""
+        return self.plan.catalogue.name
+
+    @property
+    def branches(self) -> tuple[int, ...]:
+        """The assembly modes."""
+        return self.plan.branches
 
     @property
     def kernels(self) -> list[Kernel]:
@@ -74,8 +81,19 @@ class ResolvedSweep:
         return [kernel_of(program) for program in self.plan.programs]
 
     @property
+    def lengths(self) -> dict[str, int]:
+        """The length of each axis that a result may have besides the design."""
+        return axis_lengths(self.plan, self.positions.size)
+
+    @property
+    def shapes(self) -> Shapes:
+        """The shape of each result of one design, and its dtype."""
+        lengths = self.lengths
+        return [(tuple(lengths[axis] for axis in o.axes), o.dtype) for o in self.plan.outputs]
+
+    @property
     def fingerprint(self) -> str:
-        """What tells the numbers that result from all others: kernels, designs, input positions."""
+        """A hash of all that the numbers depend on: kernels, designs, input positions."""
         digest = hashlib.sha256()
         for kernel in self.kernels:
             digest.update(kernel.key.encode())
@@ -87,25 +105,30 @@ class ResolvedSweep:
         digest.update(self.positions.tobytes())
         return digest.hexdigest()
 
-    @property
-    def evaluated(self) -> DesignSpace:
-        """The designs that kernels see."""
-        return self.space if self.scaling_axis is None else self.scaling_axis.space
-
-    def parts(self, *, relaxed: bool = False) -> list[Part]:
-        """Return the kernels, compiled, with what they run on."""
-        places = {output.name: place for place, output in enumerate(self.plan.outputs)}
-        return [
-            Part(
+    def job(self, *, relaxed: bool = False) -> Job:
+        """Return the kernels, compiled, with the designs and input positions that they run on."""
+        evaluated = self.space if self.scaling_axis is None else self.scaling_axis.space
+        names = [output.name for output in self.plan.outputs]
+        tasks = [
+            KernelTask(
+                kernel,
                 kernel.compiled(self.backend, relaxed=relaxed),
-                kernel.source.scratch,
-                len(kernel.program.inputs),
                 kernel.program.angle_tables(self.positions),
-                tuple(places[output.name] for output in kernel.program.outputs),
-                partial(self.evaluated.fill, kernel.program.inputs),
+                tuple(names.index(output.name) for output in kernel.program.outputs),
+                partial(evaluated.fill, kernel.program.inputs),
             )
             for kernel in self.kernels
         ]
+        return Job(tasks, self.shapes, evaluated.size)
+
+
+def axis_lengths(plan: Plan, positions: int) -> dict[str, int]:
+    """Return the length of each axis that a result may have besides the design."""
+    return {
+        "branch": len(plan.branches),
+        plan.catalogue.position.name: positions,
+        EXTREMUM: plan.extrema_kept,
+    }
 
 
 def resolve(
@@ -113,58 +136,31 @@ def resolve(
     space: DesignSpace,
     quantities: Sequence[str],
     *,
-    links: Links | None = None,
-    input: str | None = None,
-    angles: Any = None,
-    positions: Mapping[str, Any] | None = None,
-    options: Iterable[str] = (),
-    branch: int | Sequence[int] = (1, 2),
-    solver: str = "eliminated",
-    extrema: str | None = None,
-    allow_invalid: bool = False,
-    backend: str | None = None,
     companions: bool = True,
-    called: str = "quantities",
+    parameter: str = "quantities",
+    **options: Any,
 ) -> ResolvedSweep:
-    """Check a request, and find what is to be computed; nothing is compiled.
+    """Check a request and plan it; nothing is compiled.
 
     Parameters
     ----------
-    positions : mapping of str to angles, optional
-        Input positions that were given by the name of the input.
-    options : iterable of str
-        What else may be given by name, for a hint where a name is unknown.
-    companions : bool
-        Whether the status of each design comes along, and what belongs to a list of extremes.
-    called : str
-        The parameter that holds the quantities.
-    mechanism, space, quantities, links, input, angles, branch, solver, extrema, allow_invalid, backend
+    mechanism, space, quantities
         As in `fastlink.sweep`.
+    companions : bool
+        Whether to add the status of each design, and what belongs to a list of extremes.
+    parameter : str
+        The parameter that holds the quantities.
+    **options
+        Of `fastlink.engine.checks.check`.
 
     Raises
     ------
     InputError
         Bad input; the message says what, where, and what to write instead.
     """
-    checked = check(
-        mechanism,
-        space,
-        quantities,
-        links=links,
-        input=input,
-        angles=angles,
-        positions=positions,
-        options=options,
-        branch=branch,
-        solver=solver,
-        extrema=extrema,
-        allow_invalid=allow_invalid,
-        backend=backend,
-        companions=companions,
-        called=called,
-    )
+    checked = check(mechanism, space, quantities, companions=companions, parameter=parameter, **options)
     catalogue, variants = checked.catalogue, checked.variants
-    space = space.with_constants(constants_of(catalogue, links, variants))
+    space = space.with_constants(constants_of(catalogue, checked.links, variants))
     for name, codes in all_choices(catalogue, space.names, variants).items():
         space = space.with_axis(name, codes)
     try:
@@ -179,18 +175,16 @@ def resolve(
             extrema=checked.extrema,
         )
     except InputError as error:
-        raise (_faults(checked, space.names, called) or error) from None
-    spread = find_scaling_axis(plan, space)
-    used = solver if plan.depends_on_solver else ""
-    return ResolvedSweep(
-        mechanism, catalogue, space, plan, checked.branches, checked.positions, used, spread, checked.backend
-    )
+        raise (_problem_of_each(checked, space.names, parameter) or error) from None
+    axis = find_scaling_axis(plan, space)
+    solver = checked.solver if plan.depends_on_solver else ""
+    return ResolvedSweep(space, plan, checked.positions, solver, axis, checked.backend)
 
 
 def missing_inputs(
     catalogue: Catalogue, names: Iterable[str], variants: Sequence[str], given: Iterable[str]
 ) -> list[Problem]:
-    """Return each input that a quantity depends on and that nothing gives."""
+    """Return a problem for each input that a quantity depends on and that nothing gives."""
     of_links = {name for model in MODELS for name in catalogue.variant_inputs.get(model, {})}
     known, has = catalogue.known_inputs(variants), set(given)
     absent = {name for name in known if name not in has and catalogue.resolve(name, variants) is None}
@@ -207,11 +201,11 @@ def missing_inputs(
     return missing
 
 
-def _faults(checked: Checked, given: Sequence[str], called: str) -> InputError | None:
-    """Return what keeps each quantity from being computed: every input that is missing, once, or else its own fault."""
+def _problem_of_each(checked: CheckedRequest, given: Sequence[str], parameter: str) -> InputError | None:
+    """Return why each quantity cannot be computed: every missing input, once, or else a problem of its own."""
     catalogue, problems = checked.catalogue, Problems()
     for k, name in enumerate(checked.names):
-        with problems.at(called, k):
+        with problems.at(parameter, k):
             missing = missing_inputs(catalogue, [name], checked.variants, given)
             known = [one.where for one in problems.noted]
             problems.noted += [one for one in missing if one.where not in known]
@@ -239,31 +233,22 @@ def cached_plan(
     angles: int,
     extrema: Extrema,
 ) -> Plan:
-    """Return what `make_plan` makes of a request, made once."""
-    # the number of angles decides no more than what the lanes are
-    lanes = min(angles, ANGLES_FOR_LANES)
-    known = tuple(names), companions, frozenset(given), branches, variants, lanes, extrema
-    return _plan(catalogue, (catalogue.version, *REDUCTIONS.values()), *known)
+    """Return the plan that `make_plan` makes, made once; `companions` as in `resolve`."""
+    return _plan(
+        catalogue,
+        (catalogue.version, *REDUCTIONS.values()),
+        tuple(names),
+        companions,
+        given=tuple(sorted(given)),
+        branches=branches,
+        variants=variants,
+        angles=min(angles, ANGLES_FOR_LANES),  # their number decides no more than what the lanes are
+        extrema=extrema,
+    )
 
 
 @lru_cache(maxsize=256)
 def _plan(
-    catalogue: Catalogue,
-    version: tuple[Any, ...],
-    names: tuple[str, ...],
-    companions: bool,
-    given: frozenset[str],
-    branches: tuple[int, ...],
-    variants: tuple[str, ...],
-    angles: int,
-    extrema: Extrema,
+    catalogue: Catalogue, declared: tuple[Any, ...], names: tuple[str, ...], companions: bool, **options: Any
 ) -> Plan:
-    return make_plan(
-        catalogue,
-        with_lists(catalogue, names) if companions else names,
-        given=sorted(given),
-        branches=branches,
-        variants=variants,
-        angles=angles,
-        extrema=extrema,
-    )
+    return make_plan(catalogue, with_lists(catalogue, names) if companions else names, **options)

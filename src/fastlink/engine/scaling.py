@@ -1,4 +1,4 @@
-"""Use an axis that only scales results: evaluate one of its values, and multiply.
+"""Find an axis that only scales results, evaluate one of its values, and multiply.
 
 Rates grow in proportion to omega1, forces to its square or to the density of the links, places not at all (see
 `fastlink.symbolic.homogeneity`). A swept axis of such an input costs the output of its results and no more.
@@ -31,18 +31,20 @@ __all__ = ["ScalingAxis", "find_scaling_axis"]
 
 @dataclass(frozen=True)
 class ScalingAxis:
-    """A design space without one axis, and what its values do to each result.
+    """An input that only scales results, and the designs without its axis.
 
     Attributes
     ----------
     name : str
-        The input that only scales.
+        The input.
     space : DesignSpace
         The designs that are evaluated, at 1 for that input.
     inner : int
         How many of them follow each other before the axis moves on.
     factors : tuple of (array or None)
-        For each result what it is multiplied by at each value of the axis.
+        For each result its factor at each value of the axis; None where it stays the same.
+    length : int
+        Number of values of the axis.
     """
 
     name: str
@@ -51,37 +53,35 @@ class ScalingAxis:
     factors: tuple[NDArray[Any] | None, ...]
     length: int
 
-    def over(self, deliver: Sink) -> Sink:
-        """Return what takes results of the space without the axis, and delivers those of the whole space."""
+    def over(self, sink: Sink) -> Sink:
+        """Return a sink of results of the evaluated designs that passes on those of all designs."""
 
-        def spread(start: int, stop: int, arrays: list[NDArray[Any]]) -> None:
-            for first, last, slabs in self._pieces(start, stop):
-                parts = [array[first - start : last - start] for array in arrays]
-                if slabs:
-                    whole = [
-                        self._all(part, factor) for part, factor in zip(parts, self.factors, strict=True)
-                    ]
-                    deliver(first * self.length, last * self.length, whole)
+        def scale(start: int, stop: int, arrays: list[NDArray[Any]]) -> None:
+            for first, last, in_slabs in self._pieces(start, stop):
+                pieces = [array[first - start : last - start] for array in arrays]
+                if in_slabs:
+                    slabs = [self._scaled(*pair) for pair in zip(pieces, self.factors, strict=True)]
+                    sink(first * self.length, last * self.length, slabs)
                     continue
-                for k, begin in enumerate(self._places(first)):
+                for k, begin in enumerate(self._starts(first)):
                     scaled = [
-                        part if factor is None else part * factor[k]
-                        for part, factor in zip(parts, self.factors, strict=True)
+                        piece if factor is None else piece * factor[k]
+                        for piece, factor in zip(pieces, self.factors, strict=True)
                     ]
-                    deliver(begin, begin + last - first, scaled)
+                    sink(begin, begin + last - first, scaled)
 
-        return spread
+        return scale
 
     def ranges(self, start: int, stop: int) -> Iterator[tuple[int, int]]:
-        """Yield where the results of evaluated designs are in the whole space."""
-        for first, last, slabs in self._pieces(start, stop):
-            if slabs:
+        """Yield the ranges of all designs whose results follow from a range of evaluated ones."""
+        for first, last, in_slabs in self._pieces(start, stop):
+            if in_slabs:
                 yield first * self.length, last * self.length
             else:
-                yield from ((begin, begin + last - first) for begin in self._places(first))
+                yield from ((begin, begin + last - first) for begin in self._starts(first))
 
-    def _places(self, first: int) -> list[int]:
-        """Return where a design is in the whole space at each value of the axis."""
+    def _starts(self, first: int) -> list[int]:
+        """Return the number among all designs of an evaluated one, at each value of the axis."""
         slab, offset = divmod(first, self.inner)
         return [(slab * self.length + k) * self.inner + offset for k in range(self.length)]
 
@@ -94,18 +94,18 @@ class ScalingAxis:
         pieces = [(start, first, False), (first, last, True), (last, stop, False)]
         return [piece for piece in pieces if piece[0] < piece[1]]
 
-    def _all(self, part: NDArray[Any], factor: NDArray[Any] | None) -> NDArray[Any]:
-        """Return whole slabs at every value of the axis, in the order of the whole space."""
-        slabs = part.reshape(-1, 1, self.inner, *part.shape[1:])
+    def _scaled(self, piece: NDArray[Any], factor: NDArray[Any] | None) -> NDArray[Any]:
+        """Return whole slabs at every value of the axis, in the order of all designs."""
+        slabs = piece.reshape(-1, 1, self.inner, *piece.shape[1:])
         if factor is None:
-            found = np.repeat(slabs, self.length, axis=1)
+            scaled = np.repeat(slabs, self.length, axis=1)
         else:
-            found = slabs * factor.reshape(-1, *[1] * (slabs.ndim - 2))
-        return found.reshape(-1, *part.shape[1:])
+            scaled = slabs * factor.reshape(-1, *[1] * (slabs.ndim - 2))
+        return scaled.reshape(-1, *piece.shape[1:])
 
 
 def find_scaling_axis(plan: Plan, space: DesignSpace) -> ScalingAxis | None:
-    """Return how to use the longest axis of a grid that only scales what was asked for, if there is one.
+    """Return the longest axis of a grid that only scales the results of a plan, if there is one.
 
     Its values must be positive: a rate's greatest value is minus its least one where the sense of rotation changes.
     """
@@ -115,41 +115,37 @@ def find_scaling_axis(plan: Plan, space: DesignSpace) -> ScalingAxis | None:
         powers = _powers(plan, space.names, name) if (values > 0.0).all() else None
         if powers is None:
             continue
-        place = space.dims.index(name)
+        k = space.dims.index(name)
         rest = replace(
             space,
-            dims=space.dims[:place] + space.dims[place + 1 :],
-            shape=space.shape[:place] + space.shape[place + 1 :],
+            dims=space.dims[:k] + space.dims[k + 1 :],
+            shape=space.shape[:k] + space.shape[k + 1 :],
             axes={key: axis for key, axis in space.axes.items() if key != name},
             constants={**space.constants, name: 1.0},
         )
         factors = tuple(None if power == 0.0 else values**power for power in powers)
-        return ScalingAxis(name, rest, math.prod(space.shape[place + 1 :]), factors, len(values))
+        return ScalingAxis(name, rest, math.prod(space.shape[k + 1 :]), factors, len(values))
     return None
 
 
 @lru_cache(maxsize=256)
 def _powers(plan: Plan, given: tuple[str, ...], name: str) -> list[float] | None:
-    """Return by which power of an input each result grows, or None where one does not."""
+    """Return the power of an input by which each result grows, or None where one has none."""
     catalogue = plan.catalogue
     if catalogue.known_inputs(plan.variants)[name].choices:
         return None
     tables = (catalogue.position.name, *catalogue.tables, *catalogue.table_low_parts)
-    asked = [output.request.quantity for output in plan.outputs]
-    if any(isinstance(catalogue.parse(quantity), (ErrorBound, Trust)) for quantity in asked):
+    quantities = [output.request.quantity for output in plan.outputs]
+    if any(isinstance(catalogue.parse(quantity), (ErrorBound, Trust)) for quantity in quantities):
         return None  # an error bound knows nothing of the rounding of one more product
-    found = homogeneity_degrees(
-        catalogue.dependencies(asked, (*given, *tables, "branch"), plan.variants), name
-    )
-    powers = [_power(output, found) for output in plan.outputs]
+    steps = catalogue.dependencies(quantities, (*given, *tables, "branch"), plan.variants)
+    degrees = homogeneity_degrees(steps, name)
+    powers = [_power(output, degrees.get(output.request.quantity)) for output in plan.outputs]
     return None if None in powers else [power for power in powers if power is not None]
 
 
-def _power(output: Output, found: dict[str, float | None]) -> float | None:
+def _power(output: Output, degree: float | None) -> float | None:
     request = output.request
-    power = found.get(request.quantity)
-    if power is None:
-        return None
-    if request.place or request.listed not in ("", "value"):
-        return 0.0
-    return power if request.reduction is None else request.reduction.degree_of(power)
+    if degree is None or request.place or request.listed not in ("", "value"):
+        return None if degree is None else 0.0
+    return degree if request.reduction is None else request.reduction.degree_of(degree)

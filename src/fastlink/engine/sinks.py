@@ -1,9 +1,10 @@
-"""What takes the results of a sweep as they come: counts of each status, a progress bar."""
+"""Sinks: functions that receive the results of a sweep block by block, from any thread."""
 
 from __future__ import annotations
 
 import sys
 import threading
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -14,45 +15,55 @@ if TYPE_CHECKING:
     from fastlink.engine.executor import Sink
     from fastlink.plan.plan import Plan
 
-__all__ = ["Bar", "StatusCounts", "progress_bar", "tee"]
+__all__ = ["ProgressBar", "StatusCounts", "into", "progress_bar", "tee"]
 
 
-def tee(*takers: Sink) -> Sink:
-    """Return what hands results on to each of several takers."""
+def tee(*sinks: Sink) -> Sink:
+    """Return a sink that passes results on to each of several sinks."""
 
-    def deliver(start: int, stop: int, arrays: list[NDArray[Any]]) -> None:
-        for take in takers:
-            take(start, stop, arrays)
+    def pass_on(start: int, stop: int, arrays: list[NDArray[Any]]) -> None:
+        for sink in sinks:
+            sink(start, stop, arrays)
 
-    return deliver
+    return pass_on
+
+
+def into(targets: Sequence[NDArray[Any]]) -> Sink:
+    """Return a sink that copies results into the arrays of all designs."""
+
+    def copy(start: int, stop: int, arrays: list[NDArray[Any]]) -> None:
+        for target, array in zip(targets, arrays, strict=True):
+            target[start:stop] = array
+
+    return copy
 
 
 class StatusCounts:
-    """How many designs have each status."""
+    """Count the designs of each status."""
 
     def __init__(self, plan: Plan) -> None:
-        self.place = [output.name for output in plan.outputs].index("status")
+        self.index = [output.name for output in plan.outputs].index("status")
         self.flags = plan.catalogue.facts["status"].flags
         self.counts = np.zeros(max(self.flags) + 1, dtype=np.int64)
         self.lock = threading.Lock()
 
     def take(self, start: int, stop: int, arrays: list[NDArray[Any]]) -> None:
         """Count the designs of a block; thread-safe."""
-        found = np.bincount(arrays[self.place], minlength=self.counts.size)
+        counts = np.bincount(arrays[self.index], minlength=self.counts.size)
         with self.lock:
-            self.counts += found
+            self.counts += counts
 
     def attrs(self) -> dict[str, int]:
         """Return the counts as file attributes."""
         return {f"designs_{meaning}": int(self.counts[value]) for value, meaning in self.flags.items()}
 
 
-class Bar:
-    """A progress bar that threads may feed."""
+class ProgressBar:
+    """A progress bar that threads may feed; nothing where it is not visible."""
 
-    def __init__(self, total: int, short_repr: bool) -> None:
+    def __init__(self, total: int, visible: bool) -> None:
         self.bar: Any = None
-        if short_repr:
+        if visible:
             from tqdm import tqdm  # 15 ms, which nobody waits for who sees no bar
 
             self.bar = tqdm(total=total, unit=" designs", unit_scale=True, file=sys.stderr)
@@ -64,7 +75,7 @@ class Bar:
             with self.lock:
                 self.bar.update(stop - start)
 
-    def __enter__(self) -> Bar:
+    def __enter__(self) -> ProgressBar:
         return self
 
     def __exit__(self, *error: object) -> None:
@@ -72,6 +83,6 @@ class Bar:
             self.bar.close()
 
 
-def progress_bar(total: int, progress: bool | None) -> Bar:
-    """Return a bar that is shown if wanted, or by default on a terminal."""
-    return Bar(total, sys.stderr.isatty() if progress is None else progress)
+def progress_bar(total: int, progress: bool | None) -> ProgressBar:
+    """Return a bar that is visible if wanted, or by default on a terminal."""
+    return ProgressBar(total, sys.stderr.isatty() if progress is None else progress)

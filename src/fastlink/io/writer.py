@@ -51,7 +51,7 @@ class Writer:
         Replace an existing file; who has it open goes on reading the old one.
     run : (fingerprint, size), optional
         What tells this run from all others, and how many designs it evaluates. With it, `record` notes what is
-        written, and a run of the same fingerprint that was killed is gone on with: `todo` is what it left.
+        written, and a run of the same fingerprint that was killed is gone on with: `pending` is what it left.
     """
 
     def __init__(
@@ -101,7 +101,7 @@ class Writer:
             self._discard()
 
     @property
-    def todo(self) -> list[Range]:
+    def pending(self) -> list[Range]:
         """Designs that no run has written yet."""
         return missing(self._done, self._size)
 
@@ -118,7 +118,7 @@ class Writer:
         self._journal.add(start, stop)
 
     @property
-    def done(self) -> list[Range]:
+    def written(self) -> list[Range]:
         """Designs that are written, by this run or by one that was killed."""
         return list(self._done)
 
