@@ -215,7 +215,7 @@ def accuracy(
     study: Annotated[Path, typer.Argument(metavar="STUDY.toml", help="The study file.", show_default=False)],
     designs: Annotated[int, typer.Option("--designs", metavar="N", help="Designs of the sample.")] = 64,
     outside: Annotated[
-        bool, typer.Option("--outside", help="NumPy and scipy, too, which take longer.")
+        bool, typer.Option("--outside", help="Add NumPy without any kernel, which takes longer.")
     ] = False,
     to: Annotated[Path | None, typer.Option("--to", metavar="FILE", help="An HDF5 file to write.")] = None,
     picture: Annotated[
@@ -224,14 +224,14 @@ def accuracy(
     ] = None,
     overwrite: Annotated[bool, typer.Option("--overwrite", help="Replace an existing file.")] = False,
 ) -> None:
-    """Measure error and run time of a study by every way there is."""
+    """Measure error and run time of a study by every method that the engine offers."""
     from fastlink.diagnostics import accuracy as measure
     from fastlink.diagnostics import accuracy_table
 
     options: dict[str, Any] = {"to": to, "picture": picture, "overwrite": overwrite}
     announce = functools.partial(typer.echo, err=True)
-    found = measure(study, designs=designs, outside=outside, announce=announce, **options)
-    typer.echo(accuracy_table(found))
+    measured = measure(study, designs=designs, outside=outside, announce=announce, **options)
+    typer.echo(accuracy_table(measured))
 
 
 @command

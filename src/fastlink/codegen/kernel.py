@@ -6,7 +6,7 @@ import hashlib
 import os
 import sys
 import threading
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from functools import cache, cached_property, lru_cache, partial
 from typing import TYPE_CHECKING, Any
 
@@ -64,16 +64,16 @@ def _environment() -> bytes:
     return environment() + repr((version(), sys.platform, host(), lanes_of_host())).encode()
 
 
-def kernel_key(source: Source, options: str = "") -> str:
+def kernel_key(source: Source, backend: str = "") -> str:
     """Return what tells a kernel's machine code from all others."""
-    text = repr((source.arguments, options)) + source.text
+    text = repr((source.arguments, backend)) + source.text
     return hashlib.sha256(_environment() + text.encode()).hexdigest()[:32]
 
 
-def llvm_text(source: Source, *, lanes: int | None = None, relaxed: bool = False) -> str:
-    """Return the kernel as LLVM's assembly language, for vectors of so many lanes."""
+def llvm_text(source: Source, *, lanes: int | None = None, fast_math: Sequence[str] = ()) -> str:
+    """Return the kernel as LLVM's assembly language, for vectors of so many lanes; see `translate`."""
     arguments = [(KINDS[dtype], lengths) for dtype, lengths in source.arguments]
-    return translate(source.text, arguments, lanes or lanes_of_host(), relaxed=relaxed)
+    return translate(source.text, arguments, lanes or lanes_of_host(), fast_math)
 
 
 class MachineCode:
@@ -119,31 +119,29 @@ class MachineCode:
         self.call(table.ctypes.data)
 
 
-def load_kernel(source: Source, backend: str = BACKENDS[0], *, relaxed: bool = False) -> Callable[..., None]:
+def load_kernel(source: Source, backend: str = BACKENDS[0]) -> Callable[..., None]:
     """Return a kernel, compiled now or taken from the cache; numba compiles what the translator refuses."""
-    key = kernel_key(source, f"{backend} {relaxed}")
+    key = kernel_key(source, backend)
     with _lock:
         if key not in _loaded:
-            _loaded[key] = _load(source, key, backend, relaxed)
+            _loaded[key] = _load(source, key, backend)
         return _loaded[key]
 
 
-def _load(source: Source, key: str, backend: str, relaxed: bool) -> Callable[..., None]:
+def _load(source: Source, key: str, backend: str) -> Callable[..., None]:
     if backend == "llvm":
         try:
-            return kept(
-                key, lambda: compile_object(llvm_text(source, relaxed=relaxed)), partial(MachineCode, source)
-            )
+            return kept(key, lambda: compile_object(llvm_text(source)), partial(MachineCode, source))
         except Refused:
             pass
     from fastlink.codegen.numba_backend import compile_by_numba
 
     with notice(), alone(key):
         try:
-            return compile_by_numba(source, key, relaxed=relaxed)
+            return compile_by_numba(source, key)
         except Exception:  # of all kinds, where a file of numba's cache is damaged
             forget(key)
-            return compile_by_numba(source, key, relaxed=relaxed)
+            return compile_by_numba(source, key)
 
 
 class Kernel:
@@ -157,7 +155,7 @@ class Kernel:
 
     def __init__(self, program: Program | ExtremaProgram) -> None:
         self.program = program
-        self._compiled: dict[tuple[str, bool], Callable[..., None]] = {}
+        self._compiled: dict[str, Callable[..., None]] = {}
 
     @cached_property
     def source(self) -> Source:
@@ -176,20 +174,18 @@ class Kernel:
         """A hash of the kernel's text and arguments, of fastlink's code and of the machine."""
         return kernel_key(self.source)
 
-    def compiled(self, backend: str | None = None, *, relaxed: bool = False) -> Any:
+    def compiled(self, backend: str | None = None) -> Any:
         """Return the kernel as a callable, compiled or loaded from the cache on first use.
 
         Parameters
         ----------
         backend : {"llvm", "numba"}, optional
             The compiler; see `backend_of`.
-        relaxed : bool
-            Compile for other roundings, to compare: see `fastlink.accuracy`.
         """
-        which = backend_of(backend), relaxed
-        if which not in self._compiled:
-            self._compiled[which] = load_kernel(self.source, which[0], relaxed=relaxed)
-        return self._compiled[which]
+        backend = backend_of(backend)
+        if backend not in self._compiled:
+            self._compiled[backend] = load_kernel(self.source, backend)
+        return self._compiled[backend]
 
 
 @lru_cache(maxsize=1024)

@@ -17,7 +17,7 @@ from numba.extending import overload, register_jitable
 
 from fastlink.codegen.cache import written_file
 from fastlink.numerics import elementary
-from fastlink.numerics.compiler import COMPILED_AS, INLINED, OUTLINED, RELAXED
+from fastlink.numerics.compiler import COMPILED_AS, INLINED, OUTLINED
 
 if TYPE_CHECKING:
     from types import ModuleType
@@ -102,14 +102,13 @@ def _module(text: str, key: str) -> ModuleType:
     return module
 
 
-def compile_by_numba(source: Source, key: str, *, relaxed: bool = False) -> Callable[..., None]:
+def compile_by_numba(source: Source, key: str) -> Callable[..., None]:
     """Return the kernel as numba compiles it, or has it in its cache; it is called with the kernel's arguments."""
     declare()
     module = _module(source.text, key)
     for function in vars(module).values():
         if callable(function) and function in OUTLINED:
             register_jitable(**OPTIONS)(function)
-    options = OPTIONS | ({"fastmath": set(RELAXED)} if relaxed else {})
-    kernel = numba.njit(**options, cache=True, pipeline_class=_Restrict)(module.kernel)
+    kernel = numba.njit(**OPTIONS, cache=True, pipeline_class=_Restrict)(module.kernel)
     kernel.compile(_signature(source.arguments))
     return kernel  # type: ignore[no-any-return]

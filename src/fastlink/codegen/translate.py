@@ -20,7 +20,6 @@ from fastlink.codegen.calls import Calls
 from fastlink.codegen.expressions import Name, Refused, as_load
 from fastlink.codegen.ir import LLVM, Array, Lane, Slot, Value, constant
 from fastlink.codegen.module import Module
-from fastlink.numerics.compiler import RELAXED
 
 __all__ = ["Refused", "translate"]
 
@@ -285,7 +284,10 @@ def scope_of(tree: ast.Module) -> dict[str, Any]:
 
 
 def translate(
-    text: str, arguments: Sequence[tuple[str, tuple[int | None, ...]]], lanes: int, *, relaxed: bool = False
+    text: str,
+    arguments: Sequence[tuple[str, tuple[int | None, ...]]],
+    lanes: int,
+    fast_math: Sequence[str] = (),
 ) -> str:
     """Return the LLVM of a kernel: a function ``kernel(ptr)`` of a table.
 
@@ -298,8 +300,8 @@ def translate(
         The table holds the arguments in order: a pointer and the unknown lengths of an array, or an integer.
     lanes : int
         How many doubles a vector has.
-    relaxed : bool
-        Let sums be regrouped, and products be fused with them, but in functions of `fastlink.numerics`.
+    fast_math : sequence of str
+        Flags of LLVM that let roundings change, outside functions of `fastlink.numerics`; no sweep has any.
 
     Raises
     ------
@@ -307,8 +309,7 @@ def translate(
         The text is not of the grammar.
     """
     tree = ast.parse(text)
-    flags = "".join(f" {freedom}" for freedom in RELAXED) if relaxed else ""
-    module, args, places = Module(lanes, flags), [], []
+    module, args, places = Module(lanes, "".join(f" {flag}" for flag in fast_math)), [], []
     for kind, lengths in arguments:
         places += [*(["ptr"] if lengths else ["i64"]), *("i64" for length in lengths if length is None)]
         shape = (Value("", "i") if length is None else constant(length) for length in lengths)

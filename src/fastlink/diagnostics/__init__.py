@@ -1,4 +1,4 @@
-"""Error against run time: every way to a study's quantities, measured."""
+"""Explain what a study computes; measure error against run time of its quantities by every method."""
 
 from fastlink.diagnostics.pareto import accuracy_table
 from fastlink.diagnostics.work_precision import accuracy

@@ -1,4 +1,4 @@
-"""The ways to a quantity: those that the engine offers, and some outside it."""
+"""The methods that the engine offers for a quantity, NumPy beside them, and their run times."""
 
 from __future__ import annotations
 
@@ -12,47 +12,51 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from fastlink.catalogue.declare import ELIMINATED
-from fastlink.diagnostics import baselines as outside
-from fastlink.engine.executor import run
+from fastlink.engine.executor import Job, run
 from fastlink.engine.resolve import ResolvedSweep, resolve
+from fastlink.precision.sample import read_curves
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from fastlink.space.design_space import DesignSpace
 
-__all__ = ["SECONDS_OF_DESIGN", "SECONDS_OF_WAY", "Bound", "Method", "Subject", "methods_for", "race"]
+__all__ = [
+    *("SECONDS_PER_DESIGN", "SECONDS_PER_METHOD", "USUAL", "Method", "Subject", "Trial"),
+    *("by_numpy", "curves_by_numpy", "methods_for", "race"),
+]
 
-#: Numbers of input angles that extremes are taken over, and the one for everything else.
+#: Numbers of input angles that extremes are sampled at, and the one for everything else.
 ANGLES = tuple(2**k for k in range(5, 13))
 USUAL = 360
-#: Ways outside the kernels take so long for each design that few must do.
-OUTSIDE_DESIGNS = 8
-#: A way is timed for so long at least (other processes leave some runs of that length whole), and with no more designs.
+#: Methods outside the kernels are so slow that only a few designs are evaluated.
+BASELINE_DESIGNS = 8
+#: A run that is timed lasts at least so long (other processes leave some runs of that length whole), with at most so
+#: many designs.
 SECONDS, MOST_DESIGNS = 0.002, 2**16
-#: Rounds end when none of the ways got faster by this part in so many of them, and after the last.
+#: Rounds end when no method got faster by this share in so many of them, and after the last.
 GAIN, IDLE, MOST_ROUNDS = 0.01, 6, 40
-#: What a way and a design of the reference take about, to tell beforehand: compiling, a dozen rounds; 50 digits.
-SECONDS_OF_WAY, SECONDS_OF_DESIGN = 0.2, 0.04
+#: A method takes about so long (compiling, a dozen rounds), and so does a design of the 50-digit reference.
+SECONDS_PER_METHOD, SECONDS_PER_DESIGN = 0.2, 0.04
 
 
 @dataclass(frozen=True)
 class Subject:
-    """A quantity of sampled designs, with the options of `fastlink.sweep` that are the same for all ways."""
+    """A quantity of sampled designs, with the options of `fastlink.sweep` that all methods share."""
 
     mechanism: str
     space: DesignSpace
     quantity: str
     options: Mapping[str, Any]
 
-    def asked(self, **options: Any) -> ResolvedSweep:
-        """Return what is asked for, resolved with further options."""
+    def resolve(self, **options: Any) -> ResolvedSweep:
+        """Return the request, resolved with further options."""
         return resolve(self.mechanism, self.space, [self.quantity], **{**self.options, **options})
 
 
 @dataclass(frozen=True)
 class Method:
-    """One way to a quantity.
+    """One method to compute a quantity.
 
     Attributes
     ----------
@@ -60,69 +64,69 @@ class Method:
         As in the table.
     options : mapping
         Of `fastlink.sweep`.
-    relaxed : bool
-        Whether the kernel is compiled with relaxed arithmetic.
-    outside : callable, optional
-        ``outside(asked, designs)`` returns the values of the first designs without any kernel.
+    job : callable
+        ``job(resolved)`` returns the compiled kernels with their designs and input positions.
+    baseline : callable, optional
+        ``baseline(resolved, designs)`` returns the values of the first designs without any kernel.
     """
 
     name: str
     options: Mapping[str, Any] = field(default_factory=dict)
-    relaxed: bool = False
-    outside: Callable[[ResolvedSweep, int], NDArray[Any]] | None = None
+    job: Callable[[ResolvedSweep], Job] = ResolvedSweep.job
+    baseline: Callable[[ResolvedSweep, int], NDArray[Any]] | None = None
 
-    def bind(self, subject: Subject) -> Bound:
-        """Return this way to a quantity, evaluated once and ready to be timed."""
-        if self.outside is not None:
-            asked = subject.asked(**self.options)
-            designs = min(subject.space.size, OUTSIDE_DESIGNS)
+    def prepare(self, subject: Subject) -> Trial:
+        """Return the values of a quantity by this method, ready to be timed again."""
+        if self.baseline is not None:
+            resolved = subject.resolve(**self.options)
+            designs = min(subject.space.size, BASELINE_DESIGNS)
             started = time.perf_counter()
-            values = self.outside(asked, designs)
-            return Bound(values, designs, None, time.perf_counter() - started)
-        bound = self._kernels(subject)
-        while (seconds := min(bound.time() for _ in range(3))) < SECONDS and bound.designs < MOST_DESIGNS:
+            values = self.baseline(resolved, designs)
+            return Trial(values, designs, None, time.perf_counter() - started)
+        trial = self._run_kernels(subject)
+        while (seconds := min(trial.time() for _ in range(3))) < SECONDS and trial.designs < MOST_DESIGNS:
             times = 2 ** math.ceil(math.log2(2 * SECONDS / max(seconds, SECONDS / 64)))
             subject = replace(subject, space=_repeated(subject.space, times))
-            bound = self._kernels(subject)
-        return bound
+            trial = self._run_kernels(subject)
+        return trial
 
-    def _kernels(self, subject: Subject) -> Bound:
-        asked = subject.asked(**self.options)
-        job = asked.job(relaxed=self.relaxed)
-        arrays = [np.empty((asked.space.size, *shape), dtype) for shape, dtype in job.shapes]
-        return Bound(arrays[0], asked.space.size, partial(run, job, targets=arrays))
+    def _run_kernels(self, subject: Subject) -> Trial:
+        resolved = subject.resolve(**self.options)
+        job = self.job(resolved)
+        arrays = [np.empty((resolved.space.size, *shape), dtype) for shape, dtype in job.shapes]
+        return Trial(arrays[0], resolved.space.size, partial(run, job, targets=arrays))
 
 
 @dataclass
-class Bound:
-    """A way to a quantity of some designs: its values, and the least time that they took by one thread."""
+class Trial:
+    """The values of a quantity by a method, and the least time that they took on one thread."""
 
     values: NDArray[Any]
     designs: int
-    call: Callable[[], None] | None
+    run: Callable[[], None] | None
     seconds: float = math.inf
 
     def time(self) -> float:
-        """Evaluate again, unless it takes long, and return the least time so far."""
-        if self.call is not None:
+        """Evaluate again, unless the method is a slow one, and return the least time so far."""
+        if self.run is not None:
             started = time.perf_counter()
-            self.call()
+            self.run()
             self.seconds = min(self.seconds, time.perf_counter() - started)
         return self.seconds
 
 
-def race(subject: Subject, ways: Iterable[Method]) -> dict[str, Bound]:
-    """Return every way by name, timed in turns: what else the machine does then meets all alike."""
-    bound = {way.name: way.bind(subject) for way in ways}
+def race(subject: Subject, methods: Iterable[Method]) -> dict[str, Trial]:
+    """Return the trial of each method by name, timed in turns: other load of the machine meets all alike."""
+    trials = {method.name: method.prepare(subject) for method in methods}
     idle = 0
     for _ in range(MOST_ROUNDS):
-        before = [one.seconds for one in bound.values()]
-        after = [one.time() for one in bound.values()]
+        before = [trial.seconds for trial in trials.values()]
+        after = [trial.time() for trial in trials.values()]
         gained = any(now < (1.0 - GAIN) * then for then, now in zip(before, after, strict=True))
         idle = 0 if gained else idle + 1
         if idle == IDLE:
             break
-    return bound
+    return trials
 
 
 def _repeated(space: DesignSpace, times: int) -> DesignSpace:
@@ -131,31 +135,45 @@ def _repeated(space: DesignSpace, times: int) -> DesignSpace:
     return replace(space, shape=(space.size * times,), columns=columns)
 
 
-def methods_for(subject: Subject, with_outside: bool) -> list[Method]:
-    """Return every way to a quantity that its mechanism offers."""
-    asked = subject.asked()
-    output = asked.plan.outputs[0]
-    others = [name for name in asked.catalogue.solvers if name != ELIMINATED and asked.solver]
+def methods_for(subject: Subject, with_numpy: bool) -> list[Method]:
+    """Return every method that the mechanism of a quantity offers, and NumPy's if wanted."""
+    resolved = subject.resolve()
+    output = resolved.plan.outputs[0]
+    others = [name for name in resolved.catalogue.solvers if name != ELIMINATED and resolved.solver]
     if output.request.reduction is None:
-        ways = [Method(solver, {"solver": solver}) for solver in (ELIMINATED, *others)]
-        ways.append(Method(f"{ELIMINATED}, relaxed", relaxed=True))
-        if with_outside:
-            ways.append(Method("NumPy", outside=outside.by_numpy))
-            ways.append(Method("NumPy, single precision", outside=outside.by_numpy_single))
-        return ways
-    ways = []
-    if output.refined:
-        ways += [Method("refined"), Method("refined, relaxed", relaxed=True)]
-    if asked.catalogue.positions is not None:  # an input without bounds has no whole turn
-        return ways
+        methods = [Method(solver, {"solver": solver}) for solver in (ELIMINATED, *others)]
+        return [*methods, *([Method("NumPy", baseline=by_numpy)] if with_numpy else [])]
+    methods = [Method("refined")] if output.refined else []
+    if resolved.catalogue.positions is not None:  # an input without bounds has no whole turn
+        return methods
     sampled = {"extrema": "sampled", "angles": USUAL}
-    ways += [Method(f"{count} angles", {**sampled, "angles": count}) for count in ANGLES]
-    ways += [Method(f"{USUAL} angles, {solver}", {**sampled, "solver": solver}) for solver in others]
-    ways.append(Method(f"{USUAL} angles", sampled))
-    ways.append(Method(f"{USUAL} angles, relaxed", sampled, relaxed=True))
-    if with_outside:
-        ways.append(Method(f"NumPy, {USUAL} angles", sampled, outside=outside.by_numpy))
-        ways.append(Method("scipy, minimize_scalar", sampled, outside=outside.by_minimize))
-        if output.refined:
-            ways.append(Method("scipy, brentq", sampled, outside=outside.by_brentq))
-    return ways
+    methods += [Method(f"{count} angles", {**sampled, "angles": count}) for count in ANGLES]
+    methods += [Method(f"{USUAL} angles, {solver}", {**sampled, "solver": solver}) for solver in others]
+    methods.append(Method(f"{USUAL} angles", sampled))
+    if with_numpy:
+        methods.append(Method(f"NumPy, {USUAL} angles", sampled, baseline=by_numpy))
+    return methods
+
+
+def curves_by_numpy(resolved: ResolvedSweep, designs: int) -> NDArray[Any]:
+    """Return a quantity of the first designs (designs, branches, positions), from the facts read by NumPy."""
+    values: dict[str, Any] = {
+        name: column[:, None, None] for name, column in resolved.space.at(np.arange(designs)).items()
+    }
+    values["branch"] = np.array(resolved.branches, dtype=float)[:, None]
+    plan, positions = resolved.plan, resolved.positions
+    quantity = plan.outputs[0].request.quantity
+    samples = read_curves(resolved.catalogue, quantity, values, positions, plan.variants)
+    return np.broadcast_to(samples, (designs, len(resolved.branches), positions.size))
+
+
+def by_numpy(resolved: ResolvedSweep, designs: int) -> NDArray[Any]:
+    """Return the values of the first designs: a fact of the design, curves, or their greatest or least samples."""
+    curves, request = curves_by_numpy(resolved, designs), resolved.plan.outputs[0].request
+    if not resolved.catalogue.varies(request.quantity):
+        return curves[:, 0, 0]
+    if request.reduction is None:
+        return curves
+    sign = request.reduction.sign
+    extremes: NDArray[Any] = sign * np.fmax.reduce(sign * curves, axis=-1)
+    return extremes

@@ -18,32 +18,31 @@ if TYPE_CHECKING:
 __all__ = ["accuracy_table", "draw", "front"]
 
 INSTALL = "python -m pip install 'fastlink-linkages[plot]'"
-#: Below this a picture shows no difference: a rounding of a double.
+#: Smaller errors are drawn as this one, half a rounding of a double.
 LEAST = 2.0**-54
-#: Errors below this are those of the last digit.
+#: Smaller errors count as this one: they are those of the last digits.
 EQUAL = 2.0**-48
-#: An error that is smaller by less is no smaller one.
+#: An error that is not smaller than this share of another is not smaller.
 ALIKE = 0.99
 COLUMNS = 2
 
 
 def front(measured: xr.Dataset) -> NDArray[np.int8]:
-    """Return 1 where no other way to a quantity takes less time and has no larger error; a few roundings are equal."""
+    """Return 1 where no other method takes less time and has no larger error; a few roundings are equal."""
     errors, times = np.maximum(measured["error_max"].values, EQUAL), measured["ns_per_design"].values
-    found = np.zeros(errors.shape, dtype=np.int8)
-    for k in range(errors.shape[1]):
-        order = np.lexsort((errors[:, k], times[:, k]))
+    best = np.zeros(errors.shape, dtype=np.int8)
+    for quantity in range(errors.shape[1]):
         least = np.inf
-        for way in order:
-            if errors[way, k] < ALIKE * least:
-                found[way, k], least = 1, errors[way, k]
-    return found
+        for method in np.lexsort((errors[:, quantity], times[:, quantity])):
+            if errors[method, quantity] < ALIKE * least:
+                best[method, quantity], least = 1, errors[method, quantity]
+    return best
 
 
 def accuracy_table(measured: xr.Dataset) -> str:
-    """Return the result of `fastlink.accuracy` as lines of text, the fastest way first.
+    """Return the result of `fastlink.accuracy` as lines of text, the fastest method first.
 
-    A star marks the ways that no other one beats in both error and time.
+    A star marks the methods that no other one beats in both error and time.
 
     Examples
     --------
@@ -63,21 +62,18 @@ def accuracy_table(measured: xr.Dataset) -> str:
     blocks = []
     for quantity in measured["quantity"].values:
         one = measured.sel(quantity=quantity)
-        rows: list[tuple[str, ...]] = [head]
-        for k in np.argsort(one["ns_per_design"].values):
-            way = one.isel(way=int(k))
-            if not math.isnan(way["ns_per_design"]):
-                rows.append(_row(way))
+        one = one.isel(way=np.argsort(one["ns_per_design"].values)).dropna("way", subset=["ns_per_design"])
+        rows = [head, *(_row(one.isel(way=k)) for k in range(one.sizes["way"]))]
         blocks.append(f"{quantity}\n{aligned(rows, right=2)}")
     return "\n\n".join(blocks)
 
 
-def _row(way: Any) -> tuple[str, ...]:
-    errors = [float(way[name]) for name in ("error_max", "error_99", "error_median")]
-    short_repr = ["-" if math.isnan(error) else f"{error:.1e}" for error in errors]
-    missed = f"{int(way['missed'])} of {int(way['values'])}"
-    star, name = "*" if int(way["pareto"]) else "", str(way["way"].values)
-    return (star, name, f"{float(way['ns_per_design']):,.0f}", *short_repr, missed)
+def _row(method: Any) -> tuple[str, ...]:
+    errors = [float(method[name]) for name in ("error_max", "error_99", "error_median")]
+    texts = ["-" if math.isnan(error) else f"{error:.1e}" for error in errors]
+    missed = f"{int(method['missed'])} of {int(method['values'])}"
+    star, name = "*" if int(method["pareto"]) else "", str(method["way"].values)
+    return (star, name, f"{float(method['ns_per_design']):,.0f}", *texts, missed)
 
 
 def draw(measured: xr.Dataset, to: str | Path) -> None:
@@ -99,28 +95,29 @@ def draw(measured: xr.Dataset, to: str | Path) -> None:
     figure = Figure(figsize=(5.2 * columns, 3.9 * lines), layout="constrained")
     FigureCanvasAgg(figure)
     for k, quantity in enumerate(quantities):
-        axes = figure.add_subplot(lines, columns, k + 1)
-        one = measured.sel(quantity=quantity)
-        one = one.isel(way=np.flatnonzero(np.isfinite(one["error_max"].values)))
-        times, errors = one["ns_per_design"].values, np.maximum(one["error_max"].values, LEAST)
-        best = np.flatnonzero(one["pareto"].values)
-        best = best[np.argsort(times[best])]
-        axes.plot(times[best], errors[best], color="tab:blue", zorder=1)
-        axes.scatter(times, errors, c=np.where(one["pareto"].values == 1, "tab:blue", "0.6"), s=18, zorder=2)
-        for way, x, y in zip(one["way"].values.tolist(), times, errors, strict=True):
-            # below its point what stands beside another way of the same kind, so that neither hides the other
-            side, *anchor = (-1, "right", "top") if way.endswith("relaxed") else (1, "left", "bottom")
-            place: dict[str, Any] = dict(
-                zip(("horizontalalignment", "verticalalignment"), anchor, strict=True)
-            )
-            place |= {"textcoords": "offset points", "rotation": 35, "rotation_mode": "anchor", "fontsize": 6}
-            axes.annotate(way, (x, y), xytext=(3 * side, 3 * side), **place)
-        axes.set(xscale="log", yscale="log", title=quantity, xlabel="run time per design / ns")
-        axes.set_ylabel("largest relative error")
-        axes.margins(x=0.25, y=0.2)
-        axes.grid(color="0.9", linewidth=0.6)
+        _draw_panel(figure.add_subplot(lines, columns, k + 1), measured.sel(quantity=quantity), quantity)
     try:
         figure.savefig(Path(to), dpi=160)
     except (OSError, ValueError) as error:
         what = f"{to} cannot be written ({error})"
         raise InputError(what, where=("picture",), remedy="choose another name") from None
+
+
+def _draw_panel(axes: Any, measured: xr.Dataset, quantity: str) -> None:
+    """Draw error over time of all methods for one quantity."""
+    measured = measured.isel(way=np.flatnonzero(np.isfinite(measured["error_max"].values)))
+    times, errors = measured["ns_per_design"].values, np.maximum(measured["error_max"].values, LEAST)
+    on_front = measured["pareto"].values == 1
+    order = np.flatnonzero(on_front)[np.argsort(times[on_front])]
+    axes.plot(times[order], errors[order], color="tab:blue", zorder=1)
+    axes.scatter(times, errors, c=np.where(on_front, "tab:blue", "0.6"), s=18, zorder=2)
+    for name, x, y in zip(measured["way"].values.tolist(), times, errors, strict=True):
+        # the label of a variant stands below its point, so that it does not hide the one that it varies
+        side, right, top = (-1, "right", "top") if ", " in name else (1, "left", "bottom")
+        anchor = {"horizontalalignment": right, "verticalalignment": top, "rotation_mode": "anchor"}
+        offset = {"xytext": (3 * side, 3 * side), "textcoords": "offset points"}
+        axes.annotate(name, (x, y), rotation=35, fontsize=6, **offset, **anchor)
+    axes.set(xscale="log", yscale="log", title=quantity, xlabel="run time per design / ns")
+    axes.set_ylabel("largest relative error")
+    axes.margins(x=0.25, y=0.2)
+    axes.grid(color="0.9", linewidth=0.6)

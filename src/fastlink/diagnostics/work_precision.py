@@ -1,15 +1,17 @@
-"""Error against run time: a study's quantities on a sample of its designs by every way there is."""
+"""Error against run time: a study's quantities on a sample of its designs by every method of the engine."""
 
 from __future__ import annotations
 
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import xarray as xr
 
+from fastlink._text import counted, duration
 from fastlink.catalogue.declare import ELIMINATED
-from fastlink.diagnostics.methods import SECONDS_OF_DESIGN, SECONDS_OF_WAY, Subject, methods_for, race
+from fastlink.diagnostics.methods import SECONDS_PER_DESIGN, SECONDS_PER_METHOD, Subject, methods_for, race
 from fastlink.diagnostics.pareto import draw, front
 from fastlink.diagnostics.truth import truth_of
 from fastlink.engine.resolve import resolve
@@ -24,11 +26,13 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
+    from fastlink.diagnostics.methods import Method
     from fastlink.plan.plan import Plan
+    from fastlink.study.study import Study
 
-__all__ = ["accuracy"]
+__all__ = ["accuracy", "measure"]
 
-#: What is written for each way and quantity.
+#: The variables of the result, each over methods and quantities.
 LABELS = {
     "error_max": ("1", "largest relative error"),
     "error_99": ("1", "relative error that 99 % are below"),
@@ -51,10 +55,10 @@ def accuracy(
     overwrite: bool = False,
     announce: Callable[[str], None] | None = None,
 ) -> xr.Dataset:
-    """Measure error and run time of a study's quantities by every way that the engine offers.
+    """Measure error and run time of a study's quantities by every method that the engine offers.
 
-    Extremes refined and over 32 ... 4096 input angles, reactions by elimination and by LU of the 9x9 system, strict
-    and relaxed arithmetic; the reference has 50 digits. docs/accuracy.md tells which defaults follow from it.
+    The methods are refined extremes and those of 32 ... 4096 input angles, and reactions by elimination and by LU of
+    the 9x9 system; the reference has 50 digits. docs/accuracy.md says which defaults follow from it.
 
     Parameters
     ----------
@@ -64,9 +68,9 @@ def accuracy(
     designs : int, default 64
         Number of designs.
     outside : bool, default False
-        Also NumPy and scipy without any kernel, which take longer.
+        Add NumPy, which reads the same facts without any kernel and takes longer.
     seed : int, default 0
-        Of the sample; the same seed gives the same designs.
+        Seed of the sample; the same seed gives the same designs.
     to : path, optional
         An HDF5 file to write.
     picture : path, optional
@@ -74,18 +78,18 @@ def accuracy(
     overwrite : bool
         Replace an existing file.
     announce : callable, optional
-        Called with a line that says how much is measured and about how long it takes, before it starts.
+        Called before the measurement with a line that says how much is measured and about how long it takes.
 
     Returns
     -------
     xarray.Dataset
-        Dimensions ``way`` and ``quantity``; NaN where a way does not lead to a quantity. ``pareto`` is 1 where no
-        other way is both faster and more accurate. Print it with `fastlink.accuracy_table`.
+        Dimensions ``way`` (the method) and ``quantity``; NaN where a method does not give a quantity. ``pareto`` is 1
+        where no other method is both faster and more accurate. Print it with `fastlink.accuracy_table`.
 
     Raises
     ------
     InputError
-        One line for each problem of the study; nothing in it can be measured.
+        The study has problems (one line for each), or nothing in it can be measured.
 
     Examples
     --------
@@ -100,91 +104,108 @@ def accuracy(
     ...     _ = study.write_text(text)
     ...     measured = accuracy(study, designs=4)
     >>> dict(measured.sizes), bool((measured.error_max < 1e-14).all())
-    ({'way': 2, 'quantity': 1}, True)
+    ({'way': 1, 'quantity': 1}, True)
     """
-    for name, value in (("designs", designs), ("seed", seed)):
-        if isinstance(value, bool) or not isinstance(value, int) or value < (name == "designs"):
-            remedy = f"write a whole number of at least {int(name == 'designs')}"
-            raise InputError(f"is {value!r}", where=(name,), remedy=remedy)
     read = read_study(study)
-    place = None if to is None else check_target(to, 0, overwrite)
-    asked = resolve(read.shape.mechanism, read.space, read.shape.quantities, **read.options)
+    target = None if to is None else check_target(to, 0, overwrite)
+    offered = partial(methods_for, with_numpy=outside)
+    measured = measure(read, offered, designs=designs, seed=seed, announce=announce)
+    if target is not None:
+        measured.to_netcdf(target, engine="h5netcdf")
+    if picture is not None:
+        draw(measured, picture)
+    return measured
+
+
+def measure(
+    study: Study,
+    methods_of: Callable[[Subject], list[Method]],
+    *,
+    designs: int,
+    seed: int = 0,
+    announce: Callable[[str], None] | None = None,
+) -> xr.Dataset:
+    """Measure error and run time of a study's quantities by the methods that a function returns for each."""
+    _check_whole("designs", designs, 1)
+    _check_whole("seed", seed, 0)
+    mechanism, options = study.shape.mechanism, study.options
+    resolved = resolve(mechanism, study.space, study.shape.quantities, **options)
     rng = np.random.default_rng(seed)
-    columns = asked.space.at(asked.space.some(designs, rng))
+    columns = resolved.space.at(resolved.space.some(designs, rng))
     space = sampled("table", {}, columns, {"design_kind": "table"})
-    measured, left_out = _measurable(asked.plan)
-    if not measured:
-        what = "none is told of single positions or of the design, or is NAME_max or NAME_min"
-        raise InputError(what, where=("quantities",), remedy="ask for one of these")
-    # each way has a solver of its own, the closed form unless it is named after another
-    options = {**read.options, "solver": ELIMINATED}
-    subjects = [Subject(read.shape.mechanism, space, quantity, options) for quantity in measured]
-    ways = [methods_for(subject, outside) for subject in subjects]
+    quantities, left_out = _measurable(resolved.plan)
+    if not quantities:
+        what = "none is a curve, a fact of the design, NAME_max or NAME_min"
+        raise InputError(what, where=("quantities",), remedy="add one of these")
+    # each method names its own solver; the others have the closed form
+    subjects = [Subject(mechanism, space, name, {**options, "solver": ELIMINATED}) for name in quantities]
+    methods = [methods_of(subject) for subject in subjects]
     if announce is not None:
-        announce(_expected(sum(map(len, ways)), len(measured), space.size))
+        announce(_expected(sum(map(len, methods)), len(quantities), space.size))
     rows: dict[tuple[str, str], dict[str, float]] = {}
-    for subject, of_subject in zip(subjects, ways, strict=True):
-        truth, quantity = truth_of(subject, rng), subject.quantity
-        for way, bound in race(subject, of_subject).items():
-            time = 1e9 * bound.seconds / bound.designs
-            rows[way, quantity] = _statistics(*truth.errors(bound.values)) | {"ns_per_design": time}
+    for subject, offered in zip(subjects, methods, strict=True):
+        truth = truth_of(subject, rng)
+        for name, trial in race(subject, offered).items():
+            time = 1e9 * trial.seconds / trial.designs
+            rows[name, subject.quantity] = _statistics(*truth.errors(trial.values)) | {"ns_per_design": time}
     attrs = {
-        "title": f"{asked.catalogue.title}: error against run time",
-        "mechanism": read.shape.mechanism,
-        "study_file": read.path.name,
-        "study": read.text,
+        "title": f"{resolved.catalogue.title}: error against run time",
+        "mechanism": mechanism,
+        "study_file": study.path.name,
+        "study": study.text,
         "designs": space.size,
         "seed": seed,
         "reference": "the same facts with 50 digits; extremes refined with 50 digits",
         "threads": 1,
     } | ({"left_out": " ".join(left_out)} if left_out else {})
-    result = _labelled(rows, measured, attrs)
-    if place is not None:
-        result.to_netcdf(place, engine="h5netcdf")
-    if picture is not None:
-        draw(result, picture)
-    return result
+    return _labelled(rows, quantities, attrs)
 
 
-def _expected(ways: int, quantities: int, designs: int) -> str:
-    """Return what is said before measuring."""
-    seconds = ways * SECONDS_OF_WAY + quantities * designs * SECONDS_OF_DESIGN
-    of = "quantity" if quantities == 1 else "quantities"
-    return f"{ways} ways to {quantities} {of} of {designs} designs: about {max(1, round(seconds))} s"
+def _check_whole(name: str, value: Any, least: int) -> None:
+    if isinstance(value, bool) or not isinstance(value, int) or value < least:
+        remedy = f"write a whole number of at least {least}"
+        raise InputError(f"is {value!r}", where=(name,), remedy=remedy)
+
+
+def _expected(methods: int, quantities: int, designs: int) -> str:
+    """Return the announcement of how much is measured, and about how long it takes."""
+    seconds = methods * SECONDS_PER_METHOD + quantities * designs * SECONDS_PER_DESIGN
+    work = f"{quantities} quantit{'y' if quantities == 1 else 'ies'} of {counted(designs, 'design')}"
+    return f"{work} by {counted(methods, 'method')} in all: about {duration(max(1, round(seconds)))}"
 
 
 def _measurable(plan: Plan) -> tuple[list[str], list[str]]:
-    """Return the names that are measured, and those that are not: codes, means, lists, residuals."""
-    known = []
+    """Return the names that are measured, and the others: codes, means, lists, residuals."""
+    measurable = []
     for output in plan.outputs:
         request = output.request
         number = output.dtype == "float64" and "residual" not in request.quantity and not request.listed
         extreme = request.can_be_refined and not request.place and plan.catalogue.graded is not None
         if number and (request.reduction is None or extreme):
-            known.append(output.name)
-    return known, [o.name for o in plan.outputs if o.name not in (*known, "status")]
+            measurable.append(output.name)
+    return measurable, [o.name for o in plan.outputs if o.name not in (*measurable, "status")]
 
 
 def _statistics(errors: NDArray[Any], wrong: int, count: int) -> dict[str, float]:
-    found = {"missed": float(wrong + np.sum(errors > MISSED)), "values": float(count)}
+    statistics = {"missed": float(wrong + np.sum(errors > MISSED)), "values": float(count)}
     if errors.size:
-        found |= {"error_max": float(errors.max()), "error_median": float(np.median(errors))}
-        found["error_99"] = float(np.quantile(errors, 0.99, method="higher"))
-    return found
+        statistics |= {"error_max": float(errors.max()), "error_median": float(np.median(errors))}
+        statistics["error_99"] = float(np.quantile(errors, 0.99, method="higher"))
+    return statistics
 
 
 def _labelled(
     rows: dict[tuple[str, str], dict[str, float]], quantities: list[str], attrs: dict[str, Any]
 ) -> xr.Dataset:
-    ways = list(dict.fromkeys(way for way, _ in rows))
+    methods = list(dict.fromkeys(method for method, _ in rows))
     data: dict[str, Any] = {}
     for name, (units, meaning) in LABELS.items():
-        values = [[rows.get((way, q), {}).get(name, np.nan) for q in quantities] for way in ways]
+        values = [[rows.get((method, q), {}).get(name, np.nan) for q in quantities] for method in methods]
         data[name] = (("way", "quantity"), np.array(values), {"units": units, "long_name": meaning})
-    coords = {"way": ("way", ways), "quantity": ("quantity", quantities)}
+    coords = {"way": ("way", methods), "quantity": ("quantity", quantities)}
     result = xr.Dataset(data, coords=coords, attrs=plain_attrs(attrs))
     labels = {
-        "long_name": "no other way is faster and more accurate",
+        "long_name": "no other method is faster and more accurate",
         "flag_values": np.array([0, 1], dtype=np.int8),
         "flag_meanings": "beaten best",
     }

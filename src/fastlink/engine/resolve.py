@@ -105,14 +105,14 @@ class ResolvedSweep:
         digest.update(self.positions.tobytes())
         return digest.hexdigest()
 
-    def job(self, *, relaxed: bool = False) -> Job:
+    def job(self) -> Job:
         """Return the kernels, compiled, with the designs and input positions that they run on."""
         evaluated = self.space if self.scaling_axis is None else self.scaling_axis.space
         names = [output.name for output in self.plan.outputs]
         tasks = [
             KernelTask(
                 kernel,
-                kernel.compiled(self.backend, relaxed=relaxed),
+                kernel.compiled(self.backend),
                 kernel.program.angle_tables(self.positions),
                 tuple(names.index(output.name) for output in kernel.program.outputs),
                 partial(evaluated.fill, kernel.program.inputs),

@@ -15,7 +15,7 @@ from functools import cache
 from typing import Any, TypeVar
 
 __all__ = [
-    *("COMPILED_AS", "INLINED", "MERGED", "OUTLINED", "RELAXED"),
+    *("COMPILED_AS", "INLINED", "MERGED", "OUTLINED"),
     *("compiled_as", "entries", "inlined", "lanes", "merged", "outlined", "syntax"),
 ]
 
@@ -30,8 +30,6 @@ MERGED: set[Callable[..., Any]] = set()
 #: The straight-line text of a function whose other readings are more than that text.
 COMPILED_AS: dict[Callable[..., Any], Callable[..., Any]] = {}
 
-#: Freedoms of arithmetic, in LLVM's words, that are never taken but to show what they would cost and gain.
-RELAXED = ("reassoc", "contract", "arcp", "nsz")
 #: Loop over vector lanes, a whole number of vectors. The body is straight-line, each lane on its own.
 lanes = range
 #: Loop over entries side by side, at least as many as a vector has lanes; the last vector may overlap the one before.

@@ -14,14 +14,14 @@ from fastlink.catalogue.tables import angle_tables
 from fastlink.precision.reference import HighPrecision
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable
+    from collections.abc import Iterable, Mapping
 
     from numpy.typing import NDArray
 
     from fastlink.catalogue.catalogue import Catalogue
     from fastlink.plan.plan import Plan
 
-__all__ = ["Chosen", "cost", "within"]
+__all__ = ["Chosen", "cost", "read_curves", "within"]
 
 #: What a table of the input position, a linear system and a sum of two doubles' words cost, in facts.
 TABLE, SYSTEM, PAIRS = 40, 300, 16
@@ -98,14 +98,24 @@ class Chosen:
 
     def curves(self, quantity: str, designs: int) -> NDArray[Any]:
         """Return a quantity (designs, positions) at all input positions, in doubles."""
-        catalogue = self.catalogue
-        tables = (catalogue.position.name, *catalogue.tables, *catalogue.table_low_parts)
         values: dict[str, Any] = {name: column[:designs, None] for name, column in self.inputs.items()}
-        values |= zip(tables, angle_tables(catalogue, tables, self.positions)[:, None], strict=True)
         values["branch"] = self.branches[:designs, None]
-        with np.errstate(all="ignore"):
-            found = read_facts(catalogue, [quantity], values, self.plan.variants)[quantity]
-        return np.broadcast_to(found, (designs, self.positions.size))
+        samples = read_curves(self.catalogue, quantity, values, self.positions, self.plan.variants)
+        return np.broadcast_to(samples, (designs, self.positions.size))
+
+
+def read_curves(
+    catalogue: Catalogue,
+    quantity: str,
+    values: Mapping[str, Any],
+    positions: NDArray[Any],
+    variants: Iterable[str],
+) -> Any:
+    """Return a quantity over the input positions, in the last axis, in doubles and without a kernel."""
+    tables = (catalogue.position.name, *catalogue.tables, *catalogue.table_low_parts)
+    tabled = zip(tables, angle_tables(catalogue, tables, positions), strict=True)
+    with np.errstate(all="ignore"):
+        return read_facts(catalogue, [quantity], {**values, **dict(tabled)}, variants)[quantity]
 
 
 def cost(steps: Iterable[Fact | System]) -> int:
