@@ -408,17 +408,17 @@ def test_the_command_shows_and_clears(place):
     command = CliRunner()
     empty = command.invoke(app, ["cache"])
     assert empty.exit_code == 0
-    assert empty.output == f"{place}: 0 kernels of 0 bytes; the oldest go beyond {cache.MOST_BYTES:,}\n"
+    assert empty.output == f"{place}: 0 kernels of 0 B; beyond 268 MB the oldest are removed\n"
     fill(3)
-    assert "3 kernels of 3,096 bytes" in command.invoke(app, ["cache"]).output
-    assert command.invoke(app, ["cache", "--clear"]).output == f"{place}: 3 kernels of 3,096 bytes removed\n"
+    assert "3 kernels of 3.1 kB" in command.invoke(app, ["cache"]).output
+    assert command.invoke(app, ["cache", "--clear"]).output == f"{place}: 3 kernels of 3.1 kB removed\n"
     assert not [path for path in place.rglob("*") if path.is_file()]
     assert "0 kernels" in command.invoke(app, ["cache", "--clear"]).output
     kept(Compiler())
-    assert "1 kernel of 36 bytes" in command.invoke(app, ["cache"]).output
+    assert "1 kernel of 36 B" in command.invoke(app, ["cache"]).output
 
 
-def test_the_command_tells_what_it_could_not_remove(place, monkeypatch):
+def test_the_command_says_how_much_it_could_not_remove(place, monkeypatch):
     fill(2)
 
     def fail(*_, **__):
@@ -426,7 +426,7 @@ def test_the_command_tells_what_it_could_not_remove(place, monkeypatch):
 
     monkeypatch.setattr(Path, "unlink", fail)
     found = CliRunner().invoke(app, ["cache", "--clear"])
-    assert "2,064 bytes cannot be" in found.output
+    assert "2.06 kB could not be removed" in found.output
 
 
 # -- the line on the terminal ----------------------------------------------------------------------
