@@ -6,7 +6,7 @@ import pytest
 
 from benchmarks import accuracy
 from fastlink.diagnostics.work_precision import measure
-from fastlink.precision.reference import UNIT
+from fastlink.numerics.compensated import UNIT_ROUNDING
 from fastlink.study.study import read_study
 
 STUDY = """
@@ -15,7 +15,7 @@ quantities = ["omega4_max", "transmission_angle"]
 design = {a1 = {linspace = [0.3, 0.5, 40]}, a2 = 1.2, a3 = 0.8, a4 = 1.0, omega1 = 25.0}
 """
 # What tests/mechanisms/test_precision.py allows, times a condition number of at most 100.
-SMALL = 400 * UNIT
+SMALL = 400 * UNIT_ROUNDING
 
 
 @pytest.fixture(scope="module")
