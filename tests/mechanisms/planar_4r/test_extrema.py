@@ -316,7 +316,7 @@ def test_dimensions_types_and_labels():
 def test_bad_input_is_one_clear_line():
     design = fl.grid(a1=0.4, a2=1.2, a3=0.8, a4=1.0, omega1=25.0)
     for quantities, options, message in (
-        (["omega4_max"], {"extrema": "foo"}, "extrema 'foo'.*refined"),
+        (["omega4_max"], {"extrema": "foo"}, "extrema: 'foo'.*refined"),
         (["omega4_max"], {"extrema": "refined", "theta1": [0.1, 0.2]}, "extrema.*sampled"),
         (["status_extrema"], {}, "status_extrema"),
     ):
