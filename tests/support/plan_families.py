@@ -99,11 +99,12 @@ def few(*names):
 def kernels(request: Any) -> list[tuple[Any, list[Any]]]:
     """Return the kernels of a request, each with its arguments: designs, angles, their numbers, fresh arrays."""
     found = []
+    space = request.space if request.scaling_axis is None else request.scaling_axis.space
+    size = space.size
     for kernel in request.kernels:
         plan = kernel.program
-        size = request.evaluated.size
         designs = np.empty((len(plan.inputs), -(-size // LANES) * LANES))
-        request.evaluated.fill(plan.inputs, 0, size, designs)
+        space.fill(plan.inputs, 0, size, designs)
         designs[:, size:] = designs[:, size - 1 : size]
         angles = plan.angle_tables(request.positions)
         n_angles = angles.shape[1]
