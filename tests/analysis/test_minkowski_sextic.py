@@ -8,7 +8,7 @@ import pytest
 
 import fastlink as fl
 from fastlink.analysis.minkowski import sextic
-from fastlink.analysis.planar.sextics import BLOCK
+from fastlink.analysis.sextics import BLOCK
 from fastlink.numerics.compensated import UNIT_ROUNDING
 
 DESIGN = ("a", "b", "g", "h", "x", "y")

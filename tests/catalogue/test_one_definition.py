@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from tests.support.configurations import PLANAR
 
-from fastlink.analysis.planar.io import io_coefficients
+from fastlink.analysis.planar.input_output import io_coefficients
 from fastlink.catalogue.catalogue import Fact
 from fastlink.catalogue.evaluate import read_facts
 from fastlink.facts.fact import parameters

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from fastlink.analysis.planar.designs import broadcast
+from fastlink.analysis.designs import broadcast
 from fastlink.engine.evaluate import evaluate
 from fastlink.errors import InputError
 from fastlink.numerics.vectors import cross

@@ -6,7 +6,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from fastlink.analysis.planar.designs import broadcast
+from fastlink.analysis.designs import broadcast
 from fastlink.errors import InputError
 
 __all__ = ["StraightLine", "T_deviation", "straight_line"]

@@ -6,7 +6,7 @@ from fastlink.analysis.planar.curves import curve_area, curve_length, curve_stra
 from fastlink.analysis.planar.double_points import crunode_count, crunodes, cusp_count, cusps
 from fastlink.analysis.planar.flywheel import flywheel_inertia
 from fastlink.analysis.planar.inflections import inflections
-from fastlink.analysis.planar.io import io_coefficients
+from fastlink.analysis.planar.input_output import io_coefficients
 
 __all__ = [
     "Cognate",

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from fastlink.analysis.planar.designs import broadcast
+from fastlink.analysis.designs import broadcast
 from fastlink.catalogue.evaluate import read_facts
 from fastlink.errors import InputError
 from fastlink.mechanisms import catalogue

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from fastlink.analysis.planar.designs import CURVE, broadcast, curve_designs
+from fastlink.analysis.designs import CURVE, broadcast, curve_designs
 from fastlink.errors import InputError
 
 __all__ = ["Cognate", "cognates"]

@@ -11,8 +11,8 @@ from typing import Any
 import numpy as np
 from scipy.spatial import ConvexHull, QhullError
 
-from fastlink.analysis.planar.designs import CURVE, broadcast, curve_designs
-from fastlink.analysis.planar.sextics import coupler_sextic
+from fastlink.analysis.designs import CURVE, broadcast, curve_designs
+from fastlink.analysis.sextics import coupler_sextic
 from fastlink.engine.evaluate import evaluate
 from fastlink.errors import InputError
 from fastlink.numerics.vectors import cross
@@ -69,8 +69,8 @@ def sextic(a1: Any, a2: Any, a3: Any, a4: Any, P_u: Any, P_v: Any) -> Any:
     >>> float(np.polynomial.polynomial.polyval2d(0.0, 3.0, c))
     0.0
     """
-    a1, a2, a3, a4, u, v = curve_designs("sextic", a1, a2, a3, a4, P_u, P_v)
-    return coupler_sextic(-1, a1, a2, a3, a4, u, v)
+    numbers = curve_designs("sextic", a1, a2, a3, a4, P_u, P_v)
+    return coupler_sextic(-1, numbers[:4], numbers[4:])
 
 
 def _along(

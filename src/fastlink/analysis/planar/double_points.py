@@ -25,7 +25,7 @@ from typing import Any
 
 import numpy as np
 
-from fastlink.analysis.planar.designs import curve_designs
+from fastlink.analysis.designs import curve_designs
 from fastlink.errors import InputError
 
 __all__ = ["crunode_count", "crunodes", "cusp_count", "cusps"]

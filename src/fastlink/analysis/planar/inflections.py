@@ -6,8 +6,8 @@ from typing import Any
 
 import numpy as np
 
+from fastlink.analysis.designs import CURVE, curve_designs
 from fastlink.analysis.planar.curves import one_turn
-from fastlink.analysis.planar.designs import CURVE, curve_designs
 from fastlink.engine.evaluate import evaluate
 
 __all__ = ["inflections"]

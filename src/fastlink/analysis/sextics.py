@@ -2,19 +2,20 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 
 __all__ = ["coupler_sextic"]
 
-#: Designs at once: their coefficients stay in the cache, and stand in the first two axes, so that what is done to each
-#: runs over all of them (ten times as fast as in the last two axes and all designs at once).
+#: Designs at once. Their coefficients stay in the cache; the powers are the first two axes, so that operations on one
+#: coefficient run over all designs (ten times as fast as with powers last and all designs at once).
 BLOCK = 512
 
 
 def _polynomial(size: int, **terms: Any) -> Any:
-    """Return coefficients (size, size, designs) from terms named by their powers, x1y2 for X Y^2."""
+    """Return coefficients (size, size, designs) of terms named by their powers, x1y2 for X Y^2."""
     result = np.zeros((size, size, next(iter(terms.values())).size))
     for powers, coefficient in terms.items():
         result[int(powers[1]), int(powers[3])] = coefficient
@@ -32,7 +33,7 @@ def _product(f: Any, g: Any) -> Any:
     return result
 
 
-def coupler_sextic(jj: int, crank: Any, coupler: Any, output: Any, ground: Any, u: Any, v: Any) -> Any:
+def coupler_sextic(jj: int, lengths: Sequence[Any], point: Sequence[Any]) -> Any:
     """Return the coefficients (..., 7, 7) of the equation that all coupler points of a four-bar satisfy.
 
     Parameters
@@ -40,33 +41,35 @@ def coupler_sextic(jj: int, crank: Any, coupler: Any, output: Any, ground: Any, 
     jj : {-1, 1}
         The square of the unit j: -1 for the Euclidean plane of the complex numbers, 1 for the Minkowskian plane of
         the double numbers.
-    crank, coupler, output, ground : ndarray
-        Lengths of one shape.
-    u, v : ndarray
-        The coupler point p = u + j v in the coupler's frame.
+    lengths : sequence of ndarray
+        Those of crank, coupler, output link and ground, of one shape.
+    point : sequence of ndarray
+        u and v of the coupler point p = u + j v in the coupler's frame.
 
     Notes
     -----
     With N(z) = z conj(z) and the W and V of `fastlink.planar.sextic` the equation is
-    N(W) + 4 jj V^2 = 0: nothing in its elimination asks what j^2 is, nor whether N(p) is positive.
+    N(W) + 4 jj V^2 = 0: its elimination depends neither on the sign of j^2 nor on that of N(p).
 
     Examples
     --------
     >>> import numpy as np
-    >>> c = coupler_sextic(1, *np.array([3.0, 4.0, 5.0, 6.0, 0.0, 0.0]))  # p = 0: on X^2 - Y^2 = 9
+    >>> c = coupler_sextic(1, np.array([3.0, 4.0, 5.0, 6.0]), np.zeros(2))  # p = 0: on X^2 - Y^2 = 9
     >>> float(np.polynomial.polynomial.polyval2d(5.0, 4.0, c))
     0.0
     """
-    numbers = [np.ravel(number) for number in (crank, coupler, output, ground, u, v)]
-    result = np.empty((ground.size, 7, 7))
-    for first in range(0, ground.size, BLOCK):
+    shape = np.shape(lengths[0])
+    columns = np.array([np.ravel(number) for number in (*lengths, *point)])
+    result = np.empty((columns.shape[1], 7, 7))
+    for first in range(0, len(result), BLOCK):
         part = slice(first, first + BLOCK)
-        result[part] = np.moveaxis(_sextics(jj, *(number[part] for number in numbers)), -1, 0)
-    return result.reshape(*ground.shape, 7, 7)
+        result[part] = np.moveaxis(_sextics(jj, columns[:, part]), -1, 0)
+    return result.reshape(*shape, 7, 7)
 
 
-def _sextics(jj: int, crank: Any, coupler: Any, output: Any, ground: Any, u: Any, v: Any) -> Any:
-    """Return the coefficients (7, 7, designs) of a row of designs."""
+def _sextics(jj: int, columns: Any) -> Any:
+    """Return the coefficients (7, 7, designs) of designs, one a column."""
+    crank, coupler, output, ground, u, v = columns
     square = (u - v) * (u + v) if jj > 0 else u * u + v * v
     k = square - crank * crank
     middle = 2.0 * coupler * u - (crank - output) * (crank + output) - coupler * coupler - ground * ground

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from fastlink.analysis.planar.designs import broadcast
+from fastlink.analysis.designs import broadcast
 from fastlink.errors import InputError, suggest
 from fastlink.mechanisms.planar_4r import planar_4r
 from fastlink.mechanisms.planar_4r.residuals import IO_CROSS, IO_PRODUCTS

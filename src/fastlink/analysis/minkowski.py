@@ -1,4 +1,4 @@
-"""Coupler curves of the Minkowskian planar 4R as curves."""
+"""The coupler curve of the Minkowskian planar 4R as an algebraic curve."""
 
 from __future__ import annotations
 
@@ -6,8 +6,8 @@ from typing import Any
 
 import numpy as np
 
-from fastlink.analysis.planar.designs import broadcast
-from fastlink.analysis.planar.sextics import coupler_sextic
+from fastlink.analysis.designs import broadcast
+from fastlink.analysis.sextics import coupler_sextic
 from fastlink.errors import InputError
 
 __all__ = ["sextic"]
@@ -73,4 +73,4 @@ def sextic(a: Any, b: Any, g: Any, h: Any, x: Any, y: Any) -> Any:
                 "lengths over h^2; write the design in another unit of length"
             )
     a, b, g, h, x, y = numbers.values()
-    return coupler_sextic(1, a, h, b, g, x, y)
+    return coupler_sextic(1, (a, h, b, g), (x, y))
