@@ -23,7 +23,7 @@ def bind(x, K):
 
     def call():
         for i, (a, b, c, d) in enumerate(x[:4].T.tolist()):
-            O, D = Ground(0.0, 0.0), Ground(d, 0.0)  # noqa: E741
+            O, D = Ground(0.0, 0.0), Ground(d, 0.0)
             crank = Crank(anchor=O, radius=a, angular_velocity=step, initial_angle=-step)
             rocker = RRRDyad(anchor1=crank.output, anchor2=D, distance1=b, distance2=c)
             found = Linkage([O, D, crank, rocker]).step_fast(K)

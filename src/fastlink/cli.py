@@ -206,7 +206,7 @@ def new(
     if mechanism not in NAMES:
         remedy = suggest(mechanism, NAMES)
         raise InputError(f"{mechanism!r} is unknown", where=("mechanism",), remedy=remedy)
-    template = files("fastlink").joinpath("templates", f"{mechanism}.toml")
+    template = files("fastlink").joinpath("mechanisms", mechanism, "study.toml")
     typer.echo(template.read_text(encoding="utf-8"), nl=False)
 
 
