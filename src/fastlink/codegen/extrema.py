@@ -249,7 +249,8 @@ class _Refined(ExtremaSchedule):
         self.text.add("n_open = every_vector(vectors, filled)")
         self.text.add(f"value_{number}(state, vectors, n_open)")
         tables = "about, own, other, onto, order, parity, lists, best, found"
-        self.text.add(f"take(state, filled, {number}, {ends}, w, {tables})")
+        twice_axis = 2.0 * self.graded.axis
+        self.text.add(f"take(state, filled, {number}, {ends}, w, {tables}, {twice_axis})")
 
     def write_ends(self, number: int, search: ExtremumSearch) -> None:
         """Values at the ends of the range, where these may be extreme."""

@@ -110,8 +110,8 @@ class GradedRange:
         distances to both ends, samples stand at ``sqrt(rho) = scale sinh(j h)``, the first one at ``start``;
         ``toggle`` is 1 where the branches meet there.
     coordinates : tuple of str
-        The coordinates of a place: its distances from both ends over the width, and the side of the ground line (1 or
-        -1).
+        The coordinates of a place: its distances from both ends over the width, and the side of the ground line: 1
+        where the input position grows with the distance from the lower end, -1 where it falls.
     antisymmetric : tuple of str
         The values that change sign in the mirror that exchanges the sides and the branches.
     vanishes_at_toggle, reciprocal, bounded_factor : str
@@ -124,6 +124,8 @@ class GradedRange:
         The quantities that no derivative describes: residuals, and those with poles.
     wraps_at : mapping of str to str
         For an angle the fact that vanishes where the angle passes pi, and where it passes 0.
+    axis : float
+        The input position that the mirror leaves: it exchanges `axis` + x and `axis` - x.
     """
 
     name: str
@@ -139,6 +141,7 @@ class GradedRange:
     wraps_at: Mapping[str, str] = field(default_factory=dict)
     cells_otherwise: int = 32
     max_extrema_otherwise: int = 12
+    axis: float = 0.0
 
 
 def parameters(function: Callable[..., Any]) -> tuple[str, ...]:

@@ -18,6 +18,8 @@ __all__ = [
 ]
 
 PI, TWO_PI = 3.141592653589793, 6.283185307179586
+#: Of an angle that is a sum or difference of refined angles: some dozens of roundings, over their size.
+ANGLE_ROUNDING = 2.0**-47
 INFINITY = float("inf")
 NOT_A_NUMBER = float("nan")
 

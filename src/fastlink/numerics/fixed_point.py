@@ -93,7 +93,8 @@ class _Comparison:
     def choose(self, if_true: Fixed, if_false: Fixed) -> Fixed:
         """Return the one or the other."""
         if isinstance(self.holds, np.ndarray):
-            return Fixed(np.where(self.holds, if_true.value, if_false.value))
+            chosen = np.where(self.holds, if_true.value, if_false.value)
+            return Fixed(chosen, if_true.lost + if_false.lost)
         return if_true if self.holds else if_false
 
 
@@ -112,11 +113,12 @@ class _Functions:
 class Fixed:
     """One number, or an array of them; whatever else a text asks of it is a TypeError or an AttributeError."""
 
-    __slots__ = ("_cos_sin", "_half", "value")
+    __slots__ = ("_cos_sin", "_half", "lost", "value")
     context = _Functions
 
-    def __init__(self, value: Any) -> None:
-        self.value = value
+    def __init__(self, value: Any, lost: Any = 0) -> None:
+        # `lost` is how much 40 digits lose where the terms of a sum undo each other, in the last place
+        self.value, self.lost = value, lost
         self._cos_sin: tuple[Any, Any] | None = None
         self._half: Fixed | None = None
 
@@ -129,8 +131,9 @@ class Fixed:
 
     def __mul__(self, other: Any) -> Fixed:
         if isinstance(other, Fixed):
-            return Fixed(self.value * other.value >> PLACES)
-        return Fixed(self.value * other) if isinstance(other, int) else NotImplemented
+            lost = (abs(self.value) * other.lost + abs(other.value) * self.lost) >> PLACES
+            return Fixed(self.value * other.value >> PLACES, lost)
+        return Fixed(self.value * other, self.lost * abs(other)) if isinstance(other, int) else NotImplemented
 
     __rmul__ = __mul__
 
@@ -138,14 +141,23 @@ class Fixed:
         if other != 2:
             return NotImplemented
         if self._half is None:
-            self._half = Fixed(self.value >> 1)
+            self._half = Fixed(self.value >> 1, self.lost)
         return self._half
 
+    def __add__(self, other: Any) -> Fixed:
+        if not isinstance(other, Fixed):
+            return NotImplemented
+        lost = ((abs(self.value) + abs(other.value)) >> MPMATH_PLACES) + self.lost + other.lost
+        return Fixed(self.value + other.value, lost)
+
+    def __sub__(self, other: Any) -> Fixed:
+        return self + -other if isinstance(other, Fixed) else NotImplemented
+
     def __neg__(self) -> Fixed:
-        return Fixed(-self.value)
+        return Fixed(-self.value, self.lost)
 
     def __abs__(self) -> Fixed:
-        return Fixed(abs(self.value))
+        return Fixed(abs(self.value), self.lost)
 
     def __lt__(self, other: Any) -> _Comparison:
         return _Comparison(self.value < math.floor(math.ldexp(other, PLACES)))
@@ -159,7 +171,7 @@ class Fixed:
             What the value may be off, in the last place, before mpmath rounds it.
         """
         value = self.value
-        doubt = doubt + (abs(value) >> MPMATH_PLACES) * (doubt > 0)
+        doubt = doubt + ((abs(value) >> MPMATH_PLACES) + self.lost) * (doubt > 0)
         high, other_high = _double(value - doubt), _double(value + doubt)
         rest = value - _whole(high)
         low, other_low = _double(rest - doubt), _double(rest + doubt)

@@ -132,6 +132,11 @@ class Stationary:
         self.x = np.concatenate([-grid[..., ::-1], -first, first, grid], axis=-1)
         high = np.broadcast_to(np.array([False, True])[:, None], self.x.shape)
         self.values, self.slopes = self._read((self.quantity, self.slope), self.x, high, which[..., None])
+        # Both halves end at one place, and see a zero of the slope there in one of them.
+        seam = self.slopes[:, 0, [0, -1]]
+        seam = np.where(seam == 0.0, self.slopes[:, 0, [1, -2]], seam)
+        self.slopes = self.slopes.copy()
+        self.slopes[:, :, [0, -1]] = seam[:, None, :]
 
     def _candidates(self) -> list[list[Candidate]]:
         """Return where each design has extremes by samples: maxima, minima, jumps, ends of ranges."""

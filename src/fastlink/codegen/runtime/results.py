@@ -1,7 +1,7 @@
 """What a search has found: extremes by design and branch, sorted lists, the greatest and the least.
 
 The zeros of a derivative come as items, each of one design, branch and side of the ground line. Where a quantity
-has a mirror symmetry, a zero of one branch is one of the other branch too, at 2 pi - theta1.
+has a mirror symmetry, a zero of one branch is one of the other branch too, at the mirror image of the input position.
 """
 
 from __future__ import annotations
@@ -10,7 +10,7 @@ from typing import Any
 
 from fastlink.codegen.runtime.cells import FA, FB, HALF, LANE, LANES, UPPER, append_item
 from fastlink.numerics.compiler import lanes, outlined
-from fastlink.numerics.elementary import INFINITY, NOT_A_NUMBER, PI, TWO_PI
+from fastlink.numerics.elementary import ANGLE_ROUNDING, INFINITY, NOT_A_NUMBER, PI, TWO_PI
 
 __all__ = ["clear", "collect_ends", "store_best", "store_counts", "store_list", "take"]
 
@@ -67,6 +67,7 @@ def take(
     lists: Any,
     best: Any,
     found: Any,
+    twice_axis: float,
 ) -> None:
     """Sort the items of a search into the results of their design.
 
@@ -81,14 +82,17 @@ def take(
     w : array
         Lane values.
     about : array of int
-        Row of the state that holds the quantity, the next one holds theta1; row of `w` that says whether the lower end
-        is a toggle, the next one whether the upper one is; sides that were searched; branches that are asked for.
+        Row of the state that holds the quantity, the next one holds the input position; row of `w` that says whether
+        the lower end is a toggle, the next one whether the upper one is; sides that were searched; branches that are
+        asked for.
     own, other : array of int
         For each branch that was searched where its results go, and those of its mirror; -1 for nowhere.
     onto : array of int
         For each search that whose results it adds to: itself, or another if it tells where that one's angle passes pi.
     order, parity : array
         For each quantity the power of 1/sigma by which it grows at a toggle, and what the mirror does to it.
+    twice_axis : float
+        Sum of an input position and its mirror image, but for full turns.
     """
     row, toggles, sides, branches = about[0], about[1], about[2], about[3]
     for i in range(count):
@@ -115,7 +119,8 @@ def take(
             if target < 0:
                 continue
             if mirror == 1:
-                theta = TWO_PI - theta if theta > 0.0 else 0.0
+                theta = twice_axis - theta
+                theta = theta + TWO_PI if theta < -(twice_axis * ANGLE_ROUNDING) else max(theta, 0.0)
                 if not jumps:
                     value = parity[which] * value
                 kind = parity[which] * kind
