@@ -36,9 +36,15 @@ ANGLES = {
 }
 FUNCTIONS = {
     f"{mechanism} {name}": table.function
-    for mechanism, input in (("planar_4r", None), ("planar_4r", "joint_angle_2"), ("minkowski_4r", None))
+    for mechanism, input in (
+        ("planar_4r", None),
+        ("planar_4r", "joint_angle_2"),
+        ("slider_crank", None),
+        ("minkowski_4r", None),
+    )
     for name, table in catalogue(mechanism, input).tables.items()
 }
+OF_ANGLES = [name for name in FUNCTIONS if not name.startswith("minkowski_4r")]
 
 
 def tabled(function, angles):
@@ -47,7 +53,7 @@ def tabled(function, angles):
 
 
 @pytest.mark.parametrize("family", ANGLES)
-@pytest.mark.parametrize("name", [name for name in FUNCTIONS if name.startswith("planar_4r")])
+@pytest.mark.parametrize("name", OF_ANGLES)
 def test_tables_have_the_bits_of_mpmath(name, family):
     function, angles = FUNCTIONS[name], ANGLES[family]
     expected = tables._by_mpmath(function, angles)
@@ -63,14 +69,14 @@ def test_functions_without_fixed_point_are_left_to_mpmath(name):
     np.testing.assert_array_equal(tabled(FUNCTIONS[name], angles), expected)
 
 
-@pytest.mark.parametrize("name", ["cos_theta1", "sin_theta1", "Z", "C"])
+@pytest.mark.parametrize("name", OF_ANGLES)
 def test_almost_every_rounding_is_certain(name):
     angles = ANGLES["anywhere"]
     x, doubt = fixed(angles)
-    *_, sure = FUNCTIONS[f"planar_4r {name}"](x).doubles(doubt)
+    *_, sure = FUNCTIONS[name](x).doubles(doubt)
     # What remains after rounding has 130 - 107 places more than its double, most often: one of 2^22 is in doubt.
     assert sure.mean() > 0.999
-    singles = [FUNCTIONS[f"planar_4r {name}"](x).doubles(d)[2] for x, d in map(fixed, angles[:200].tolist())]
+    singles = [FUNCTIONS[name](x).doubles(d)[2] for x, d in map(fixed, angles[:200].tolist())]
     np.testing.assert_array_equal(singles, sure[:200])
 
 

@@ -6,6 +6,7 @@ import sys
 from pathlib import Path
 
 import pytest
+from tests.support.registry import ENTRIES
 
 import fastlink as fl
 from fastlink.engine.labels import variables
@@ -20,32 +21,18 @@ DOCUMENT = Path(__file__).parents[2] / "docs" / "quantities.md"
 LISTED = [(name, row) for name in NAMES for row in fl.quantities(name)]
 
 
-#: Designs of each mechanism over one swept input, with what further options they need.
-SPACES = {
-    "planar_4r": (
-        {"a1": [0.3, 0.4], "a2": 1.2, "a3": 0.8, "a4": 1.0, "omega1": 25.0, "P_u": 0.5, "P_v": 0.1},
-        {"links": fl.round_bar(7750.0, 0.01), "angles": 4},
-    ),
-    "minkowski_4r": (
-        {"a": [1.0, 1.2], "b": 0.8, "g": 1.5, "h": 0.7, "x": 0.5, "y": 0.1},
-        {"angles": [-1.0, 0.0, 0.5, 1.0]},
-    ),
-    "focal": (
-        {"a": [4.0, 5.0], "b": 5.0, "c": 2.0, "d": 4.0, "rho": 1.0, "completion": 1, "omega": 2.0},
-        {"angles": 4},
-    ),
-    "hart": ({"m": [0.4, 0.5], "n": 0.8, "d": 0.6, "kappa": 0.5}, {"angles": 4}),
-}
-
-
 @pytest.fixture(scope="module")
 def results():
-    """What a sweep says of every public quantity of each mechanism, over a swept input; nothing is compiled."""
+    """What a sweep says of every public quantity of each mechanism, over a table; nothing is compiled."""
     found = {}
-    for mechanism, (inputs, options) in SPACES.items():
-        asked = resolve(
-            mechanism, fl.grid(**inputs), [row.name for row in fl.quantities(mechanism)], **options
-        )
+    for mechanism in NAMES:
+        position = find_catalogue(mechanism).position.name
+        entry = next(e for e in ENTRIES if (e.mechanism, e.input) == (mechanism, position) and e.moves)
+        drawn = entry.drawn("random", 1, 4)
+        angles = drawn.pop(position)
+        drawn.pop("branch", None)
+        names = [row.name for row in fl.quantities(mechanism)]
+        asked = resolve(mechanism, fl.table(drawn), names, angles=angles)
         labelled = variables(asked.plan, asked.space, asked.positions.size)
         found[mechanism] = {variable.name: variable for variable in labelled}
     return found
@@ -77,9 +64,7 @@ def test_every_public_quantity_is_listed_once(name):
 def test_a_row_says_what_the_result_says(mechanism, row, results):
     assert isinstance(row, Quantity)
     found = results[mechanism][row.name]
-    over = next(name for name, value in SPACES[mechanism][0].items() if isinstance(value, list))
-    swept = tuple("design" if dim == over else dim for dim in found.dims)
-    assert row.dims == swept
+    assert row.dims == found.dims
     assert row.units == found.attrs.get("units", "1")
     assert row.meaning == found.attrs["long_name"]
     assert row.source == found.attrs["references"]

@@ -23,6 +23,7 @@ from tests.support import (
     hart_configurations,
     minkowski_configurations,
     minkowski_designs,
+    slider_crank_configurations,
 )
 
 #: Draw some configurations, or fewer: the inputs, the input position and the modes (``branch`` and inputs with choices)
@@ -304,4 +305,21 @@ HART = (
     ),
 )
 
-ENTRIES = (*PLANAR_4R, *MINKOWSKI_4R, *FOCAL, *HART)
+
+# -- slider-crank -----------------------------------------------------------------------------------------------
+
+SLIDER_CRANK = (
+    # 3.0 is the worst seen in 10^4 configurations, but for the forces at A across the line.
+    Entry(
+        *("slider_crank", "theta"),
+        families=families(slider_crank_configurations.family, slider_crank_configurations.FAMILIES),
+        few=6,
+        many=600,
+        # Where crank and rod are nearly alike and fold, the slider rests at O and terms undo each other: 8.7.
+        long_chains={"F21_y": 16.0, "F41_y": 16.0},
+        # Of the rod's length six roundings, of the loop two.
+        errors={"loop_residual": 8 * UNIT_ROUNDING},
+    ),
+)
+
+ENTRIES = (*PLANAR_4R, *MINKOWSKI_4R, *FOCAL, *HART, *SLIDER_CRANK)

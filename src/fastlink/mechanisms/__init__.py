@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from fastlink.catalogue.catalogue import Catalogue
 
 _lock = threading.Lock()
-NAMES = ("planar_4r", "minkowski_4r", "focal", "hart")
+NAMES = ("planar_4r", "minkowski_4r", "focal", "hart", "slider_crank")
 
 
 def inputs_of(mechanism: str) -> tuple[str, ...]:
