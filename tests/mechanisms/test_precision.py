@@ -89,7 +89,7 @@ def test_a_power_of_two_of_all_lengths_changes_no_bit(entry):
     """Every operation is exact in the exponent as long as nothing leaves the range of the doubles."""
     catalogue, tested = entry.catalogue, 0
     for kind in entry.families:
-        inputs = in_every_mode(entry, entry.drawn(kind, 5, 20))
+        inputs = in_every_mode(entry, entry.drawn(kind, 5, 14))
         declared = catalogue.known_inputs(catalogue.variants_selected_by(inputs)) | {
             entry.input: catalogue.position
         }
@@ -111,4 +111,4 @@ def test_a_power_of_two_of_all_lengths_changes_no_bit(entry):
                 expected = np.ldexp(here[name][within], power * of[name])
                 np.testing.assert_array_equal(there[name][within], expected, err_msg=name)
                 tested += np.count_nonzero(np.isfinite(expected))
-    assert tested > 60 * len(entry.names)
+    assert tested > 40 * len(entry.names)
