@@ -1,4 +1,4 @@
-"""From arrays to a labelled xarray Dataset: dimensions, coordinates with units, attributes."""
+"""Label arrays as an xarray Dataset: dimensions, coordinates with units, attributes."""
 
 from __future__ import annotations
 
@@ -69,7 +69,7 @@ def coordinates(
     described : mapping
         Attributes (units, long_name, symbol) of each input of the space.
     further : mapping of str to (dims, values, attrs)
-        Coordinates that are no inputs, such as ``branch`` and ``theta1``.
+        Coordinates that are not inputs, such as ``branch`` and ``theta1``.
     """
     coords: dict[str, Any] = {}
     for name, axis in space.axes.items():
@@ -96,14 +96,14 @@ def assemble(
     arrays: Mapping[str, NDArray[Any]],
     attrs: Mapping[str, Any],
 ) -> xr.Dataset:
-    """Return the labelled Dataset of a sweep that stayed in memory: equal to what its file would hold.
+    """Return the labelled Dataset of a sweep in memory, equal to the contents of its file.
 
     Parameters
     ----------
     coords : xarray.Dataset
         From `coordinates`.
     variables : sequence of Variable
-        What to label.
+        The results.
     arrays : mapping of str to ndarray
         Values of each variable, of any shape with as many elements; not copied when contiguous.
     attrs : mapping
@@ -120,12 +120,12 @@ def assemble(
 
 
 def marked(attrs: Mapping[str, Any]) -> dict[str, Any]:
-    """Return global attributes as a complete map has them."""
+    """Return global attributes with the version of the layout, which marks a complete map."""
     return plain_attrs(attrs) | {FORMAT: FORMAT_VERSION}
 
 
 def check_dims(coords: xr.Dataset, variable: Variable) -> None:
-    """Refuse a variable whose name is taken or whose dimensions are not those of the coordinates."""
+    """Refuse a variable with the name of a coordinate, or with other dimensions than the coordinates."""
     if variable.name in coords.coords:
         raise ValueError(f"{variable.name}: a coordinate has that name")
     for dim, length in zip(variable.dims, variable.shape, strict=True):
@@ -136,7 +136,7 @@ def check_dims(coords: xr.Dataset, variable: Variable) -> None:
 
 
 def plain_attrs(attrs: Mapping[str, Any]) -> dict[str, Any]:
-    """Return attributes as HDF5 and both netCDF libraries hold them: text, numbers, 1-D arrays of numbers."""
+    """Return attributes as text, numbers and 1-D arrays of numbers, which both netCDF libraries read."""
     return {name: _plain(name, value) for name, value in attrs.items()}
 
 

@@ -1,8 +1,8 @@
-"""Which designs of a partial file are written, kept beside it, so that a killed run goes on where it was.
+"""Keep a journal of the designs that a partial file holds, so that a killed run can be resumed.
 
-A thread brings the file's data to the disk while the sweep computes, and then notes which designs they are of: what the
-journal names is there, even after a power cut. The system would otherwise wait some seconds or for much memory to be
-dirty, and the last fsync would take it all at once.
+A thread synchronises the file's data while the sweep computes, and then records their designs: whatever the journal
+names is on the disk, even after a power cut. The system would otherwise wait some seconds or for much memory to be
+dirty, and the last fsync would write it all at once.
 """
 
 from __future__ import annotations
@@ -25,14 +25,14 @@ Range = tuple[int, int]
 
 
 def journal_of(part: Path) -> Path:
-    """Return where the journal of a partial file is."""
+    """Return the path of the journal of a partial file."""
     return part.with_name(part.name + ".journal")
 
 
 def read_journal(part: Path, fingerprint: str) -> tuple[dict[str, Any], list[Range]] | None:
-    """Return what a journal says of its run, and which designs are written; None where it is of another run.
+    """Return the head of a journal and the written designs, or None where it is of another run.
 
-    A record that a kill or a power cut has torn ends it.
+    It ends before a record that a kill or a power cut has torn.
     """
     try:
         head, _, records = journal_of(part).read_bytes().partition(b"\n")
@@ -41,16 +41,16 @@ def read_journal(part: Path, fingerprint: str) -> tuple[dict[str, Any], list[Ran
         return None
     if not isinstance(about, dict) or about.get("fingerprint") != fingerprint:
         return None
-    done = []
+    written = []
     for start, stop, check in RECORD.iter_unpack(records[: len(records) // RECORD.size * RECORD.size]):
         if check != _check(start, stop):
             break
-        done.append((start, stop))
-    return about, joined(done)
+        written.append((start, stop))
+    return about, joined(written)
 
 
 def joined(ranges: list[Range]) -> list[Range]:
-    """Return ranges in order, those that touch as one.
+    """Return ranges in order, and join those that touch.
 
     Examples
     --------
@@ -66,16 +66,16 @@ def joined(ranges: list[Range]) -> list[Range]:
     return result
 
 
-def missing(done: list[Range], size: int) -> list[Range]:
-    """Return what of 0 to `size` is not in ranges in order.
+def missing(written: list[Range], size: int) -> list[Range]:
+    """Return the parts of 0 to `size` that ordered ranges leave out.
 
     Examples
     --------
     >>> missing([(0, 6), (8, 9)], 12)
     [(6, 8), (9, 12)]
     """
-    ends = [0, *(stop for _, stop in done)]
-    starts = [*(start for start, _ in done), size]
+    ends = [0, *(stop for _, stop in written)]
+    starts = [*(start for start, _ in written), size]
     return [(a, b) for a, b in zip(ends, starts, strict=True) if a < b]
 
 
@@ -84,9 +84,9 @@ def _check(start: int, stop: int) -> int:
 
 
 class Journal:
-    """A thread that synchronises a file's data each time enough has come, and then notes what they are.
+    """A thread that synchronises a file whenever enough data is pending, and then records their designs.
 
-    A failure to synchronise is left to the last fsync, which reports it; nothing is noted then.
+    A failure to synchronise is left to the last fsync, which reports it; nothing is recorded then.
 
     Parameters
     ----------
@@ -95,24 +95,24 @@ class Journal:
     part : Path
         Its name.
     about : dict
-        What the journal says of the run: its fingerprint, and whatever finds the data again.
-    done : list of (start, stop)
-        What is written already.
+        The head of the journal: the fingerprint of the run, and the offsets of its data.
+    written : list of (start, stop)
+        The designs that are written already.
     """
 
-    def __init__(self, fd: int, part: Path, about: dict[str, Any], done: list[Range]) -> None:
+    def __init__(self, fd: int, part: Path, about: dict[str, Any], written: list[Range]) -> None:
         self._fd = fd
         self._path = journal_of(part)
         self._head = json.dumps(about).encode() + b"\n"
         self._pending_bytes = 0
-        self._pending: list[Range] = list(done)
-        self._own: int | None = None
+        self._pending: list[Range] = list(written)
+        self._journal_fd: int | None = None
         self._failed = self._closed = False
         self._changed = threading.Condition()
         self._thread: threading.Thread | None = None
 
     def add_bytes(self, count: int) -> None:
-        """Take note of bytes that were written; thread-safe."""
+        """Count bytes that were written; thread-safe."""
         with self._changed:
             self._pending_bytes += count
             if self._thread is None and not self._closed:
@@ -122,12 +122,12 @@ class Journal:
                 self._changed.notify()
 
     def add(self, start: int, stop: int) -> None:
-        """Take note of designs of which all is written; thread-safe."""
+        """Add designs whose every result is written; thread-safe."""
         with self._changed:
             self._pending.append((start, stop))
 
     def close(self, *, keep: bool) -> None:
-        """Stop: note what was written if the partial file is kept, else remove the journal."""
+        """Stop: record the last designs if the partial file is kept, else remove the journal."""
         with self._changed:
             self._closed = True
             self._changed.notify()
@@ -135,9 +135,9 @@ class Journal:
             self._thread.join()
         if keep:
             self._commit()
-        if self._own is not None:
-            os.close(self._own)
-            self._own = None
+        if self._journal_fd is not None:
+            os.close(self._journal_fd)
+            self._journal_fd = None
         if not keep:
             self._path.unlink(missing_ok=True)
 
@@ -153,7 +153,7 @@ class Journal:
 
     def _commit(self) -> None:
         with self._changed:
-            # before the data are synchronised: what comes meanwhile is for the next time
+            # before the data are synchronised: designs that come meanwhile wait for the next time
             ranges, self._pending = joined(self._pending), []
             nbytes, self._pending_bytes = self._pending_bytes, 0
         if self._failed or not (ranges or nbytes):
@@ -162,15 +162,15 @@ class Journal:
             _synchronise(self._fd)
             if not ranges:
                 return
-            if self._own is None:
-                self._own = self._start()
-            os.write(self._own, b"".join(RECORD.pack(a, b, _check(a, b)) for a, b in ranges))
-            _synchronise(self._own)
+            if self._journal_fd is None:
+                self._journal_fd = self._start()
+            os.write(self._journal_fd, b"".join(RECORD.pack(a, b, _check(a, b)) for a, b in ranges))
+            _synchronise(self._journal_fd)
         except OSError:
             self._failed = True
 
     def _start(self) -> int:
-        """Begin a journal under its name, with its head on the disk."""
+        """Create the journal with its head, and return its open file number."""
         fresh = self._path.with_name(self._path.name + ".new")
         fresh.write_bytes(self._head)
         os.replace(fresh, self._path)

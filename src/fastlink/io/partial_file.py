@@ -1,4 +1,4 @@
-"""The place of an output file: is it fit, who holds it, room for it, and its name at the end."""
+"""The partial file of a map: its checks, lock, room and final name."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ try:
 except ImportError:  # not POSIX: no locks, and a folder cannot be synchronised
     fcntl = None  # type: ignore[assignment]
 
-#: What to write instead where a file is in the way.
+#: The remedy where a file exists.
 EXISTS: Remedy = ("choose another name", (", or write ", Setting("overwrite", True)))
 SLACK = 2**20  # for the labels, and for the attributes that are added at the end
 
@@ -31,20 +31,20 @@ NO_LINK = {errno.EPERM, errno.EOPNOTSUPP, errno.ENOSYS, errno.EMLINK}
 
 
 def part_of(path: Path) -> Path:
-    """Return the name a file has while it is being written."""
+    """Return the name of a file while it is being written."""
     return path.with_name(path.name + ".part")
 
 
 def reason(error: BaseException) -> str:
-    """Return why something failed, on one line."""
+    """Return the reason of a failure on one line."""
     text = getattr(error, "strerror", None) or str(error)
     return " ".join(str(text).split())
 
 
 def check_target(path: str | Path, nbytes_needed: int, overwrite: bool) -> Path:
-    """Return the absolute path of an output file, or say why it cannot be written.
+    """Return the absolute path of an output file, or refuse one that cannot be written.
 
-    Meant to be called before anything is computed.
+    To be called before anything is computed.
 
     Parameters
     ----------
@@ -56,25 +56,25 @@ def check_target(path: str | Path, nbytes_needed: int, overwrite: bool) -> Path:
         Whether an existing file may be replaced.
     """
     try:
-        place = Path(os.path.realpath(os.path.expanduser(path)))
-        if place.is_dir():
-            raise _refused(f"{place} is a folder", f"add a file name, for instance {place / 'maps.h5'}")
-        if not place.parent.is_dir():
-            raise _refused(f"{place}: there is no folder {place.parent}", "create it or choose another")
-        if place.exists() and not place.is_file():
-            raise _refused(f"{place} is a device or a pipe", "choose another name")
-        if place.exists() and not overwrite:
-            raise _refused(f"{place}: the file exists", EXISTS)
-        _refuse_when_held(part_of(place))
-        with tempfile.TemporaryFile(dir=place.parent):
+        target = Path(os.path.realpath(os.path.expanduser(path)))
+        if target.is_dir():
+            raise _refused(f"{target} is a folder", f"add a file name, for instance {target / 'maps.h5'}")
+        if not target.parent.is_dir():
+            raise _refused(f"{target}: there is no folder {target.parent}", "create it or choose another")
+        if target.exists() and not target.is_file():
+            raise _refused(f"{target} is a device or a pipe", "choose another name")
+        if target.exists() and not overwrite:
+            raise _refused(f"{target}: the file exists", EXISTS)
+        _refuse_when_held(part_of(target))
+        with tempfile.TemporaryFile(dir=target.parent):
             pass
     except InputError:
         raise
     except (OSError, ValueError) as error:  # ValueError: a NUL in the path
         raise _refused(f"{path} cannot be written ({reason(error)})", "choose another place") from error
-    if nbytes_needed + SLACK > _free(place) + _held_by(part_of(place)):
-        raise no_room(place, nbytes_needed)
-    return place
+    if nbytes_needed + SLACK > _free(target) + _held_by(part_of(target)):
+        raise no_room(target, nbytes_needed)
+    return target
 
 
 def _refused(what: str, remedy: Remedy) -> InputError:
@@ -92,7 +92,7 @@ def no_room(path: Path, nbytes: int, error: Exception | None = None) -> InputErr
 
 @contextlib.contextmanager
 def claimed(part: Path) -> Iterator[None]:
-    """Hold the name of a partial file while it is laid out; what a killed run left under it is emptied.
+    """Hold the name of a partial file while it is laid out; the file of a killed run is emptied.
 
     Refused when a live process writes it. The name is gone when the body fails.
     """
@@ -126,7 +126,7 @@ def adopt(fresh: Path, part: Path) -> int:
 
 
 def reopened(part: Path) -> int | None:
-    """Hold a partial file that a killed run has left, and return its open file number; None where there is none.
+    """Hold the partial file of a killed run, and return its open file number, or None if there is no file.
 
     Refused when a live process writes it.
     """
@@ -206,7 +206,7 @@ def discard(fd: int, part: Path) -> None:
 
 @contextlib.contextmanager
 def released(fd: int) -> Iterator[None]:
-    """Let go of a partial file for a moment."""
+    """Release the lock of a partial file for a moment."""
     if fcntl is None:
         yield
         return
@@ -231,7 +231,7 @@ def _lock(fd: int, part: Path) -> None:
 
 
 def _flock(fd: int, operation: int) -> None:
-    """Lock as asked; a file system without locks counts as one where nobody holds any."""
+    """Lock or unlock; a file system without locks counts as one where nobody holds any."""
     try:
         fcntl.flock(fd, operation)
     except OSError as error:
@@ -279,7 +279,7 @@ def _rename(part: Path, final: Path, overwrite: bool) -> None:
 
 
 def _synchronise_folder(folder: Path) -> None:
-    """Make the new name last through a power cut, on file systems that can."""
+    """Make the new name survive a power cut, on file systems that can."""
     with contextlib.suppress(OSError):
         fd = os.open(folder, os.O_RDONLY)
         try:
@@ -293,7 +293,7 @@ def _free(path: Path) -> int:
 
 
 def _held_by(part: Path) -> int:
-    """Return the bytes that come free when a partial file that was left behind is replaced."""
+    """Return the bytes that replacing an old partial file frees."""
     try:
         status = part.stat()
     except FileNotFoundError:

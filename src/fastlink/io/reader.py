@@ -64,7 +64,7 @@ def open_map(path: str | Path) -> xr.Dataset:
 
 
 def _foreign(version: Any) -> str:
-    """Return why a file with that format attribute is not read, or an empty text."""
+    """Return why a file of some version of the layout is refused, or an empty text."""
     if version is None:
         return (
             f"is no finished map (it has no attribute {FORMAT!r}); other files open with xarray.open_dataset"

@@ -1,4 +1,4 @@
-"""The inside of a map file: coordinates by xarray; variables by h5py, contiguous and empty."""
+"""Lay out a map file: coordinates by xarray; variables by h5py, contiguous and empty."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ PAGE = 4096
 def lay_out(
     path: Path, coords: xr.Dataset, variables: Sequence[Variable], attrs: Mapping[str, Any]
 ) -> dict[str, int]:
-    """Make the file with all labels and without values; return where in it each variable starts."""
+    """Create the file with all labels and without values; return the offset of each variable."""
     labelled = coords.assign_attrs(plain_attrs(attrs))
     # without _FillValue: None xarray declares NaN a fill value of every coordinate
     labelled.to_netcdf(
@@ -66,7 +66,7 @@ def _create(file: Any, coords: xr.Dataset, variable: Variable) -> int:
 def set_attrs(
     fd: int, path: Path, attrs: Mapping[str, Any], of_variables: Mapping[str, Mapping[str, Any]]
 ) -> None:
-    """Add attributes, global ones and those of variables, to a file that this process holds by a lock on `fd`."""
+    """Add attributes, global and of variables, to a file that this process has locked by `fd`."""
     with contextlib.ExitStack() as stack:
         try:
             # this process holds the lock that HDF5 would ask for
@@ -74,6 +74,6 @@ def set_attrs(
         except BlockingIOError:  # HDF5_USE_FILE_LOCKING=TRUE in the environment overrules locking=False
             stack.enter_context(released(fd))
             file = stack.enter_context(h5py.File(path, "r+"))
-        for place, added in (("/", attrs), *of_variables.items()):
+        for group, added in (("/", attrs), *of_variables.items()):
             for name, value in added.items():
-                file[place].attrs[name] = value
+                file[group].attrs[name] = value

@@ -32,10 +32,10 @@ NO_ROOM = {errno.ENOSPC, errno.EFBIG, getattr(errno, "EDQUOT", errno.ENOSPC)}
 
 
 class Writer:
-    """Write a labelled file from any number of threads; a context manager.
+    """Writer of a labelled file, for any number of threads; a context manager.
 
     Nothing appears under the final name before `finish`; without it, or on an exception, leaving the context
-    removes what was written.
+    removes the partial file.
 
     Parameters
     ----------
@@ -48,10 +48,10 @@ class Writer:
     attrs : mapping
         Further global attributes.
     overwrite : bool, default False
-        Replace an existing file; who has it open goes on reading the old one.
+        Replace an existing file; a process that has it open goes on reading the old one.
     run : (fingerprint, size), optional
-        What tells this run from all others, and how many designs it evaluates. With it, `record` notes what is
-        written, and a run of the same fingerprint that was killed is gone on with: `pending` is what it left.
+        A hash that no other run has, and the number of designs to evaluate. With it, `record` keeps the journal,
+        and a killed run of the same fingerprint is resumed: `pending` are the designs that it left.
     """
 
     def __init__(
@@ -71,12 +71,12 @@ class Writer:
         self.part = partial_file.part_of(self.path)
         self._overwrite = overwrite
         self._variables = {variable.name: variable for variable in variables}
-        self._written = dict.fromkeys(self._variables, 0)
+        self._values_written = dict.fromkeys(self._variables, 0)
         self._idle = threading.Condition()
         self._writing = 0
         self._closed = False
         self._fingerprint, self._size = run or ("", 0)
-        self._done: list[Range] = []
+        self._ranges: list[Range] = []
         try:
             if not self._resumed():
                 with partial_file.claimed(self.part):
@@ -85,7 +85,7 @@ class Writer:
         except (OSError, RuntimeError) as error:  # HDF5 reports a full disk as either
             raise self._failure(error) from error
         about = {"fingerprint": self._fingerprint, "offsets": self._offsets}
-        self._journal = Journal(self._fd, self.part, about, self._done)
+        self._journal = Journal(self._fd, self.part, about, self._ranges)
 
     def __enter__(self) -> Writer:
         return self
@@ -95,18 +95,18 @@ class Writer:
     ) -> None:
         if self._closed:
             return
-        if isinstance(error, KeyboardInterrupt) and self._done:
+        if isinstance(error, KeyboardInterrupt) and self._ranges:
             self._keep(error)
         else:
             self._discard()
 
     @property
     def pending(self) -> list[Range]:
-        """Designs that no run has written yet."""
-        return missing(self._done, self._size)
+        """Ranges of designs that are not written yet."""
+        return missing(self._ranges, self._size)
 
     def record(self, start: int, stop: int) -> None:
-        """Note that all variables of these designs are written; thread-safe.
+        """Record that all variables of some designs are written; thread-safe.
 
         Parameters
         ----------
@@ -114,16 +114,16 @@ class Writer:
             Numbers of designs as they are evaluated.
         """
         with self._idle:
-            self._done = joined([*self._done, (start, stop)])
+            self._ranges = joined([*self._ranges, (start, stop)])
         self._journal.add(start, stop)
 
     @property
     def written(self) -> list[Range]:
-        """Designs that are written, by this run or by one that was killed."""
-        return list(self._done)
+        """Ranges of designs that are written, by this run or by the one that it resumes."""
+        return list(self._ranges)
 
     def read(self, name: str, start: int, stop: int, row: tuple[int, ...]) -> NDArray[Any]:
-        """Return values that were written: one row of a shape per design, as in `write`."""
+        """Return written values: one row of a given shape per design, as in `write`."""
         dtype, length = self._variables[name].dtype, math.prod(row)
         with open(self.part, "rb") as file:
             file.seek(self._offsets[name] + start * length * dtype.itemsize)
@@ -153,7 +153,7 @@ class Writer:
         else:
             self._journal.add_bytes(block.nbytes)
             with self._idle:
-                self._written[name] += block.size
+                self._values_written[name] += block.size
         finally:
             with self._idle:
                 self._writing -= 1
@@ -167,13 +167,13 @@ class Writer:
         Parameters
         ----------
         attrs : mapping
-            Global attributes that were not known before, such as the run time.
+            Further global attributes, such as the run time.
         of_variables : mapping, optional
-            Attributes of variables that were not known before, such as their errors.
+            Further attributes of variables, such as their errors.
         """
         last = plain_attrs({**attrs, FORMAT: FORMAT_VERSION})
         further = {name: plain_attrs(added) for name, added in (of_variables or {}).items()}
-        for name, count in self._written.items():
+        for name, count in self._values_written.items():
             expected = math.prod(self._variables[name].shape)
             if count != expected:
                 raise RuntimeError(f"{self.path}: {count} of {expected} values of {name} were written")
@@ -194,29 +194,29 @@ class Writer:
             raise InputError(what, where=("to",), remedy=remedy) from error
 
     def _resumed(self) -> bool:
-        """Take over what a killed run of the same fingerprint has left."""
-        found = read_journal(self.part, self._fingerprint) if self._fingerprint else None
-        fd = None if found is None else partial_file.reopened(self.part)
-        if found is None or fd is None:
+        """Resume a killed run of the same fingerprint, if there is one."""
+        journal = read_journal(self.part, self._fingerprint) if self._fingerprint else None
+        fd = None if journal is None else partial_file.reopened(self.part)
+        if journal is None or fd is None:
             return False
-        about, self._done = found
+        about, self._ranges = journal
         self._offsets, self._fd = about["offsets"], fd
-        written = sum(stop - start for start, stop in self._done)
+        written = sum(stop - start for start, stop in self._ranges)
         for name, variable in self._variables.items():
-            self._written[name] = math.prod(variable.shape) // self._size * written
+            self._values_written[name] = math.prod(variable.shape) // self._size * written
         return True
 
     def _keep(self, error: KeyboardInterrupt) -> None:
-        """Leave the partial file to be gone on with."""
+        """Keep the partial file to be resumed."""
         self._close_to_writers(keep=True)
         os.close(self._fd)
-        share = sum(stop - start for start, stop in self._done) / self._size
+        share = sum(stop - start for start, stop in self._ranges) / self._size
         error.add_note(f"{share:.0%} of the designs are kept in {self.part}; run the same again to go on")
 
     def _start(
         self, coords: xr.Dataset, variables: Sequence[Variable], attrs: Mapping[str, Any]
     ) -> tuple[dict[str, int], int]:
-        """Lay the file out and reserve its room; return where each variable starts, and the file number."""
+        """Lay the file out and reserve its room; return the offset of each variable, and the file number."""
         fresh = self.part.with_name(self.part.name + ".new")
         try:
             partial_file.make_sure_of_room(fresh, coords.nbytes + partial_file.SLACK)
@@ -235,7 +235,7 @@ class Writer:
         return offsets, fd
 
     def _position(self, name: str, start: int, block: NDArray[Any]) -> int:
-        """Return where in the file a block goes, after checking that it fits the variable."""
+        """Return the offset of a block in the file, after checking that it fits the variable."""
         variable = self._variables[name]
         if block.dtype != variable.dtype:
             raise TypeError(f"{name}: block is {block.dtype}, the variable {variable.dtype}")
@@ -256,7 +256,7 @@ class Writer:
         return InputError(what, where=("to",), remedy="choose another place")
 
     def _close_to_writers(self, *, keep: bool = False) -> None:
-        """Let no write begin, and wait for those under way: the file number may soon be of another file."""
+        """Refuse further writes, and wait for those under way: the file number may soon be of another file."""
         with self._idle:
             if self._closed:
                 raise ValueError(f"{self.path}: the file is closed")
