@@ -81,7 +81,7 @@ def requested(label):
         from fastlink.study.study import read_study
 
         study = read_study(STUDY)
-        return study.shape.mechanism, study.space, study.shape.quantities, study.options
+        return study.mechanism, study.space, study.quantities, study.options
     names, options, _ = REQUESTS[label]
     values = dict(zip(INPUTS, designs(1)[:, 0].tolist(), strict=True))
     return "planar_4r", fl.grid(**values), names, options

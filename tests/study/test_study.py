@@ -12,6 +12,7 @@ from numpy.testing import assert_array_equal
 from tests.support.study_files import BARE, GOOD, LENGTHS, written
 
 import fastlink as fl
+from fastlink.engine.resolve import resolve
 from fastlink.mechanisms import NAMES
 from fastlink.study.study import read_study, run_study
 
@@ -63,8 +64,9 @@ file = "torque.h5"
 
 def test_theta1_and_branch_by_default(folder):
     study = read_study(written(BARE + "[design]\n" + LENGTHS))
-    assert study.options["angles"] is None
-    assert study.shape.cycle.branch == [1, 2]
+    resolved = resolve(study.mechanism, study.space, study.quantities, **study.options)
+    assert resolved.branches == (1, 2)
+    assert_array_equal(resolved.positions, np.arange(360) * (2 * np.pi / 360))
 
 
 @pytest.mark.parametrize("kind", ["sobol", "latin_hypercube"])
@@ -102,7 +104,7 @@ def test_the_main_study_is_as_large_as_promised():
     centre = {"a2": 1.2, "a3": 0.8, "a4": 1.0}
     for name, value in centre.items():
         assert np.abs(study.space.axes[name] - value).min() < 1e-12
-    assert study.shape.output.file == "crank_rocker_map.h5"
+    assert study.output["file"] == "crank_rocker_map.h5"
 
 
 def test_the_studies_are_toml_that_others_read():

@@ -100,5 +100,5 @@ def test_every_study_says_what_it_is_for_and_how_to_run_it(name):
     assert f"#     fastlink run data/studies/{name}" in text
     assert "fastlink plot" in text
     study = read_study(STUDIES / name)
-    inputs = catalogue(study.shape.mechanism).inputs
+    inputs = catalogue(study.mechanism).inputs
     assert {name for name, one in inputs.items() if one.rule == "positive"} <= set(study.space.names)

@@ -164,7 +164,7 @@ def explain(study: str | Path) -> Explanation:
     ((), ['design'])
     """
     read = read_study(study)
-    return explain_request(resolve(read.shape.mechanism, read.space, read.shape.quantities, **read.options))
+    return explain_request(resolve(read.mechanism, read.space, read.quantities, **read.options))
 
 
 def explain_request(asked: ResolvedSweep) -> Explanation:

@@ -128,8 +128,8 @@ def measure(
     """Measure error and run time of a study's quantities by the methods that a function returns for each."""
     _check_whole("designs", designs, 1)
     _check_whole("seed", seed, 0)
-    mechanism, options = study.shape.mechanism, study.options
-    resolved = resolve(mechanism, study.space, study.shape.quantities, **options)
+    mechanism, options = study.mechanism, study.options
+    resolved = resolve(mechanism, study.space, study.quantities, **options)
     rng = np.random.default_rng(seed)
     columns = resolved.space.at(resolved.space.some(designs, rng))
     space = sampled("table", {}, columns, {"design_kind": "table"})

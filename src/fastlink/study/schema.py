@@ -1,288 +1,272 @@
-"""The shape of a study file: its tables, keys and types, and what is wrong with them."""
+"""The keys of a study file and the values that they may have.
+
+A reader takes a value of the file and its place, and returns the value as a sweep takes it, or raises InputError.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection
-from typing import TYPE_CHECKING, Annotated, Any, Self, TypeVar
+import math
+from collections.abc import Callable, Mapping
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
-from pydantic import (
-    AfterValidator,
-    BaseModel,
-    ConfigDict,
-    Discriminator,
-    Field,
-    Tag,
-    ValidationError,
-    WrapValidator,
-    model_validator,
-)
-from pydantic_core import PydanticCustomError
 
-from fastlink.errors import Problem, suggest
+from fastlink.errors import InputError, Place, Problems, suggest
 from fastlink.space.design_space import short_repr
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-__all__ = ["LONGEST_AXIS", "TABLES", "Angles", "Design", "LinkModel", "StudyFile", "problems"]
+__all__ = ["KEYS", "SAMPLES", "read_tables"]
 
 LONGEST_AXIS = 10_000_000  # 80 MB: axes are held in memory
 
-T = TypeVar("T")
+Reader: TypeAlias = Callable[[Any, Place], Any]
 
 
-def _refused(what: str, remedy: str) -> PydanticCustomError:
-    return PydanticCustomError("allowed", "{what}; {remedy}", {"what": what, "remedy": remedy})
+def _value(allowed: str, convert: Callable[[Any], Any]) -> Reader:
+    """Return the reader of one value, which `convert` returns or refuses by a ValueError."""
+
+    def read(value: Any, where: Place) -> Any:
+        try:
+            return convert(value)
+        except (ValueError, TypeError, OverflowError):
+            raise InputError(f"is {short_repr(value)}", where=where, remedy=f"write {allowed}") from None
+
+    return read
 
 
-def _or_say(allowed: str, *, and_inside: bool = False) -> WrapValidator:
-    """Whatever is wrong with a value, say in one line what would be right.
+def _list(allowed: str, entry: Reader) -> Reader:
+    """Return the reader of a list that is not empty, each entry of which has a reader."""
 
-    With `and_inside` the entries of a list speak for themselves.
+    def read(value: Any, where: Place) -> list[Any]:
+        if not isinstance(value, list) or not value:
+            raise InputError(f"is {short_repr(value)}", where=where, remedy=f"write {allowed}")
+        problems, entries = Problems(), []
+        for k, one in enumerate(value):
+            with problems.at():
+                entries.append(entry(one, (*where, k)))
+        problems.stop()
+        return entries
+
+    return read
+
+
+def _table(
+    keys: Mapping[str, Reader], other: Reader | None = None, required: Mapping[str, str] | None = None
+) -> Reader:
+    """Return the reader of a table.
+
+    Parameters
+    ----------
+    keys : mapping of str to reader
+        Its keys.
+    other : reader, optional
+        The reader of all other keys, which are refused without it.
+    required : mapping of str to str, optional
+        The keys that must stand in it, with examples.
     """
 
-    def check(value: Any, handler: Callable[[Any], T]) -> T:
-        try:
-            return handler(value)
-        except ValidationError as error:
-            if and_inside and any(entry["loc"] for entry in error.errors(include_url=False)):
-                raise
-            raise _refused(f"is {short_repr(value)}", f"write {allowed}") from None
+    def read(value: Any, where: Place) -> dict[str, Any]:
+        if not isinstance(value, dict):
+            remedy = f"write a table of keys, such as [{where[-1]}]"
+            raise InputError(f"is {short_repr(value)}", where=where, remedy=remedy)
+        problems, misspelt, values = Problems(), [], {}
+        for name, given in value.items():
+            reader = keys.get(name, other)
+            if reader is None:
+                misspelt.append(suggest(name, keys))
+                problems.add("is no key here", (*where, name), misspelt[-1])
+                continue
+            with problems.at():
+                values[name] = reader(given, (*where, name))
+        for name, example in (required or {}).items():
+            if name not in value and f"did you mean {name!r}?" not in misspelt:
+                problems.add("is missing", (*where, name), f"write {example}")
+        problems.stop()
+        return values
 
-    return WrapValidator(check)
+    return read
 
 
-AXIS = "{linspace = [lo, hi, n]}, {geomspace = [lo, hi, n]} or {values = [...]}"
+def _either(number: Reader, table: Reader) -> Reader:
+    """Return the reader of a value that is a number or a table."""
+    return lambda value, where: (table if isinstance(value, dict) else number)(value, where)
+
+
+def _is(condition: bool, value: Any) -> Any:
+    """Return a value that fulfils a condition."""
+    if not condition:
+        raise ValueError
+    return value
+
+
+def _finite(value: Any) -> float:
+    number = isinstance(value, (int, float)) and not isinstance(value, bool)
+    return float(_is(number and math.isfinite(value), value))
+
+
+def _whole(value: Any, least: float = -math.inf, most: float = math.inf) -> int:
+    return int(_is(type(value) is int and least <= value <= most, value))
+
+
+def _count(value: Any) -> int:
+    return _whole(value, 1, LONGEST_AXIS)
+
+
+def _text(value: Any) -> str:
+    return str(_is(isinstance(value, str), value))
+
+
+def _filled(value: Any) -> str:
+    return str(_is(bool(_text(value)), value))
+
+
+def _samples(value: Any) -> tuple[float, float, int]:
+    low, high, count = value
+    return _finite(low), _finite(high), _count(count)
+
+
+def _samples_of_one_sign(value: Any) -> tuple[float, float, int]:
+    low, high, count = _samples(value)
+    return _is(low != 0.0 != high and (low > 0.0) == (high > 0.0), (low, high, count))  # type: ignore[no-any-return]
+
+
+def _range(value: Any) -> float | tuple[float, float]:
+    if not isinstance(value, list):
+        return _finite(value)
+    low, high = value
+    return _finite(low), _finite(high)
+
+
+def _branches(value: Any) -> int | list[int]:
+    return [_whole(one) for one in value] if isinstance(value, list) else _whole(value)
+
+
 COUNT = f"a whole number n from 1 to {LONGEST_AXIS}"
-
-
-def _of_one_sign(given: tuple[float, float, int]) -> tuple[float, float, int]:
-    low, high, _ = given
-    if not (low and high and (low > 0) == (high > 0)):
-        raise ValueError("the ends have not one sign")
-    return given
-
-
-Finite = Annotated[float, Field(strict=True, allow_inf_nan=False)]
-Count = Annotated[int, Field(strict=True, ge=1, le=LONGEST_AXIS)]
-Whole = Annotated[int, Field(strict=True)]
-Text = Annotated[str, Field(strict=True, min_length=1), _or_say("a text that is not empty")]
-Switch = Annotated[bool, Field(strict=True), _or_say("true or false")]
-Name = Annotated[str, Field(strict=True), _or_say("the name of a quantity as text")]
-Names = Annotated[
-    list[Name],
-    Field(strict=True, min_length=1),
-    _or_say('a list of names, such as ["omega4_max"]', and_inside=True),
-]
-Number = Annotated[Finite, _or_say("a finite number")]
-Numbers = Annotated[
-    list[Number],
-    Field(strict=True, min_length=1),
-    _or_say("a list of one or more finite numbers", and_inside=True),
-]
-Linspace = Annotated[tuple[Finite, Finite, Count], _or_say(f"[lo, hi, n] with finite lo and hi and {COUNT}")]
-Geomspace = Annotated[
-    tuple[Finite, Finite, Count],
-    AfterValidator(_of_one_sign),
-    _or_say(f"[lo, hi, n] with finite lo and hi of one sign, neither 0, and {COUNT}"),
-]
-Range = Annotated[
-    tuple[Finite, Finite] | Finite, _or_say("[lo, hi] with finite lo < hi, or one finite number")
-]
-
-
-class _Table(BaseModel):
-    model_config = ConfigDict(extra="forbid", frozen=True)
-
-
-class Angles(_Table):
-    """Input angles in rad: exactly one key."""
-
-    linspace: Linspace | None = None
-    values: Numbers | None = None
-
-    @model_validator(mode="after")
-    def _has_one_key(self) -> Self:
-        given = [name for name, value in self if value is not None]
-        if len(given) != 1:
-            known = ", ".join(sorted(type(self).model_fields))
-            raise _refused(f"has {' and '.join(given) or 'no key'}", f"write exactly one of {known}")
-        return self
-
-    def array(self) -> NDArray[Any]:
-        """Return the values, from the one key."""
-        ((kind, value),) = [(name, value) for name, value in self if value is not None]
-        if kind == "values":
-            return np.array(value)
-        low, high, n = value
-        with np.errstate(all="ignore"):  # what overflows is found with its index, as any infinite value
-            return (np.linspace if kind == "linspace" else np.geomspace)(low, high, n)
-
-
-class Axis(Angles):
-    """A swept axis: exactly one key."""
-
-    geomspace: Geomspace | None = None
-
-
-def _kind(value: Any) -> str:
-    return "<axis>" if isinstance(value, (dict, Angles)) else "<number>"
-
-
-Entry = Annotated[
-    Annotated[Finite, _or_say(f"a finite number, or {AXIS}"), Tag("<number>")]
-    | Annotated[Axis, Tag("<axis>")],
-    Discriminator(_kind),
-]
-
-
-class Sample(BaseModel):
-    """A space-filling sample: number of designs, seed, and a range for each sampled input."""
-
-    model_config = ConfigDict(extra="allow", frozen=True)
-    __pydantic_extra__: dict[str, Range]
-
-    n: Annotated[Whole, _or_say("a whole number of designs of at least 1")]
-    seed: Annotated[Whole, _or_say("a whole number of at least 0")] = 0
-
-
-class Design(BaseModel):
-    """The design space: numbers and axes, or numbers and one sample or table."""
-
-    model_config = ConfigDict(extra="allow", frozen=True)
-    __pydantic_extra__: dict[str, Entry]
-
-    sobol: Sample | None = None
-    latin_hypercube: Sample | None = None
-    table: Annotated[Text | None, _or_say('the path of a CSV file, such as "designs.csv"')] = None
-
-
-class LinkModel(BaseModel):
-    """The model of the links, and its inputs that are the same for all designs."""
-
-    model_config = ConfigDict(extra="allow", frozen=True)
-    __pydantic_extra__: dict[
-        str, Annotated[Finite, _or_say("one finite number; to sweep it, make it an axis in [design]")]
-    ]
-
-    model: Text
-
-
-InputAngles = Annotated[
-    Annotated[
-        Count,
-        _or_say(
-            f"a number of angles from 1 to {LONGEST_AXIS}, {{linspace = [lo, hi, n]}} or "
-            "{values = [...]} in rad"
-        ),
-        Tag("<number>"),
-    ]
-    | Annotated[Angles, Tag("<axis>")],
-    Discriminator(_kind),
-]
-
-
-class Cycle(BaseModel):
-    """The input, its positions (as ``angles`` or by its own name), the assembly modes and the solver."""
-
-    model_config = ConfigDict(extra="allow", frozen=True)
-    __pydantic_extra__: dict[str, InputAngles]
-
-    input: Text | None = None
-    angles: InputAngles | None = None
-    branch: Annotated[Whole | list[Whole], _or_say("assembly modes, such as [1, 2]")] = [1, 2]
-    solver: Annotated[str, Field(strict=True), _or_say('"eliminated" or "dense"')] = "eliminated"
-    extrema: Annotated[str | None, Field(strict=True), _or_say('"refined" or "sampled"')] = None
-
-
-class Run(_Table):
-    """How kernels are compiled."""
-
-    backend: Annotated[str | None, Field(strict=True), _or_say('"llvm" or "numba"')] = None
-
-
-class OutputFile(_Table):
-    """Where the result goes, and how many of its designs are computed again."""
-
-    file: Text | None = None
-    overwrite: Switch = False
-    verify: Annotated[
-        int | None,
-        Field(strict=True, ge=0),
-        _or_say("how many designs to compute again with 50 digits, 0 for none"),
-    ] = None
-
-
-class StudyFile(_Table):
-    """A whole study file."""
-
-    mechanism: Text
-    title: Text | None = None
-    quantities: Names
-    design: Design
-    links: LinkModel | None = None
-    cycle: Cycle = Cycle.model_validate({})
-    run: Run = Run()
-    output: OutputFile = OutputFile()
-
-
-#: The tables of options.
-TABLES: dict[str, type[BaseModel]] = {"cycle": Cycle, "run": Run, "output": OutputFile}
-_EXAMPLES = {
-    "mechanism": 'mechanism = "planar_4r"',
-    "quantities": 'quantities = ["omega4_max"]',
-    "design": "a table [design] with a number or an axis for each input",
-    "n": "n = 1024, the number of designs",
-    "model": 'model = "round_bar"',
+#: The keys of an axis.
+LINSPACE: dict[str, Reader] = {
+    "linspace": _value(f"[lo, hi, n] with finite lo and hi and {COUNT}", _samples),
+    "values": _list("a list of one or more finite numbers", _value("a finite number", _finite)),
+}
+AXIS: dict[str, Reader] = LINSPACE | {
+    "geomspace": _value(
+        f"[lo, hi, n] with finite lo and hi of one sign, neither 0, and {COUNT}", _samples_of_one_sign
+    )
 }
 
 
-def problems(error: ValidationError, positions: Collection[str]) -> list[Problem]:
-    """Return everything that pydantic refused.
+def _axis(keys: Mapping[str, Reader]) -> Reader:
+    """Return the reader of an axis, which has exactly one of some keys."""
+    table = _table(keys)
 
-    A missing key is left out where a misspelt one stands for it; what stands under a key that is neither an option of
-    [cycle] nor one of the input `positions` is left to the check of that key.
+    def read(value: Any, where: Place) -> NDArray[Any]:
+        given = table(value, where)
+        if len(given) != 1:
+            remedy = f"write exactly one of {', '.join(sorted(keys))}"
+            raise InputError(f"has {' and '.join(given) or 'no key'}", where=where, remedy=remedy)
+        ((kind, numbers),) = given.items()
+        if kind == "values":
+            return np.array(numbers)
+        with np.errstate(
+            all="ignore"
+        ):  # a value that overflows is refused with its index, as any infinite one
+            return (np.linspace if kind == "linspace" else np.geomspace)(*numbers)
+
+    return read
+
+
+TEXT = _value("a text that is not empty", _filled)
+ANGLES = _either(
+    _value(
+        f"a number of angles from 1 to {LONGEST_AXIS}, {{linspace = [lo, hi, n]}} or {{values = [...]}} in rad",
+        _count,
+    ),
+    _axis(LINSPACE),
+)
+#: The tables of options, and their keys.
+KEYS: dict[str, dict[str, Reader]] = {
+    "cycle": {
+        "input": TEXT,
+        "angles": ANGLES,
+        "branch": _value("assembly modes, such as [1, 2]", _branches),
+        "solver": _value('"eliminated" or "dense"', _text),
+        "extrema": _value('"refined" or "sampled"', _text),
+    },
+    "run": {"backend": _value('"llvm" or "numba"', _text)},
+    "output": {
+        "file": TEXT,
+        "overwrite": _value("true or false", lambda value: _is(isinstance(value, bool), value)),
+        "verify": _value(
+            "how many designs to compute again with 50 digits, 0 for none", lambda value: _whole(value, 0)
+        ),
+    },
+}
+_SAMPLE = _table(
+    {
+        "n": _value("a whole number of designs of at least 1", _whole),
+        "seed": _value("a whole number of at least 0", _whole),
+    },
+    _value("[lo, hi] with finite lo < hi, or one finite number", _range),
+    {"n": "n = 1024, the number of designs"},
+)
+#: The keys of [design] that are not inputs.
+SAMPLES: dict[str, Reader] = {
+    "sobol": _SAMPLE,
+    "latin_hypercube": _SAMPLE,
+    "table": _value('the path of a CSV file, such as "designs.csv"', _filled),
+}
+_ENTRY = _either(
+    _value(
+        "a finite number, or {linspace = [lo, hi, n]}, {geomspace = [lo, hi, n]} or {values = [...]}", _finite
+    ),
+    _axis(AXIS),
+)
+_NUMBER_OF_LINKS = _value("one finite number; to sweep it, make it an axis in [design]", _finite)
+
+
+def _entry(value: Any, where: Place) -> Any:
+    """Return the number or the axis of an input."""
+    if isinstance(value, dict) and "n" in value:  # a sample under another name
+        remedy = suggest(str(where[-1]), ["sobol", "latin_hypercube"])
+        raise InputError("is no key here", where=where, remedy=remedy)
+    return _ENTRY(value, where)
+
+
+def read_tables(raw: Mapping[str, Any], position: str) -> dict[str, Any]:
+    """Return the tables of a study with values as a sweep takes them.
+
+    Parameters
+    ----------
+    raw : mapping
+        The contents of the file.
+    position : str
+        The name of the input; other keys of [cycle] that are unknown are kept as None, for a check of their names.
+
+    Raises
+    ------
+    InputError
+        With every key that is unknown or missing, and every value of another type.
     """
-    entries = [
-        entry
-        for entry in error.errors(include_url=False)
-        if entry["loc"][:1] != ("cycle",) or {*entry["loc"][1:2]} <= {*Cycle.model_fields, *positions}
-    ]
-    # a sample's keys under a name that is no kind of sample: that name is what is wrong
-    samples = {entry["loc"][:3] for entry in entries if entry["loc"][2:] == ("<axis>", "n")}
-    found = [
-        Problem("is no key here", _where(loc), suggest(str(loc[1]), ["sobol", "latin_hypercube"]))
-        for loc in sorted(samples, key=str)
-    ]
-    for entry in entries:
-        loc = entry["loc"]
-        if loc[:3] in samples:
-            continue
-        kind, name = entry["type"], str(loc[-1])
-        if kind == "extra_forbidden":
-            what, remedy = "is no key here", suggest(name, _model_at(loc[:-1]).model_fields)
-        elif kind == "missing":
-            what, remedy = "is missing", f"write {_EXAMPLES.get(name, name)}"
-        elif kind == "allowed":
-            what, remedy = entry["ctx"]["what"], entry["ctx"]["remedy"]
-        else:
-            what, remedy = f"is {short_repr(entry['input'])}", f"write a table of keys, such as [{name}]"
-        found.append(Problem(what, _where(loc), remedy))
-    meant = {(*one.where[:-1], one.remedy) for one in found if one.what == "is no key here"}
-    return [
-        one
-        for one in found
-        if one.what != "is missing" or (*one.where[:-1], f"did you mean {one.where[-1]!r}?") not in meant
-    ]
 
+    def cycle(value: Any, where: Place) -> Any:
+        return ANGLES(value, where) if where[-1] == position else None
 
-def _where(loc: tuple[int | str, ...]) -> tuple[int | str, ...]:
-    """Return a place in a study file without pydantic's tags."""
-    return tuple(part for part in loc if isinstance(part, int) or not part.startswith("<"))
-
-
-def _model_at(loc: tuple[int | str, ...]) -> type[BaseModel]:
-    if loc and loc[-1] == "<axis>":
-        return Angles if loc[0] == "cycle" else Axis
-    return TABLES[str(loc[0])] if loc else StudyFile
+    names = _list('a list of names, such as ["omega4_max"]', _value("the name of a quantity as text", _text))
+    examples = {
+        "mechanism": 'mechanism = "planar_4r"',
+        "quantities": 'quantities = ["omega4_max"]',
+        "design": "a table [design] with a number or an axis for each input",
+    }
+    keys: dict[str, Reader] = {
+        "mechanism": TEXT,
+        "title": TEXT,
+        "quantities": names,
+        "design": _table(SAMPLES, _entry),
+        "links": _table({"model": TEXT}, _NUMBER_OF_LINKS, {"model": 'model = "round_bar"'}),
+        "cycle": _table(KEYS["cycle"], cycle),
+        "run": _table(KEYS["run"]),
+        "output": _table(KEYS["output"]),
+    }
+    tables: dict[str, Any] = _table(keys, required=examples)(raw, ())
+    return {"cycle": {}, "run": {}, "output": {}, **tables}

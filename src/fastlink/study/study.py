@@ -1,4 +1,4 @@
-"""A study: one TOML file that says which mechanism, designs and quantities; read, checked, run."""
+"""Read, check and run studies: TOML files that name a mechanism, designs and quantities."""
 
 from __future__ import annotations
 
@@ -8,8 +8,6 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
-
-from pydantic import ValidationError
 
 from fastlink.engine.checks import check
 from fastlink.engine.resolve import resolve
@@ -30,66 +28,60 @@ from fastlink.io.partial_file import check_target
 from fastlink.mechanisms import catalogue as find_catalogue
 from fastlink.plan.validate import check_keywords
 from fastlink.space.design_space import DesignSpace
-from fastlink.space.links import Links, links_from
-from fastlink.space.samplers import grid
-from fastlink.study.design import SAMPLES, space_of
-from fastlink.study.schema import TABLES, Angles, Cycle, StudyFile, problems
+from fastlink.space.links import links_from
+from fastlink.space.samplers import grid, latin_hypercube, sobol, table
+from fastlink.study.schema import KEYS, SAMPLES, read_tables
 
 if TYPE_CHECKING:
     import xarray as xr
 
 __all__ = ["Study", "read_study", "run_study"]
 
-#: What is called otherwise in a study than in `fastlink.sweep`.
+#: Parameters of `fastlink.sweep` with another name in a study.
 PARAMETERS = {"to": "file"}
 
 
 @dataclass(frozen=True, eq=False)
 class Study:
-    """A study that was read and found right.
+    """A study without problems, as `fastlink.sweep` takes it.
 
     Attributes
     ----------
     path : Path
         The file.
     text : str
-        What it says.
-    shape : StudyFile
+        Its text.
+    tables : dict
         Its tables and keys.
     space : DesignSpace
         The designs.
-    links : Links or None
-        The model of the links.
+    options : dict
+        The options of the sweep besides mechanism, designs and quantities.
     sources : tuple of Path
         The files that it was read from: itself, and a table of designs.
     """
 
     path: Path
     text: str
-    shape: StudyFile
+    tables: dict[str, Any]
     space: DesignSpace
-    links: Links | None
+    options: dict[str, Any]
     sources: tuple[Path, ...]
 
     @property
-    def options(self) -> dict[str, Any]:
-        """What `fastlink.sweep` is told beside mechanism, designs and quantities."""
-        cycle = self.shape.cycle
-        by_name = _values(next(iter((cycle.model_extra or {}).values()), None))
-        return {
-            "links": self.links,
-            "input": cycle.input,
-            "angles": _values(cycle.angles) if by_name is None else by_name,
-            "branch": cycle.branch,
-            "solver": cycle.solver,
-            "extrema": cycle.extrema,
-            "backend": self.shape.run.backend,
-        }
+    def mechanism(self) -> str:
+        """The name of the mechanism."""
+        return str(self.tables["mechanism"])
 
+    @property
+    def quantities(self) -> list[str]:
+        """The names of the quantities."""
+        return list(self.tables["quantities"])
 
-def _values(given: int | Angles | None) -> Any:
-    """Return the number of input positions, or the positions."""
-    return given.array() if isinstance(given, Angles) else given
+    @property
+    def output(self) -> dict[str, Any]:
+        """Its table [output]."""
+        return dict(self.tables["output"])
 
 
 def run_study(
@@ -107,7 +99,7 @@ def run_study(
     path : str or path
         The study, a TOML file.
     to : path, optional
-        The HDF5 file to write; by default what the study says, else the study's name with ``.h5``, in the
+        The HDF5 file to write; by default that of the study, else the study's name with ``.h5``, in the
         current folder.
     threads : int, optional
         All processors unless given.
@@ -149,23 +141,22 @@ def run_study(
     {'a2': 5, 'branch': 2}
     """
     study = read_study(path)
-    shape = study.shape
     given = {"to": to, "threads": threads, "verify": verify}
-    place = Path(to or shape.output.file or f"{study.path.stem}.h5").expanduser()
-    overwrite = overwrite or shape.output.overwrite
-    title = {} if shape.title is None else {"title": shape.title}
+    target = Path(to or study.output.get("file") or f"{study.path.stem}.h5").expanduser()
+    overwrite = overwrite or study.output.get("overwrite", False)
+    title = {name: study.tables[name] for name in ("title",) if name in study.tables}
     try:
-        check_target(place, 0, overwrite)
-        if any(place.exists() and place.samefile(source) for source in study.sources):
-            what = f"{place}: the study is read from that file"
+        check_target(target, 0, overwrite)
+        if any(target.exists() and target.samefile(source) for source in study.sources):
+            what = f"{target}: the study is read from that file"
             raise InputError(what, where=("to",), remedy="choose another name")
         return sweep(
-            shape.mechanism,
+            study.mechanism,
             study.space,
-            shape.quantities,
+            study.quantities,
             **study.options,
-            verify=shape.output.verify if verify is None else verify,
-            to=place,
+            verify=study.output.get("verify") if verify is None else verify,
+            to=target,
             overwrite=overwrite,
             threads=threads,
             progress=progress,
@@ -174,7 +165,7 @@ def run_study(
     except InputError as error:
         if given.get(str(error.where[0]) if error.where else "") is not None:
             raise  # the caller's own, not the study's
-        raise InputError.of(error.problems, _Keys(study.path, shape, study.space)) from None
+        raise InputError.of(error.problems, _Keys(study.path, study.tables, study.space)) from None
 
 
 def read_study(path: str | Path) -> Study:
@@ -187,34 +178,31 @@ def read_study(path: str | Path) -> Study:
     """
     path = Path(path).expanduser()
     text = _text_of(path)
-    try:
-        raw = tomllib.loads(text)
-    except (tomllib.TOMLDecodeError, RecursionError) as error:
-        raise InputError.of([Problem(f"is no TOML: {error}")], _Keys(path)) from None
-    try:
-        shape = StudyFile.model_validate(raw)
-    except ValidationError as error:
-        raise InputError.of(_schema_problems(raw, error), _Keys(path)) from None
-    found = Problems(_Keys(path, shape))
-    links, space = None, None
-    with found.at():
-        links = None if shape.links is None else links_from(shape.links.model, shape.links.model_extra or {})
-    with found.at():
-        space = space_of(path, shape.design)
-    sources = (path, *([path.parent / shape.design.table] if shape.design.table else ()))
-    study = Study(path, text, shape, space or grid(), links, sources)
-    if space is not None:
-        found.wording = _Keys(path, shape, space)
-    cycle = shape.cycle
-    positions = {name: _values(given) for name, given in (cycle.model_extra or {}).items()}
-    own = {"angles": _values(cycle.angles), "positions": positions, "options": Cycle.model_fields}
-    with found.at():
-        check(shape.mechanism, space, shape.quantities, **study.options | own)
-    found.stop()
-    with found.at():
-        resolve(shape.mechanism, study.space, shape.quantities, **study.options)
-    found.stop()
-    return study
+    tables = _tables_of(path, text)
+    cycle, design = tables["cycle"], tables["design"]
+    positions = {name: values for name, values in cycle.items() if name not in KEYS["cycle"]}
+    options = {name: value for name, value in {**cycle, **tables["run"]}.items() if name not in positions}
+    problems = Problems(_Keys(path, tables))
+    space = None
+    if "links" in tables:
+        with problems.at():
+            values = dict(tables["links"])
+            options["links"] = links_from(values.pop("model"), values)
+    with problems.at():
+        space = _space_of(path, design)
+        problems.wording = _Keys(path, tables, space)
+    mechanism, quantities = tables["mechanism"], tables["quantities"]
+    with problems.at():
+        check(mechanism, space, quantities, positions=positions, options=KEYS["cycle"], **options)
+    problems.stop()
+    assert space is not None
+    if positions:
+        (options["angles"],) = positions.values()
+    with problems.at():
+        resolve(mechanism, space, quantities, **options)
+    problems.stop()
+    sources = (path, *([path.parent / design["table"]] if "table" in design else ()))
+    return Study(path, text, tables, space, options, sources)
 
 
 def _text_of(path: Path) -> str:
@@ -227,36 +215,74 @@ def _text_of(path: Path) -> str:
         raise InputError(f"{path}: cannot be read ({why}); give the path of a study file") from None
 
 
-def _schema_problems(raw: Mapping[str, Any], error: ValidationError) -> list[Problem]:
-    """Return what is wrong with the keys and types of a study, and with its mechanism, input and their names."""
-    found, mechanism, cycle = Problems(), raw.get("mechanism"), raw.get("cycle")
-    position: tuple[str, ...] = ()
+def _tables_of(path: Path, text: str) -> dict[str, Any]:
+    """Return the tables of a study, or refuse its keys and types, with its mechanism, input and their names."""
+    try:
+        raw = tomllib.loads(text)
+    except (tomllib.TOMLDecodeError, RecursionError) as error:
+        raise InputError.of([Problem(f"is no TOML: {error}")], _Keys(path)) from None
+    mechanism, cycle = raw.get("mechanism"), raw.get("cycle")
+    cycle = cycle if isinstance(cycle, dict) else {}
+    input, position, names = cycle.get("input"), "", Problems()
     if isinstance(mechanism, str):
-        cycle = cycle if isinstance(cycle, dict) else {}
-        input = cycle.get("input")
-        with found.at():
+        with names.at():
             driven = find_catalogue(mechanism, input if isinstance(input, str) else None)
-            position = (driven.position.name,)
-            names = [name for name in cycle if name not in Cycle.model_fields]
-            check_keywords(mechanism, driven, names, Cycle.model_fields)
-    return [*problems(error, position), *found.noted]
+            position = driven.position.name
+            unknown = [name for name in cycle if name not in KEYS["cycle"]]
+            check_keywords(mechanism, driven, unknown, KEYS["cycle"])
+    try:
+        return read_tables(raw, position)
+    except InputError as error:
+        problems = [*error.problems, *names.noted]
+        raise InputError.of(problems, _Keys(path, {"cycle": cycle})) from None
+
+
+def _space_of(path: Path, design: Mapping[str, Any]) -> DesignSpace:
+    """Return the design space of a study, or refuse it with all its problems."""
+    problems = Problems()
+    entries = {name: value for name, value in design.items() if name not in SAMPLES}
+    constants = {name: value for name, value in entries.items() if isinstance(value, float)}
+    swept = [name for name in entries if name not in constants]
+    kinds = [name for name in SAMPLES if name in design]
+    if len(kinds) + bool(swept) > 1:
+        both = [*kinds, *([f"axes ({', '.join(swept)})"] if swept else [])]
+        problems.add(f"has {' and '.join(both)}", ("design",), "write one of them, beside constants")
+    if not design:
+        problems.add("is empty", ("design",), "write a number or an axis for each input")
+    with problems.at():
+        space = grid(**entries)
+    if len(kinds) == 1:
+        (kind,) = kinds
+        with problems.at("design", kind):
+            if kind == "table":
+                space = table(path.parent / design["table"])
+            else:
+                space = (sobol if kind == "sobol" else latin_hypercube)(**design[kind])
+            for name in constants:
+                if name in space.names:
+                    what = f"gives {name}, which stands in [design] too"
+                    problems.add(what, ("design", kind), "write it once")
+    problems.stop()
+    return space.with_constants(constants)
 
 
 class _Keys(Wording):
-    """How a study file is told of its problems: in its own keys and its own grammar.
+    """The wording of problems for the author of a study: in its own keys and grammar.
 
     Parameters
     ----------
     path : Path
         The file.
-    shape : StudyFile, optional
-        What it says, as far as that was read.
+    tables : mapping, optional
+        Its tables, as far as they were read.
     space : DesignSpace, optional
         Its designs.
     """
 
-    def __init__(self, path: Path, shape: StudyFile | None = None, space: DesignSpace | None = None) -> None:
-        self.path, self.shape, self.space = path, shape, space
+    def __init__(
+        self, path: Path, tables: Mapping[str, Any] | None = None, space: DesignSpace | None = None
+    ) -> None:
+        self.path, self.tables, self.space = path, tables or {}, space
 
     def line(self, problem: Problem) -> str:
         return f"{self.path}: {super().line(problem)}"
@@ -266,25 +292,22 @@ class _Keys(Wording):
 
     def _key(self, where: Place) -> Place:
         head, *rest = where or ("",)
-        if head in ("sobol", "latin_hypercube", "table"):
+        if head in SAMPLES:
             return ("design", *where)
         if head in ("grid", "design"):
             return ("design", *self._sample(rest), *rest)
-        for table, model in TABLES.items():
-            if PARAMETERS.get(str(head), head) in model.model_fields or (
-                table == "cycle" and self.shape is not None and head in (self.shape.cycle.model_extra or {})
-            ):
-                return (table, PARAMETERS.get(str(head), head), *rest)
+        key = PARAMETERS.get(str(head), head)
+        for name, keys in KEYS.items():
+            if key in keys or key in self.tables.get(name, ()):
+                return (name, key, *rest)
         return where
 
     def _sample(self, rest: Sequence[str | int]) -> Place:
         """Return the key of the sample or the table that gives an input, if one does."""
-        if self.shape is None or self.space is None or not rest:
+        design = self.tables.get("design", {})
+        if self.space is None or not rest or rest[0] not in self.space.names or rest[0] in design:
             return ()
-        design, name = self.shape.design, rest[0]
-        if name not in self.space.names or name in (design.model_extra or {}):
-            return ()
-        return tuple(kind for kind in (*SAMPLES, "table") if getattr(design, kind) is not None)
+        return tuple(kind for kind in SAMPLES if kind in design)
 
     def piece(self, piece: Piece) -> str | None:
         if isinstance(piece, Samples):
@@ -292,6 +315,6 @@ class _Keys(Wording):
         if isinstance(piece, Pair):
             return f"[{piece.low}, {piece.high}]"
         if isinstance(piece, Setting):
-            known = any(piece.name in model.model_fields for model in TABLES.values())
+            known = any(piece.name in keys for keys in KEYS.values())
             return f"{piece.name} = {json.dumps(piece.value)}" if known else None
         return piece
