@@ -16,6 +16,7 @@ from pathlib import Path
 import pytest
 
 import fastlink
+from fastlink.mechanisms import NAMES, catalogue
 
 ROOT = Path(__file__).parents[1]
 README = (ROOT / "README.md").read_text()
@@ -103,13 +104,17 @@ def test_links_lead_somewhere(document):
             assert (document.parent / target).exists(), target
 
 
-def test_every_section_that_a_source_names_exists():
-    from fastlink.mechanisms import catalogue
+def anchor(heading):
+    """Return what a link to a heading ends in."""
+    return re.sub(r"[^a-z0-9 -]", "", heading.lower()).replace(" ", "-")
 
-    headings = re.findall(r"^## (.*)$", (ROOT / "docs" / "numerics.md").read_text(), flags=re.MULTILINE)
-    for fact in catalogue("planar_4r").facts.values():
-        for section in re.findall(r"docs/numerics\.md#(\w+)", fact.source):
-            assert section.capitalize() in headings
+
+@pytest.mark.parametrize("mechanism", NAMES)
+def test_every_section_that_a_source_names_exists(mechanism):
+    for fact in catalogue(mechanism).facts.values():
+        for name, section in re.findall(r"docs/(\w+\.md)#([\w-]+)", fact.source):
+            headings = re.findall(r"^## (.*)$", (ROOT / "docs" / name).read_text(), flags=re.MULTILINE)
+            assert section in map(anchor, headings), f"{fact.name}: {fact.source}"
 
 
 def run_example(text):
@@ -121,7 +126,7 @@ def run_example(text):
 
 
 def test_the_quantity_of_contributing_works():
-    example, _ = code_blocks((ROOT / "CONTRIBUTING.md").read_text(), "python")
+    example, *_ = code_blocks((ROOT / "CONTRIBUTING.md").read_text(), "python")
     run_example(
         "from typing import Any\n"
         "from fastlink.mechanisms.planar_4r.inputs import HAYES, planar_4r\nimport fastlink.mechanisms.planar_4r\n"
@@ -137,7 +142,7 @@ def test_the_quantity_of_contributing_works():
 
 
 def test_the_reduction_of_contributing_works():
-    _, example = code_blocks((ROOT / "CONTRIBUTING.md").read_text(), "python")
+    *_, example = code_blocks((ROOT / "CONTRIBUTING.md").read_text(), "python")
     run_example(
         "from fastlink.plan.reductions import Reduction, register\n" + example + "\nimport fastlink as fl\n"
         "design = fl.grid(a1=0.4, a2=1.2, a3=0.8, a4=1.0, omega1=25.0)\n"
