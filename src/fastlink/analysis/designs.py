@@ -1,4 +1,4 @@
-"""The numbers of one or many designs as functions of the two planes take them."""
+"""Check and broadcast the numbers of one or many designs for functions of both planes."""
 
 from __future__ import annotations
 
@@ -23,14 +23,14 @@ def broadcast(function: str, **numbers: Any) -> list[Any]:
     Parameters
     ----------
     function : str
-        Who asks, for the messages.
+        The calling function, for messages.
     **numbers : float or array_like
         The numbers by name; a1 ... a4 and a, b, g, h must be positive and finite.
 
     Raises
     ------
     InputError
-        What is no number, no length or of another shape.
+        A value is not a number or not a length, or the shapes do not broadcast.
 
     Examples
     --------

@@ -38,12 +38,12 @@ LENGTHS = {
 
 
 def integer_designs(max_size: int, *, movable: bool = False) -> xr.Dataset:
-    """Return every Hart linkage with whole sizes m, n, p, q, a, b, c, d up to a greatest one.
+    """Return every Hart linkage whose sizes m, n, p, q, a, b, c, d are whole and limited.
 
-    Each stands there once: with no common divisor of its sizes (the others are multiples), with kappa > 0 (the sign
+    Each is listed once: with no common divisor of its sizes (the others are multiples), with kappa > 0 (the sign
     of kappa changes nothing but that of p, q and c) and with m <= n (exchanging M and N mirrors the linkage).
     Those with kappa > 1 are the ones with 1/kappa with AB held in place of MN: other mechanisms of the same
-    bars, and listed. The arithmetic is of whole numbers: nothing is rounded but kappa, where it is no double.
+    bars, and listed. The arithmetic is of whole numbers: only kappa is rounded, where it is not a double.
 
     Parameters
     ----------
@@ -63,7 +63,7 @@ def integer_designs(max_size: int, *, movable: bool = False) -> xr.Dataset:
     Raises
     ------
     InputError
-        The greatest size is no whole number from 1 to 500.
+        The greatest size is not a whole number from 1 to 500.
 
     Examples
     --------
@@ -82,19 +82,19 @@ def integer_designs(max_size: int, *, movable: bool = False) -> xr.Dataset:
         raise InputError(f"integer_designs: max_size is {max_size}; write 1 to {GREATEST}")
     size = int(max_size)
     none = (np.zeros((5, 0), dtype=np.int64),)
-    found = np.concatenate((*none, *(_with_kappa(i, j, size, movable) for i, j in _kappas(size))), axis=1)
-    i, j, M, N, D = found
+    columns = np.concatenate((*none, *(_with_kappa(i, j, size, movable) for i, j in _kappas(size))), axis=1)
+    i, j, M, N, D = columns
     sizes = {"m": j * j * M, "n": j * j * N, "d": j * D, "p": i * j * N, "q": -i * j * M}
     sizes |= {"a": (j - i) * (j + i) * M, "b": (j - i) * (j + i) * N, "c": i * D}
     order = np.lexsort((sizes["d"], sizes["m"], sizes["n"], i / j, np.max(np.abs([*sizes.values()]), axis=0)))
-    columns: dict[str, Any] = {
+    coords: dict[str, Any] = {
         name: ("design", sizes[name][order], {"long_name": meaning}) for name, meaning in LENGTHS.items()
     }
-    inputs = {name: columns.pop(name) for name in ("m", "n", "d")}
+    inputs = {name: coords.pop(name) for name in ("m", "n", "d")}
     inputs["kappa"] = ("design", (i / j)[order], {"long_name": "ratio of eq. (7.2)"})
-    columns["kappa_numerator"] = ("design", i[order], {"long_name": "numerator of kappa"})
-    columns["kappa_denominator"] = ("design", j[order], {"long_name": "denominator of kappa"})
-    return xr.Dataset(inputs, columns)
+    coords["kappa_numerator"] = ("design", i[order], {"long_name": "numerator of kappa"})
+    coords["kappa_denominator"] = ("design", j[order], {"long_name": "denominator of kappa"})
+    return xr.Dataset(inputs, coords)
 
 
 def _kappas(size: int) -> Iterator[tuple[int, int]]:

@@ -12,7 +12,7 @@ from fastlink.errors import InputError
 
 __all__ = ["sextic"]
 
-#: No length is beyond it, nor any link below its inverse: no coefficient then overflows.
+#: Lengths are at most this, and links at least its inverse: no coefficient overflows.
 GREATEST = 1e25
 
 

@@ -1,4 +1,4 @@
-"""What belongs to Burmester's focal mechanism alone."""
+"""Functions of Burmester's focal mechanism alone: its cubic, and straight lines through paths."""
 
 from fastlink.analysis.focal.cubic import cubic, cubic_points
 from fastlink.analysis.focal.straight_line import StraightLine, T_deviation, straight_line

@@ -1,4 +1,4 @@
-"""The focal cubic of a position of the four-bar MABN: all points that can be taken for the joint F.
+"""The focal cubic of a position of the four-bar MABN: all points that can be the joint F.
 
 It is the locus of the foci of the conics that touch the lines MA, AB, BN and NM (Wunderlich, sections 4 and 5).
 """
@@ -16,7 +16,7 @@ from fastlink.numerics.vectors import cross
 
 __all__ = ["cubic", "cubic_points"]
 
-#: No length is beyond it, nor below its inverse: products of four lengths neither overflow nor vanish.
+#: Lengths are at most this, and at least its inverse: products of four neither overflow nor vanish.
 GREATEST = 1e70
 #: Between the four directions in which both points of a line through M meet.
 ARCS = 4
@@ -68,12 +68,12 @@ def cubic(a: Any, b: Any, c: Any, d: Any, phi: Any, branch: Any = 1) -> Any:
     [0.0, 0.0, 0.0, 0.0]
     """
     a, b, c, d, phi, branch = _numbers("cubic", a, b, c, d, phi, branch)
-    found = evaluate(
+    values = evaluate(
         "planar_4r",
         ["A_x", "A_y", "B_x", "B_y", "theta2"],
         **dict(a1=a, a2=c, a3=b, a4=d, theta1=phi, branch=branch),
     )
-    A_x, A_y, B_x, B_y, direction = (np.asarray(value) for value in found.values())
+    A_x, A_y, B_x, B_y, direction = (np.asarray(value) for value in values.values())
     half = np.sin(0.5 * direction)
     AB_x, AB_y = c * np.cos(direction), c * np.sin(direction)
     area = cross(A_x, A_y, AB_x, AB_y)
@@ -134,7 +134,7 @@ def cubic_points(a: Any, b: Any, c: Any, d: Any, phi: Any, branch: Any = 1, *, s
     discriminant = squared * squared - 4.0 * cubed * linear
     inside = discriminant[..., samples // 2 : samples // 2 + 1] > 0.0
     root = np.where(inside, np.sqrt(np.maximum(discriminant, 0.0)), np.nan)
-    # of both roots the greater first, which does not cancel
+    # the greater root first, as it does not cancel
     double = -(squared + np.where(squared < 0.0, -root, root))
     with np.errstate(all="ignore"):
         far, near = double / (2.0 * cubed), 2.0 * linear / double
@@ -173,10 +173,10 @@ def _on_lines(k: Any, x: Any, y: Any) -> tuple[Any, Any, Any]:
 
 
 def _double_directions(k: Any) -> Any:
-    """Return four directions in ascending order, among them all in which a line through M touches the cubic.
+    """Return four directions, ascending, among them all in which a line through M touches the cubic.
 
     The discriminant is a trigonometric polynomial of degree 2 in twice the direction, whose coefficient of that degree
-    is (a d)^2/4 in magnitude: never 0. Of its zeros that are not real the nearest direction is taken.
+    is (a d)^2/4 in magnitude: never 0. A zero that is not real counts as the direction nearest to it.
     """
     constant = 0.5 * (k[..., 2, 0] + k[..., 0, 2])
     wave = 0.25 * (k[..., 2, 0] - k[..., 0, 2] - 1j * k[..., 1, 1])

@@ -1,4 +1,4 @@
-"""Fit a straight line to the path of a joint, and measure what stands off it."""
+"""Fit a straight line to the path of a joint, and measure how far the path deviates from it."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ __all__ = ["StraightLine", "T_deviation", "straight_line"]
 
 
 class StraightLine(NamedTuple):
-    """A line through given points, and how far they stand off it.
+    """A line through given points, and their distances from it.
 
     Attributes
     ----------
@@ -32,19 +32,19 @@ class StraightLine(NamedTuple):
 
 
 def _fitted_line(x: Any, y: Any) -> StraightLine:
-    """Return the line of the least sum of squared distances for each row of points; NaN is left out."""
-    there = np.isfinite(x) & np.isfinite(y)
-    count = np.where(there.any(axis=-1), there.sum(axis=-1), np.nan)
-    middle_x, middle_y = (np.where(there, values, 0.0).sum(axis=-1) / count for values in (x, y))
-    along = np.where(there, x - middle_x[..., None], 0.0)
-    across = np.where(there, y - middle_y[..., None], 0.0)
+    """Return the line of the least sum of squared distances for each row of points; NaN is skipped."""
+    finite = np.isfinite(x) & np.isfinite(y)
+    count = np.where(finite.any(axis=-1), finite.sum(axis=-1), np.nan)
+    middle_x, middle_y = (np.where(finite, values, 0.0).sum(axis=-1) / count for values in (x, y))
+    along = np.where(finite, x - middle_x[..., None], 0.0)
+    across = np.where(finite, y - middle_y[..., None], 0.0)
     # over a power of two, so that no square leaves the range of doubles
     power = np.frexp(np.maximum(abs(along), abs(across)).max(axis=-1))[1]
     along, across = (np.ldexp(values, -power[..., None]) for values in (along, across))
     squares = ((along - across) * (along + across)).sum(axis=-1)
     direction = 0.5 * np.arctan2(2.0 * (along * across).sum(axis=-1), squares) + 0.0 * middle_x
     cosine, sine = np.cos(direction)[..., None], np.sin(direction)[..., None]
-    deviation = np.where(there, np.ldexp(across * cosine - along * sine, power[..., None]), np.nan)
+    deviation = np.where(finite, np.ldexp(across * cosine - along * sine, power[..., None]), np.nan)
     return StraightLine(middle_x, middle_y, direction, deviation)
 
 
@@ -54,7 +54,7 @@ def straight_line(x: Any, y: Any) -> StraightLine:
     Parameters
     ----------
     x, y : array_like
-        Points [m] in the last axis, such as T_x and T_y over phi or sigma. NaN is left out.
+        Points [m] in the last axis, such as T_x and T_y over phi or sigma. NaN is skipped.
 
     Returns
     -------
@@ -63,7 +63,7 @@ def straight_line(x: Any, y: Any) -> StraightLine:
 
     Notes
     -----
-    `T_deviation` takes the distances from a map. The greatest one is
+    `T_deviation` computes the distances for a map. The greatest distance is
     ``abs(line.deviation).max(axis=-1)``; `fastlink.planar.straightness` is the half-width of the narrowest strip, which
     is less.
 
@@ -127,6 +127,6 @@ def T_deviation(maps: Any) -> Any:
         raise InputError(
             "T_deviation: 'T_x' has no positions; sweep it over phi or sigma, and give the whole result"
         )
-    found = path.copy(data=_fitted_line(path.values, maps["T_y"].values).deviation).rename("T_deviation")
-    found.attrs = {"units": "m", "long_name": "Distance of T from its straight line", "symbol": "delta_T"}
-    return found
+    deviation = path.copy(data=_fitted_line(path.values, maps["T_y"].values).deviation).rename("T_deviation")
+    deviation.attrs = {"units": "m", "long_name": "Distance of T from its straight line", "symbol": "delta_T"}
+    return deviation

@@ -1,4 +1,4 @@
-"""What belongs to planar linkages alone: algebraic equations and constructions."""
+"""Functions of the planar 4R alone: algebraic equations, coupler curves, balancing."""
 
 from fastlink.analysis.planar.balance import force_balance
 from fastlink.analysis.planar.cognates import Cognate, cognates

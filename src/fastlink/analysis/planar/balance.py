@@ -47,7 +47,7 @@ def force_balance(
     design : mapping of str to float or array_like
         The inputs of ``planar_4r`` by name: lengths, masses and mass centres, broadcast against each other.
     links : Links, optional
-        Where mass data come from that the design does not give.
+        The source of mass data that the design does not give.
     radius1, mass1 : float or array_like, optional
         Radius in m or mass in kg of the counterweight on the crank, one of them; a1 is the radius unless given.
     radius3, mass3 : float or array_like, optional
@@ -62,7 +62,8 @@ def force_balance(
     Raises
     ------
     InputError
-        An input is missing, is no number or of another shape; both or neither fit; a radius or mass is not positive.
+        An input is missing, is not a number or has another shape; a radius and a mass are given for one link; a
+        radius or mass is not positive.
 
     Examples
     --------
@@ -86,14 +87,14 @@ def force_balance(
                 "add it to the design, or give links"
             )
     lengths = dict(zip(design, broadcast("force_balance", **design), strict=True))
-    found = read_facts(planar, NEEDED, given | lengths, variants)
-    g1, g2, g3 = (np.asarray(found[f"G{i}_u"]) + 1j * np.asarray(found[f"G{i}_v"]) for i in (1, 2, 3))
-    share = g2 / found["a2"]
-    crank = -(found["m1"] * g1 + found["m2"] * found["a1"] * (1.0 - share))
-    output = -(found["m3"] * g3 + found["m2"] * found["a3"] * share)
+    facts = read_facts(planar, NEEDED, given | lengths, variants)
+    g1, g2, g3 = (np.asarray(facts[f"G{i}_u"]) + 1j * np.asarray(facts[f"G{i}_v"]) for i in (1, 2, 3))
+    share = g2 / facts["a2"]
+    crank = -(facts["m1"] * g1 + facts["m2"] * facts["a1"] * (1.0 - share))
+    output = -(facts["m3"] * g3 + facts["m2"] * facts["a3"] * share)
     return {
-        **_counterweight(1, crank, radius1, mass1, found["a1"]),
-        **_counterweight(3, output, radius3, mass3, found["a3"]),
+        **_counterweight(1, crank, radius1, mass1, facts["a1"]),
+        **_counterweight(3, output, radius3, mass3, facts["a3"]),
     }
 
 
@@ -113,5 +114,5 @@ def _counterweight(link: int, product: Any, radius: Any, mass: Any, length: Any)
         "radius": other if mass is not None else chosen,
         "direction": np.angle(product),
     }
-    spread = dict(zip(values, np.broadcast_arrays(*values.values()), strict=True))
-    return {f"counterweight{link}_{key}": value[()] for key, value in spread.items()}
+    arrays = dict(zip(values, np.broadcast_arrays(*values.values()), strict=True))
+    return {f"counterweight{link}_{key}": value[()] for key, value in arrays.items()}

@@ -16,7 +16,7 @@ __all__ = ["Cognate", "cognates"]
 
 @dataclass(frozen=True)
 class Cognate:
-    """One of the three linkages that trace the same coupler curve; `cognates` makes them.
+    """One of the three linkages that trace the same coupler curve; see `cognates`.
 
     Attributes
     ----------
@@ -69,7 +69,7 @@ def cognates(design: Mapping[str, Any]) -> tuple[Cognate, Cognate, Cognate]:
     ----------
     design : mapping of str to float or array_like
         Lengths ``a1`` ... ``a4`` of crank, coupler, output link and ground, and the coupler point ``P_u``, ``P_v``
-        along AB from A and to the left of AB [m]; one design or many, broadcast. Other inputs may stand in it.
+        along AB from A and to the left of AB [m]; one design or many, broadcast. It may have other inputs too.
 
     Returns
     -------
@@ -88,7 +88,7 @@ def cognates(design: Mapping[str, Any]) -> tuple[Cognate, Cognate, Cognate]:
     Raises
     ------
     InputError
-        The design lacks a number, or one is of no use.
+        The design lacks a number, or one is not valid.
 
     Examples
     --------
@@ -116,7 +116,7 @@ def cognates(design: Mapping[str, Any]) -> tuple[Cognate, Cognate, Cognate]:
     pivots = ((zero, zero, a4, zero), (zero, zero, E_x, E_y), (a4, zero, E_x, E_y))
     numbers = ((a1, a2, a3, a4, u, v), second, third)
     one, two, three = (
-        Cognate(dict(zip(CURVE, own, strict=True)), *places, number)
-        for number, (own, places) in enumerate(zip(numbers, pivots, strict=True), 1)
+        Cognate(dict(zip(CURVE, own, strict=True)), *pivot, number)
+        for number, (own, pivot) in enumerate(zip(numbers, pivots, strict=True), 1)
     )
     return one, two, three

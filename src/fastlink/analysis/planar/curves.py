@@ -1,7 +1,7 @@
-"""Coupler curves of the planar 4R as curves: equation, length, area, straightness.
+"""Coupler curves of the planar 4R: equation, length, area, straightness.
 
-Nothing here is per configuration; the coupler point and its derivatives are facts of the mechanism, and so is the
-bounding box of the curve: ``P_x_min``, ``P_x_max``, ``P_y_min`` and ``P_y_max`` of a sweep.
+The coupler point and its derivatives are facts of the mechanism, and so is the bounding box of the curve: ``P_x_min``,
+``P_x_max``, ``P_y_min`` and ``P_y_max`` of a sweep.
 """
 
 from __future__ import annotations
@@ -76,10 +76,10 @@ def sextic(a1: Any, a2: Any, a3: Any, a4: Any, P_u: Any, P_v: Any) -> Any:
 def _along(
     quantities: list[str], theta1: Any, branch: int, function: str, design: tuple[Any, ...]
 ) -> dict[str, Any]:
-    """Evaluate along the curve at unit speed, angles in the last axis."""
+    """Return quantities along the curve at unit speed, with angles in the last axis."""
     inputs = dict(zip(CURVE, curve_designs(function, *design), strict=True))
-    spread = {name: value[..., None] for name, value in inputs.items()}
-    return evaluate("planar_4r", quantities, branch=branch, theta1=theta1, omega1=1.0, **spread)
+    columns = {name: value[..., None] for name, value in inputs.items()}
+    return evaluate("planar_4r", quantities, branch=branch, theta1=theta1, omega1=1.0, **columns)
 
 
 def one_turn(samples: int) -> Any:
@@ -120,8 +120,8 @@ def curve_length(
     3.14159265359
     """
     design = (a1, a2, a3, a4, P_u, P_v)
-    found = _along(["P_speed"], one_turn(samples), branch, "curve_length", design)
-    return 2.0 * np.pi * np.mean(found["P_speed"], axis=-1)
+    path = _along(["P_speed"], one_turn(samples), branch, "curve_length", design)
+    return 2.0 * np.pi * np.mean(path["P_speed"], axis=-1)
 
 
 def curve_area(
@@ -156,12 +156,12 @@ def curve_area(
     0.785398163397
     """
     design = (a1, a2, a3, a4, P_u, P_v)
-    found = _along(["P_x", "P_y", "P_vx", "P_vy"], one_turn(samples), branch, "curve_area", design)
-    return np.pi * np.mean(found["P_x"] * found["P_vy"] - found["P_y"] * found["P_vx"], axis=-1)
+    path = _along(["P_x", "P_y", "P_vx", "P_vy"], one_turn(samples), branch, "curve_area", design)
+    return np.pi * np.mean(path["P_x"] * path["P_vy"] - path["P_y"] * path["P_vx"], axis=-1)
 
 
 def _half_width(points: Any) -> float:
-    """Return half the distance of the nearest two parallel lines that hold all points (n, 2) between them."""
+    """Return half the width of the narrowest strip that holds all points (n, 2)."""
     if points.size == 0:
         return float("nan")
     points = points - points[0]
@@ -172,7 +172,7 @@ def _half_width(points: Any) -> float:
     points = points / size
     try:
         corners = points[ConvexHull(points).vertices]
-    except QhullError:  # in one line, but for roundings
+    except QhullError:  # all in one line, up to roundings
         return float(0.5 * size * np.ptp(cross(*points[np.argmax(distance)], *points.T)))
     # The nearest lines run along an edge of the convex hull and through the corner where its edges turn back.
     edges = np.roll(corners, -1, axis=0) - corners
@@ -188,8 +188,8 @@ def straightness(x: Any, y: Any) -> Any:
     Parameters
     ----------
     x, y : array_like
-        Points [m] of a curve or a part of it in the last axis, such as P_x and P_y over theta1. NaN is left
-        out.
+        Points [m] of a curve or a part of it in the last axis, such as P_x and P_y over theta1. NaN is
+        skipped.
 
     Returns
     -------
@@ -205,8 +205,8 @@ def straightness(x: Any, y: Any) -> Any:
     """
     points = np.stack(broadcast("straightness", x=x, y=y), axis=-1)
     curves = points.reshape(-1, *points.shape[-2:])
-    found = [_half_width(curve[np.isfinite(curve).all(axis=-1)]) for curve in curves]
-    return np.array(found).reshape(points.shape[:-2])[()]
+    half_widths = [_half_width(curve[np.isfinite(curve).all(axis=-1)]) for curve in curves]
+    return np.array(half_widths).reshape(points.shape[:-2])[()]
 
 
 def curve_straightness(
@@ -237,7 +237,7 @@ def curve_straightness(
     Returns
     -------
     ndarray
-        The greatest distance from the best line. Angles at which the linkage does not assemble are left out.
+        The greatest distance from the best line. Angles at which the linkage does not assemble are skipped.
 
     Examples
     --------
@@ -256,5 +256,5 @@ def curve_straightness(
             raise InputError(f"curve_straightness: theta1 is {theta1}; give (least, greatest) in rad")
         angles = np.linspace(low, high, samples)
     design = (a1, a2, a3, a4, P_u, P_v)
-    found = _along(["P_x", "P_y"], angles, branch, "curve_straightness", design)
-    return straightness(found["P_x"], found["P_y"])
+    path = _along(["P_x", "P_y"], angles, branch, "curve_straightness", design)
+    return straightness(path["P_x"], path["P_y"])

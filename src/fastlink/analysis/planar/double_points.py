@@ -74,7 +74,7 @@ def _real_roots(k: Any) -> tuple[Any, Any]:
 
 
 def _double_points(function: str, *design: Any) -> tuple[Any, Any, Any]:
-    """Return the real double points X, Y, three in the last axis, and 1 - |c|; NaN where there is none."""
+    """Return the real double points X, Y, three in the last axis, and 1 - |c|; NaN for the others."""
     a1, a2, a3, a4, u, v = curve_designs(function, *design)
     p, q = np.hypot(u, v), np.hypot(u - a2, v)
     with np.errstate(invalid="ignore", divide="ignore"):  # P is A or B
@@ -95,7 +95,7 @@ def _double_points(function: str, *design: Any) -> tuple[Any, Any, Any]:
         real, imaginary = y + x * cosine[..., None], x * sine[..., None]
         scale = a4[..., None] * y / (real * real + imaginary * imaginary)
         X, Y = scale * real, -scale * imaginary
-        # From the farther ground pivot: at z = 0 the triangle O A P says nothing.
+        # From the farther ground pivot: at z = 0 the triangle O A P is degenerate.
         z, w = np.hypot(X, Y), np.hypot(X - a4[..., None], Y)
         far, near, link = (
             np.where(z < w, of_D, of_O)
@@ -107,11 +107,11 @@ def _double_points(function: str, *design: Any) -> tuple[Any, Any, Any]:
     return X, Y, np.fmin(acute, obtuse)
 
 
-def _places(X: Any, Y: Any, there: Any) -> tuple[Any, Any, Any]:
+def _selected(X: Any, Y: Any, chosen: Any) -> tuple[Any, Any, Any]:
     """Return the chosen points by growing X, NaN-padded, and their number."""
-    X, Y = np.where(there, X, np.nan), np.where(there, Y, np.nan)
+    X, Y = np.where(chosen, X, np.nan), np.where(chosen, Y, np.nan)
     order = np.argsort(X, axis=-1)
-    count = np.sum(there, axis=-1)
+    count = np.sum(chosen, axis=-1)
     return np.take_along_axis(X, order, axis=-1), np.take_along_axis(Y, order, axis=-1), count
 
 
@@ -134,7 +134,7 @@ def crunodes(
     P_u, P_v : float or array_like
         The coupler point, along AB from A and to the left of AB [m].
     tolerance : float
-        What is taken as a cusp instead, see `cusps`.
+        Double points within it count as cusps, see `cusps`.
 
     Returns
     -------
@@ -160,7 +160,7 @@ def crunodes(
     """
     _check_tolerance("crunodes", tolerance)
     X, Y, excess = _double_points("crunodes", a1, a2, a3, a4, P_u, P_v)
-    return _places(X, Y, excess > tolerance)
+    return _selected(X, Y, excess > tolerance)
 
 
 def cusps(
@@ -175,9 +175,9 @@ def cusps(
     P_u, P_v : float or array_like
         The coupler point, along AB from A and to the left of AB [m].
     tolerance : float
-        Of two angles: a double point of the curve is a cusp if its two coupler directions differ by 2 x with
-        1 - cos x at most this. Only designs of one equation have a cusp; what is within the tolerance has
-        one, or a loop of length about tolerance times the lengths, or no double point but a turn as sharp.
+        A double point of the curve is a cusp if its two coupler directions differ by an angle 2 x with 1 - cos x at
+        most this. Only designs that satisfy an equation have a cusp; one within the tolerance has a cusp, or a loop
+        of length about tolerance times the lengths, or a turn as sharp without a double point.
 
     Returns
     -------
@@ -197,7 +197,7 @@ def cusps(
     """
     _check_tolerance("cusps", tolerance)
     X, Y, excess = _double_points("cusps", a1, a2, a3, a4, P_u, P_v)
-    return _places(X, Y, np.abs(excess) <= tolerance)
+    return _selected(X, Y, np.abs(excess) <= tolerance)
 
 
 def crunode_count(a1: Any, a2: Any, a3: Any, a4: Any, P_u: Any, P_v: Any) -> Any:

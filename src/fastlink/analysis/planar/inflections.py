@@ -12,16 +12,14 @@ from fastlink.engine.evaluate import evaluate
 
 __all__ = ["inflections"]
 
-#: Most steps of the regula falsi, whose order is 1.44: from a step of 2 pi/720 some ten do.
+#: Most steps of the regula falsi, whose order is 1.44: from a step of 2 pi/720 some ten suffice.
 STEPS = 40
 
 
 def _turn(inputs: dict[str, Any], theta1: Any, branch: int) -> Any:
-    """Return the cross product of the first two derivatives of P, which has no poles but those of the rates."""
-    found = evaluate(
-        "planar_4r", ["curvature", "P_speed"], branch=branch, theta1=theta1, omega1=1.0, **inputs
-    )
-    return found["curvature"] * found["P_speed"] ** 3
+    """Return the cross product of the first two derivatives of P, whose only poles are those of the rates."""
+    path = evaluate("planar_4r", ["curvature", "P_speed"], branch=branch, theta1=theta1, omega1=1.0, **inputs)
+    return path["curvature"] * path["P_speed"] ** 3
 
 
 def _refined(inputs: dict[str, Any], branch: int, low: Any, high: Any, at_low: Any, at_high: Any) -> Any:
@@ -54,7 +52,7 @@ def inflections(
     branch : int
         Assembly mode.
     samples : int
-        Input angles over the turn at which the sign of the curvature is asked; two changes within one step are missed.
+        Input angles over the turn at which the sign of the curvature is read; two changes within one step are missed.
 
     Returns
     -------
@@ -87,15 +85,15 @@ def inflections(
     inputs = {name: value[design] for name, value in columns.items()}
     theta1 = _refined(inputs, branch, ends[k], ends[k + 1], turn[design, k], turn[design, k + 1])
     theta1 = np.mod(theta1, 2.0 * np.pi)
-    found = evaluate("planar_4r", ["P_x", "P_y"], branch=branch, theta1=theta1, **inputs)
+    point = evaluate("planar_4r", ["P_x", "P_y"], branch=branch, theta1=theta1, **inputs)
     # NaN: between the two angles the linkage does not assemble.
-    there = np.isfinite(found["P_x"])
-    design = design[there]
+    assembles = np.isfinite(point["P_x"])
+    design = design[assembles]
     count = np.bincount(design, minlength=turn.shape[0])
     rank = np.arange(design.size) - (np.cumsum(count) - count)[design]
     width = int(count.max(initial=0))
-    places = np.full((3, count.size, width), np.nan)
-    places[:, design, rank] = theta1[there], found["P_x"][there], found["P_y"][there]
-    order = np.argsort(places[0], axis=-1)
-    angle, X, Y = np.take_along_axis(places, order[None], axis=-1).reshape(3, *shape, width)
+    padded = np.full((3, count.size, width), np.nan)
+    padded[:, design, rank] = theta1[assembles], point["P_x"][assembles], point["P_y"][assembles]
+    order = np.argsort(padded[0], axis=-1)
+    angle, X, Y = np.take_along_axis(padded, order[None], axis=-1).reshape(3, *shape, width)
     return angle, X, Y, count.reshape(shape)
