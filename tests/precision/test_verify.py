@@ -120,11 +120,11 @@ class Spoiled(Verification):
 
     factor, missing = 1.0, False
 
-    def take(self, start, stop, arrays):
+    def collect(self, start, stop, arrays):
         spoiled = [array * self.factor if array.dtype == np.float64 else array + 1 for array in arrays]
         if self.missing:
             spoiled = [np.full_like(a, np.nan) if a.dtype == np.float64 else a for a in spoiled]
-        super().take(start, stop, spoiled)
+        super().collect(start, stop, spoiled)
 
 
 @pytest.mark.parametrize("names", [["theta4"], ["omega4_max"], ["omega4_rms"]])
@@ -187,7 +187,7 @@ def test_exact_extremes_are_those_of_a_dense_scan():
             # between samples a curve changes by its second derivative, of the size of itself here, times h^2/8
             assert 0 <= sign * (float(exact.value) - value) <= 20 * abs(value) * (theta1[1] ** 2) / 8
             at = HighPrecision(PLANAR, ["d_omega4_d_theta1"], [*one, "theta1", "branch"])
-            slope = at.at({**one, "branch": 2, "theta1": exact.place})["d_omega4_d_theta1"]
+            slope = at.at({**one, "branch": 2, "theta1": exact.position})["d_omega4_d_theta1"]
             assert abs(slope) < 1e-12  # theta1 of the graded range has the rounding of 2 pi
 
 

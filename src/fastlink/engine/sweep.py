@@ -248,7 +248,7 @@ class _Evaluation:
 
     def _sink(self, show: Sink) -> Sink:
         """Return the sink of the results besides the file or the arrays."""
-        verified = [] if self.verification is None else [self.verification.take]
+        verified = [] if self.verification is None else [self.verification.collect]
         return tee(self.counts.take, *verified, show)
 
     def _statistics(self, resumed: int = 0) -> dict[str, Any]:

@@ -1,4 +1,4 @@
-"""What error a sweep's results have: some of its designs computed again with 50 digits."""
+"""Measure the errors of a sweep's results: some of its designs are computed again with 50 digits."""
 
 from fastlink.precision.verification import Verification, check_verify
 

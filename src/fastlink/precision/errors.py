@@ -1,4 +1,4 @@
-"""The errors that were measured of one variable, and what its attributes say of them."""
+"""Collect the errors of one variable, and state them as its attributes."""
 
 from __future__ import annotations
 
@@ -9,23 +9,23 @@ import numpy as np
 
 from fastlink.precision.reference import CONTEXT, error_in_roundings
 
-__all__ = ["Measured"]
+__all__ = ["MeasuredErrors"]
 
 
 @dataclass
-class Measured:
-    """Values of one variable against exact ones.
+class MeasuredErrors:
+    """Errors of the values of one variable against exact ones.
 
     Attributes
     ----------
     method : str
-        What the values are compared with.
+        The reference of the comparison.
     scale : number
-        What errors are relative to, where it is not the exact value: a whole turn for places.
+        The size that errors are relative to, unless it is the exact value: a whole turn for positions.
     relative, roundings : list of float
-        Errors of the values that both are numbers; there are no errors relative to an exact 0.
+        Errors where both values are finite; none relative to an exact 0.
     values, mismatches : int
-        How many values were compared, and how many are a number or a code where the exact one is another or none.
+        The number of values compared, and of those with another code or finite where the exact one is not.
     """
 
     method: str
@@ -36,16 +36,16 @@ class Measured:
     mismatches: int = 0
 
     def add(self, value: float, exact: Any, condition: Any = None) -> None:
-        """Compare a value; `condition` is the sum of `Exact.condition`."""
+        """Compare a value; `condition` is the sum of `HighPrecision.condition`."""
         self.values += 1
-        here, there = bool(np.isfinite(value)), bool(CONTEXT.isfinite(exact))
-        if here and there:
+        finite = bool(np.isfinite(value)), bool(CONTEXT.isfinite(exact))
+        if all(finite):
             size = self.scale or abs(exact)
             if size != 0:
                 self.relative.append(float(abs(CONTEXT.mpf(value) - exact) / size))
             if condition is not None:
                 self.roundings.append(error_in_roundings(value, exact, condition))
-        elif here or there:
+        elif any(finite):
             self.mismatches += 1
 
     def add_code(self, value: float, exact: Any) -> None:
@@ -53,13 +53,18 @@ class Measured:
         self.values += 1
         self.mismatches += int(exact != value)
 
+    def add_mismatch(self) -> None:
+        """Count a value that is missing, or one that should not exist."""
+        self.values += 1
+        self.mismatches += 1
+
     def attrs(self) -> dict[str, Any]:
         """Return the attributes of the variable."""
-        found: dict[str, Any] = {"verified_values": self.values, "verify_mismatches": self.mismatches}
+        attrs: dict[str, Any] = {"verified_values": self.values, "verify_mismatches": self.mismatches}
         if self.relative:
-            found["error_max_relative"] = max(self.relative)
-            found["error_median_relative"] = float(np.median(self.relative))
-            found["error_reference"] = self.method
+            attrs["error_max_relative"] = max(self.relative)
+            attrs["error_median_relative"] = float(np.median(self.relative))
+            attrs["error_reference"] = self.method
         if self.roundings:
-            found["error_max_roundings"] = max(self.roundings)
-        return found
+            attrs["error_max_roundings"] = max(self.roundings)
+        return attrs

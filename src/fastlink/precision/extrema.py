@@ -1,4 +1,4 @@
-"""Exact greatest and least values, their places, and lists of extremes, against `fastlink.precision.stationary`."""
+"""Exact greatest and least values, their positions, and lists of extremes, by `fastlink.precision.stationary`."""
 
 from __future__ import annotations
 
@@ -6,25 +6,25 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from fastlink.precision.errors import Measured
+from fastlink.precision.errors import MeasuredErrors
 from fastlink.precision.reference import CONTEXT
 from fastlink.precision.sample import cost, within
 from fastlink.precision.stationary import END, JUMP, Extreme, Stationary
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Mapping, Sequence
 
     from fastlink.plan.program import Output
     from fastlink.plan.reductions import Reduction
-    from fastlink.precision.sample import Chosen
+    from fastlink.precision.sample import Sample
 
 __all__ = ["outermost", "refined"]
 
 TURN = 2 * CONTEXT.pi
 METHOD = "extremes refined with 50 digits"
-#: Extremes whose values differ by so much may change places: a search by doubles tells no more.
+#: Extremes whose values differ by less may change order: a search in doubles cannot tell them apart.
 TIE = 1e-12
-#: What finding an extreme costs in evaluations, beside its condition.
+#: The cost of finding an extreme in evaluations, without its condition.
 EVALUATIONS = 12
 
 
@@ -36,11 +36,12 @@ def outermost(stationary: Stationary, design: int, sign: int, *, near: float | N
     stationary : Stationary
         The extremes of a quantity.
     design : int
-        Which design.
+        Index of the design.
     sign : int
         1 or -1.
     near : float, optional
-        The input angle that a sweep found; among equal extremes the one next to it is returned, with its condition.
+        The input angle that a sweep found; among equal extremes the nearest one is returned, with the condition of
+        its position.
     """
     candidates = stationary.candidates[design]
     ends = [stationary.extreme(design, candidate) for candidate in candidates if candidate.kind == END]
@@ -49,94 +50,87 @@ def outermost(stationary: Stationary, design: int, sign: int, *, near: float | N
     inner = [candidate for candidate in candidates if candidate.kind == sign]
     best = max((sign * candidate.value for candidate in inner), default=-np.inf)
     tied = [c for c in inner if sign * c.value >= best - TIE * abs(best)]
-    found = [
-        stationary.extreme(design, c, places=near is not None) for c in tied[: 1 if near is None else None]
-    ]
-    found += [end for end in ends if not CONTEXT.isnan(end.value)]
-    greatest = max((sign * extreme.value for extreme in found), default=-CONTEXT.inf)
+    tied = tied[:1] if near is None else tied
+    extremes = [stationary.extreme(design, c, positions=near is not None) for c in tied]
+    extremes += [end for end in ends if not CONTEXT.isnan(end.value)]
+    greatest = max((sign * extreme.value for extreme in extremes), default=-CONTEXT.inf)
     sample, size = stationary.largest_sample(design, sign), stationary.size(design)
-    if (
-        not found or sign * sample > greatest + TIE * size
-    ):  # a constant, or what no slope shows, or nothing at all
+    if not extremes or sign * sample > greatest + TIE * size:
+        # a constant, an extreme that no slope shows, or no value at all
         return Extreme(CONTEXT.mpf(sample), CONTEXT.mpf(size), CONTEXT.nan, CONTEXT.zero)
-    equal = [e for e in found if sign * e.value >= greatest - TIE * size or sign * e.value == greatest]
-    return equal[0] if near is None else min(equal, key=lambda e: _apart(near, e.place))
+    equal = [e for e in extremes if sign * e.value >= greatest - TIE * size or sign * e.value == greatest]
+    return equal[0] if near is None else min(equal, key=lambda e: _distance(near, e.position))
 
 
-def refined(chosen: Chosen, outputs: Sequence[Output], share: int) -> dict[str, Measured]:
-    """Measure everything that is said of the extremes of one quantity."""
+def refined(sample: Sample, outputs: Sequence[Output], share: int) -> dict[str, MeasuredErrors]:
+    """Measure the errors of all results that belong to the extremes of one quantity."""
     quantity = outputs[0].request.quantity
-    names = {_part(output): output.name for output in outputs}
-    found = {output.name: Measured(METHOD, TURN if _is_place(output) else 0) for output in outputs}
-    count = _affordable(chosen, quantity, share, outputs)
+    parts = {_part(output): output for output in outputs}
+    errors = {
+        part: MeasuredErrors(METHOD, TURN if _is_position(output) else 0) for part, output in parts.items()
+    }
+    count = _affordable(sample, quantity, share, outputs)
     stationary = Stationary(
-        chosen.catalogue,
+        sample.catalogue,
         quantity,
-        {name: column[:count] for name, column in chosen.inputs.items()},
-        chosen.branches[:count],
-        chosen.plan.variants,
+        {name: column[:count] for name, column in sample.inputs.items()},
+        sample.branches[:count],
+        sample.plan.variants,
     )
     for design in range(count):
-        results = {part: chosen.results[name][design, chosen.places[design]] for part, name in names.items()}
+        results = {part: sample.result(output.name, design) for part, output in parts.items()}
         for reduction in _reductions(outputs):
-            _compare_outermost(stationary, design, reduction, results, names, found)
-        if "value" in names:
-            _compare_list(stationary, design, results, names, found)
-    return found
+            _compare_outermost(stationary, design, reduction, results, errors)
+        if "value" in parts:
+            _compare_list(stationary, design, results, errors)
+    return {parts[part].name: measured for part, measured in errors.items()}
 
 
 def _compare_outermost(
     stationary: Stationary,
     design: int,
     reduction: Reduction,
-    results: dict[str, Any],
-    names: dict[str, str],
-    found: dict[str, Measured],
+    results: Mapping[str, Any],
+    errors: Mapping[str, MeasuredErrors],
 ) -> None:
-    suffix, place = reduction.suffix, f"at {reduction.suffix}"
-    near = float(results[place]) if place in names and np.isfinite(results[place]) else None
+    value, position = reduction.suffix, f"at {reduction.suffix}"
+    near = float(results[position]) if position in results and np.isfinite(results[position]) else None
     exact = outermost(stationary, design, reduction.sign, near=near)
-    if suffix in names:
-        found[names[suffix]].add(float(results[suffix]), exact.value, exact.condition)
-    if place in names and not (CONTEXT.isnan(exact.place) and CONTEXT.isfinite(exact.value)):
-        _add_place(found[names[place]], float(results[place]), exact)
+    if value in results:
+        errors[value].add(float(results[value]), exact.value, exact.condition)
+    if position in results and not (CONTEXT.isnan(exact.position) and CONTEXT.isfinite(exact.value)):
+        _add_position(errors[position], float(results[position]), exact)
 
 
 def _compare_list(
-    stationary: Stationary,
-    design: int,
-    results: dict[str, Any],
-    names: dict[str, str],
-    found: dict[str, Measured],
+    stationary: Stationary, design: int, results: Mapping[str, Any], errors: Mapping[str, MeasuredErrors]
 ) -> None:
     candidates = [c for c in stationary.candidates[design] if c.kind in (1, -1)]
-    kinds = {part: found[name] for part, name in names.items()}
     present = int(np.isfinite(results["value"]).sum())
-    if "count" in names:
-        kinds["count"].add_code(float(results["count"]), len(candidates))
+    if "count" in results:
+        errors["count"].add_code(float(results["count"]), len(candidates))
     for k in range(max(present, len(candidates))):
-        if k >= present or not candidates:  # one that is missed, or that is none
-            kinds["value"].values += 1
-            kinds["value"].mismatches += 1
+        if k >= present or not candidates:  # one that the sweep missed, or one that does not exist
+            errors["value"].add_mismatch()
             continue
         near = float(results["place"][k])
-        nearest = min(candidates, key=lambda c: _apart(near, stationary.angle(design, c)))
+        nearest = min(candidates, key=lambda c: _distance(near, stationary.angle(design, c)))
         candidates.remove(nearest)
-        exact = stationary.extreme(design, nearest, places=True)
-        kinds["value"].add(float(results["value"][k]), exact.value, exact.condition)
-        if "place" in names:
-            _add_place(kinds["place"], near, exact)
-        if "kind" in names:
-            kinds["kind"].add_code(float(results["kind"][k]), nearest.kind)
+        exact = stationary.extreme(design, nearest, positions=True)
+        errors["value"].add(float(results["value"][k]), exact.value, exact.condition)
+        if "place" in results:
+            _add_position(errors["place"], near, exact)
+        if "kind" in results:
+            errors["kind"].add_code(float(results["kind"][k]), nearest.kind)
 
 
-def _add_place(measured: Measured, value: float, exact: Extreme) -> None:
-    """Compare input angles over the turn; what they are relative to is a whole one."""
-    turns = CONTEXT.nint((CONTEXT.mpf(value) - exact.place) / TURN) if np.isfinite(value) else 0
-    measured.add(value, exact.place + turns * TURN, TURN + exact.place_condition)
+def _add_position(measured: MeasuredErrors, value: float, exact: Extreme) -> None:
+    """Compare input angles modulo a turn, relative to a whole one."""
+    turns = CONTEXT.nint((CONTEXT.mpf(value) - exact.position) / TURN) if np.isfinite(value) else 0
+    measured.add(value, exact.position + turns * TURN, TURN + exact.position_condition)
 
 
-def _apart(angle: float, other: Any) -> float:
+def _distance(angle: float, other: Any) -> float:
     """Return the distance of two angles over the turn."""
     return abs((angle - float(other) + np.pi) % (2 * np.pi) - np.pi)
 
@@ -154,16 +148,17 @@ def _part(output: Output) -> str:
     return f"at {request.reduction.suffix}" if request.place else request.reduction.suffix
 
 
-def _is_place(output: Output) -> bool:
+def _is_position(output: Output) -> bool:
     return output.request.place or output.request.listed == "place"
 
 
-def _affordable(chosen: Chosen, quantity: str, share: int, outputs: Sequence[Output]) -> int:
-    """Return for how many designs the extremes may be computed again."""
-    parts = {_part(output) for output in outputs}
-    searches = len(_reductions(outputs)) + 4 * ("value" in parts)
-    places = any(_is_place(output) for output in outputs)
-    facts = chosen.facts([quantity])
-    condition = sum(cost(facts.steps_after(name)) for name in chosen.movable)
-    each = cost(facts.steps) + EVALUATIONS * len(facts.steps) + condition * (5 if places else 1)
-    return within(share, each * searches, chosen.count)
+def _affordable(sample: Sample, quantity: str, share: int, outputs: Sequence[Output]) -> int:
+    """Return the number of designs whose extremes a share of the evaluations pays for."""
+    has_list = any(output.request.listed == "value" for output in outputs)
+    searches = len(_reductions(outputs)) + 4 * has_list
+    facts = sample.facts([quantity])
+    condition = sum(cost(facts.steps_after(name)) for name in sample.movable)
+    if any(map(_is_position, outputs)):
+        condition *= 5
+    each = cost(facts.steps) + EVALUATIONS * len(facts.steps) + condition
+    return within(share, each * searches, sample.count)

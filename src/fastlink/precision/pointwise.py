@@ -1,4 +1,4 @@
-"""Curves and facts of the design, and what is taken of samples, against the same facts with 50 digits."""
+"""Compare curves, facts of the design and reductions of samples with the same facts with 50 digits."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from fastlink.numerics.compensated import UNIT_ROUNDING
-from fastlink.precision.errors import Measured
+from fastlink.precision.errors import MeasuredErrors
 from fastlink.precision.reference import CONTEXT
 from fastlink.precision.sample import within
 
@@ -19,16 +19,16 @@ if TYPE_CHECKING:
     from fastlink.plan.program import Output
     from fastlink.plan.reductions import Reduction
     from fastlink.precision.reference import HighPrecision
-    from fastlink.precision.sample import Chosen
+    from fastlink.precision.sample import Sample
 
 __all__ = ["sampled", "values"]
 
-#: Configurations of each design, where they may be as many.
+#: Configurations of each design, if the budget allows.
 ANGLES = 4
-#: Samples that differ by so many roundings may change places.
+#: Samples that differ by less may change order.
 TIE = 64 * UNIT_ROUNDING
 FACTS = "the facts with 50 digits"
-#: What reductions are compared with, by whether they are extremes, and whether it is their place.
+#: The reference of a reduction, by whether it is an extreme, and whether its position is compared.
 METHODS = {
     (False, False): "the exact reduction of the samples in doubles",
     (True, False): f"{FACTS}, at the sample",
@@ -37,80 +37,78 @@ METHODS = {
 
 
 def values(
-    chosen: Chosen, outputs: Sequence[Output], share: int, rng: np.random.Generator
-) -> dict[str, Measured]:
-    """Measure curves and facts of the design at random branches and input positions."""
-    found = {output.name: Measured(FACTS) for output in outputs}
-    facts = chosen.facts(found)
-    numbers = any(output.dtype == "float64" for output in outputs)
-    vary = any(output.axes for output in outputs)
-    most = chosen.count * (ANGLES if vary else 1)
-    for number in range(chosen.affordable(facts, share, most) if numbers else most):
-        design = number % chosen.count
-        branch, place = rng.integers(len(chosen.plan.branches)), rng.integers(chosen.positions.size)
-        at = chosen.configuration(design, chosen.plan.branches[branch], chosen.positions[place])
+    sample: Sample, outputs: Sequence[Output], share: int, rng: np.random.Generator
+) -> dict[str, MeasuredErrors]:
+    """Measure errors of curves and facts of the design at random branches and input positions."""
+    errors = {output.name: MeasuredErrors(FACTS) for output in outputs}
+    facts = sample.facts(errors)
+    has_numbers = any(output.dtype == "float64" for output in outputs)
+    has_curves = any(output.axes for output in outputs)
+    most = sample.count * (ANGLES if has_curves else 1)
+    for number in range(sample.affordable(facts, share, most) if has_numbers else most):
+        design = number % sample.count
+        branch, position = rng.integers(len(sample.plan.branches)), rng.integers(sample.positions.size)
+        at = sample.configuration(design, sample.plan.branches[branch], sample.positions[position])
         exact = facts.at(at)
-        condition = facts.condition(exact, chosen.by_inputs(facts)) if numbers else {}
+        condition = facts.condition(exact, sample.arguments(facts)) if has_numbers else {}
         for output in outputs:
-            row = chosen.results[output.name][design]
-            value = float(row[branch, place]) if output.axes else float(row)
+            row = sample.results[output.name][design]
+            value = float(row[branch, position]) if output.axes else float(row)
             if output.dtype == "float64":
-                found[output.name].add(value, exact[output.name], condition[output.name])
+                errors[output.name].add(value, exact[output.name], condition[output.name])
             else:
-                found[output.name].add_code(value, exact[output.name])
-    return found
+                errors[output.name].add_code(value, exact[output.name])
+    return errors
 
 
-def sampled(chosen: Chosen, outputs: Sequence[Output], share: int) -> dict[str, Measured]:
-    """Measure reductions of one quantity's samples, by the reference of each reduction.
+def sampled(sample: Sample, outputs: Sequence[Output], share: int) -> dict[str, MeasuredErrors]:
+    """Measure errors of reductions of one quantity's samples, by the reference of each reduction.
 
-    The sample of a greatest or least value is chosen in doubles and computed again; others are computed again over the
-    samples in doubles.
+    The sample of a greatest or least value is chosen in doubles and computed with 50 digits; other reductions are
+    computed with 50 digits from the samples in doubles.
     """
     quantity = outputs[0].request.quantity
-    facts = chosen.facts([quantity])
-    count = chosen.affordable(facts, share, chosen.count)
-    curves = chosen.curves(quantity, count)
-    found: dict[str, Measured] = {}
+    facts = sample.facts([quantity])
+    count = sample.affordable(facts, share, sample.count)
+    curves = sample.curves(quantity, count)
+    errors: dict[str, MeasuredErrors] = {}
     for output in outputs:
         reduction = output.request.reduction
         assert reduction is not None
-        results = chosen.results[output.name]
-        few = count if reduction.has_place else within(share, chosen.positions.size, count)
-        measured = Measured(METHODS[reduction.has_place, output.request.place])
-        for design, curve in enumerate(curves[:few]):
-            value = float(results[design, chosen.places[design]])
+        compared = count if reduction.has_place else within(share, sample.positions.size, count)
+        measured = MeasuredErrors(METHODS[reduction.has_place, output.request.place])
+        for design, curve in enumerate(curves[:compared]):
+            value = float(sample.result(output.name, design))
             exact, size = _reduced(reduction, curve)
             if reduction.has_place and not CONTEXT.isnan(exact):
                 best = int(np.flatnonzero(curve == float(exact))[0])
                 if output.request.place:
-                    exact, size = _chosen_place(value, curve, best, chosen.positions), None
+                    exact, size = _selected_position(value, curve, best, sample.positions), None
                 else:
-                    exact, size = _best(chosen, facts, design, best)
+                    exact, size = _exact_sample(sample, facts, design, best)
             measured.add(value, exact, size)
-        found[output.name] = measured
-    return found
+        errors[output.name] = measured
+    return errors
 
 
 def _reduced(reduction: Reduction, curve: NDArray[Any]) -> tuple[Any, Any]:
     """Return the exact value of a reduction of samples in doubles, and the size of the terms it is made of."""
-    closes = ~np.isnan(curve)
-    if not closes.any() or (reduction.whole and not closes.all()):
+    assembles = ~np.isnan(curve)
+    if not assembles.any() or (reduction.whole and not assembles.all()):
         return CONTEXT.nan, CONTEXT.zero
-    return reduction.reference([CONTEXT.mpf(sample) for sample in curve[closes].tolist()])
+    return reduction.reference([CONTEXT.mpf(value) for value in curve[assembles].tolist()])
 
 
-def _best(chosen: Chosen, facts: HighPrecision, design: int, place: int) -> tuple[Any, Any]:
-    """Return the value and condition of a sample with 50 digits."""
-    at = chosen.configuration(design, chosen.branches[design], chosen.positions[place])
-    exact = facts.at(at)
+def _exact_sample(sample: Sample, facts: HighPrecision, design: int, index: int) -> tuple[Any, Any]:
+    """Return the value and condition of a curve at one input position with 50 digits."""
+    exact = facts.at(sample.configuration(design, sample.branches[design], sample.positions[index]))
     (name,) = facts.names
-    return exact[name], facts.condition(exact, chosen.by_inputs(facts))[name]
+    return exact[name], facts.condition(exact, sample.arguments(facts))[name]
 
 
-def _chosen_place(value: float, curve: NDArray[Any], best: int, positions: NDArray[Any]) -> Any:
-    """Return the position that was chosen if its sample is the best one but for rounding, else where that is."""
-    here = np.flatnonzero(positions == value)
-    if here.size and abs(curve[here[0]] - curve[best]) <= TIE * abs(curve[best]):
+def _selected_position(value: float, curve: NDArray[Any], best: int, positions: NDArray[Any]) -> Any:
+    """Return a position if its sample is the best one up to rounding, else the position of the best one."""
+    selected = np.flatnonzero(positions == value)
+    if selected.size and abs(curve[selected[0]] - curve[best]) <= TIE * abs(curve[best]):
         return CONTEXT.mpf(value)
     return CONTEXT.mpf(positions[best])

@@ -1,6 +1,6 @@
-"""Facts with 50 digits, and errors in units of what one rounding does: the one definition that all measures share.
+"""Evaluate facts with 50 digits, and express errors in roundings: the definition that all measurements share.
 
-The unit is 2^-53 (|f| + sum over the inputs x of |x df/dx|): the last digit of f and of all that f was made of.
+The unit is 2^-53 (|f| + sum over the inputs x of |x df/dx|): the last digit of f and of its inputs.
 The derivatives are differences of the same facts with 50 digits.
 """
 
@@ -29,8 +29,8 @@ STEP = CONTEXT.mpf(10) ** -20
 class HighPrecision:
     """Facts of a mechanism at one configuration after another, with 50 digits.
 
-    Where a step divides by zero, or is of numbers that are none, doubles say what comes out (infinite, NaN, or the
-    other choice of a `select`), as in the kernels.
+    Where a step divides by zero or has no finite result, it is evaluated in doubles, which give infinity, NaN or the
+    other choice of a `select`, as in the kernels.
 
     Parameters
     ----------
@@ -41,15 +41,15 @@ class HighPrecision:
     given : iterable of str
         The inputs, ``branch``, and the input position (or the leaves of a graded range).
     variants : iterable of str
-        Chosen sets of facts.
+        The selected variants.
 
     Examples
     --------
     >>> from fastlink.mechanisms import catalogue
     >>> lengths = {"a1": 0.4, "a2": 1.2, "a3": 0.8, "a4": 1.0}
     >>> facts = HighPrecision(catalogue("planar_4r"), ["transmission_angle"], [*lengths, "theta1", "branch"])
-    >>> found = facts.at(lengths | {"theta1": 1.0, "branch": 1})
-    >>> print(found["transmission_angle"])
+    >>> values = facts.at(lengths | {"theta1": 1.0, "branch": 1})
+    >>> print(values["transmission_angle"])
     0.78937010009877973521061661499753845087244584437223
     """
 
@@ -70,17 +70,17 @@ class HighPrecision:
         self._after: dict[tuple[str, ...], tuple[Fact | System, ...]] = {}
 
     def at(self, values: Mapping[str, Any]) -> dict[str, Any]:
-        """Return every value of the closure at one configuration."""
+        """Return every value of the dependencies at one configuration."""
         known = {name: CONTEXT.mpf(value) for name, value in values.items()}
         return self._follow(known, self.position if self.position in known else "", self.steps)
 
     def moved(self, base: Mapping[str, Any], changes: Mapping[str, Any]) -> dict[str, Any]:
-        """Return every value of the closure with some given values changed."""
+        """Return every value of the dependencies with some given values changed."""
         changed = self.position if self.position in changes else ""
         return self._follow({**base, **changes}, changed, self.steps_after(*changes))
 
     def condition(self, base: Mapping[str, Any], inputs: Iterable[str]) -> dict[str, Any]:
-        """Return for each name the sum of |x df/dx| over the inputs x; of those beside which f has a value."""
+        """Return for each name the sum of |x df/dx| over the inputs x beside which f has a value."""
         sums = dict.fromkeys(self.names, CONTEXT.zero)
         for name in inputs:
             if base[name] == 0:
@@ -101,12 +101,12 @@ class HighPrecision:
     def steps_after(self, *names: str) -> tuple[Fact | System, ...]:
         """Return the steps that depend on given values."""
         if names not in self._after:
-            changed, found = {*names, *(self.tables if self.position in names else ())}, []
+            changed, steps = {*names, *(self.tables if self.position in names else ())}, []
             for step in self.steps:
                 if changed.intersection(step.depends_on):
                     changed.update(step.names)
-                    found.append(step)
-            self._after[names] = tuple(found)
+                    steps.append(step)
+            self._after[names] = tuple(steps)
         return self._after[names]
 
 
@@ -124,6 +124,6 @@ def _take(step: Fact | System, known: dict[str, Any]) -> None:
 
 
 def error_in_roundings(value: float, exact: Any, condition: Any) -> float:
-    """Return the error of a double in units of 2^-53 (|exact| + the sum of `Exact.condition`)."""
+    """Return the error of a double in units of 2^-53 (|exact| + the sum of `HighPrecision.condition`)."""
     error, unit = abs(CONTEXT.mpf(value) - exact), UNIT_ROUNDING * (abs(exact) + condition)
     return 0.0 if error == 0 else float(error / unit) if unit != 0 else np.inf

@@ -1,4 +1,4 @@
-"""The designs that are computed again: which ones, what a sweep found for them, how much work that may be."""
+"""Hold the designs that are verified, their results from a sweep, and the budget of their evaluation."""
 
 from __future__ import annotations
 
@@ -21,37 +21,37 @@ if TYPE_CHECKING:
     from fastlink.catalogue.catalogue import Catalogue
     from fastlink.plan.plan import Plan
 
-__all__ = ["Chosen", "cost", "read_curves", "within"]
+__all__ = ["Sample", "cost", "read_curves", "within"]
 
-#: What a table of the input position, a linear system and a sum of two doubles' words cost, in facts.
+#: The cost of a table of the input position, a linear system and a function of double words, in facts.
 TABLE, SYSTEM, PAIRS = 40, 300, 16
 OF_PAIRS = {"gap", "gap_product_quotient", "pair_product", "two_product"}
-#: Designs that are computed again however much it is.
+#: Designs that are verified whatever the cost.
 FEWEST = 8
 
 
 @dataclass(frozen=True, eq=False)
-class Chosen:
-    """Designs of a sweep, one branch of each for what is taken over the cycle, and the results there.
+class Sample:
+    """Designs of a sweep with their results, and one branch of each for reductions over the cycle.
 
     Attributes
     ----------
-    plan : PlanSet
-        What was asked for.
+    plan : Plan
+        The plan of the sweep.
     inputs : mapping of str to array (designs,)
-        What the designs give.
+        The inputs of the designs.
     positions : array
         The input positions.
-    places : array of int
-        The place of each design's branch among those of the plan.
+    branch_indices : array of int
+        For each design the index of its branch among those of the plan.
     results : mapping of str to array (designs, ...)
-        What the sweep found, by output.
+        The results of the sweep by output.
     """
 
     plan: Plan
     inputs: dict[str, NDArray[Any]]
     positions: NDArray[Any]
-    places: NDArray[Any]
+    branch_indices: NDArray[Any]
     results: dict[str, NDArray[Any]] = field(default_factory=dict)
 
     @property
@@ -61,18 +61,18 @@ class Chosen:
 
     @property
     def count(self) -> int:
-        """How many designs there are."""
-        return int(self.places.size)
+        """The number of designs."""
+        return int(self.branch_indices.size)
 
     @cached_property
     def branches(self) -> NDArray[Any]:
         """The assembly mode of each design."""
-        modes: NDArray[Any] = np.array(self.plan.branches, dtype=float)[self.places]
+        modes: NDArray[Any] = np.array(self.plan.branches, dtype=float)[self.branch_indices]
         return modes
 
     @cached_property
     def movable(self) -> list[str]:
-        """The inputs that are no codes: those a derivative can be taken by."""
+        """The inputs that are not codes, with respect to which derivatives exist."""
         known = self.catalogue.known_inputs(self.plan.variants)
         return [name for name in self.inputs if not known[name].choices]
 
@@ -81,19 +81,23 @@ class Chosen:
         given = (*self.inputs, self.catalogue.position.name, "branch")
         return HighPrecision(self.catalogue, names, given, self.plan.variants)
 
+    def result(self, name: str, design: int) -> Any:
+        """Return the result of a reduction for a design in its branch."""
+        return self.results[name][design, self.branch_indices[design]]
+
     def configuration(self, design: int, branch: float, position: float) -> dict[str, float]:
-        """Return what `facts` are given."""
+        """Return the values that `facts` are evaluated at."""
         values = {name: float(column[design]) for name, column in self.inputs.items()}
         return {**values, "branch": branch, self.catalogue.position.name: position}
 
-    def by_inputs(self, facts: HighPrecision) -> list[str]:
-        """Return what the condition of facts is taken by."""
+    def arguments(self, facts: HighPrecision) -> list[str]:
+        """Return the numbers that facts depend on, with respect to which their condition is computed."""
         position = self.catalogue.position.name
         return [name for name in (*self.movable, position) if facts.steps_after(name)]
 
     def affordable(self, facts: HighPrecision, share: int, most: int) -> int:
-        """Return how many configurations may be computed again with a share of the evaluations of facts."""
-        condition = sum(cost(facts.steps_after(name)) for name in self.by_inputs(facts))
+        """Return the number of configurations that a share of the evaluations pays for."""
+        condition = sum(cost(facts.steps_after(name)) for name in self.arguments(facts))
         return within(share, cost(facts.steps) + condition + 2 * TABLE * len(facts.tables), most)
 
     def curves(self, quantity: str, designs: int) -> NDArray[Any]:
@@ -119,7 +123,7 @@ def read_curves(
 
 
 def cost(steps: Iterable[Fact | System]) -> int:
-    """Return what steps of a closure cost with 50 digits, in facts."""
+    """Return the cost of steps with 50 digits, in facts."""
     return sum(
         SYSTEM
         if isinstance(step, System)
@@ -131,5 +135,5 @@ def cost(steps: Iterable[Fact | System]) -> int:
 
 
 def within(share: int, each: int, most: int) -> int:
-    """Return how many may be computed again with a share, at this cost each."""
+    """Return the number that a share of the evaluations pays for, at this cost each."""
     return min(max(share // max(each, 1), FEWEST), most)

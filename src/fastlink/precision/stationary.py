@@ -1,10 +1,9 @@
 """Every extreme of a quantity over the whole reachable range, found by fine samples and refined with 50 digits.
 
-Places are those of the graded range (see `fastlink.facts.fact.GradedRange`): a signed number x counted from
-the lower or the
-upper end, where rho = x^2 is the ratio of the distances to both ends and the sign tells the side. The search has
-nothing in common with that of the kernels but the facts: eight times as many samples, then subdivision, then Newton's
-iteration on differences with 50 digits.
+Positions are those of the graded range (see `fastlink.facts.fact.GradedRange`): a signed number x counted from the
+lower or the upper end, where rho = x^2 is the ratio of the distances to both ends and the sign tells the side. The
+search shares nothing with that of the kernels but the facts: eight times as many samples, then subdivision, then
+Newton's iteration on differences with 50 digits.
 """
 
 from __future__ import annotations
@@ -27,20 +26,21 @@ __all__ = ["END", "JUMP", "Candidate", "Extreme", "Stationary"]
 
 #: Samples from the middle of the range to an end, on one side of the ground line.
 SAMPLES = 128
-#: Subdivision of a cell that holds an extreme: so often into so many parts, to 1e-9 of the range.
+#: A cell that holds an extreme is subdivided in so many rounds into so many parts, to 1e-9 of the range.
 ROUNDS, PARTS = 6, 16
 #: Newton's iteration ends at this change of x; from 1e-9 it takes two steps.
 SETTLED, MOST_STEPS = CONTEXT.mpf(10) ** -25, 12
 DIFFERENCE = CONTEXT.mpf(10) ** -12
 #: Kinds of candidates beside maxima (1) and minima (-1).
 END, JUMP = 0, 2
-#: As near to a toggle as 50 digits allow, and so much farther: what changes by such a factor is infinite or 0 there.
+#: As near to a toggle as 50 digits allow, and so much farther: a quantity that changes by such a factor between the
+#: two is infinite or 0 at the toggle.
 AT_END, FARTHER, GROWS = CONTEXT.mpf(10) ** -25, 1000, 10
 
 
 @dataclass(frozen=True)
 class Candidate:
-    """Where an extreme is, by samples: the end of the range that x counts from, x, the value there and its kind.
+    """An extreme by samples: the end of the range that x counts from, x, the value there and its kind.
 
     `kind` is 1 for a maximum, -1 for a minimum, `END` for the end of a range, `JUMP` for a jump by a whole turn.
     """
@@ -57,8 +57,8 @@ class Extreme:
 
     value: Any
     condition: Any
-    place: Any
-    place_condition: Any
+    position: Any
+    position_condition: Any
 
 
 class Stationary:
@@ -69,13 +69,13 @@ class Stationary:
     catalogue : Catalogue
         The mechanism, which has a graded range.
     quantity : str
-        Whose extremes are looked for.
+        The quantity whose extremes are sought.
     inputs : mapping of str to array (designs,)
         The designs.
     branches : array (designs,)
         The assembly mode of each.
     variants : sequence of str
-        Chosen sets of facts.
+        The selected variants.
 
     Attributes
     ----------
@@ -108,39 +108,39 @@ class Stationary:
     # -- samples -----------------------------------------------------------------------------------
 
     def _read(
-        self, names: Sequence[str], x: NDArray[Any], high: NDArray[Any], which: NDArray[Any]
+        self, names: Sequence[str], x: NDArray[Any], high: NDArray[Any], designs: NDArray[Any]
     ) -> list[NDArray[Any]]:
-        """Return facts at signed x from the lower ends, or the upper ones where `high`, of the designs `which`."""
-        values: dict[str, Any] = {name: column[which] for name, column in self.inputs.items()}
+        """Return facts of designs at signed x from the lower ends, or from the upper ones where `high`."""
+        values: dict[str, Any] = {name: column[designs] for name, column in self.inputs.items()}
         values |= zip(self.graded.coordinates, _leaves(x, high), strict=True)
         with np.errstate(all="ignore"):
-            found = read_facts(self.catalogue, names, values, self.variants)
-        return [np.broadcast_to(found[name], x.shape) for name in names]
+            facts = read_facts(self.catalogue, names, values, self.variants)
+        return [np.broadcast_to(facts[name], x.shape) for name in names]
 
     def _sample(self) -> None:
         """Evaluate the quantity and its slope at ``x[design, end, sample]``."""
         ends = [name for end in self.graded.ends for name in end]
         count = self.inputs["branch"].size
-        one = np.full((count, 1), 0.5)
-        which = np.arange(count)[:, None]
-        found = self._read(ends, one, one > 1, which)
-        scale, start, toggle = (np.hstack([found[k], found[k + 3]])[..., None] for k in range(3))
-        # Beyond an end that is no end, where x = 0 is a place like any other, samples go on with the other sign.
+        middle = np.full((count, 1), 0.5)
+        designs = np.arange(count)[:, None]
+        facts = self._read(ends, middle, np.zeros_like(middle, dtype=bool), designs)
+        scale, start, toggle = (np.hstack([facts[k], facts[k + 3]])[..., None] for k in range(3))
+        # Where the range has no end, x = 0 is a position like any other, and samples go on with the other sign.
         self.bounded = ((start > 0.0) | (toggle > 0.0))[..., 0]
         grid = scale * np.sinh(np.arange(1, SAMPLES + 1) * (np.arcsinh(1.0 / scale) / SAMPLES))
         first = np.where(start > 0.0, start, 0.5 * grid[..., :1])
         self.x = np.concatenate([-grid[..., ::-1], -first, first, grid], axis=-1)
         high = np.broadcast_to(np.array([False, True])[:, None], self.x.shape)
-        self.values, self.slopes = self._read((self.quantity, self.slope), self.x, high, which[..., None])
-        # Both halves end at one place, and see a zero of the slope there in one of them.
+        self.values, self.slopes = self._read((self.quantity, self.slope), self.x, high, designs[..., None])
+        # Both halves end at one position; a zero of the slope there belongs to one of them.
         seam = self.slopes[:, 0, [0, -1]]
         seam = np.where(seam == 0.0, self.slopes[:, 0, [1, -2]], seam)
         self.slopes = self.slopes.copy()
         self.slopes[:, :, [0, -1]] = seam[:, None, :]
 
     def _candidates(self) -> list[list[Candidate]]:
-        """Return where each design has extremes by samples: maxima, minima, jumps, ends of ranges."""
-        found: list[list[Candidate]] = [[] for _ in range(len(self.x))]
+        """Return the extremes of each design by samples: maxima, minima, jumps, ends of ranges."""
+        candidates: list[list[Candidate]] = [[] for _ in range(len(self.x))]
         inside = np.ones((*self.x.shape[:2], self.x.shape[2] - 1), dtype=bool)
         inside[..., SAMPLES] = ~self.bounded
         with np.errstate(invalid="ignore", over="ignore"):
@@ -148,21 +148,21 @@ class Stationary:
             sides = np.sign(self.slopes)
             turning = inside & (sides[..., 1:] * sides[..., :-1] <= 0.0) & (sides[..., 1:] != 0.0) & ~jumping
         for design, end, cell in np.argwhere(jumping).tolist():
-            found[design].append(Candidate(end, float(self.x[design, end, cell]), np.nan, JUMP))
+            candidates[design].append(Candidate(end, float(self.x[design, end, cell]), np.nan, JUMP))
         for design, end in np.argwhere(self.bounded).tolist():
             for k in (SAMPLES, SAMPLES + 1):
                 value = float(self.values[design, end, k])
                 if not np.isnan(value):
-                    found[design].append(Candidate(end, float(self.x[design, end, k]), value, END))
+                    candidates[design].append(Candidate(end, float(self.x[design, end, k]), value, END))
         cells = np.argwhere(turning)
         for (design, end), x, value, kind in zip(
             cells[:, :2].tolist(), *self._subdivided(*cells.T), strict=True
         ):
-            found[design].append(Candidate(end, x, value, kind))
-        return found
+            candidates[design].append(Candidate(end, x, value, kind))
+        return candidates
 
     def _subdivided(self, design: NDArray[Any], end: NDArray[Any], cell: NDArray[Any]) -> list[list[Any]]:
-        """Narrow down cells whose ends have slopes of different sign; return x, the values there and their kinds."""
+        """Narrow down cells whose slope changes sign; return x, the values there and their kinds."""
         low, high = self.x[design, end, cell], self.x[design, end, cell + 1]
         before, after = np.sign(self.slopes[design, end, cell]), np.sign(self.slopes[design, end, cell + 1])
         parts, rows = np.linspace(0.0, 1.0, PARTS + 1), np.arange(cell.size)
@@ -179,7 +179,7 @@ class Stationary:
         return [middle.tolist(), values.tolist(), kinds.astype(int).tolist()]
 
     def size(self, design: int) -> float:
-        """Return the usual size of the quantity: what is far below it is noise."""
+        """Return the usual size of the quantity: values far below it are noise."""
         values = abs(self.values[design][np.isfinite(self.values[design])])
         return float(np.quantile(values, 0.75)) if values.size else 0.0
 
@@ -202,8 +202,8 @@ class Stationary:
 
     # -- 50 digits ---------------------------------------------------------------------------------
 
-    def extreme(self, design: int, candidate: Candidate, *, places: bool = False) -> Extreme:
-        """Return an extreme with 50 digits; with `places` also the condition of the input angle there."""
+    def extreme(self, design: int, candidate: Candidate, *, positions: bool = False) -> Extreme:
+        """Return an extreme with 50 digits; with `positions` also the condition of the input angle."""
         if candidate.kind == JUMP:
             return Extreme(CONTEXT.pi, CONTEXT.zero, CONTEXT.nan, CONTEXT.zero)
         design_values = {name: column[design] for name, column in self.inputs.items()}
@@ -213,20 +213,20 @@ class Stationary:
             return self._at_end(base, candidate, self.size(design))
         for _ in range(MOST_STEPS):
             change = self._newton(base, end, x)
-            if not abs(change) < abs(x) + AT_END:  # the samples' own place is better
+            if not abs(change) < abs(x) + AT_END:  # the position by samples is better
                 break
             x += change
             if abs(change) < SETTLED:
                 break
         base = self._at(base, end, x)
         condition = self.facts.condition(base, self.movable)
-        place_condition = self._place_condition(base, end, x) if places else CONTEXT.zero
-        return Extreme(base[self.quantity], condition[self.quantity], base[self.position], place_condition)
+        position_condition = self._position_condition(base, end, x) if positions else CONTEXT.zero
+        return Extreme(base[self.quantity], condition[self.quantity], base[self.position], position_condition)
 
     def _leaves_at(self, end: int, x: Any) -> dict[str, Any]:
         near = x * x / (1 + x * x)
-        places = (1 - near, near) if end else (near, 1 - near)
-        return dict(zip(self.graded.coordinates, (*places, CONTEXT.mpf(-1 if x < 0 else 1)), strict=True))
+        fractions = (1 - near, near) if end else (near, 1 - near)
+        return dict(zip(self.graded.coordinates, (*fractions, CONTEXT.mpf(-1 if x < 0 else 1)), strict=True))
 
     def _at(self, base: Mapping[str, Any], end: int, x: Any) -> dict[str, Any]:
         return self.facts.moved(base, self._leaves_at(end, x))
@@ -237,7 +237,7 @@ class Stationary:
         curvature = (below - 2 * here + above) / DIFFERENCE
         return -(above - below) / 2 / curvature if curvature != 0 else CONTEXT.zero
 
-    def _place_condition(self, base: Mapping[str, Any], end: int, x: Any) -> Any:
+    def _position_condition(self, base: Mapping[str, Any], end: int, x: Any) -> Any:
         """Return the sum of |x d/dx| of the input angle of an extreme, which moves with the inputs."""
         total = CONTEXT.zero
         for name in self.movable:
@@ -252,14 +252,14 @@ class Stationary:
         x = AT_END if candidate.x > 0 else -AT_END
         farther = self._at(base, candidate.end, FARTHER * x)[self.quantity]
         base = self._at(base, candidate.end, x)
-        value, place = base[self.quantity], base[self.position]
+        value, position = base[self.quantity], base[self.position]
         changes = max(abs(value), abs(farther)) > GROWS * min(abs(value), abs(farther))
         if changes and abs(value) > size:
-            return Extreme(CONTEXT.inf if value > 0 else -CONTEXT.inf, CONTEXT.zero, place, CONTEXT.zero)
+            return Extreme(CONTEXT.inf if value > 0 else -CONTEXT.inf, CONTEXT.zero, position, CONTEXT.zero)
         if changes:
-            return Extreme(CONTEXT.zero, CONTEXT.mpf(size), place, CONTEXT.zero)
+            return Extreme(CONTEXT.zero, CONTEXT.mpf(size), position, CONTEXT.zero)
         condition = self.facts.condition(base, self.movable)
-        return Extreme(value, condition[self.quantity], place, condition[self.position])
+        return Extreme(value, condition[self.quantity], position, condition[self.position])
 
 
 def _leaves(x: NDArray[Any], high: NDArray[Any]) -> tuple[NDArray[Any], NDArray[Any], NDArray[Any]]:

@@ -1,4 +1,4 @@
-"""Keep the results of some designs while a sweep runs, then compare them with 50-digit ones."""
+"""Collect the results of some designs while a sweep runs, then compare them with 50-digit ones."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ import numpy as np
 from fastlink.errors import InputError
 from fastlink.precision.extrema import refined
 from fastlink.precision.pointwise import sampled, values
-from fastlink.precision.sample import Chosen
+from fastlink.precision.sample import Sample
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -20,25 +20,25 @@ if TYPE_CHECKING:
 
     from fastlink.plan.plan import Plan
     from fastlink.plan.program import Output
-    from fastlink.precision.errors import Measured
+    from fastlink.precision.errors import MeasuredErrors
     from fastlink.space.design_space import DesignSpace
 
 __all__ = ["Verification", "check_verify"]
 
-#: Designs of a sweep that writes a file.
+#: Designs that are verified of a sweep that writes a file.
 DESIGNS = 64
 SEED = 0
-#: Facts that are evaluated in all, each some 6 us: what a verification costs does not grow with what is asked for.
+#: Facts that are evaluated in all, each some 6 us: the time does not grow with the number of quantities.
 EVALUATIONS = 200_000
 
 
 def check_verify(verify: int | None, lasting: bool) -> int:
-    """Return how many designs are computed again; by default some of a result that is written to a file.
+    """Return the number of designs to verify; by default some if the result is written to a file.
 
     Raises
     ------
     InputError
-        It is no whole number, or less than 0.
+        It is not a whole number, or is negative.
     """
     if verify is None:
         return DESIGNS if lasting else 0
@@ -49,78 +49,78 @@ def check_verify(verify: int | None, lasting: bool) -> int:
 
 
 class Verification:
-    """A random subset of the designs of a sweep, to be computed again.
+    """A random sample of the designs of a sweep, computed again with 50 digits.
 
     Parameters
     ----------
-    plan : PlanSet
-        What was asked for.
+    plan : Plan
+        The plan of the sweep.
     space : DesignSpace
         The designs.
     positions : array
         The input positions.
     count : int
-        How many designs; all of them where there are fewer.
+        The number of designs; all of them if there are fewer.
     """
 
     def __init__(self, plan: Plan, space: DesignSpace, positions: NDArray[Any], count: int) -> None:
         self.rng = np.random.default_rng(SEED)
         self.designs = designs = space.some(count, self.rng)
-        places = self.rng.integers(len(plan.branches), size=designs.size)
-        # A subset of these is a random one, too.
+        branch_indices = self.rng.integers(len(plan.branches), size=designs.size)
+        # in random order, so that the first of them are a random sample too
         self.order = self.rng.permutation(designs.size)
-        self.chosen = Chosen(plan, space.at(designs[self.order]), positions, places)
+        self.sample = Sample(plan, space.at(designs[self.order]), positions, branch_indices)
         self._lock = threading.Lock()
-        self._kept: list[NDArray[Any]] = []
+        self._rows: list[NDArray[Any]] = []
 
-    def take(self, start: int, stop: int, arrays: list[NDArray[Any]]) -> None:
-        """Keep the results of the chosen designs among start to stop; thread-safe."""
+    def collect(self, start: int, stop: int, arrays: list[NDArray[Any]]) -> None:
+        """Copy the results of the sampled designs among start to stop; thread-safe."""
         first, last = np.searchsorted(self.designs, (start, stop))
         if first == last:
             return
         with self._lock:
-            if not self._kept:
-                self._kept = [np.empty((self.designs.size, *a.shape[1:]), a.dtype) for a in arrays]
-        for kept, array in zip(self._kept, arrays, strict=True):
-            kept[first:last] = array[self.designs[first:last] - start]
+            if not self._rows:
+                self._rows = [np.empty((self.designs.size, *a.shape[1:]), a.dtype) for a in arrays]
+        for rows, array in zip(self._rows, arrays, strict=True):
+            rows[first:last] = array[self.designs[first:last] - start]
 
     def measure(self) -> tuple[dict[str, Any], dict[str, dict[str, Any]]]:
-        """Return attributes of the whole result, and of its variables; what fails is said in one of them."""
+        """Return attributes of the result, and of its variables; a failure is stated in one of them."""
         if not self.designs.size:
             return {}, {}
         started = time.perf_counter()
         try:
-            found, left_out = self._measured()
+            errors, left_out = self._measured()
         except (ArithmeticError, ValueError, LookupError, TypeError, AttributeError) as error:
             return {"verify_failed": f"{type(error).__name__}: {error}"}, {}
         attrs: dict[str, Any] = {
             "verified_designs": self.designs.size,
             "verify_seed": SEED,
             "verify_time_s": time.perf_counter() - started,
-            "verify_mismatches": sum(measured.mismatches for measured in found.values()),
+            "verify_mismatches": sum(measured.mismatches for measured in errors.values()),
         }
         if left_out:
             attrs["verify_left_out"] = " ".join(left_out)
-        return attrs, {name: measured.attrs() for name, measured in found.items()}
+        return attrs, {name: measured.attrs() for name, measured in errors.items()}
 
-    def _measured(self) -> tuple[dict[str, Measured], list[str]]:
-        """Return the errors of each variable, and the names of those that are left out."""
-        outputs = self.chosen.plan.outputs
-        for output, rows in zip(outputs, self._kept, strict=True):
-            self.chosen.results[output.name] = rows[self.order]
+    def _measured(self) -> tuple[dict[str, MeasuredErrors], list[str]]:
+        """Return the errors of each variable, and the names of the others."""
+        outputs = self.sample.plan.outputs
+        for output, rows in zip(outputs, self._rows, strict=True):
+            self.sample.results[output.name] = rows[self.order]
         groups, left_out = _groups(outputs)
         share = EVALUATIONS // max(len(groups), 1)
-        found: dict[str, Measured] = {}
+        errors: dict[str, MeasuredErrors] = {}
         for kind, group in groups:
             if kind == "values":
-                found |= values(self.chosen, group, share, self.rng)
+                errors |= values(self.sample, group, share, self.rng)
             else:
-                found |= (refined if kind == "refined" else sampled)(self.chosen, group, share)
-        return found, left_out
+                errors |= (refined if kind == "refined" else sampled)(self.sample, group, share)
+        return errors, left_out
 
 
 def _groups(outputs: Sequence[Output]) -> tuple[list[tuple[str, list[Output]]], list[str]]:
-    """Return outputs that are computed again together, by how, and the names of those that are not."""
+    """Return the outputs that are verified together, by method, and the names of those that are not verified."""
     groups: dict[tuple[str, str], list[Output]] = {}
     left_out = []
     for output in outputs:
