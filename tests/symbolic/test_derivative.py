@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ast
+from fractions import Fraction
 
 import mpmath as mp
 import numpy as np
@@ -23,9 +24,11 @@ from fastlink.catalogue.evaluate import read_facts
 from fastlink.errors import InputError
 from fastlink.facts.fact import Input, statements
 from fastlink.numerics import compensated, vectors
+from fastlink.numerics.compensated import UNIT_ROUNDING
 from fastlink.plan.pointwise import make_program
-from fastlink.symbolic.derivative import RULES, made_function
+from fastlink.symbolic.derivative import RULES
 from fastlink.symbolic.expression import ExpressionGraph
+from fastlink.symbolic.generate import generate_function
 
 # Residuals are nothing but errors; facts of the design alone have their own tests (test_classes.py).
 QUANTITIES = [name for name in PLANAR.public if PLANAR.varies(name) and "residual" not in name]
@@ -256,7 +259,7 @@ def test_a_sum_of_any_length_is_written():
     total = graph.name("x")
     for k in range(1, 5000):
         total = graph.add(graph.mul(graph.number(float(k)), graph.name("y")), total)
-    function, depends_on = made_function("total", graph, total, {})
+    function, depends_on = generate_function("total", graph, total, {})
     assert set(depends_on) == {"x", "y"}
     expected = 0.1
     for k in range(1, 5000):
@@ -271,3 +274,52 @@ def test_every_function_of_geometry_has_a_rule_or_can_be_read():
     read = {"cross", "largest", "magnitude", "sign", "square_sum", "turn_rate"}
     assert exact | piecewise == {function.__name__ for function in RULES}
     assert exact | piecewise | read == {*compensated.__all__, *vectors.__all__}
+
+
+#: Beyond it Python refuses to recurse, with its default limit.
+CHAIN = 1200
+
+
+def held(f, y):
+    """Return f y + y."""
+    return f * y + y
+
+
+def assert_held_to_the_end(mechanism, last, x, y):
+    """Compare the last of a chain f <- f y + y, its derivative and both error bounds with exact arithmetic."""
+    names = [last, f"d_{last}_d_y"]
+    found = read_facts(mechanism, [*names, *(f"{name}_error" for name in names)], {"x": x, "y": y})
+    exact, slope = Fraction(x), Fraction(0)
+    for _ in range(CHAIN):
+        # rounded to 200 places, which is nothing next to doubles, as exact numbers grow at every step
+        exact, slope = (
+            Fraction(round(z * 2**200), 2**200)
+            for z in (exact * Fraction(y) + Fraction(y), slope * Fraction(y) + exact + 1)
+        )
+    for name, right in zip(names, (exact, slope), strict=True):
+        assert abs(Fraction(found[name]) - right) <= Fraction(found[f"{name}_error"])
+        # errors shrink by y at each step: the sum of some roundings over 1 - y
+        assert found[f"{name}_error"] <= 100 * UNIT_ROUNDING * abs(found[name]) / (1 - y) ** 2
+
+
+def test_chains_of_facts_of_any_length_are_derived():
+    mechanism = Catalogue("chain", "a chain", {1: "one"}, Input("t", "1", "t", "position"))
+    for name in "xy":
+        mechanism.input(name, units="1", symbol=name, meaning=name)
+    step = mechanism.quantities(units="1", source="tests")
+    for k in range(CHAIN):
+        step(held, f"f{k}", "f", "a link of the chain", f=f"f{k - 1}" if k else "x")
+    assert_held_to_the_end(mechanism, f"f{CHAIN - 1}", 0.3, 0.5)
+
+
+def test_texts_of_any_length_are_derived():
+    graph = ExpressionGraph([])
+    value = graph.name("x")
+    for _ in range(CHAIN):
+        value = graph.add(graph.mul(value, graph.name("y")), graph.name("y"))
+    function, _depends_on = generate_function("f", graph, value, {})
+    mechanism = Catalogue("text", "a long text", {1: "one"}, Input("t", "1", "t", "position"))
+    for name in "xy":
+        mechanism.input(name, units="1", symbol=name, meaning=name)
+    mechanism.quantity(units="1", symbol="f", source="tests", meaning="the end of the text")(function)
+    assert_held_to_the_end(mechanism, "f", 0.3, 0.5)

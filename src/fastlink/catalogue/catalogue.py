@@ -27,6 +27,7 @@ from fastlink.facts.names import (
 )
 from fastlink.symbolic.derivative import Derivation, NoDerivative, derivative_name, labelled
 from fastlink.symbolic.error_bound import ErrorBounds, labelled_error, trust_of
+from fastlink.symbolic.postorder import CircularError, postorder
 
 __all__ = ["Catalogue", "CatalogueError", "Fact", "GradedRange", "Input", "System", "parameters"]
 
@@ -260,39 +261,36 @@ class Catalogue(Declarations):
         """
         given, chosen = set(leaves), tuple(variants)
         done: set[str] = set(given)
-        pending: list[str] = []
+        steps: dict[str, Fact | System] = {}
 
-        def visit(name: str, asked_by: str | None) -> Iterator[Fact | System]:
-            if name in done:
-                return
-            if name in pending:
-                raise CatalogueError(f"{self.name}: circular: {' -> '.join([*pending, name])}")
-            found = self.resolve(name, chosen, given)
-            if found is None:
-                raise self._missing(name, asked_by, given)
-            pending.append(name)
-            for need in found.depends_on:
-                yield from visit(need, name)
-            pending.pop()
-            done.update(found.names)
-            yield found
+        def parts(name: str) -> tuple[str, ...]:
+            step = self.resolve(name, chosen, given)
+            if step is None:
+                dependents = (of for of in reversed(steps) if name in steps[of].depends_on)
+                raise self._missing(name, next(dependents, None))
+            steps[name] = step
+            return step.depends_on
 
-        for name in names:
-            yield from visit(name, None)
+        try:
+            for name in postorder(names, parts, done):
+                done.update(steps[name].names)
+                yield steps[name]
+        except CircularError as error:
+            raise CatalogueError(f"{self.name}: circular: {' -> '.join(error.args)}") from None
 
-    def missing_message(self, declared: Input, asked_by: str | None, *inside: str) -> Problem:
+    def missing_message(self, declared: Input, dependent: str | None, *inside: str) -> Problem:
         """Return what is wrong where something depends on an input and nothing gives it."""
         others = "".join(f", or {other!r} instead" for other in self.mutually_exclusive_inputs(declared.name))
         what = f"is missing ({declared.meaning} [{declared.units}])"
-        return Problem(what, (*inside, declared.name), f"{asked_by} depends on it: add it{others}")
+        return Problem(what, (*inside, declared.name), f"{dependent} depends on it: add it{others}")
 
-    def _missing(self, name: str, asked_by: str | None, given: set[str]) -> InputError:
+    def _missing(self, name: str, dependent: str | None) -> Exception:
         declared = self.known_inputs(self.variant_inputs).get(name)
         if declared is not None:
-            return InputError.of([self.missing_message(declared, asked_by)])
-        if asked_by is not None:
-            raise CatalogueError(f"{self.name}: {asked_by} depends on {name}, which is not declared")
-        raise CatalogueError(f"{self.name}: {name} is not declared")
+            return InputError.of([self.missing_message(declared, dependent)])
+        if dependent is not None:
+            return CatalogueError(f"{self.name}: {dependent} depends on {name}, which is not declared")
+        return CatalogueError(f"{self.name}: {name} is not declared")
 
 
 def _plain(tree: Name) -> tuple[str, str]:

@@ -8,24 +8,22 @@ on floats, arrays and mpmath numbers.
 
 from __future__ import annotations
 
-import linecache
 import re
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
-from itertools import count
 from typing import Any
 
 from fastlink.errors import InputError, Setting
 from fastlink.facts.fact import Fact, Input, System
 from fastlink.facts.names import Derivative, Quantity
 from fastlink.numerics import compensated, vectors
-from fastlink.numerics.elementary import INFINITY, NOT_A_NUMBER, atan2, cosine, select, sine, sqrt
+from fastlink.numerics.elementary import atan2, cosine, sine, sqrt
 from fastlink.numerics.logarithm import log, log1p, log_quotient
 from fastlink.symbolic.expression import ExpressionGraph, Node, is_power_of_two
+from fastlink.symbolic.generate import generate_function
+from fastlink.symbolic.postorder import postorder
 
-__all__ = ["Derivation", "NoDerivative", "derivative_name", "in_a_sentence", "labelled", "made_function"]
-
-_serial = count()
+__all__ = ["Derivation", "NoDerivative", "derivative_name", "in_a_sentence", "labelled"]
 
 
 class NoDerivative(InputError):
@@ -186,9 +184,14 @@ class Derivation:
 
     def slope(self, name: str) -> Node:
         """Return the derivative of a name: a number, a name, or minus a name."""
-        if name not in self._slopes:
-            self._slopes[name] = self._slope(name)
+        for each in postorder([name], self._parts, self._slopes):
+            self._slopes[each] = self._slope(each)
         return self._slopes[name]
+
+    def _parts(self, name: str) -> tuple[str, ...]:
+        """Return the names whose derivatives that of a name is made of."""
+        found = None if name == self.by.name or self.declared(name) is not None else self.find(name)
+        return () if found is None or (isinstance(found, Fact) and name == found.low) else found.depends_on
 
     def _slope(self, name: str) -> Node:
         graph = self.graph
@@ -206,22 +209,22 @@ class Derivation:
             raise NoDerivative(what, remedy=("write ", Setting("solver", "eliminated")))
         else:
             value = graph.read_fact(found, name)
-            root = self._differentiate(value, {})
+            root = self._differentiate(value)
             self._values[name] = root, value
         bare = root.args[0] if root.kind == "neg" else root
         simple = bare.kind in ("name", "number")
         return root if simple else graph.name(derivative_name(name, self.by.name))
 
-    def _differentiate(self, node: Node, known: dict[Node, Node]) -> Node:
+    def _differentiate(self, root: Node) -> Node:
         """Return the derivative of a value."""
-        if node.kind == "name":
-            return self.slope(node.value)
-        if node not in known:
-            slopes = [self._differentiate(arg, known) for arg in node.args]
-            known[node] = self._rule(node, slopes)
-        return known[node]
+        slopes: dict[Node, Node] = {}
+        for node in postorder([root], lambda node: node.args, slopes):
+            slopes[node] = self._rule(node, [slopes[arg] for arg in node.args])
+        return slopes[root]
 
     def _rule(self, node: Node, slopes: Sequence[Node]) -> Node:
+        if node.kind == "name":
+            return self._slopes[node.value]
         graph, args = self.graph, node.args
         if all(slope is graph.zero for slope in slopes):
             return graph.zero
@@ -293,35 +296,7 @@ class Derivation:
 
     def _written(self, found: Fact, root: Node, value: Node) -> Fact:
         own = {} if value.kind in ("name", "number", "neg") else {value: found.name}
-        function, depends_on = made_function(derivative_name(found.name, self.by.name), self.graph, root, own)
+        function, depends_on = generate_function(
+            derivative_name(found.name, self.by.name), self.graph, root, own
+        )
         return replace(labelled(found, self.by), function=function, depends_on=depends_on, flags={})
-
-
-def made_function(
-    name: str, graph: ExpressionGraph, root: Node, given: Mapping[Node, str]
-) -> tuple[Callable[..., Any], tuple[str, ...]]:
-    """Return a function that returns a value, and the names that it depends on; `given` as in `Graph.write`."""
-    depends_on, lines = graph.write(root, given)
-    source = "\n    ".join([f"def {name}({', '.join(depends_on)}):", *lines]) + "\n"
-    file = f"<made {name} {next(_serial)}>"
-    # inspect reads the text there, and kernels are made of what inspect reads
-    linecache.cache[file] = (len(source), None, source.splitlines(keepends=True), file)
-    namespace = dict(FUNCTIONS)
-    exec(compile(source, file, "exec"), namespace)
-    return namespace[name], depends_on
-
-
-#: What a text may name.
-FUNCTIONS: dict[str, Any] = {
-    **{name: getattr(module, name) for module in (compensated, vectors) for name in module.__all__},
-    "sqrt": sqrt,
-    "atan2": atan2,
-    "cosine": cosine,
-    "sine": sine,
-    "log": log,
-    "log1p": log1p,
-    "log_quotient": log_quotient,
-    "select": select,
-    "INFINITY": INFINITY,
-    "NOT_A_NUMBER": NOT_A_NUMBER,
-}

@@ -8,7 +8,7 @@ the bounds of those facts that it needs, but for those whose relative error is a
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import replace
 from typing import Any
 
@@ -17,9 +17,12 @@ from fastlink.facts.fact import Fact, Input, System
 from fastlink.facts.names import ErrorBound, Quantity, Trust
 from fastlink.numerics.compensated import UNIT_ROUNDING
 from fastlink.numerics.elementary import INFINITY, select
-from fastlink.symbolic.derivative import in_a_sentence, made_function
-from fastlink.symbolic.error_propagation import Bound, Lost, Rules
+from fastlink.symbolic.bound import Bound, Lost
+from fastlink.symbolic.derivative import in_a_sentence
+from fastlink.symbolic.error_propagation import Rules, bounded_parts
 from fastlink.symbolic.expression import Node, is_power_of_two
+from fastlink.symbolic.generate import generate_function
+from fastlink.symbolic.postorder import postorder
 
 __all__ = ["ErrorBounds", "error_name", "labelled_error", "trust_of"]
 
@@ -111,7 +114,7 @@ class ErrorBounds:
             found = self.found(name)
             root, own = self._running(name)
             made = error_name(name)
-            function, depends_on = made_function(made, self.graph, root, own)
+            function, depends_on = generate_function(made, self.graph, root, own)
             self._facts[name] = replace(
                 labelled_error(found), name=made, function=function, depends_on=depends_on
             )
@@ -146,10 +149,20 @@ class ErrorBounds:
     # -- names ---------------------------------------------------------------------------------------------------
 
     def named(self, name: str) -> Bound:
-        """Return the bound of a name, told over names."""
-        if name not in self._named:
-            self._named[name] = self._of_name(name)
+        """Return the error bound of a name as an expression in other names."""
+        for each in postorder([name], self._parts, self._named):
+            self._named[each] = self._of_name(each)
         return self._named[name]
+
+    def _parts(self, name: str) -> Iterator[str]:
+        """Yield the names whose bounds go into that of a name."""
+        if name in self.low_parts or name in self.tables or self.find(name) is None:
+            return
+        visited: dict[Node, None] = {}
+        for node in postorder([self._value(name)], bounded_parts, visited):
+            visited[node] = None
+            if node.kind == "name":
+                yield node.value
 
     def _of_name(self, name: str) -> Bound:
         graph = self.graph

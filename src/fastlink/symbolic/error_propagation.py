@@ -7,8 +7,8 @@ products and quotients of errors are in them. A bound is u `relative` |value| + 
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from collections.abc import Callable, Sequence
+from dataclasses import replace
 from functools import partial
 
 from fastlink.numerics.compensated import (
@@ -35,34 +35,15 @@ from fastlink.numerics.elementary import (
     sqrt,
 )
 from fastlink.numerics.logarithm import arsinh, log, log1p, log_quotient
+from fastlink.symbolic.bound import Bound, Lost, multiplied, united
 from fastlink.symbolic.error_laws import of_direction, of_logarithm, of_product, of_quotient, of_root
 from fastlink.symbolic.expression import ExpressionGraph, Node, is_power_of_two
+from fastlink.symbolic.postorder import postorder
 
-__all__ = ["UNIT_WITH_MARGIN", "Bound", "Lost", "Rules"]
+__all__ = ["UNIT_WITH_MARGIN", "Rules", "bounded_parts"]
 
 #: A rounding, and a millionth more: for the rounding of the bounds themselves, and for products of a few roundings.
 UNIT_WITH_MARGIN = UNIT_ROUNDING * (1.0 + 2.0**-20)
-
-#: What rounding lost and another value keeps (the low word of a sum of two): a multiple of that value is the error,
-#: with its sign, and cancels where both words meet. With it stands the high word, of which it is a rounding at most.
-Lost = Mapping[Node, tuple[float, Node]]
-
-
-@dataclass(frozen=True)
-class Bound:
-    """The error that a value may have: UNIT_WITH_MARGIN `relative` |value| + `rest`, besides what is lost.
-
-    `scale` tells that it is 0 or a power of two, up to its sign, with which products are exact; `one` that it is 1,
-    up to its sign (or NaN); `positive` that it is not negative.
-    """
-
-    relative: float
-    rest: Node
-    lost: Lost = field(default_factory=dict)
-    scale: bool = False
-    one: bool = False
-    positive: bool = False
-
 
 #: Calls that remain calls, and the error of an unevaluated sum (high, low) that they return: roundings of the sum.
 #: In `sum_of_four` the last addition of low words rounds; the others leave out products of low words; see the tests.
@@ -79,6 +60,8 @@ ARCTANGENT, LOGARITHM, LOG_QUOTIENT, ARSINH, COSINE = 4.0, 4.0, 6.0, 6.0, 4.0
 REDUCTION = 2.0**-103
 #: Tabled with 40 digits and rounded once.
 TABLED = (sin, cos, exp, sinh, cosh)
+#: Functions whose results have an error that is known whatever their arguments are.
+BOUNDED_ALONE = (*TABLED, binary_exponent, power_of_two_below)
 
 
 class Rules:
@@ -92,14 +75,14 @@ class Rules:
 
     def __init__(self, named: Callable[[str], Bound]) -> None:
         self.named = named
-        self.graph = ExpressionGraph({*WORDS, power_of_two_below, arsinh, ldexp, binary_exponent, *TABLED})
+        self.graph = ExpressionGraph({*WORDS, *BOUNDED_ALONE, arsinh, ldexp})
         self.exact = Bound(0.0, self.graph.zero)
         self._bounds: dict[Node, Bound] = {}
 
     def bound(self, node: Node) -> Bound:
         """Return the bound of a value."""
-        if node not in self._bounds:
-            self._bounds[node] = self._rule(node)
+        for each in postorder([node], bounded_parts, self._bounds):
+            self._bounds[each] = self._rule(each)
         return self._bounds[node]
 
     def settled(self, node: Node, bound: Bound | None = None) -> Bound:
@@ -137,7 +120,7 @@ class Rules:
                 return replace(self.exact, scale=scale, one=abs(x) == 1.0 or x != x, positive=not x < 0.0)
             case "neg":
                 bound = self.bound(node.args[0])
-                return replace(bound, lost=_times(bound.lost, -1.0), positive=False)
+                return replace(bound, lost=multiplied(bound.lost, -1.0), positive=False)
             case "+" | "-":
                 return self._of_sum(node)
             case "*" | "/":
@@ -153,7 +136,7 @@ class Rules:
             a = self.settled(x)
         if not a.lost and self._is_high_word(y, b):
             b = self.settled(y)
-        lost = _merged(a.lost, b.lost if node.kind == "+" else _times(b.lost, -1.0))
+        lost = united(a.lost, b.lost if node.kind == "+" else multiplied(b.lost, -1.0))
         if node.kind == "+" and a.positive and b.positive:
             rest = self.graph.add(a.rest, b.rest)
             return Bound(max(a.relative, b.relative) + 1.0, rest, lost, positive=True)
@@ -161,7 +144,7 @@ class Rules:
 
     def _is_high_word(self, node: Node, bound: Bound) -> bool:
         bare = node.args[0] if node.kind == "neg" else node
-        return any(high in (node, bare) and low is not bare for low, (_times, high) in bound.lost.items())
+        return any(high in (node, bare) and low is not bare for low, (_number, high) in bound.lost.items())
 
     def _of_scaled(self, node: Node) -> Bound | None:
         """Return the bound of a product or quotient with a power of two, None of others."""
@@ -218,10 +201,11 @@ class Rules:
         """Return relative part and rest of what the arguments do to an unevaluated sum."""
         function, args, graph = call.value, call.args, self.graph
         if function in (two_sum, sum_of_four):
-            rest, lost = graph.zero, dict[Node, tuple[float, Node]]()
+            rest: Node = graph.zero
+            lost: Lost = {}
             for arg in args:
                 bound = self.bound(arg)
-                rest, lost = graph.add(rest, self.error(arg, bound)), _merged(lost, bound.lost)
+                rest, lost = graph.add(rest, self.error(arg, bound)), united(lost, bound.lost)
             return 0.0, self.settled(high, Bound(0.0, rest, lost)).rest
         if function is two_product:
             bound = self._of_ratio(graph.node("*", *args))
@@ -241,7 +225,7 @@ class Rules:
         """Return the bound of an unevaluated sum."""
         a, b = self.bound(high), self.bound(low)
         rest = self.graph.add(a.rest, self.error(low, b))
-        return self.settled(high, Bound(a.relative, rest, _merged(a.lost, b.lost)))
+        return self.settled(high, Bound(a.relative, rest, united(a.lost, b.lost)))
 
     def _of_call(self, node: Node) -> Bound:
         function, graph = node.value, self.graph
@@ -317,13 +301,10 @@ class Rules:
         return error if error is self.graph.zero else self.graph.read(of_logarithm, [place, error])
 
 
-def _times(lost: Lost, number: float) -> dict[Node, tuple[float, Node]]:
-    return {low: (number * times, high) for low, (times, high) in lost.items()}
-
-
-def _merged(first: Lost, second: Lost) -> dict[Node, tuple[float, Node]]:
-    """Return what both lose: a low word that comes with either sign is lost no more."""
-    merged = dict(first)
-    for low, (times, high) in second.items():
-        merged[low] = (times + (merged[low][0] if low in merged else 0.0), high)
-    return {low: entry for low, entry in merged.items() if entry[0] != 0.0}
+def bounded_parts(node: Node) -> tuple[Node, ...]:
+    """Return the values whose errors go into that of a value: not conditions, nor what is tabled or a power of two."""
+    if node.kind == "item":
+        return node.args[0].args
+    if node.value is select:
+        return node.args[1:]
+    return () if node.value in BOUNDED_ALONE else node.args

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import ast
 import math
+from collections import Counter
 from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -15,6 +16,7 @@ from fastlink.facts.fact import Fact, parameters, statements
 from fastlink.numerics.compiler import COMPILED_AS
 from fastlink.numerics.elementary import atan2, cosine, select, sine, sqrt
 from fastlink.numerics.logarithm import log, log1p, log_quotient
+from fastlink.symbolic.postorder import postorder
 
 __all__ = ["ExpressionGraph", "Node", "is_power_of_two"]
 
@@ -223,34 +225,21 @@ class ExpressionGraph:
 
         `given` are values that have a name of their own.
         """
-        uses: dict[Node, int] = {}
-        names: dict[str, None] = {}
-        order: list[Node] = []
-
-        pending = [(root, False)]
-        while pending:  # each value after its arguments
-            node, over = pending.pop()
-            if over:
-                order.append(node)
-                continue
-            uses[node] = uses.get(node, 0) + 1
-            if uses[node] > 1:
-                continue
-            pending.append((node, True))
-            if node in given or node.kind == "name":
-                names[given.get(node, node.value)] = None
-            else:
-                pending += [(arg, False) for arg in reversed(node.args)]
-        pairs = {node.args[0] for node in order if node.kind == "item" and node not in given}
+        order: dict[Node, tuple[Node, ...]] = {}
+        for node in postorder([root], lambda node: () if node in given else node.args, order):
+            order[node] = () if node in given else node.args
+        uses = Counter(part for parts in order.values() for part in parts)
+        depends_on = {
+            given.get(node, node.value): None for node in order if node in given or node.kind == "name"
+        }
+        pairs = {parts[0] for node, parts in order.items() if parts and node.kind == "item"}
         written: dict[Node, ast.expr] = {}
         depths: dict[Node, int] = {}
         lines: list[str] = []
-        for node in order:
-            text = (
-                ast.Name(given[node]) if node in given else _expression(node, [written[a] for a in node.args])
-            )
+        for node, parts in order.items():
+            text = ast.Name(given[node]) if node in given else _expression(node, [written[a] for a in parts])
             short = node in given or node.kind in ("name", "number", "item")
-            depths[node] = 0 if short else 1 + max((depths[a] for a in node.args), default=0)
+            depths[node] = 0 if short else 1 + max((depths[a] for a in parts), default=0)
             if node in pairs or (not short and (uses[node] > 1 or depths[node] == DEEPEST)):
                 depths[node] = 0
                 local = f"_{len(lines)}"
@@ -258,7 +247,7 @@ class ExpressionGraph:
                 lines.append(f"{target} = {ast.unparse(text)}")
                 text = ast.Name(local)
             written[node] = text
-        return tuple(names), [*lines, f"return {ast.unparse(written[root])}"]
+        return tuple(depends_on), [*lines, f"return {ast.unparse(written[root])}"]
 
 
 def _expression(node: Node, args: Sequence[ast.expr]) -> ast.expr:

@@ -1,0 +1,43 @@
+"""The error bound of one value: a relative part known beforehand, an expression, and what a low word keeps."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+from fastlink.symbolic.expression import Node
+
+__all__ = ["Bound", "Lost", "multiplied", "united"]
+
+#: What rounding lost and another value keeps (the low word of a sum of two): a multiple of that value is the error,
+#: with its sign, and cancels where both words meet. With it stands the high word, of which it is a rounding at most.
+Lost = Mapping[Node, tuple[float, Node]]
+
+
+@dataclass(frozen=True)
+class Bound:
+    """The error that a value may have: UNIT_WITH_MARGIN `relative` |value| + `rest`, besides what is `lost`.
+
+    `scale` tells that it is 0 or a power of two, up to its sign, with which products are exact; `one` that it is 1,
+    up to its sign (or NaN); `positive` that it is not negative.
+    """
+
+    relative: float
+    rest: Node
+    lost: Lost = field(default_factory=dict)
+    scale: bool = False
+    one: bool = False
+    positive: bool = False
+
+
+def multiplied(lost: Lost, number: float) -> Lost:
+    """Return a multiple of what is lost."""
+    return {low: (number * times, high) for low, (times, high) in lost.items()}
+
+
+def united(first: Lost, second: Lost) -> Lost:
+    """Return what two values lose together: a low word that comes with either sign is lost no more."""
+    sums = dict(first)
+    for low, (times, high) in second.items():
+        sums[low] = (times + (sums[low][0] if low in sums else 0.0), high)
+    return {low: entry for low, entry in sums.items() if entry[0] != 0.0}
