@@ -83,8 +83,8 @@ def test_a_sweep_names_all_that_is_wrong_with_it():
     }
 
 
-def told(door):
-    """Return what each door says of extremes that are to be refined over given angles."""
+def message_of(door):
+    """Return the message of each door about refined extremes over given angles."""
     if door == "python":
         with pytest.raises(InputError) as caught:
             fl.sweep(
@@ -106,7 +106,7 @@ def told(door):
     [("python", "extrema: ", "extrema='sampled'"), ("study", "cycle.extrema: ", 'extrema = "sampled"')],
 )
 def test_each_door_has_its_own_words(folder, door, place, remedy):
-    line = told(door)
+    line = message_of(door)
     assert place in line
     assert remedy in line
 

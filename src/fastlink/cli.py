@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Annotated, Any, TypeVar, get_type_hints
 
 import typer
 
-from fastlink.errors import InputError, Piece, Place, Setting, Wording
+from fastlink.errors import InputError, KeyPath, Piece, Setting, Wording
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -49,9 +49,9 @@ class _Options(Wording):
                 spelt = (declared.default, *(getattr(declared, "param_decls", None) or ()), declared.metavar)
                 self.names[name] = next((one for one in spelt if isinstance(one, str)), name)
 
-    def place(self, where: Place) -> str:
+    def path(self, where: KeyPath) -> str:
         if not where or where[0] not in self.names:
-            return super().place(where)
+            return super().path(where)
         return " ".join([self.names[str(where[0])], *map(str, where[1:])])
 
     def piece(self, piece: Piece) -> str | None:

@@ -1,4 +1,4 @@
-"""Errors a user can mend: where, what was found there, and what to write instead; each door words them its own way."""
+"""Errors that a user can mend: what is wrong, where, and what to write instead, in the words of each door."""
 
 from __future__ import annotations
 
@@ -10,8 +10,8 @@ from typing import TypeAlias
 
 __all__ = [
     "InputError",
+    "KeyPath",
     "Pair",
-    "Place",
     "Problem",
     "Problems",
     "Remedy",
@@ -22,14 +22,13 @@ __all__ = [
     "suggest",
 ]
 
-MOST_SHOWN = 12
-#: How many problems are a line each; the others are counted.
-MOST_LINES = 20
-#: What is found begins with one of these where it reads on after the place; a sentence of its own follows a colon.
+#: Known names in a suggestion, and problems with a line each; the others are counted.
+MOST_SHOWN, MOST_LINES = 12, 20
+#: Begin texts that read on after the path of a problem; a sentence of its own follows a colon.
 PREDICATES = ("is ", "has ", "holds ", "runs ", "belongs ", "gives ")
 
-#: The path to what is wrong, from the parameter of a function: ``("design", "a2", 3)``, ``("branch",)``.
-Place: TypeAlias = tuple[str | int, ...]
+#: The path to a problem, from the parameter of a function: ``("design", "a2", 3)``, ``("branch",)``.
+KeyPath: TypeAlias = tuple[str | int, ...]
 
 
 @dataclass(frozen=True)
@@ -43,10 +42,7 @@ class Samples:
 
 @dataclass(frozen=True)
 class Pair:
-    """Two ends, for a remedy."""
-
-    low: str = "lo"
-    high: str = "hi"
+    """The two ends of a range, for a remedy."""
 
 
 @dataclass(frozen=True)
@@ -64,73 +60,71 @@ Remedy: TypeAlias = str | tuple[Piece | tuple[Piece, ...], ...]
 
 @dataclass(frozen=True)
 class Problem:
-    """One thing that is wrong: what was found, where, and what to write instead."""
+    """One thing that is wrong, its path, and what to write instead."""
 
     what: str
-    where: Place = ()
+    where: KeyPath = ()
     remedy: Remedy = ""
 
 
 class Wording:
-    """How callers in Python are told; other doors override what they write in another way."""
+    """The wording of problems for callers in Python; other doors override its parts."""
 
     def line(self, problem: Problem) -> str:
         """Return a problem as one line."""
-        place, remedy = self.place(problem.where), self.remedy(problem.remedy)
-        if place:
-            place += " " if problem.what.startswith(PREDICATES) else ": "
-        return f"{place}{problem.what}{'; ' if remedy else ''}{remedy}"
+        path, remedy = self.path(problem.where), self.remedy(problem.remedy)
+        if path:
+            path += " " if problem.what.startswith(PREDICATES) else ": "
+        return f"{path}{problem.what}{'; ' if remedy else ''}{remedy}"
 
     def remedy(self, remedy: Remedy) -> str:
-        """Return what to write instead, as text."""
-        if isinstance(remedy, str):
-            return remedy
+        """Return a remedy as text."""
         text = ""
-        for part in remedy:
+        for part in (remedy,) if isinstance(remedy, str) else remedy:
             pieces = [self.piece(piece) for piece in (part if isinstance(part, tuple) else (part,))]
             text += "".join(piece for piece in pieces if piece is not None) if None not in pieces else ""
         return text
 
-    def place(self, where: Place) -> str:
-        """Return where something is wrong, such as ``design: a2[3]``.
+    def path(self, where: KeyPath) -> str:
+        """Return a path as text, such as ``design: a2[3]``.
 
         Examples
         --------
-        >>> Wording().place(("design", "a2", 3)), Wording().place(("quantities", 0))
+        >>> Wording().path(("design", "a2", 3)), Wording().path(("quantities", 0))
         ('design: a2[3]', 'quantities[0]')
         """
         return path_text(where).replace(".", ": ", 1)
 
     def piece(self, piece: Piece) -> str | None:
-        """Return a piece of a remedy, or None where this door has no such thing."""
+        """Return a piece of a remedy, or None where this door has no such option."""
         if isinstance(piece, Samples):
             return f"numpy.linspace({piece.first:g}, {piece.last:g}, {piece.count})"
         if isinstance(piece, Pair):
-            return f"({piece.low}, {piece.high})"
+            return "(lo, hi)"
         return f"{piece.name}={piece.value!r}" if isinstance(piece, Setting) else piece
 
 
 class InputError(ValueError):
-    """Bad input: one or several problems, each with its place, what was found there and the remedy.
+    """Bad input: one or several problems.
 
     Parameters
     ----------
     what : str
-        What was found.
+        What is wrong.
     where : tuple of str and int, optional
         The path to it, from the parameter of the function that was called.
     remedy : str or tuple of pieces, optional
         What to write instead.
     """
 
-    def __init__(self, what: str, *, where: Place = (), remedy: Remedy = "") -> None:
+    def __init__(self, what: str, *, where: KeyPath = (), remedy: Remedy = "") -> None:
         super().__init__(what)
         self.problems: tuple[Problem, ...] = (Problem(what, where, remedy),)
         self.wording: Wording | None = None
 
     @classmethod
     def of(cls, problems: Iterable[Problem], wording: Wording | None = None) -> InputError:
-        """Return the error of several problems, in the words of a door."""
+        """Return the error of several problems, in the wording of a door."""
         error = cls("")
         error.problems, error.wording = tuple(problems), wording
         error.args = (str(error),)
@@ -138,58 +132,57 @@ class InputError(ValueError):
 
     @property
     def what(self) -> str:
-        """What was found, of the first problem."""
+        """What is wrong, of the first problem."""
         return self.problems[0].what
 
     @property
-    def where(self) -> Place:
-        """The place of the first problem."""
+    def where(self) -> KeyPath:
+        """The path of the first problem."""
         return self.problems[0].where
 
     @property
     def remedy(self) -> Remedy:
-        """What to write instead, of the first problem."""
+        """The remedy of the first problem."""
         return self.problems[0].remedy
 
     def lines(self, wording: Wording | None = None) -> list[str]:
-        """Return a line for each problem, in the error's own words or else in those given."""
+        """Return a line for each problem, in the error's own wording or else in the given one."""
         chosen = self.wording or wording or Wording()
-        lines, more = (
-            [chosen.line(one) for one in self.problems[:MOST_LINES]],
-            len(self.problems) - MOST_LINES,
-        )
-        return [*lines, chosen.line(Problem(f"and {more} more problems"))] if more > 0 else lines
+        shown = list(self.problems[:MOST_LINES])
+        if more := len(self.problems) - len(shown):
+            shown.append(Problem(f"and {more} more problems"))
+        return [chosen.line(problem) for problem in shown]
 
     def __str__(self) -> str:
         return "\n".join(self.lines())
 
 
 class Problems:
-    """The problems of one request, noted as they are found and raised together."""
+    """The problems of one request, collected and raised together."""
 
     def __init__(self, wording: Wording | None = None) -> None:
         self.wording = wording
         self.noted: list[Problem] = []
 
-    def add(self, what: str, where: Place = (), remedy: Remedy = "") -> None:
-        """Note a problem."""
+    def add(self, what: str, where: KeyPath = (), remedy: Remedy = "") -> None:
+        """Add a problem."""
         self.noted.append(Problem(what, where, remedy))
 
     @contextlib.contextmanager
     def at(self, *where: str | int) -> Iterator[None]:
-        """Note the problems of an InputError, here where they have no place of their own, and go on."""
+        """Add the problems of an InputError, at a path if they have none of their own, and go on."""
         try:
             yield
         except InputError as error:
             self.noted += [one if one.where else replace(one, where=where) for one in error.problems]
 
     def stop(self) -> None:
-        """Raise InputError if anything was found."""
+        """Raise InputError if there are problems."""
         if self.noted:
             raise InputError.of(self.noted, self.wording)
 
 
-def path_text(where: Place) -> str:
+def path_text(where: KeyPath) -> str:
     """Return a path as text, such as ``design.a2.values[3]``.
 
     Examples
@@ -202,13 +195,6 @@ def path_text(where: Place) -> str:
 
 def suggest(name: str, known: Iterable[str]) -> str:
     """Return the remedy for an unknown name: the nearest known name, or all of them.
-
-    Parameters
-    ----------
-    name : str
-        What the user wrote.
-    known : iterable of str
-        What would have been accepted.
 
     Examples
     --------

@@ -15,7 +15,8 @@ from fastlink.io.dataset import Variable, assemble, marked, plain_attrs
 from fastlink.io.dataset import coordinates as dataset_coordinates
 from fastlink.plan.plan import Plan
 from fastlink.plan.program import EXTREMUM, Output
-from fastlink.space.design_space import DesignSpace, frozen
+from fastlink.space.design_space import DesignSpace
+from fastlink.space.values import frozen
 
 if TYPE_CHECKING:
     import xarray as xr

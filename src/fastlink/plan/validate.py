@@ -12,11 +12,11 @@ import numpy as np
 
 from fastlink.catalogue.catalogue import Catalogue, Input
 from fastlink.catalogue.declare import ELIMINATED
-from fastlink.errors import InputError, Place, Problem, Problems, Samples, Setting, suggest
+from fastlink.errors import InputError, KeyPath, Problem, Problems, Samples, Setting, suggest
 from fastlink.mechanisms import NAMES, inputs_of
 from fastlink.plan.query import Extrema, parse_request
-from fastlink.space.design_space import short_repr
 from fastlink.space.links import Links
+from fastlink.space.values import short_repr
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
@@ -147,7 +147,7 @@ def allowed(declared: Input, value: Any) -> Any:
 
 
 def _unknown_input(catalogue: Catalogue, name: str, known: dict[str, Input]) -> Problem:
-    where: Place = ("design", name)
+    where: KeyPath = ("design", name)
     for model, inputs in catalogue.variant_inputs.items():
         if name in inputs:
             remedy = "choose that model, or leave it out"

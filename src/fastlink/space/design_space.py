@@ -1,24 +1,19 @@
-"""`DesignSpace`, numbered designs whose inputs are filled in on demand, and the checks of given values."""
+"""Numbered designs whose inputs are filled in on demand."""
 
 from __future__ import annotations
 
 import math
-import numbers
-import reprlib
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from decimal import Decimal
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from fastlink.errors import InputError, suggest
+from fastlink.space.values import Floats, constant, frozen
 
-Floats = NDArray[np.float64]
 #: The dimension of designs that span no grid.
 DESIGN = "design"
-NUMBERS = "write a number or a flat list of numbers"
 
 
 @dataclass(frozen=True, eq=False)
@@ -86,7 +81,7 @@ class DesignSpace:
             Written in place; the rest of each row is left as it is.
         """
         if not 0 <= start <= stop <= self.size:
-            raise ValueError(f"designs {start} to {stop} asked of a design space of {self.size}")
+            raise ValueError(f"designs {start} to {stop} of a design space of {self.size}")
         indices = self._axis_indices(start, stop) if self.axes else {}
         for row, name in zip(out, names, strict=False):
             target = row[: stop - start]
@@ -101,7 +96,7 @@ class DesignSpace:
                 target[:] = self.constants[self._known(name)]
 
     def some(self, count: int, rng: np.random.Generator) -> NDArray[np.int64]:
-        """Return the numbers of some designs chosen at random, in order; never a list of all: there may be 10^9."""
+        """Return the numbers of random designs, in order, without a list of all: there may be 10^9."""
         if count >= self.size:
             return np.arange(self.size)
         return np.sort(rng.choice(self.size, count, replace=False))
@@ -122,7 +117,7 @@ class DesignSpace:
         return replace(self, constants={**self.constants, **added})
 
     def with_axis(self, name: str, values: Sequence[float]) -> DesignSpace:
-        """Return this space with every design at each value of one more input, the fastest dimension."""
+        """Return every design at each value of one more input, which is the fastest dimension."""
         axis = frozen(np.array(values, dtype=np.float64))
         dims, shape = (*self.dims, name), (*self.shape, len(axis))
         return replace(self, dims=dims, shape=shape, axes={**self.axes, name: axis})
@@ -147,69 +142,7 @@ class DesignSpace:
 def sampled(
     kind: str, constants: dict[str, float], columns: dict[str, Floats], attrs: dict[str, str | int]
 ) -> DesignSpace:
-    """Return the space of a table's or a sample's columns, which are made read-only."""
+    """Return the space of the columns of a table or a sample, which become read-only."""
     count = len(next(iter(columns.values())))
     columns = {name: frozen(values) for name, values in columns.items()}
     return DesignSpace(kind, (DESIGN,), (count,), constants, columns=columns, attrs=attrs)
-
-
-def short_repr(value: object) -> str:
-    """Return a value as it stands in a message: short and on one line."""
-    return " ".join(reprlib.repr(value).split())
-
-
-def numbers_of(where: str, name: str, given: Any) -> Floats:
-    """Return what was given for one input as a 0-d or 1-D array of its own, or say what is wrong with it."""
-    if isinstance(given, np.ma.MaskedArray) and given.dtype.kind in "iuf":
-        given = np.ma.filled(given.astype(np.float64), np.nan)
-    try:
-        values = np.asarray(given)
-    except ValueError:  # nested lists of unequal length
-        raise InputError("is a ragged list", where=(where, name), remedy=NUMBERS) from None
-    if values.ndim > 1:
-        raise InputError(f"has {values.ndim} dimensions", where=(where, name), remedy=NUMBERS)
-    if values.dtype.kind in "mM":
-        raise InputError("holds dates or durations", where=(where, name), remedy="write numbers")
-    if values.dtype.kind not in "iuf":
-        _refuse_non_numbers(where, name, given)
-    try:
-        return values.astype(np.float64)
-    except OverflowError:
-        what = "holds a number beyond the range of a double"
-        raise InputError(what, where=(where, name), remedy="write a smaller one") from None
-
-
-def _refuse_non_numbers(where: str, name: str, given: Any) -> None:
-    cells = np.asarray(given, dtype=object)
-    if cells.ndim == 0 and not _is_number(cells[()]):
-        raise InputError(f"is {short_repr(cells[()])}, not a number", where=(where, name), remedy=NUMBERS)
-    for index, cell in enumerate(cells.ravel()):
-        if not _is_number(cell):
-            what = f"is {short_repr(cell)}, not a number"
-            raise InputError(what, where=(where, name, index), remedy="write a number")
-
-
-def _is_number(cell: object) -> bool:
-    return isinstance(cell, (numbers.Real, Decimal)) and not isinstance(cell, bool)
-
-
-def constant(where: str, name: str, given: Any) -> float:
-    """Return the number given for one input, or say what is wrong with it."""
-    value = numbers_of(where, name, given)
-    if value.ndim:
-        raise InputError(f"holds {len(value)} values", where=(where, name), remedy="write one number")
-    if not np.isfinite(value):
-        raise InputError(f"is {value}", where=(where, name), remedy="write a finite number")
-    return float(value)
-
-
-def first_invalid(values: Floats) -> int | None:
-    """Return the index of the first value that is NaN or infinite."""
-    bad = np.flatnonzero(~np.isfinite(values))
-    return int(bad[0]) if bad.size else None
-
-
-def frozen(values: Floats) -> Floats:
-    """Return the array itself, made read-only."""
-    values.setflags(write=False)
-    return values

@@ -1,4 +1,4 @@
-"""What links are made of: models that give masses, inertias and mass centres from the lengths."""
+"""Models of the links, which give masses, inertias and mass centres from the lengths."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ MODELS: dict[str, tuple[str, ...]] = {"round_bar": ("density", "radius")}
 
 @dataclass(frozen=True)
 class Links:
-    """A model of the links: its name, and those of its inputs that are the same for all designs."""
+    """A model of the links: its name, and its inputs that are the same for all designs."""
 
     model: str
     values: Mapping[str, float]
@@ -51,7 +51,7 @@ def round_bar(density: float | None = None, radius: float | None = None) -> Link
 
 
 def links_from(model: str, values: Mapping[str, float]) -> Links:
-    """Return a model of the links by name, its values checked."""
+    """Return a model of the links by name, after a check of its values."""
     if model not in MODELS:
         raise InputError(
             f"{model!r} is unknown", where=("links", "model"), remedy=suggest(str(model), MODELS)

@@ -11,17 +11,9 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from fastlink.errors import InputError, Pair, Problems
-from fastlink.space.design_space import (
-    DesignSpace,
-    Floats,
-    constant,
-    first_invalid,
-    frozen,
-    numbers_of,
-    sampled,
-    short_repr,
-)
+from fastlink.space.design_space import DesignSpace, sampled
 from fastlink.space.table import table
+from fastlink.space.values import Floats, constant, first_invalid, frozen, numbers_of, short_repr
 
 __all__ = ["DesignSpace", "grid", "latin_hypercube", "sobol", "table"]
 
@@ -128,7 +120,7 @@ def latin_hypercube(n: int, *, seed: int = 0, **ranges: ArrayLike) -> DesignSpac
 
 
 def _axis(name: str, values: Floats) -> Floats:
-    """Return the values of a grid axis, or say why they are none."""
+    """Return the values of a grid axis, or refuse them."""
     if values.size == 0:
         raise InputError("is an empty axis", where=("grid", name), remedy="give it at least one value")
     bad = first_invalid(values)
@@ -153,9 +145,9 @@ def _sample(
     """Scale the points of the unit cube that ``chunks(n, dimensions, seed)`` yields to the ranges."""
     problems = Problems()
     with problems.at():
-        _check_integer(kind, "n", n, 1, MOST_SAMPLES)
+        _check_integer((kind, "n"), n, 1, MOST_SAMPLES, f"from 1 to {MOST_SAMPLES}")
     with problems.at():
-        _check_integer(kind, "seed", seed, 0, None)
+        _check_integer((kind, "seed"), seed, 0, math.inf, "of 0 or more")
     constants: dict[str, float] = {}
     bounds: dict[str, tuple[float, float]] = {}
     for name, given in ranges.items():
@@ -180,11 +172,10 @@ def _sample(
     return sampled(kind, constants, columns, _sample_attrs(kind, n, seed, bounds))
 
 
-def _check_integer(kind: str, name: str, value: object, least: int, most: int | None) -> None:
-    allowed = f"an integer of {least} or more" if most is None else f"an integer from {least} to {most}"
+def _check_integer(where: tuple[str, str], value: object, least: int, most: float, allowed: str) -> None:
     integer = isinstance(value, numbers.Integral) and not isinstance(value, bool)
-    if not integer or value < least or (most is not None and value > most):  # type: ignore[operator]
-        raise InputError(f"is {short_repr(value)}", where=(kind, name), remedy=f"write {allowed}")
+    if not integer or not least <= value <= most:  # type: ignore[operator]
+        raise InputError(f"is {short_repr(value)}", where=where, remedy=f"write an integer {allowed}")
 
 
 def _range(kind: str, name: str, values: Floats) -> tuple[float, float]:

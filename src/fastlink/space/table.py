@@ -13,15 +13,8 @@ from typing import Any
 import numpy as np
 
 from fastlink.errors import InputError, Remedy, Setting
-from fastlink.space.design_space import (
-    DesignSpace,
-    Floats,
-    constant,
-    first_invalid,
-    numbers_of,
-    sampled,
-    short_repr,
-)
+from fastlink.space.design_space import DesignSpace, sampled
+from fastlink.space.values import Floats, constant, first_invalid, numbers_of, short_repr
 
 
 def table(source: Any, *, allow_invalid: bool = False) -> DesignSpace:
@@ -62,9 +55,8 @@ def table(source: Any, *, allow_invalid: bool = False) -> DesignSpace:
         else:
             columns[name] = _column(name, values, columns, allow_invalid)
     if not columns:
-        found = f"holds only single numbers ({', '.join(constants)})" if constants else "is empty"
-        remedy = "give at least one column of values, or use grid"
-        raise InputError(f"the table {found}", where=("table",), remedy=remedy)
+        what = f"holds only single numbers ({', '.join(constants)})" if constants else "is empty"
+        raise _refused(f"the table {what}", "give at least one column of values, or use grid")
     return sampled("table", constants, columns, attrs)
 
 
@@ -80,18 +72,18 @@ def _table_entries(source: Any) -> Iterator[tuple[str, Any]]:
         entries = iter(source.items())
     else:
         remedy = "give a mapping, an xarray.Dataset, a pandas.DataFrame or the path of a CSV file"
-        raise InputError(f"{short_repr(source)} is no table", where=("table",), remedy=remedy)
+        raise _refused(f"{short_repr(source)} is no table", remedy)
     yield from entries
 
 
 def _dataset_entries(dataset: Any) -> Iterator[tuple[str, Any]]:
-    chosen = dict(dataset.data_vars)
+    columns = dict(dataset.data_vars)
     for name, coord in dataset.coords.items():
         if name not in dataset.indexes and coord.ndim <= 1 and coord.dtype.kind == "f":
-            chosen[name] = coord
-    _check_names(list(chosen))
+            columns[name] = coord
+    _check_names(list(columns))
     along: dict[str, str] = {}
-    for name, variable in chosen.items():
+    for name, variable in columns.items():
         if variable.ndim > 1:
             remedy = "give 1-D variables, for instance by dataset[['a1', 'a2']]"
             raise InputError(
@@ -100,9 +92,9 @@ def _dataset_entries(dataset: Any) -> Iterator[tuple[str, Any]]:
         for dim in variable.dims:
             along.setdefault(dim, name)
     if len(along) > 1:
-        found = " but ".join(f"{name} along {dim!r}" for dim, name in list(along.items())[:2])
-        raise InputError(found, where=("table",), remedy="give variables along one common dimension")
-    return ((name, variable.values) for name, variable in chosen.items())
+        two = [f"{name} along {dim!r}" for dim, name in along.items()][:2]
+        raise _refused(" but ".join(two), "give variables along one common dimension")
+    return ((name, variable.values) for name, variable in columns.items())
 
 
 def _check_names(names: Sequence[Any], inside: str = "") -> None:
@@ -121,7 +113,7 @@ def _refused(what: str, remedy: Remedy) -> InputError:
 
 
 def _column(name: str, values: Floats, others: Mapping[str, Floats], allow_invalid: bool) -> Floats:
-    """Return the values of a table column, or say why they are none."""
+    """Return the values of a table column, or refuse them."""
     if values.size == 0:
         raise _refused(f"column {name} is empty", "give at least one row")
     for other, known in others.items():
@@ -134,9 +126,9 @@ def _column(name: str, values: Floats, others: Mapping[str, Floats], allow_inval
     return values
 
 
-def _invalid_cell(cell: str, found: object) -> InputError:
+def _invalid_cell(cell: str, value: object) -> InputError:
     keep = (", or pass ", Setting("allow_invalid", True), " to keep such designs")
-    return _refused(f"{cell} is {found}", ("write a finite number", keep))
+    return _refused(f"{cell} is {value}", ("write a finite number", keep))
 
 
 def _read_csv(path: Path, allow_invalid: bool) -> dict[str, Floats]:
@@ -159,24 +151,21 @@ def _parse_csv(file: str, reader: Any, allow_invalid: bool) -> dict[str, Floats]
             what = f"{file} line {reader.line_num} has {len(row)} cells but the header has {len(names)}"
             raise _refused(what, "write one cell per column")
         for name, column, text in zip(names, columns, row, strict=True):
-            try:
-                value = float(text)
-            except ValueError:
-                value = math.nan
-            if not math.isfinite(value):
+            value = _number(text)
+            if value is None or not math.isfinite(value):
                 _check_cell(
                     f"row {number} (line {reader.line_num}) of column {name} in {file}", text, allow_invalid
                 )
-            column.append(value)
+            column.append(math.nan if value is None else value)
     if not columns[0]:
         raise _refused(f"{file} has a header but no rows", "write one line per design")
     return {name: np.array(column) for name, column in zip(names, columns, strict=True)}
 
 
 def _check_cell(cell: str, text: str, allow_invalid: bool) -> None:
-    """Refuse the text of a CSV cell that is no finite number, unless invalid designs are to be kept."""
+    """Refuse the text of a CSV cell that is not a finite number, unless invalid designs are allowed."""
     text = text.strip()
-    if text and not _reads_as_number(text):
+    if text and _number(text) is None:
         raise _refused(f"{cell} is {short_repr(text)}, not a number", "write a number")
     if not allow_invalid:
         raise _invalid_cell(cell, text or "empty")
@@ -189,7 +178,7 @@ def _csv_names(file: str, header: list[str] | None, line: int) -> list[str]:
     names = [name.strip() for name in header]
     where = f"{file} line {line}"
     for name in names:
-        if _reads_as_number(name):
+        if _number(name) is not None:
             what = f"{where} holds {name} instead of a name"
             raise _refused(what, "write the names of the columns in line 1")
         if ";" in name or "\t" in name:
@@ -201,9 +190,9 @@ def _csv_names(file: str, header: list[str] | None, line: int) -> list[str]:
     return names
 
 
-def _reads_as_number(text: str) -> bool:
+def _number(text: str) -> float | None:
+    """Return a text as a number, or None."""
     try:
-        float(text)
+        return float(text)
     except ValueError:
-        return False
-    return True
+        return None

@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 
-from fastlink.errors import InputError, Place, Problems, suggest
-from fastlink.space.design_space import short_repr
+from fastlink.errors import InputError, KeyPath, Problems, suggest
+from fastlink.space.values import short_repr
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -21,13 +21,13 @@ __all__ = ["KEYS", "SAMPLES", "read_tables"]
 
 LONGEST_AXIS = 10_000_000  # 80 MB: axes are held in memory
 
-Reader: TypeAlias = Callable[[Any, Place], Any]
+Reader: TypeAlias = Callable[[Any, KeyPath], Any]
 
 
 def _value(allowed: str, convert: Callable[[Any], Any]) -> Reader:
     """Return the reader of one value, which `convert` returns or refuses by a ValueError."""
 
-    def read(value: Any, where: Place) -> Any:
+    def read(value: Any, where: KeyPath) -> Any:
         try:
             return convert(value)
         except (ValueError, TypeError, OverflowError):
@@ -39,7 +39,7 @@ def _value(allowed: str, convert: Callable[[Any], Any]) -> Reader:
 def _list(allowed: str, entry: Reader) -> Reader:
     """Return the reader of a list that is not empty, each entry of which has a reader."""
 
-    def read(value: Any, where: Place) -> list[Any]:
+    def read(value: Any, where: KeyPath) -> list[Any]:
         if not isinstance(value, list) or not value:
             raise InputError(f"is {short_repr(value)}", where=where, remedy=f"write {allowed}")
         problems, entries = Problems(), []
@@ -67,7 +67,7 @@ def _table(
         The keys that must stand in it, with examples.
     """
 
-    def read(value: Any, where: Place) -> dict[str, Any]:
+    def read(value: Any, where: KeyPath) -> dict[str, Any]:
         if not isinstance(value, dict):
             remedy = f"write a table of keys, such as [{where[-1]}]"
             raise InputError(f"is {short_repr(value)}", where=where, remedy=remedy)
@@ -160,7 +160,7 @@ def _axis(keys: Mapping[str, Reader]) -> Reader:
     """Return the reader of an axis, which has exactly one of some keys."""
     table = _table(keys)
 
-    def read(value: Any, where: Place) -> NDArray[Any]:
+    def read(value: Any, where: KeyPath) -> NDArray[Any]:
         given = table(value, where)
         if len(given) != 1:
             remedy = f"write exactly one of {', '.join(sorted(keys))}"
@@ -225,7 +225,7 @@ _ENTRY = _either(
 _NUMBER_OF_LINKS = _value("one finite number; to sweep it, make it an axis in [design]", _finite)
 
 
-def _entry(value: Any, where: Place) -> Any:
+def _entry(value: Any, where: KeyPath) -> Any:
     """Return the number or the axis of an input."""
     if isinstance(value, dict) and "n" in value:  # a sample under another name
         remedy = suggest(str(where[-1]), ["sobol", "latin_hypercube"])
@@ -249,7 +249,7 @@ def read_tables(raw: Mapping[str, Any], position: str) -> dict[str, Any]:
         With every key that is unknown or missing, and every value of another type.
     """
 
-    def cycle(value: Any, where: Place) -> Any:
+    def cycle(value: Any, where: KeyPath) -> Any:
         return ANGLES(value, where) if where[-1] == position else None
 
     names = _list('a list of names, such as ["omega4_max"]', _value("the name of a quantity as text", _text))

@@ -14,9 +14,9 @@ from fastlink.engine.resolve import resolve
 from fastlink.engine.sweep import sweep
 from fastlink.errors import (
     InputError,
+    KeyPath,
     Pair,
     Piece,
-    Place,
     Problem,
     Problems,
     Samples,
@@ -271,8 +271,8 @@ class _Keys(Wording):
 
     Parameters
     ----------
-    path : Path
-        The file.
+    file : Path
+        The study.
     tables : mapping, optional
         Its tables, as far as they were read.
     space : DesignSpace, optional
@@ -280,17 +280,17 @@ class _Keys(Wording):
     """
 
     def __init__(
-        self, path: Path, tables: Mapping[str, Any] | None = None, space: DesignSpace | None = None
+        self, file: Path, tables: Mapping[str, Any] | None = None, space: DesignSpace | None = None
     ) -> None:
-        self.path, self.tables, self.space = path, tables or {}, space
+        self.file, self.tables, self.space = file, tables or {}, space
 
     def line(self, problem: Problem) -> str:
-        return f"{self.path}: {super().line(problem)}"
+        return f"{self.file}: {super().line(problem)}"
 
-    def place(self, where: Place) -> str:
+    def path(self, where: KeyPath) -> str:
         return path_text(self._key(where))
 
-    def _key(self, where: Place) -> Place:
+    def _key(self, where: KeyPath) -> KeyPath:
         head, *rest = where or ("",)
         if head in SAMPLES:
             return ("design", *where)
@@ -302,7 +302,7 @@ class _Keys(Wording):
                 return (name, key, *rest)
         return where
 
-    def _sample(self, rest: Sequence[str | int]) -> Place:
+    def _sample(self, rest: Sequence[str | int]) -> KeyPath:
         """Return the key of the sample or the table that gives an input, if one does."""
         design = self.tables.get("design", {})
         if self.space is None or not rest or rest[0] not in self.space.names or rest[0] in design:
@@ -313,7 +313,7 @@ class _Keys(Wording):
         if isinstance(piece, Samples):
             return f"{{linspace = [{piece.first:g}, {piece.last:g}, {piece.count}]}}"
         if isinstance(piece, Pair):
-            return f"[{piece.low}, {piece.high}]"
+            return "[lo, hi]"
         if isinstance(piece, Setting):
             known = any(piece.name in keys for keys in KEYS.values())
             return f"{piece.name} = {json.dumps(piece.value)}" if known else None
