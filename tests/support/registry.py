@@ -310,7 +310,7 @@ HART = (
 # -- slider-crank -----------------------------------------------------------------------------------------------
 
 SLIDER_CRANK = (
-    # 3.0 is the worst seen in 10^4 configurations, but for the forces at A across the line.
+    # 3.2 is the worst seen in 10^4 configurations, but for the forces at A across the line.
     Entry(
         *("slider_crank", "theta"),
         families=families(slider_crank_configurations.family, slider_crank_configurations.FAMILIES),
