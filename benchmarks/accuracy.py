@@ -18,8 +18,8 @@ from fastlink.codegen.machine import compile_object
 from fastlink.diagnostics.methods import USUAL, Method, curves_by_numpy, methods_for
 from fastlink.diagnostics.pareto import accuracy_table, draw
 from fastlink.diagnostics.work_precision import measure
+from fastlink.facts.names import derivative_name
 from fastlink.study.study import read_study
-from fastlink.symbolic.derivative import derivative_name
 
 #: Freedoms of arithmetic in LLVM's words: sums are regrouped, products fused with them.
 RELAXED = ("reassoc", "contract", "arcp", "nsz")

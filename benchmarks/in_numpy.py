@@ -8,7 +8,7 @@ arrays stay in the cache. Of curves, what the design alone determines is taken b
 import numpy as np
 
 from benchmarks.numpy_baseline import PIECE
-from fastlink.catalogue.evaluate import take_step
+from fastlink.catalogue.evaluate import evaluate_step
 from fastlink.engine.binding import aligned
 
 
@@ -36,7 +36,7 @@ def bind(bound):
     if K:
         for step in [step for step in steps if plan.axes[step.name] == {"design"}]:
             with np.errstate(all="ignore"):
-                take_step(step, columns)
+                evaluate_step(step, columns)
             steps.remove(step)
     dead, size = last_uses(steps, results), max(1, PIECE // max(1, K))
 
@@ -46,7 +46,7 @@ def bind(bound):
                 part = slice(first, first + size)
                 known = shared | {name: column[part] for name, column in columns.items()}
                 for step, names in zip(steps, dead, strict=True):
-                    take_step(step, known)
+                    evaluate_step(step, known)
                     for name in names:
                         del known[name]
                 for array, name in zip(arrays, results, strict=True):

@@ -22,7 +22,7 @@ from fastlink.facts.names import (
     Quantity,
     Reduced,
     Trust,
-    deepest,
+    innermost,
     parse,
     plain_part,
     register_reduction,
@@ -142,7 +142,7 @@ def test_what_a_name_is_made_of_in_the_end():
         "omega4_error_extrema",
         "omega4",
     ):
-        assert deepest(name, catalogue) == "omega4"
+        assert innermost(name, catalogue) == "omega4"
 
 
 def test_a_declared_limit_hides_the_extreme_of_the_same_name():

@@ -22,11 +22,12 @@ from fastlink.facts.names import (
     Quantity,
     Trust,
     as_derivative,
+    derivative_name,
     plain_part,
     reading_of,
 )
-from fastlink.symbolic.derivative import Derivation, NoDerivative, derivative_name, labelled
-from fastlink.symbolic.error_bound import ErrorBounds, labelled_error, trust_of
+from fastlink.symbolic.derivative import Derivation, NoDerivative, with_derivative_labels
+from fastlink.symbolic.error_bound import ErrorBounds, trust_fact, with_error_labels
 from fastlink.symbolic.postorder import CircularError, postorder
 
 __all__ = ["Catalogue", "CatalogueError", "Fact", "GradedRange", "Input", "System", "parameters"]
@@ -101,7 +102,7 @@ class Catalogue(Declarations):
         if isinstance(tree, ErrorBound):
             return self._error_bounds(chosen, given).fact(str(tree.of))
         if isinstance(tree, Trust):
-            return trust_of(self._error_bounds(chosen, given).found(str(tree.of)))
+            return trust_fact(self._error_bounds(chosen, given).found(str(tree.of)))
         plain, above = _plain(tree)
         if above and above not in chosen:
             return None
@@ -212,7 +213,7 @@ class Catalogue(Declarations):
         """Tell whether users may ask for a name: a public fact, the derivative of one, the error bound of these."""
         return plain_part(self.parse(name)) in self.public
 
-    def is_cyclic(self, name: str) -> bool:
+    def has_reductions(self, name: str) -> bool:
         """Tell whether users may ask for what is taken of a name over the cycle."""
         return self.is_quantity(name) and self.varies(name)
 
@@ -225,7 +226,7 @@ class Catalogue(Declarations):
             There is no such quantity.
         """
         if not self.is_quantity(name):
-            raise self.unknown(name, self.public)
+            raise self.unknown_error(name, self.public)
         tree = self.parse(name)
         if not isinstance(tree, Made):
             return self.facts[name]
@@ -236,10 +237,10 @@ class Catalogue(Declarations):
             what = f"quantity {name!r}: {of.name} is {kind}, which has no {lacks}"
             raise InputError(what, remedy="leave it out")
         if isinstance(tree, Derivative):
-            return labelled(of, self.variables[tree.by])
-        return labelled_error(of) if isinstance(tree, ErrorBound) else trust_of(of)
+            return with_derivative_labels(of, self.variables[tree.by])
+        return with_error_labels(of) if isinstance(tree, ErrorBound) else trust_fact(of)
 
-    def unknown(self, name: str, known: Iterable[str]) -> InputError:
+    def unknown_error(self, name: str, known: Iterable[str]) -> InputError:
         """Return the error of a name that is none of the known ones."""
         tree = self.parse(name)
         wrong, options = name, known
@@ -278,7 +279,7 @@ class Catalogue(Declarations):
         except CircularError as error:
             raise CatalogueError(f"{self.name}: circular: {' -> '.join(error.args)}") from None
 
-    def missing_message(self, declared: Input, dependent: str | None, *inside: str) -> Problem:
+    def missing_problem(self, declared: Input, dependent: str | None, *inside: str) -> Problem:
         """Return what is wrong where something depends on an input and nothing gives it."""
         others = "".join(f", or {other!r} instead" for other in self.mutually_exclusive_inputs(declared.name))
         what = f"is missing ({declared.meaning} [{declared.units}])"
@@ -287,7 +288,7 @@ class Catalogue(Declarations):
     def _missing(self, name: str, dependent: str | None) -> Exception:
         declared = self.known_inputs(self.variant_inputs).get(name)
         if declared is not None:
-            return InputError.of([self.missing_message(declared, dependent)])
+            return InputError.of([self.missing_problem(declared, dependent)])
         if dependent is not None:
             return CatalogueError(f"{self.name}: {dependent} depends on {name}, which is not declared")
         return CatalogueError(f"{self.name}: {name} is not declared")

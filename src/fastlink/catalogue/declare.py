@@ -9,8 +9,18 @@ from typing import Any, TypeVar
 
 from fastlink.catalogue.rows import DerivativeRows, Rows
 from fastlink.facts.fact import CatalogueError, Fact, GradedRange, Input, Rule, System, parameters
-from fastlink.facts.names import Derivative, ListOfExtrema, Name, Reduced, form_of, parse, reading_of, root_of
-from fastlink.symbolic.derivative import derivative_name, labelled
+from fastlink.facts.names import (
+    Derivative,
+    ListOfExtrema,
+    Name,
+    Reduced,
+    derivative_name,
+    form_of,
+    parse,
+    reading_of,
+    root_of,
+)
+from fastlink.symbolic.derivative import with_derivative_labels
 
 __all__ = ["ELIMINATED", "Declarations"]
 
@@ -212,7 +222,10 @@ class Declarations:
             fact = self.facts.get(name) or self.tables[name]
             depends_on = tuple((given or {}).get(parameter, parameter) for parameter in parameters(function))
             found = replace(
-                labelled(fact, self.variables[by]), function=function, depends_on=depends_on, internal=True
+                with_derivative_labels(fact, self.variables[by]),
+                function=function,
+                depends_on=depends_on,
+                internal=True,
             )
             self._check_new(found.name, variant)
             within = self.facts if variant is None else self.variants.setdefault(variant, {})

@@ -14,7 +14,7 @@ import numpy as np
 
 from fastlink.catalogue.catalogue import Catalogue, Fact, System
 
-__all__ = ["read_facts", "steps_of", "tables_at", "take_step"]
+__all__ = ["evaluate_step", "read_facts", "steps_of", "tables_at"]
 
 
 def read_facts(
@@ -44,7 +44,7 @@ def read_facts(
         tables = (*catalogue.tables, *catalogue.table_low_parts)
         known |= tables_at(catalogue, known[position], [name for name in tables if name not in known])
     for step in steps_of(catalogue, names, known, variants):
-        take_step(step, known)
+        evaluate_step(step, known)
     return known
 
 
@@ -74,7 +74,7 @@ def tables_at(catalogue: Catalogue, theta: Any, names: Iterable[str]) -> dict[st
     }
 
 
-def take_step(step: Fact | System, known: dict[str, Any]) -> None:
+def evaluate_step(step: Fact | System, known: dict[str, Any]) -> None:
     """Add to the known values what a step of a closure gives."""
     if isinstance(step, System):
         rows = step.function(*(known[need] for need in step.depends_on))

@@ -11,7 +11,7 @@ import numpy as np
 
 from fastlink.catalogue.catalogue import Catalogue, Fact, System
 from fastlink.catalogue.declare import ELIMINATED
-from fastlink.catalogue.evaluate import take_step
+from fastlink.catalogue.evaluate import evaluate_step
 from fastlink.catalogue.tables import angle_tables
 from fastlink.errors import InputError
 from fastlink.mechanisms import catalogue as find_catalogue
@@ -83,7 +83,7 @@ def evaluate(
     arrays |= zip(recipe.tables, tabled, strict=True)
     with np.errstate(all="ignore"):
         for step in recipe.steps:
-            take_step(step, arrays)
+            evaluate_step(step, arrays)
     if template is None and not shape:
         return {name: float(arrays[name]) for name in names}
     results = {name: np.broadcast_to(arrays[name], shape) for name in names}

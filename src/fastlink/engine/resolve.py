@@ -197,7 +197,7 @@ def missing_inputs(
             absent.discard(name)
             has.add(name)
             table = "links" if name in of_links else "design"
-            missing.append(catalogue.missing_message(known[name], request.name, table))
+            missing.append(catalogue.missing_problem(known[name], request.name, table))
     return missing
 
 

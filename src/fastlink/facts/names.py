@@ -33,8 +33,8 @@ from fastlink.facts.fact import CatalogueError
 
 __all__ = [
     "Below", "Derivative", "ErrorBound", "Known", "ListOfExtrema", "Made", "Name", "Quantity", "Reduced",
-    "Trust", "as_derivative", "deepest", "forget_reduction", "form_of", "parse", "plain_part",
-    "reading_of", "register_reduction", "root_of",
+    "Trust", "as_derivative", "derivative_name", "error_name", "forget_reduction", "form_of", "innermost", "parse",
+    "plain_part", "reading_of", "register_reduction", "root_of",
 ]  # fmt: skip
 
 #: What may be taken over the cycle, by the ending of its name, and whether it has a place: see `register_reduction`.
@@ -127,6 +127,22 @@ class ListOfExtrema(Made):
         return f"{_at(self.place)}{self.of}{_ENDINGS[self.part]}"
 
 
+def derivative_name(name: str, by: str) -> str:
+    """Return the name of the derivative of `name` with respect to `by`.
+
+    Examples
+    --------
+    >>> derivative_name("omega4", "a1")
+    'd_omega4_d_a1'
+    """
+    return str(Derivative(Quantity(name), by))
+
+
+def error_name(name: str) -> str:
+    """Return the name of the error bound of `name`."""
+    return str(ErrorBound(Quantity(name)))
+
+
 class Known(Protocol):
     """What the names of a mechanism are read by: its declarations."""
 
@@ -182,10 +198,10 @@ def root_of(tree: Name) -> str:
     return str(tree)
 
 
-def deepest(name: str, known: Known) -> str:
+def innermost(name: str, known: Known) -> str:
     """Return what a name is made of in the end, also where its parts cannot stand in each other: x of x_max_error."""
     root = root_of(parse(name, known))
-    return root if root == name else deepest(root, known)
+    return root if root == name else innermost(root, known)
 
 
 def register_reduction(how: str, has_place: bool) -> None:

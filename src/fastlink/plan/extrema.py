@@ -6,9 +6,10 @@ from collections.abc import Iterable, Sequence
 from dataclasses import replace
 
 from fastlink.catalogue.catalogue import Catalogue, CatalogueError, Fact, System
+from fastlink.facts.names import derivative_name
 from fastlink.plan.program import ExtremaProgram, ExtremumSearch, Output
 from fastlink.symbolic.asymptotics import asymptotics
-from fastlink.symbolic.derivative import NoDerivative, derivative_name
+from fastlink.symbolic.derivative import NoDerivative
 
 __all__ = ["extrema_programs", "find_extremum_search", "find_jumps"]
 

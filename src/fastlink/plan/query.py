@@ -51,12 +51,12 @@ def parse_request(name: str, catalogue: Catalogue) -> Request:
     if catalogue.is_quantity(name):
         return Request(name, name)
     tree = catalogue.parse(name)
-    if isinstance(tree, (Reduced, ListOfExtrema)) and catalogue.is_cyclic(quantity := str(tree.of)):
+    if isinstance(tree, (Reduced, ListOfExtrema)) and catalogue.has_reductions(quantity := str(tree.of)):
         if isinstance(tree, Reduced):
             return Request(name, quantity, REDUCTIONS[tree.how], bool(tree.place))
         return Request(name, quantity, listed="place" if tree.place else tree.part)
     known = [*catalogue.public, *reduced_names(catalogue)]
-    raise catalogue.unknown(name, known)
+    raise catalogue.unknown_error(name, known)
 
 
 def _cyclic(catalogue: Catalogue) -> dict[str, Fact]:

@@ -13,7 +13,7 @@ import numpy as np
 from mpmath import MPContext
 
 from fastlink.catalogue.catalogue import Catalogue, Fact, System
-from fastlink.catalogue.evaluate import steps_of, tables_at, take_step
+from fastlink.catalogue.evaluate import evaluate_step, steps_of, tables_at
 from fastlink.numerics.compensated import UNIT_ROUNDING
 
 __all__ = ["CONTEXT", "DIGITS", "STEP", "HighPrecision", "error_in_roundings"]
@@ -112,12 +112,12 @@ class HighPrecision:
 
 def _take(step: Fact | System, known: dict[str, Any]) -> None:
     try:
-        take_step(step, known)
+        evaluate_step(step, known)
     except (ZeroDivisionError, ValueError, OverflowError):
         doubles = {need: np.float64(known[need]) for need in step.depends_on}
         try:
             with np.errstate(all="ignore"):
-                take_step(step, doubles)
+                evaluate_step(step, doubles)
         except np.linalg.LinAlgError:
             doubles = dict.fromkeys(step.names, np.float64("nan"))
         known.update((name, CONTEXT.mpf(float(doubles[name]))) for name in step.names)

@@ -16,8 +16,8 @@ import numpy as np
 
 from fastlink.catalogue.catalogue import Catalogue
 from fastlink.catalogue.evaluate import read_facts
+from fastlink.facts.names import derivative_name
 from fastlink.precision.reference import CONTEXT, STEP, HighPrecision
-from fastlink.symbolic.derivative import derivative_name
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray

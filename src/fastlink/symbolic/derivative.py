@@ -15,7 +15,7 @@ from typing import Any
 
 from fastlink.errors import InputError, Setting
 from fastlink.facts.fact import Fact, Input, System
-from fastlink.facts.names import Derivative, Quantity
+from fastlink.facts.names import derivative_name
 from fastlink.numerics import compensated, vectors
 from fastlink.numerics.elementary import atan2, cosine, sine, sqrt
 from fastlink.numerics.logarithm import log, log1p, log_quotient
@@ -23,25 +23,14 @@ from fastlink.symbolic.expression import ExpressionGraph, Node, is_power_of_two
 from fastlink.symbolic.generate import generate_function
 from fastlink.symbolic.postorder import postorder
 
-__all__ = ["Derivation", "NoDerivative", "derivative_name", "in_a_sentence", "labelled"]
+__all__ = ["Derivation", "NoDerivative", "in_a_sentence", "with_derivative_labels"]
 
 
 class NoDerivative(InputError):
     """The derivative that was asked for is zero everywhere, or not offered."""
 
 
-def derivative_name(name: str, by: str) -> str:
-    """Return what the derivative of `name` by the input `by` is called.
-
-    Examples
-    --------
-    >>> derivative_name("omega4", "a1")
-    'd_omega4_d_a1'
-    """
-    return str(Derivative(Quantity(name), by))
-
-
-def labelled(fact: Fact, by: Input) -> Fact:
+def with_derivative_labels(fact: Fact, by: Input) -> Fact:
     """Return a fact with the labels of its derivative; function and needs are still its own."""
     return replace(
         fact,
@@ -299,4 +288,6 @@ class Derivation:
         function, depends_on = generate_function(
             derivative_name(found.name, self.by.name), self.graph, root, own
         )
-        return replace(labelled(found, self.by), function=function, depends_on=depends_on, flags={})
+        return replace(
+            with_derivative_labels(found, self.by), function=function, depends_on=depends_on, flags={}
+        )

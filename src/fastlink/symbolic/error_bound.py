@@ -14,7 +14,7 @@ from typing import Any
 
 from fastlink.errors import InputError, Setting
 from fastlink.facts.fact import Fact, Input, System
-from fastlink.facts.names import ErrorBound, Quantity, Trust
+from fastlink.facts.names import Quantity, Trust, error_name
 from fastlink.numerics.compensated import UNIT_ROUNDING
 from fastlink.numerics.elementary import INFINITY, select
 from fastlink.symbolic.bound import Bound, Lost
@@ -24,7 +24,7 @@ from fastlink.symbolic.expression import Node, is_power_of_two
 from fastlink.symbolic.generate import generate_function
 from fastlink.symbolic.postorder import postorder
 
-__all__ = ["ErrorBounds", "error_name", "labelled_error", "trust_of"]
+__all__ = ["ErrorBounds", "trust_fact", "with_error_labels"]
 
 #: Relative error bounds up to this one are trusted.
 TRUSTED = 1e-6
@@ -32,12 +32,7 @@ TRUST_FLAGS = {0: "trusted", 1: "ill_conditioned", 2: "not_finite"}
 NUMERICS = "docs/numerics.md#error-bounds"
 
 
-def error_name(name: str) -> str:
-    """Return what the error bound of a quantity is called."""
-    return str(ErrorBound(Quantity(name)))
-
-
-def labelled_error(fact: Fact) -> Fact:
+def with_error_labels(fact: Fact) -> Fact:
     """Return a fact with the labels of its error bound; function and needs are still its own."""
     return replace(
         fact,
@@ -50,7 +45,7 @@ def labelled_error(fact: Fact) -> Fact:
     )
 
 
-def trust_of(fact: Fact) -> Fact:
+def trust_fact(fact: Fact) -> Fact:
     """Return what tells whether the error bound of a fact is small against its value."""
     return replace(
         fact,
@@ -116,7 +111,7 @@ class ErrorBounds:
             made = error_name(name)
             function, depends_on = generate_function(made, self.graph, root, own)
             self._facts[name] = replace(
-                labelled_error(found), name=made, function=function, depends_on=depends_on
+                with_error_labels(found), name=made, function=function, depends_on=depends_on
             )
         return self._facts[name]
 

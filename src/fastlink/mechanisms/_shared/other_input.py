@@ -6,7 +6,7 @@ from collections.abc import Collection, Iterable, Mapping
 
 from fastlink.catalogue.catalogue import Catalogue, Input
 from fastlink.errors import InputError, Setting
-from fastlink.facts.names import deepest
+from fastlink.facts.names import innermost
 
 __all__ = ["ByOtherInput"]
 
@@ -37,17 +37,17 @@ class ByOtherInput(Catalogue):
         super().__init__(f"{first.name} driven by {position.name}", title, branches, position, positions)
         self.first, self.instead = first, tuple(instead)
 
-    def unknown(self, name: str, known: Iterable[str]) -> InputError:
+    def unknown_error(self, name: str, known: Iterable[str]) -> InputError:
         """Return the error of a name that is none of the known ones."""
         if name in (self.position.name, *self.inputs):
             what = f"quantity {name!r} is given, and a coordinate of the result"
             return InputError(what, remedy="leave it out")
-        if deepest(name, self.first) in self.first.public:
+        if innermost(name, self.first) in self.first.public:
             what = f"quantity {name!r} is defined for input {self.first.position.name!r} alone"
             here = ("with ", Setting("input", self.position.name), " ")
             instead = ", ".join(map(repr, self.instead))
             return InputError(what, remedy=(here, f"ask for such as {instead}, or leave input out"))
-        return super().unknown(name, known)
+        return super().unknown_error(name, known)
 
     def adopt_design_facts(self, further: Collection[str] = ()) -> None:
         """Adopt the facts of the design as a whole, and further ones that hold for every input."""
