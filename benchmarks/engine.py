@@ -13,7 +13,7 @@ from fastlink.engine.binding import KernelTask, aligned
 from fastlink.engine.executor import BLOCK_DESIGNS, Job, run
 from fastlink.mechanisms import catalogue
 from fastlink.plan.pointwise import make_program
-from fastlink.plan.program import ExtremaProgram, Program
+from fastlink.plan.program import Program
 
 DENSE = ("dense",)
 
@@ -49,7 +49,7 @@ def shapes(plan, K):
 class Bound:
     """A kernel bound to its arguments; calling it evaluates into ``arrays``."""
 
-    plan: Program | ExtremaProgram
+    plan: Program
     arguments: tuple
     arrays: list
 

@@ -39,7 +39,7 @@ PLAIN = {"threads": 1, "verify": 0}
 def operations(asked):
     """Return the operations of a request for each design and input angle, in additions."""
     (kernel,) = explain_request(asked).kernels
-    loops = [loop.work for loop in kernel[2] if loop.per.startswith("design and")]
+    loops = [loop.work for loop in kernel.loops if loop.per.startswith("design and")]
     return sum(WORTH.get(kind, 1) * count for work in loops for kind, count in work.items())
 
 

@@ -1,131 +1,98 @@
-"""Which rows a refined kernel keeps its values in, and which parts of the range it searches."""
+"""The loop of each value in the kernel of a search, the row that keeps it, and the parts of the range."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from functools import cached_property
 from typing import TYPE_CHECKING
 
-from fastlink.catalogue.catalogue import Fact
-from fastlink.codegen.runtime.cells import STATE_ROWS
-from fastlink.codegen.runtime.results import GREATEST, LEAST, PLACE, VALUE
+from fastlink.facts.fact import Fact
 
 if TYPE_CHECKING:
-    from fastlink.plan.program import ExtremaProgram, ExtremumSearch, Output
+    from fastlink.plan.program import ExtremaProgram, ExtremumSearch
 
 __all__ = ["ExtremaSchedule"]
 
 
 class ExtremaSchedule:
-    """The steps of a refined plan by loop, and the places of lane values."""
+    """The steps of a search by loop, and the rows of lane values."""
 
-    def __init__(self, plan: ExtremaProgram) -> None:
-        self.plan = plan
-        graded = plan.catalogue.graded
-        assert graded is not None
-        self.graded = graded
-        self.cells = plan.searches[0].cells
+    def __init__(self, program: ExtremaProgram) -> None:
+        self.program = program
+        self.cells = program.searches[0].cells
         self.samples = 2 * self.cells + 1
-        self.design_steps = [s for s in plan.steps if plan.axes[s.name] <= {"design"}]
-        self.lane_steps = [s for s in plan.steps if s not in self.design_steps]
+        steps = [step for step in program.steps if isinstance(step, Fact)]
+        self.design_steps = [step for step in steps if program.axes[step.name] <= {"design"}]
+        self.lane_steps = [step for step in steps if step not in self.design_steps]
         self.rows: dict[str, int] = {}
-        for end in zip(*graded.ends, strict=True):
-            for name in end:
+        # Both ends of each: kernels know the row of the lower end.
+        for ends in zip(*program.graded.ends, strict=True):
+            for name in ends:
                 self.row(name)
-        self.places = 0
 
-    def row(self, name: str, count: int = 1) -> int:
+    def row(self, name: str) -> int:
         """Return the row of a lane value, reserving it on first use."""
-        if name not in self.rows:
-            self.rows[name] = self.used()
-            for k in range(1, count):
-                self.rows[f"{name} + {k}"] = self.used()
-        return self.rows[name]
-
-    def used(self) -> int:
-        """Return how many rows are reserved."""
-        return len(self.rows)
+        return self.rows.setdefault(name, len(self.rows))
 
     def needed_for(self, names: Iterable[str]) -> list[Fact]:
         """Return the lane steps that these values need, branch signs among them."""
         needed: set[str] = set(names)
-        found: list[Fact] = []
+        steps: list[Fact] = []
         for step in reversed(self.lane_steps):
             if needed.intersection(step.names):
                 needed.update(step.depends_on)
-                found.insert(0, step)
-        return found
+                steps.insert(0, step)
+        return steps
 
     def design_needs(self, steps: Sequence[Fact]) -> list[str]:
-        """Return what a loop over lanes reads of the design."""
-        depends_on = dict.fromkeys(need for step in steps for need in step.depends_on)
-        return [name for name in depends_on if self.plan.axes[name] <= {"design"}]
+        """Return the values of the design that a loop over lanes reads."""
+        depends_on = dict.fromkeys(name for step in steps for name in step.depends_on)
+        return [name for name in depends_on if self.program.axes[name] <= {"design"}]
 
-    def mirror_of(self, branch: int) -> int:
-        """Return where the results of a searched branch's mirror go, -1 for nowhere."""
-        if not self.plan.mirrored:
-            return -1
-        return next((k for k, b in enumerate(self.plan.branches) if b != branch), -1)
+    def item_needs(self, search: ExtremumSearch) -> list[str]:
+        """Return the design values that an item of a search carries."""
+        names = [*self.slope_names(search), search.quantity, self.program.catalogue.position.name]
+        return self.design_needs(self.needed_for(names))
+
+    def slope_names(self, *searches: ExtremumSearch) -> list[str]:
+        """Return the values that the sampled functions are products of."""
+        return [self.program.graded.bounded_factor, *(search.slope for search in searches)]
+
+    def needs_ends(self, search: ExtremumSearch) -> bool:
+        """Tell whether the ends of the range count: where a greatest or least value is requested."""
+        requests = (o.request for o in self.program.outputs if not search.onto)
+        return any(r.can_be_refined for r in requests if r.quantity == search.quantity)
+
+    def number_of(self, quantity: str) -> int:
+        """Return the number of the search for a quantity's extrema, which stands before that for its jumps."""
+        return [search.quantity for search in self.program.searches].index(quantity)
+
+    # -- branches and halves of the range ----------------------------------------------------------
 
     @property
     def halves(self) -> int:
         """How many halves of the range are searched: branches and sides of the ground line."""
-        return len(self.plan.computed) * self.plan.sides
+        return len(self.program.searched_branches) * self.program.sides
 
-    def slope_names(self) -> list[str]:
-        """Return what the sampled functions are made of."""
-        return [self.graded.bounded_factor, *(search.slope for search in self.plan.searches)]
-
-    def slope_of(self, search: ExtremumSearch) -> list[str]:
-        """Return what one sampled function is made of."""
-        return [self.graded.bounded_factor, search.slope]
-
-    def values_of(self, search: ExtremumSearch) -> list[str]:
-        """Return what is evaluated where an extreme was found: the quantity and the input position."""
-        return [search.quantity, self.plan.catalogue.position.name]
-
-    def item_needs(self, search: ExtremumSearch) -> list[str]:
-        """Return the design values that an item of a search carries."""
-        return self.design_needs(self.needed_for((*self.slope_of(search), *self.values_of(search))))
-
-    def wants_ends(self, search: ExtremumSearch) -> int:
-        """Tell whether the ends of the range count: 0 for no, 1 where samples begin, 2 at the very end."""
-        asked = (o for o in self.plan.outputs if o.request.quantity == search.quantity and not search.onto)
-        return (2 if search.at_limit else 1) if any(o.request.can_be_refined for o in asked) else 0
-
-    def beyond(self, half: int) -> int:
+    def half_beyond(self, half: int) -> int:
         """Return the half that continues a half beyond the ground line."""
-        sides = self.plan.sides
-        if self.plan.mirrored:
+        sides = self.program.sides
+        if self.program.mirrored:
             return 1 - half
         return half // sides * sides + (1 - half % sides) % sides
 
+    def sign_of(self, search: ExtremumSearch, half: int) -> int:
+        """Return the sign with which a function is searched in a half: the mirror continues the first one."""
+        return search.slope_parity if self.program.mirrored and half == 0 else 1
+
     def sample_row(self, search: int, half: int) -> int:
-        """Return the first row of a search's samples in one half of the range."""
-        return (search * self.halves + half) * self.samples
+        """Return the first row of a search's samples in one half of the range; the positions stand before them."""
+        return 2 * (self.cells + 1) + 4 + (search * self.halves + half) * self.samples
 
-    @cached_property
-    def value_row(self) -> int:
-        """Row of the state that holds a quantity; that of the input position follows."""
-        return STATE_ROWS + max(len(self.item_needs(search)) for search in self.plan.searches)
+    def own_column(self, branch: int) -> int:
+        """Return the number of a searched branch among the results, -1 where it is not."""
+        return self.program.branches.index(branch) if branch in self.program.branches else -1
 
-    def number_of(self, quantity: str) -> int:
-        """Return the number of the search for a quantity's extremes, which stands before that for its jumps."""
-        return [search.quantity for search in self.plan.searches].index(quantity)
-
-    @staticmethod
-    def store_of(output: Output) -> tuple[str, str]:
-        """Return the function that copies a result, and what it copies from."""
-        request = output.request
-        if request.reduction is not None:
-            row = {1: GREATEST, -1: LEAST}[request.reduction.sign] + int(request.place)
-            return "store_best", f"best, {row}"
-        if request.listed == "count":
-            return "store_counts", "found"
-        if request.listed == "kind":
-            return "store_kinds", "lists"
-        return "store_list", f"lists, {PLACE if request.listed == 'place' else VALUE}"
-
-    def own_place(self, branch: int) -> int:
-        """Return where the results of a searched branch go, -1 for nowhere."""
-        return self.plan.branches.index(branch) if branch in self.plan.branches else -1
+    def mirror_column(self, branch: int) -> int:
+        """Return the number among the results of a searched branch's mirror, -1 where it has none there."""
+        others = (k for k, other in enumerate(self.program.branches) if other != branch)
+        return next(others, -1) if self.program.mirrored else -1

@@ -153,7 +153,7 @@ class Kernel:
         What it computes.
     """
 
-    def __init__(self, program: Program | ExtremaProgram) -> None:
+    def __init__(self, program: Program) -> None:
         self.program = program
         self._compiled: dict[str, Callable[..., None]] = {}
 
@@ -189,6 +189,6 @@ class Kernel:
 
 
 @lru_cache(maxsize=1024)
-def kernel_of(program: Program | ExtremaProgram) -> Kernel:
+def kernel_of(program: Program) -> Kernel:
     """Return the kernel of a program, made once."""
     return Kernel(program)

@@ -76,11 +76,10 @@ class _Restrict(Compiler):  # type: ignore[misc]
     It is C's ``restrict``. Without it, a loop that stores to more than a few arrays is not vectorised.
     """
 
-    def __init__(
-        self, typing: Any, target: Any, library: Any, args: Any, result: Any, flags: Any, names: Any
-    ) -> None:
+    def __init__(self, *arguments: Any) -> None:
+        flags = arguments[5]
         flags.noalias = True
-        super().__init__(typing, target, library, args, result, flags, names)
+        super().__init__(*arguments)
 
 
 def _signature(arguments: Sequence[tuple[str, tuple[int | None, ...]]]) -> tuple[Any, ...]:

@@ -1,22 +1,27 @@
 """Which loop of a kernel a value stands in, and where it is kept.
 
-A value that the design alone determines stands in the loop over designs, one that the angle alone determines
-in the loop over angles, all others in the lanes. Lane values that one loop leaves to the next are rows of a
+A value that the design alone determines stands in the loop over designs, one that the input position alone determines
+in the loop over positions, all others in the lanes. Lane values that one loop leaves to the next are rows of a
 scratch array.
 """
 
 from __future__ import annotations
 
 import ast
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from functools import cached_property
 from typing import TYPE_CHECKING
 
 from fastlink.facts.fact import Fact, System, statements
+from fastlink.facts.names import Quantity, Reduced
+from fastlink.plan.reductions import COUNT
 
 if TYPE_CHECKING:
     from fastlink.plan.program import Output, Program
+    from fastlink.plan.reductions import Reduction
 
-__all__ = ["Schedule", "Step"]
+__all__ = ["CycleValue", "Schedule", "Step"]
 
 Step = Fact | System
 
@@ -24,92 +29,143 @@ Step = Fact | System
 FEW_STEPS = 24
 
 
-class Schedule:
-    """The steps of a plan by loop, and the places of lane values."""
+@dataclass(frozen=True)
+class CycleValue:
+    """A result over the cycle for one copy of its quantity, and the kernel's names of its lane values.
 
-    def __init__(self, plan: Program) -> None:
-        self.plan = plan
+    Attributes
+    ----------
+    output : Output
+        The result.
+    reduction : Reduction
+        The reduction that it is.
+    suffix : str
+        The ending of the copy's name.
+    """
+
+    output: Output
+    reduction: Reduction
+    suffix: str
+
+    @property
+    def name(self) -> str:
+        """Name of the copy."""
+        return f"{self.output.request.quantity}{self.suffix}"
+
+    @property
+    def slots(self) -> dict[str, str]:
+        """The accumulators, by what the reduction's text calls them."""
+        return {
+            key: f"{self.output.request.quantity if pair == COUNT else self._own}__{key}{self.suffix}"
+            for key, pair in self.reduction.accumulators.items()
+        }
+
+    @property
+    def position_slots(self) -> list[str]:
+        """The position of an extremum, where it is the result; else none."""
+        request = self.output.request
+        return [f"{request.name}__position{self.suffix}"] if request.place else []
+
+    @property
+    def whole_slot(self) -> str:
+        """The result of a reduction of the whole curve."""
+        return f"{self._own}__whole{self.suffix}"
+
+    @property
+    def _own(self) -> Reduced:
+        return Reduced(Quantity(self.output.request.quantity), self.reduction.suffix)
+
+
+class Schedule:
+    """The steps of a program by loop, and the rows of lane values."""
+
+    def __init__(self, program: Program) -> None:
+        self.program = program
         self.rows: dict[str, int] = {}
-        self.position = plan.catalogue.position.name
-        self.lane_steps = [s for s in plan.steps if self.axes(s) >= {"design", self.position}]
-        self.design_steps = [
-            s for s in plan.steps if self.position not in self.axes(s) and "design" in self.axes(s)
+        self.position = position = program.catalogue.position.name
+        axes = [(step, self.axes(step)) for step in program.steps]
+        self.lane_steps = [step for step, on in axes if on >= {"design", position}]
+        self.design_steps = [step for step, on in axes if position not in on and "design" in on]
+        self.angle_steps = [step for step, on in axes if on == {position}]
+        self.constant_steps = [step for step, on in axes if on <= {"branch"}]
+        self.systems = [step for step in self.lane_steps if isinstance(step, System)]
+        self.curves = [output for output in program.outputs if position in output.axes]
+        self.per_design = [output for output in program.outputs if not output.axes]
+        self.cycle_values = [
+            CycleValue(output, reduction, suffix)
+            for output in program.outputs
+            if (reduction := output.request.reduction) is not None
+            for suffix, _ in self.suffixes(output.request.quantity)
         ]
-        self.angle_steps = [s for s in plan.steps if self.axes(s) == {self.position}]
-        self.constant_steps = [s for s in plan.steps if self.axes(s) <= {"branch"}]
-        self.systems = [s for s in self.lane_steps if isinstance(s, System)]
-        self.curves = [o for o in plan.outputs if self.position in o.axes]
-        self.cycles = [o for o in plan.outputs if o.request.reduction is not None]
-        self.per_design = [o for o in plan.outputs if not o.axes]
+        self.accumulated = [value for value in self.cycle_values if not value.reduction.whole]
+        #: The values whose whole cycle is needed at once.
+        self.whole_curves = list(dict.fromkeys(v.name for v in self.cycle_values if v.reduction.whole))
+        #: The quantities of results that need the loop over input positions.
+        reduced = [value.output for value in self.cycle_values]
+        self.varying = list(dict.fromkeys(output.request.quantity for output in (*self.curves, *reduced)))
 
     def axes(self, step: Step) -> frozenset[str]:
-        """Return what the values of a step depend on."""
-        return self.plan.axes[step.names[0]]
+        """Return the axes on which the values of a step depend."""
+        return self.program.axes[step.names[0]]
 
     def suffixes(self, name: str) -> list[tuple[str, int]]:
-        """Return the copies of a value: one, or one for each branch, with the branch's place."""
-        if "branch" in self.plan.axes[name]:
-            return [(f"__{branch}", k) for k, branch in enumerate(self.plan.branches)]
+        """Return the copies of a value: one, or one for each branch, with the branch's number."""
+        if "branch" in self.program.axes[name]:
+            return [(f"__{branch}", k) for k, branch in enumerate(self.program.branches)]
         return [("", 0)]
+
+    def copies(self, names: Iterable[str]) -> list[str]:
+        """Return the kernel's names of all copies of values."""
+        return [name + suffix for name in names for suffix, _ in self.suffixes(name)]
 
     def copy_for(self, name: str, branch: int) -> str:
         """Return the kernel's name of a value for one branch; the branch itself is a number."""
         if name == "branch":
-            return f"{self.plan.branches[branch]}.0"
-        copies = self.suffixes(name)
-        return name + copies[min(branch, len(copies) - 1)][0]
+            return f"{self.program.branches[branch]}.0"
+        copies = self.copies([name])
+        return copies[min(branch, len(copies) - 1)]
+
+    def branches_of(self, value: CycleValue) -> list[int]:
+        """Return the numbers of the branches whose result a copy gives."""
+        quantity, branches = value.output.request.quantity, range(len(self.program.branches))
+        return [k for k in branches if self.copy_for(quantity, k) == value.name]
 
     def row(self, name: str) -> str:
-        """Return the place of a lane value in the scratch array, reserving it on first use."""
-        row = self.rows.setdefault(name, len(self.rows))
-        return f"w[{row}, i]"
+        """Return a lane value in the scratch array, reserving its row on first use."""
+        return f"w[{self.rows.setdefault(name, len(self.rows))}, i]"
 
+    @cached_property
     def lane_needs(self) -> list[str]:
-        """Return what the lane loop reads of the design: inputs and facts of the design."""
-        return self._outside_needs(self.lane_steps, {"design"}, {"design", "branch"})
-
-    def _outside_needs(self, steps: Sequence[Step], *kinds: set[str]) -> list[str]:
-        depends_on = [need for step in steps for need in step.depends_on]
-        depends_on += [o.request.quantity for o in (*self.curves, *self.cycles)]
-        made = {name for step in self.lane_steps for name in step.names}
-        wanted = [
-            n
-            for n in dict.fromkeys(depends_on)
-            if n not in made and self.plan.axes[n] in map(frozenset, kinds)
-        ]
-        return [n + suffix for n in wanted for suffix, _ in self.suffixes(n)]
-
-    def accumulators(self) -> list[tuple[Output, str, int]]:
-        """Return what is taken over the cycle, once for each copy of its quantity."""
-        reduced = [o for o in self.cycles if o.request.reduction and not o.request.reduction.whole]
-        return [(o, suffix, k) for o in reduced for suffix, k in self.suffixes(o.request.quantity)]
-
-    def whole_curves(self) -> list[tuple[str, Output]]:
-        """Return the values whose whole cycle is needed at once, with what is taken of them."""
-        wholes = [o for o in self.cycles if o.request.reduction and o.request.reduction.whole]
-        return [(o.request.quantity + s, o) for o in wholes for s, _ in self.suffixes(o.request.quantity)]
-
-    def curve_copies(self) -> list[str]:
-        """Return the kernel's names of all values that are stored as curves."""
-        return [
-            o.request.quantity + suffix
-            for o in self.curves
-            for suffix, _ in self.suffixes(o.request.quantity)
-        ]
+        """The values of the design that the lane loop reads: inputs and facts."""
+        computed, axes = _computed(self.lane_steps), self.program.axes
+        kinds = ({"design"}, {"design", "branch"})
+        needs = _reads(self.lane_steps) | dict.fromkeys(self.varying)
+        return self.copies(name for name in needs if name not in computed and axes[name] in kinds)
 
     @staticmethod
     def system_size(step: System) -> int:
         """Return the number of entries of a linear system, its right-hand side included."""
         return len(step.unknowns) * (len(step.unknowns) + 1)
 
+    def unknown_rows(self, system: System) -> list[tuple[str, int]]:
+        """Return each copy of a system's unknowns with the row of the solution that holds it."""
+        n, size = len(system.unknowns), self.system_size(system)
+        return [
+            (unknown + suffix, k * size + r * (n + 1) + n)
+            for r, unknown in enumerate(system.unknowns)
+            for suffix, k in self.suffixes(unknown)
+        ]
+
+    # -- stages ------------------------------------------------------------------------------------
+
     def stages(self) -> list[list[Step]]:
         """Split the lane steps into loops over the lanes.
 
         First the roots and divisions that both branches share, with what they need: in one loop with the rest,
-        their latency is longer than the processor looks ahead (25 % on extremes with reactions). Then what a
+        their latency is longer than the processor looks ahead (25 % on extrema with reactions). Then what a
         linear system needs, which is solved outside the lane loop, and last all the rest.
         """
-        roots = [s for s in self.lane_steps if "branch" not in self.axes(s) and _is_slow(s)]
+        roots = [step for step in self.lane_steps if "branch" not in self.axes(step) and _is_slow(step)]
         if len(self.lane_steps) < FEW_STEPS:
             roots = []
         first = self.needed_for(roots)
@@ -119,70 +175,67 @@ class Schedule:
         return [*(stage for stage in (first, second) if stage), rest]
 
     def curve_stages(self) -> list[list[Step]]:
-        """Split the steps of curves, whose lanes are angles, into loops: what shared logarithms take, then the rest.
+        """Split the steps of curves, whose lanes are positions, into loops: what shared logarithms need, then the rest.
 
         A logarithm and the root before it are a chain of 100 cycles and more (33 % on psi of the Minkowskian 4R).
         Roots and divisions alone are short enough: there a split gains nothing.
         """
         steps = [*self.angle_steps, *self.lane_steps]
-        logs = [s for s in self.lane_steps if "branch" not in self.axes(s) and _names(s, ("log_quotient",))]
-        names = {name for step in logs for name in step.names}
+        logs = [s for s in self.lane_steps if "branch" not in self.axes(s) and _calls(s, "log_quotient")]
         first = [step for step in self.needed_for(logs) if step not in logs]
-        if not first or any(names.intersection(step.depends_on) for step in first):
+        if not first or _computed(logs) & _reads(first).keys():
             return [steps]
         first = [*self.angle_steps, *first]
         return [first, [step for step in steps if step not in first]]
 
     def needed_for(self, wanted: Sequence[Step]) -> list[Step]:
         """Return the lane steps that `wanted` need, and themselves."""
-        needed = {name for step in wanted for name in step.names}
-        found: list[Step] = []
+        needed = _computed(wanted)
+        steps: list[Step] = []
         for step in reversed(self.lane_steps):
             if needed.intersection(step.names):
                 needed.update(step.depends_on)
-                found.insert(0, step)
-        return found
+                steps.insert(0, step)
+        return steps
 
-    def carried(self, stages: list[list[Step]]) -> list[set[str]]:
-        """Return for each stage the values that later ones read."""
-        result: list[set[str]] = []
-        for number, stage in enumerate(stages):
-            made = {name for step in stage if isinstance(step, Fact) for name in step.names}
-            later = {need for rest in stages[number + 1 :] for step in rest for need in step.depends_on}
-            later |= (
-                {o.request.quantity for o in (*self.curves, *self.cycles)}
-                if number < len(stages) - 1
-                else set()
-            )
-            result.append({name + suffix for name in made & later for suffix, _ in self.suffixes(name)})
-        return result
+    def carried(self, stages: Sequence[Sequence[Step]], number: int) -> set[str]:
+        """Return the values of a stage that later ones read."""
+        later = [step for stage in stages[number + 1 :] for step in stage]
+        reads = {*_reads(later), *(self.varying if number < len(stages) - 1 else ())}
+        return set(self.copies(_computed(_facts(stages[number])) & reads))
 
-    def loads(self, stage: list[Step], made: set[str], carried: list[set[str]], last: bool) -> list[str]:
+    def loads(self, stages: Sequence[Sequence[Step]], number: int) -> list[str]:
         """Return the lane values that a stage reads from scratch."""
-        depends_on = [need for step in stage for need in step.depends_on]
-        if last:
-            depends_on += [o.request.quantity for o in (*self.curves, *self.cycles)]
-        earlier = set().union(*carried)
-        names = [
-            n + suffix for n in dict.fromkeys(depends_on) if n not in made for suffix, _ in self.suffixes(n)
-        ]
-        return [name for name in names if name in earlier or name in self.lane_needs()]
+        computed = _computed(_facts(stages[number]))
+        needs = _reads(stages[number])
+        if number == len(stages) - 1:
+            needs |= dict.fromkeys(self.varying)
+        earlier = set(self.lane_needs).union(*(self.carried(stages, k) for k in range(len(stages))))
+        return [name for name in self.copies(n for n in needs if n not in computed) if name in earlier]
+
+
+def _computed(steps: Iterable[Step]) -> set[str]:
+    return {name for step in steps for name in step.names}
+
+
+def _reads(steps: Iterable[Step]) -> dict[str, None]:
+    """Return the names that steps depend on, in order."""
+    return dict.fromkeys(name for step in steps for name in step.depends_on)
+
+
+def _facts(steps: Iterable[Step]) -> list[Fact]:
+    return [step for step in steps if isinstance(step, Fact)]
 
 
 def _is_slow(step: Step) -> bool:
     """Tell whether a fact takes a root or divides."""
-    if isinstance(step, System):
-        return False
-    divides = any(isinstance(node, ast.Div) for node in _nodes(step))
-    return divides or _names(step, ("sqrt", "atan2", "log_quotient"))
+    return _calls(step, "sqrt", "atan2", "log_quotient", divides=True)
 
 
-def _nodes(step: Fact) -> list[ast.AST]:
-    return [node for statement in statements(step.function) for node in ast.walk(statement)]
-
-
-def _names(step: Step, functions: tuple[str, ...]) -> bool:
-    """Tell whether the text of a fact names one of these functions."""
+def _calls(step: Step, *functions: str, divides: bool = False) -> bool:
+    """Tell whether the text of a fact names one of these functions, or divides."""
     return isinstance(step, Fact) and any(
-        isinstance(node, ast.Name) and node.id in functions for node in _nodes(step)
+        (isinstance(node, ast.Name) and node.id in functions) or (divides and isinstance(node, ast.Div))
+        for statement in statements(step.function)
+        for node in ast.walk(statement)
     )

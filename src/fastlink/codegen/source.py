@@ -7,20 +7,22 @@ from __future__ import annotations
 
 import ast
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from fastlink.facts.fact import Fact, System, statements
+from fastlink.codegen.runtime.cells import LANES, MOST_LANES
+from fastlink.facts.fact import Fact, System, parameters, statements
 
 if TYPE_CHECKING:
-    from fastlink.plan.program import ExtremaProgram, Program
+    from fastlink.plan.program import Program
 
 __all__ = ["Array", "Source", "Text", "paste_fact", "paste_system"]
 
 HEADER = '''"""Kernel of {mechanism}, written by fastlink: {names}."""
 
-from numpy import {of_numpy}
+from numpy import array, inf, nan
 {imports}
 
 '''
@@ -28,6 +30,27 @@ from numpy import {of_numpy}
 
 #: Stands for the number of input positions in the shape of an array.
 N_ANGLES = "n_angles"
+#: Where the functions with loops stand that kernels call.
+RUNTIME = "fastlink.codegen.runtime"
+
+
+@dataclass(frozen=True)
+class Loop:
+    """What a loop of a kernel computes in each of its passes.
+
+    Attributes
+    ----------
+    per : str
+        For what a pass is: a design, an input position, both, a sample, a step of a refinement.
+    times : str
+        How often.
+    statements : list of str
+        What is written in it.
+    """
+
+    per: str
+    times: str
+    statements: list[str]
 
 
 @dataclass(frozen=True)
@@ -66,6 +89,10 @@ class Source:
         Rows of the arrays of designs and of angles.
     scratch, results : tuple of Array
         In the order of the arguments.
+    loops : tuple of Loop
+        The loops that compute values.
+    calls : tuple of str
+        The functions of `fastlink.codegen.runtime` that it calls.
     """
 
     text: str
@@ -73,6 +100,8 @@ class Source:
     tables: int
     scratch: tuple[Array, ...]
     results: tuple[Array, ...]
+    loops: tuple[Loop, ...] = ()
+    calls: tuple[str, ...] = ()
 
     @property
     def arguments(self) -> list[tuple[str, tuple[int | None, ...]]]:
@@ -87,56 +116,84 @@ class Source:
 
 
 class Text:
-    """Lines of a kernel under construction, with the functions it must import."""
+    """Lines of a kernel under construction, with the functions it must import and the work of its loops."""
 
     def __init__(self) -> None:
         self.lines: list[str] = []
-        self.indent = 0
         self.imports: dict[str, set[str]] = {}
         #: The lines of functions that the kernel calls.
         self.functions: list[str] = []
+        self.indent = 0
+        self.loops: dict[tuple[str, str], Loop] = {}
+        #: The statements of the loop at hand, if its work counts.
+        self.statements: list[str] | None = None
 
-    def add(self, line: str = "") -> None:
+    def add(self, line: str) -> None:
         """Append one line at the current indentation."""
-        self.lines.append("    " * self.indent + line if line else "")
+        self.lines.append("    " * self.indent + line)
+        if self.statements is not None:
+            self.statements.append(line)
 
-    def open(self, line: str) -> None:
-        """Append the head of a block and go one level in."""
-        self.add(line)
+    @contextmanager
+    def block(self, head: str, per: str = "", times: str = "once") -> Iterator[None]:
+        """Append the head of a block, then one level in what is appended meanwhile.
+
+        The work of a loop counts where `per` says for what each of its passes is, see `Loop`.
+        """
+        self.lines.append("    " * self.indent + head)
+        around = self.statements
+        if per:
+            self.statements = self.loops.setdefault((per, times), Loop(per, times, [])).statements
         self.indent += 1
-
-    def close(self) -> None:
-        """Leave a block."""
+        yield
         self.indent -= 1
+        self.statements = around
+
+    @contextmanager
+    def blocks_of_designs(self) -> Iterator[None]:
+        """Append the loop over blocks of designs, which lie in lanes side by side."""
+        with self.block(f"for i0 in range(0, n_designs, {LANES}):"):
+            self.add(f"n_here = min({LANES}, n_designs - i0)")
+            self.add(f"width = (n_here + {MOST_LANES - 1}) & {-MOST_LANES}")
+            yield
 
     def use(self, module: str, *names: str) -> None:
         """Import names of a module of fastlink."""
         self.imports.setdefault(f"fastlink.{module}", set()).update(names)
 
-    def module(
-        self, plan: Program | ExtremaProgram, scratch: Sequence[Array], results: Sequence[Array]
-    ) -> str:
-        """Return a module: what it gives, its imports, what was written before, and the lines as the kernel's body."""
+    def call(self, function: Callable[..., Any], arguments: str, result: str = "") -> None:
+        """Append a call of a function of `fastlink.codegen.runtime`, whose result may be bound to a name."""
+        self.imports.setdefault(function.__module__, set()).add(function.__name__)
+        self.add(f"{result}{' = ' if result else ''}{function.__name__}({arguments})")
+
+    def source(self, program: Program, scratch: Sequence[Array]) -> Source:
+        """Return the kernel of a program: a module with the functions and the lines, as the kernel's body."""
+        lengths = {"branch": len(program.branches)}
+        results = [
+            Array(f"out_{output.name}", output.dtype, (None, *map(lengths.get, output.axes)))
+            for output in program.outputs
+        ]
         names = ", ".join(array.name for array in (*scratch, *results))
         head = f"def kernel(designs, angles, n_designs, n_angles, {names}):"
-        body = [head, *(f"    {line}" if line else "" for line in self.lines)]
-        of_numpy = "array, inf, nan"
-        imports = "\n".join(
-            f"from {module} import {', '.join(sorted(found))}"
-            for module, found in sorted(self.imports.items())
+        used = [(module, sorted(names)) for module, names in sorted(self.imports.items())]
+        header = HEADER.format(
+            mechanism=program.catalogue.name,
+            names=", ".join(output.name for output in program.outputs),
+            imports="\n".join(f"from {module} import {', '.join(names)}" for module, names in used),
         )
-        names = ", ".join(output.name for output in plan.outputs)
-        header = HEADER.format(mechanism=plan.catalogue.name, names=names, of_numpy=of_numpy, imports=imports)
-        return header + "\n".join([*self.functions, *body]) + "\n"
+        text = header + "\n".join([*self.functions, head, *(f"    {line}" for line in self.lines)]) + "\n"
+        calls = tuple(name for module, names in used if module.startswith(RUNTIME) for name in names)
+        rows, loops = (len(program.inputs), len(program.tables)), tuple(self.loops.values())
+        return Source(text, *rows, tuple(scratch), tuple(results), loops, calls)
 
 
 class _Rename:
     """The parameters, locals and globals of a fact as names of the kernel."""
 
-    def __init__(
-        self, function: Callable[..., Any], values: Mapping[str, str], local: Callable[[str], str], text: Text
-    ):
-        self.function, self.values, self.local, self.text = function, values, local, text
+    def __init__(self, step: Fact | System, values: Sequence[str], suffix: str, text: Text) -> None:
+        self.values = dict(zip(parameters(step.function), values, strict=True))
+        self.globals = getattr(step.function, "__globals__", {})
+        self.local, self.text = f"{step.name}__{{}}{suffix}", text
         self.locals: set[str] = set()
 
     def __call__(self, node: ast.AST) -> Any:
@@ -156,32 +213,29 @@ class _Rename:
         if isinstance(node.ctx, ast.Store):
             self.locals.add(node.id)
         if node.id in self.locals:
-            return ast.Name(self.local(node.id), node.ctx)
+            return ast.Name(self.local.format(node.id), node.ctx)
         if node.id in self.values:
-            value = self.values[node.id]
-            return ast.Name(value, node.ctx) if value.isidentifier() else ast.parse(value, mode="eval").body
-        found = getattr(self.function, "__globals__", {}).get(node.id)
-        if isinstance(found, float):
-            if math.isfinite(found):
-                return ast.Constant(found)
-            return ast.Name("nan" if math.isnan(found) else "inf", ast.Load())
-        if callable(found):
-            self.text.imports.setdefault(found.__module__, set()).add(node.id)
+            name = self.values[node.id]
+            return ast.Name(name, node.ctx) if name.isidentifier() else ast.parse(name, mode="eval").body
+        value = self.globals.get(node.id)
+        if isinstance(value, float):
+            if math.isfinite(value):
+                return ast.Constant(value)
+            return ast.Name("nan" if math.isnan(value) else "inf", ast.Load())
+        if callable(value):
+            self.text.imports.setdefault(value.__module__, set()).add(node.id)
         return node
 
 
-def _paste(
-    function: Callable[..., Any], values: Mapping[str, str], label: str, suffix: str, text: Text
-) -> ast.expr:
-    """Paste the assignments of a fact; return the expression that it returns."""
-    body = statements(function)
-    rename = _Rename(function, values, lambda local: f"{label}__{local}{suffix}", text)
-    for statement in body[:-1]:
+def _paste(step: Fact | System, values: Sequence[str], suffix: str, text: Text) -> ast.expr:
+    """Append the assignments of a fact; return the expression that it returns."""
+    *assignments, last = statements(step.function)
+    rename = _Rename(step, values, suffix, text)
+    for statement in assignments:
         assert isinstance(statement, ast.Assign)
         value = rename(statement.value)  # before the targets, which may have a parameter's name
         targets = [rename(target) for target in statement.targets]
         text.add(ast.unparse(ast.Assign(targets, value, lineno=0)))
-    last = body[-1]
     assert isinstance(last, ast.Return)
     assert last.value is not None
     result = rename(last.value)
@@ -189,12 +243,12 @@ def _paste(
     return result
 
 
-def paste_fact(fact: Fact, values: Mapping[str, str], suffix: str, text: Text) -> None:
+def paste_fact(fact: Fact, values: Sequence[str], suffix: str, text: Text) -> None:
     """Append a fact's statements to the text.
 
-    `values` gives the kernel's name of each parameter; `suffix` tells branches apart.
+    `values` are the kernel's names of its parameters, in order; `suffix` tells branches apart.
     """
-    result = _paste(fact.function, values, fact.name, suffix, text)
+    result = _paste(fact, values, suffix, text)
     names = [name + suffix for name in fact.names]
     parts = result.elts if isinstance(result, ast.Tuple) else [result]
     if len(parts) == len(names):
@@ -204,13 +258,10 @@ def paste_fact(fact: Fact, values: Mapping[str, str], suffix: str, text: Text) -
         text.add(f"{', '.join(names)} = {ast.unparse(result)}")
 
 
-def paste_system(
-    system: System, values: Mapping[str, str], suffix: str, text: Text, store: Callable[[int, int], str]
-) -> None:
-    """Append the statements that store row r, column c of a system at ``store(r, c)``."""
-    rows = _paste(system.function, values, system.name, suffix, text)
+def paste_system(system: System, values: Sequence[str], suffix: str, text: Text, start: int) -> None:
+    """Append the statements that store a linear system, row by row, into the rows of ``w2`` from `start` on."""
+    rows = _paste(system, values, suffix, text)
     assert isinstance(rows, ast.Tuple)
-    for r, row in enumerate(rows.elts):
-        assert isinstance(row, ast.Tuple)
-        for c, entry in enumerate(row.elts):
-            text.add(f"{store(r, c)} = {ast.unparse(entry)}")
+    entries = [entry for row in rows.elts if isinstance(row, ast.Tuple) for entry in row.elts]
+    for k, entry in enumerate(entries, start):
+        text.add(f"w2[{k}, i] = {ast.unparse(entry)}")

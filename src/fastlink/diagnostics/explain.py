@@ -1,32 +1,32 @@
-"""What a study computes, and what it leaves out: read off the text of its kernels."""
+"""The work of a study, and what it leaves out: counted in the loops of its kernels."""
 
 from __future__ import annotations
 
 import ast
-import re
 import textwrap
 from collections import Counter
-from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Iterable
+from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 from fastlink._text import aligned
 from fastlink.codegen.kernel import llvm_text
 from fastlink.codegen.machine import assembly
+from fastlink.codegen.runtime import results, sampling
 from fastlink.codegen.translate import Refused
 from fastlink.engine.resolve import ResolvedSweep, resolve
 from fastlink.numerics import compensated, vectors
-from fastlink.numerics.compiler import COMPILED_AS, syntax
-from fastlink.plan.program import ExtremaProgram, Program
+from fastlink.numerics.compiler import COMPILED_AS, INLINED, syntax
+from fastlink.plan.program import ExtremaProgram
 from fastlink.study.study import read_study
 
 if TYPE_CHECKING:
     from fastlink.codegen.kernel import Kernel
     from fastlink.codegen.source import Source
 
-__all__ = ["Explanation", "LoopWork", "explain"]
+__all__ = ["Explanation", "KernelWork", "LoopWork", "explain"]
 
 OPERATIONS = {
     ast.Add: "+ -",
@@ -39,18 +39,23 @@ OPERATIONS = {
 }
 CALLS = {"select": "choices", "sqrt": "sqrt", "abs": "+ -"}
 ELEMENTARY = ("atan2", "cosine", "sine", "log_quotient", "arsinh")
-HELPERS = {name: getattr(module, name) for module in (compensated, vectors) for name in module.__all__}
+#: Functions that are counted by what they do.
+HELPERS = {
+    name: COMPILED_AS.get(function, function)
+    for module in (compensated, vectors, sampling, results)
+    for name, function in vars(module).items()
+    if name in module.__all__ and COMPILED_AS.get(function, function) in INLINED
+}
 KINDS = ("+ -", "*", "/", "sqrt", "choices", "atan2, log, cos", "loads", "stores")
 
 
-@dataclass(frozen=True)
-class LoopWork:
-    """What one loop of a kernel does each time.
+class LoopWork(NamedTuple):
+    """The work of one loop of a kernel in each of its passes.
 
     Attributes
     ----------
     per : str
-        For what it is run: a design, an input position, both, a sample, a step of a refinement.
+        For what a pass is: a design, an input position, both, a sample, a step of a refinement.
     times : str
         How often.
     work : dict of str to int
@@ -63,39 +68,57 @@ class LoopWork:
     work: dict[str, int]
 
 
+class KernelWork(NamedTuple):
+    """The work of one kernel.
+
+    Attributes
+    ----------
+    results : str
+        What it gives.
+    facts : tuple of str
+        The facts that it computes.
+    loops : list of LoopWork
+        The work of its loops.
+    source : Source
+        Its text, and what it is called with.
+    """
+
+    results: str
+    facts: tuple[str, ...]
+    loops: list[LoopWork]
+    source: Source
+
+
 @dataclass(frozen=True, eq=False)
 class Explanation:
-    """What a request computes; prints as text.
+    """The work of a request; prints as text.
 
     Attributes
     ----------
     title : str
         The mechanism, and how many designs, branches and positions.
     results : tuple of str
-        What was asked for.
+        The requested results.
     scaling_axis : str
         The axis that is multiplied instead of evaluated, or an empty text.
-    kernels : list of (str, tuple of str, list of LoopWork, str)
-        For each kernel what it gives, the facts it computes, its loops, its text.
+    kernels : tuple of KernelWork
+        The work of each kernel.
     left_out : tuple of str
-        Public quantities of the mechanism that nothing asked for needs.
+        Public quantities of the mechanism that no requested result needs.
     facts_left_out, facts_known : int
         How many facts of the mechanism are not computed, and how many there are.
     tables : tuple of str
-        What of the input position is tabled; none for a map of designs.
-    sources : tuple of Source
-        For each kernel its text, and what it is called with.
+        Tabled functions of the input position; none for a map of designs.
     """
 
     title: str
     results: tuple[str, ...]
     scaling_axis: str
-    kernels: list[tuple[str, tuple[str, ...], list[LoopWork], str]]
+    kernels: tuple[KernelWork, ...]
     left_out: tuple[str, ...]
     facts_left_out: int
     facts_known: int
-    tables: tuple[str, ...] = field(default=())
-    sources: tuple[Source, ...] = field(default=())
+    tables: tuple[str, ...]
 
     def text(self, *, kernels: bool = False, ir: bool = False, asm: bool = False) -> str:
         """Return the explanation, with the kernels' text, its translation for LLVM, its assembly language if wanted."""
@@ -107,20 +130,19 @@ class Explanation:
         lines.append(
             _folded("tables of the input", self.tables or ["none: nothing depends on the input position"])
         )
-        for number, (gives, facts, loops, text) in enumerate(self.kernels, 1):
+        for number, kernel in enumerate(self.kernels, 1):
+            rows = [(loop.per, loop.times, *map(str, loop.work.values())) for loop in kernel.loops]
             lines += [
                 "",
-                f"kernel {number} of {len(self.kernels)}: {gives}",
-                _folded("computes", facts),
-                _table(loops),
+                f"kernel {number} of {len(self.kernels)}: {kernel.results}",
+                _folded("computes", kernel.facts),
+                aligned([("for each", "how often", *KINDS), *rows], right=2, indent="  "),
             ]
-            if helpers := re.findall(
-                r"^from fastlink\.codegen\.runtime\.\w+ import (.+)", text, re.MULTILINE
-            ):
+            if helpers := [name for name in kernel.source.calls if name not in HELPERS]:
                 lines.append(_folded("  not counted", helpers))
-            lines += ["", text] if kernels else []
+            lines += ["", kernel.source.text] if kernels else []
             if ir or asm:
-                lines += _machine_texts(self.sources[number - 1], ir, asm)
+                lines += _machine_texts(kernel.source, ir, asm)
         share = f"{self.facts_left_out} of {self.facts_known} facts"
         return "\n".join([*lines, "", _folded(f"left out: {share}, among them", self.left_out)])
 
@@ -131,7 +153,7 @@ class Explanation:
 
 
 def explain(study: str | Path) -> Explanation:
-    """Tell what a study computes and what it leaves out; nothing is compiled or run.
+    """Return the work of a study and what it leaves out; nothing is compiled or run.
 
     Parameters
     ----------
@@ -160,49 +182,40 @@ def explain(study: str | Path) -> Explanation:
     ...     path = pathlib.Path(folder, "study.toml")
     ...     _ = path.write_text(text)
     ...     found = explain(path)
-    >>> found.tables, [loop.per for loop in found.kernels[0][2]]
+    >>> found.tables, [loop.per for loop in found.kernels[0].loops]
     ((), ['design'])
     """
     read = read_study(study)
     return explain_request(resolve(read.mechanism, read.space, read.quantities, **read.options))
 
 
-def explain_request(asked: ResolvedSweep) -> Explanation:
-    """Tell what a request computes and what it leaves out."""
-    plan, catalogue = asked.plan, asked.catalogue
-    made = dict.fromkeys(name for program in plan.programs for step in program.steps for name in step.names)
-    wanted = {output.request.quantity for output in plan.outputs}
-    sizes = [f"{asked.space.size:,} designs", f"{len(asked.branches)} assembly modes"]
+def explain_request(request: ResolvedSweep) -> Explanation:
+    """Return the work of a request, and what it leaves out."""
+    plan, catalogue, axis = request.plan, request.catalogue, request.scaling_axis
+    computed = {name for program in plan.programs for step in program.steps for name in step.names}
+    requested = {output.request.quantity for output in plan.outputs}
+    sizes = [f"{request.space.size:,} designs", f"{len(request.branches)} assembly modes"]
     if plan.uses_position:
-        sizes.append(f"{asked.positions.size:,} values of {catalogue.position.name}")
+        sizes.append(f"{request.positions.size:,} values of {catalogue.position.name}")
     return Explanation(
-        f"{asked.mechanism}: {', '.join(sizes)}",
+        f"{request.mechanism}: {', '.join(sizes)}",
         tuple(output.name for output in plan.outputs),
-        ""
-        if asked.scaling_axis is None
-        else f"{asked.scaling_axis.name} ({asked.scaling_axis.length:,} values)",
-        [_kernel(kernel, asked) for kernel in asked.kernels],
-        tuple(name for name in catalogue.public if name not in made and name not in wanted),
-        sum(name not in made for name in catalogue.facts),
+        "" if axis is None else f"{axis.name} ({axis.length:,} values)",
+        tuple(map(_kernel_work, request.kernels)),
+        tuple(name for name in catalogue.public if name not in computed | requested),
+        sum(name not in computed for name in catalogue.facts),
         len(catalogue.facts),
-        tuple(dict.fromkeys(table for program in plan.programs for table in _tables(program))),
-        tuple(kernel.source for kernel in asked.kernels),
+        tuple(dict.fromkeys(table for program in plan.programs for table in program.tables)),
     )
 
 
-def _tables(program: Program | ExtremaProgram) -> tuple[str, ...]:
-    return () if isinstance(program, ExtremaProgram) else program.tables
-
-
-def _kernel(kernel: Kernel, asked: ResolvedSweep) -> tuple[str, tuple[str, ...], list[LoopWork], str]:
+def _kernel_work(kernel: Kernel) -> KernelWork:
     program = kernel.program
-    gives = ", ".join(output.name for output in program.outputs)
-    searched = [search.quantity for search in program.searches] if isinstance(program, ExtremaProgram) else []
-    if searched:
-        gives += f"; every extreme of {', '.join(searched)}"
+    names = ", ".join(output.name for output in program.outputs)
+    if isinstance(program, ExtremaProgram):
+        names += f"; every extreme of {', '.join(search.quantity for search in program.searches)}"
     facts = tuple(name for step in program.steps for name in step.names)
-    loops = _loops(kernel.text, asked.catalogue.position.name, searched)
-    return gives, facts, loops, kernel.text
+    return KernelWork(names, facts, _loop_work(kernel.source), kernel.source)
 
 
 def _machine_texts(source: Source, ir: bool, asm: bool) -> list[str]:
@@ -214,54 +227,25 @@ def _machine_texts(source: Source, ir: bool, asm: bool) -> list[str]:
     return [*(["", text] if ir else []), *(["", assembly(text)] if asm else [])]
 
 
-def _loops(source: str, position: str, searched: Sequence[str]) -> list[LoopWork]:
+def _loop_work(source: Source) -> list[LoopWork]:
     """Return the work of every loop of a kernel that computes something."""
-    found: dict[tuple[str, str], Counter[str]] = {}
-
-    def walk(body: Iterable[ast.stmt], function: str, around: Mapping[str, str]) -> None:
-        for statement in body:
-            if isinstance(statement, ast.For):
-                loop = {ast.unparse(statement.target): ast.unparse(statement.iter)}
-                walk(statement.body, function, {**around, **loop})
-            elif isinstance(statement, ast.If):
-                walk((*statement.body, *statement.orelse), function, around)
-            elif isinstance(statement, ast.Assign) and ("i" in around or "j" in around):
-                where = _place(function, around, position, searched)
-                _count(statement, found.setdefault(where, Counter()))
-
-    functions = [node for node in ast.parse(source).body if isinstance(node, ast.FunctionDef)]
-    for part in sorted(functions, key=lambda node: node.name != "kernel"):
-        walk(part.body, part.name, {})
-    rows = [
-        LoopWork(per, times, {kind: work[kind] for kind in KINDS}) for (per, times), work in found.items()
-    ]
-    return [row for row in rows if any(row.work.values())]
+    rows = []
+    for loop in source.loops:
+        work: Counter[str] = Counter()
+        for statement in ast.parse("\n".join(loop.statements)).body:
+            _count(statement, work)
+        if any(work.values()):
+            rows.append(LoopWork(loop.per, loop.times, {kind: work[kind] for kind in KINDS}))
+    return rows
 
 
-def _place(
-    function: str, around: Mapping[str, str], position: str, searched: Sequence[str]
-) -> tuple[str, str]:
-    """Return for what a loop is run, and how often: by its function, and the loops it stands in."""
-    kind, _, number = function.rpartition("_")
-    if kind == "slope":
-        return "place", f"each step of the search of {searched[int(number)]}"
-    if kind == "value":
-        return "extreme", f"once, of {searched[int(number)]}"
-    if "j" not in around:
-        return "design", "once"
-    per = f"design and {position}" if "i" in around else position
-    if "n_angles" in around["j"]:
-        return per, "both modes together"
-    samples, sides = (re.sub(r"\D", "", around.get(counter, "1")) for counter in ("j", "turn"))
-    often = f"{samples} samples of the graded range"
-    return "design and sample", often if sides == "1" else f"{often}, on {sides} sides"
-
-
-def _count(statement: ast.Assign, work: Counter[str]) -> None:
-    """Add what an assignment does."""
+def _count(statement: ast.stmt, work: Counter[str]) -> None:
+    """Add the operations of an assignment, or of the result of a function."""
+    if not isinstance(statement, (ast.Assign, ast.Return)) or statement.value is None:
+        return
     pending: list[ast.AST] = [statement.value]
-    for target in statement.targets:
-        work["stores"] += isinstance(target, ast.Subscript)
+    if isinstance(statement, ast.Assign):
+        work["stores"] += sum(isinstance(target, ast.Subscript) for target in statement.targets)
     while pending:
         node = pending.pop()
         if isinstance(node, ast.Subscript):
@@ -284,7 +268,7 @@ def _count(statement: ast.Assign, work: Counter[str]) -> None:
 
 
 def _is_constant(node: ast.AST) -> bool:
-    """Tell whether the compiler knows a value: a number, a constant of the module, what is made of such."""
+    """Tell whether the compiler knows a value: a number, a constant of the module, an expression of these."""
     if isinstance(node, ast.Name):
         return any(isinstance(getattr(module, node.id, None), float) for module in (compensated, vectors))
     if isinstance(node, (ast.BinOp, ast.UnaryOp)):
@@ -295,21 +279,12 @@ def _is_constant(node: ast.AST) -> bool:
 
 @cache
 def _helper(name: str) -> Counter[str]:
-    """Return what a function of `fastlink.numerics.compensated` does."""
+    """Return the operations of a function that is pasted at each call."""
     work: Counter[str] = Counter()
-    function = HELPERS[name]
-    tree = syntax(COMPILED_AS.get(function, function))
-    for node in ast.walk(tree):
-        if isinstance(node, (ast.Assign, ast.Return)) and node.value is not None:
-            _count(ast.Assign([], node.value), work)
+    for statement in syntax(HELPERS[name]).body:
+        _count(statement, work)
     return work
 
 
 def _folded(head: str, names: Iterable[str]) -> str:
     return textwrap.fill(f"{head}: {', '.join(names)}", 110, subsequent_indent="  ")
-
-
-def _table(loops: Sequence[LoopWork]) -> str:
-    """Return the work of loops as aligned text."""
-    rows = [(loop.per, loop.times, *(str(loop.work[kind]) for kind in KINDS)) for loop in loops]
-    return aligned([("for each", "how often", *KINDS), *rows], right=2, indent="  ")

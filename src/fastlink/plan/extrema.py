@@ -97,5 +97,15 @@ def extrema_programs(
         own = tuple(
             o for search in group for o in asked if o.request.quantity == search.quantity and not search.onto
         )
-        result.append(ExtremaProgram(catalogue, own, tuple(group), tuple(steps), inputs, branches, variants))
+        result.append(
+            ExtremaProgram(
+                catalogue=catalogue,
+                outputs=own,
+                steps=tuple(steps),
+                inputs=inputs,
+                branches=branches,
+                variants=variants,
+                searches=tuple(group),
+            )
+        )
     return result

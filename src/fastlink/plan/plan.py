@@ -2,17 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
-from functools import cached_property
-from typing import Any
+from functools import cached_property, partial
 
 from fastlink.catalogue.catalogue import Catalogue, System
 from fastlink.errors import InputError
 from fastlink.facts.names import Quantity, Reduced
 from fastlink.plan.extrema import extrema_programs, find_extremum_search, find_jumps
 from fastlink.plan.pointwise import ANGLES_FOR_LANES, make_program, output_of, parse_requests
-from fastlink.plan.program import ExtremaProgram, ExtremumSearch, Output, Program
+from fastlink.plan.program import ExtremumSearch, Output, Program
 from fastlink.plan.query import Extrema, Request
 
 __all__ = ["Plan", "make_plan"]
@@ -28,7 +27,7 @@ class Plan:
         The mechanism.
     outputs : tuple of Output
         The results, in the order asked.
-    programs : tuple of Program or ExtremaProgram
+    programs : tuple of Program
         One for each kernel.
     branches : tuple of int
         The assembly modes.
@@ -40,7 +39,7 @@ class Plan:
 
     catalogue: Catalogue
     outputs: tuple[Output, ...]
-    programs: tuple[Program | ExtremaProgram, ...]
+    programs: tuple[Program, ...]
     branches: tuple[int, ...]
     variants: tuple[str, ...]
     extrema_kept: int
@@ -48,7 +47,7 @@ class Plan:
     @property
     def uses_position(self) -> bool:
         """Whether anything is computed at the given input positions."""
-        return any(program.uses_position for program in self.programs)
+        return any(program.tables for program in self.programs)
 
     @cached_property
     def depends_on_solver(self) -> bool:
@@ -117,10 +116,10 @@ def make_plan(
                 raise _not_refined(request, catalogue)
     sampled = [r.name for r in requests if r.name not in refined]
     outputs = tuple(output_of(r, catalogue, refined=r.name in refined) for r in requests)
-    options: dict[str, Any] = {"branches": branches, "variants": variants, "angles": angles}
-    programs: list[Program | ExtremaProgram] = []
+    make = partial(make_program, catalogue, branches=branches, variants=variants, angles=angles)
+    programs: list[Program] = []
     if sampled:
-        programs += _split(make_program(catalogue, sampled, given=given, **options), angles)
+        programs += _split(make(sampled, given=given), angles, make)
     if searches:
         bounded = {r.quantity for r in requests if r.name in refined and r.can_be_refined}
         jumps = [find_jumps(catalogue, search) for name, search in searches.items() if name in bounded]
@@ -147,23 +146,16 @@ def _not_refined(request: Request, catalogue: Catalogue) -> InputError:
     )
 
 
-def _split(program: Program, angles: int) -> list[Program]:
+def _split(program: Program, angles: int, make: Callable[..., Program]) -> list[Program]:
     """Return the programs that together give a program's results fastest: curves apart from the rest.
 
     With lanes that are designs a curve is stored across the lines of its array, 1 ns a value; with lanes that are
-    angles it costs less to compute what both need again.
+    angles it costs less to compute the shared facts again.
     """
     position = program.catalogue.position.name
     curves = [output.name for output in program.outputs if position in output.axes]
-    rest = [output.name for output in program.outputs if position not in output.axes]
-    whole = (
-        program.lanes == "angles"
-        or angles < ANGLES_FOR_LANES
-        or any(isinstance(s, System) for s in program.steps)
-    )
-    if whole or not curves or not rest:
+    others = [output.name for output in program.outputs if position not in output.axes]
+    has_system = any(isinstance(step, System) for step in program.steps)
+    if has_system or program.lanes == "angles" or angles < ANGLES_FOR_LANES or not curves or not others:
         return [program]
-    options: dict[str, Any] = {"branches": program.branches, "variants": program.variants, "angles": angles}
-    return [
-        make_program(program.catalogue, names, given=program.inputs, **options) for names in (curves, rest)
-    ]
+    return [make(names, given=program.inputs) for names in (curves, others)]

@@ -72,7 +72,16 @@ def make_program(
         )
     # In the catalogue's order, so that one set of names has one kernel however the design is written.
     inputs = tuple(name for name in catalogue.known_inputs(variants) if name in read and name in leaves)
-    return Program(catalogue, outputs, steps, inputs, read_tables, tuple(branches), lanes, tuple(variants))
+    return Program(
+        catalogue=catalogue,
+        outputs=outputs,
+        steps=steps,
+        inputs=inputs,
+        branches=tuple(branches),
+        variants=tuple(variants),
+        tables=read_tables,
+        lanes=lanes,
+    )
 
 
 def parse_requests(names: Iterable[str], catalogue: Catalogue) -> list[Request]:

@@ -1,4 +1,7 @@
-"""Items: cells of one design that hold a zero of one function, kept in lists, worked on `LANES` at a time."""
+"""Items: cells of one design that hold a zero of one function, kept in lists, worked on `LANES` at a time.
+
+The constants name the rows of arrays and the entries of the small tables that kernels call the functions here with.
+"""
 
 from __future__ import annotations
 
@@ -6,17 +9,32 @@ from typing import Any
 
 from fastlink.numerics.compiler import inlined, lanes, merged, outlined
 
-__all__ = ["ITEM_ROWS", "LANES", "MOST_LANES", "STATE_ROWS", "append_item", "gather", "padded"]
+__all__ = ["ITEM_ROWS", "LANES", "MOST_LANES", "STATE_ROWS", "append_item", "gather", "padded", "set_bracket"]
 
 LANES = 64
 #: Doubles in the widest vectors: loops over lanes run over whole numbers of these.
 MOST_LANES = 8
-# Rows of an item: what it is, then its bracket (place, value) and for a valley the place between.
+# Rows of an item: what it is, then its bracket (position, value) and for a valley the position between.
 LANE, HALF, UPPER, XA, FA, XB, FB, XC, FC = range(9)
 ITEM_ROWS = 9
-# Rows of the state of `LANES` items under way: the item, then what the iteration keeps.
+# Rows of the state of `LANES` items under way: the item, what the iteration keeps, then the extremum.
 X, F, X1, F1, X2, F2, TOLERANCE, STEPS, OPEN = range(ITEM_ROWS, ITEM_ROWS + 9)
-STATE_ROWS = ITEM_ROWS + 9
+# The extremum: value, input position, mirror image of that, kind.
+VALUE, THETA, IMAGE, KIND = range(ITEM_ROWS + 9, ITEM_ROWS + 13)
+STATE_ROWS = ITEM_ROWS + 13
+# Entries of the table of a kernel: rows of the lane values (the lower end's, the upper end's follows each), sides,
+# halves and branches, and for each searched branch where its results go, and those of its mirror (-1 for nowhere).
+START, TOGGLE, SIDES, HALVES, BRANCHES, OWN, MIRROR = 0, 1, 2, 3, 4, 5, 7
+# Entries of the table of a search: its number; the search that it adds to, itself or another whose angle passes pi
+# there; the power of 1/sigma by which the quantity grows at a toggle; what the mirror does to it; whether it has a
+# value exactly at a toggle.
+NUMBER, ONTO, ORDER, PARITY, AT_LIMIT = range(5)
+# Entries of the table of one half of the range in one search: rows of its first sample and of that of the half that
+# continues it beyond both ends, number of the half, -1 where a zero at a sample counts for the cell on its other side
+# (else 1), half the number of cells.
+FIRST, BEYOND, PART, SIGN, CELLS = range(5)
+# How many designs, valleys and roots there are at hand.
+DESIGNS, VALLEYS, ROOTS = range(3)
 
 
 @inlined
@@ -26,28 +44,24 @@ def padded(count: int) -> int:
 
 
 @merged
-def append_item(
-    items: Any,
-    count: int,
-    lane: int,
-    half: int,
-    upper: bool,
-    a: float,
-    fa: float,
-    b: float,
-    fb: float,
-) -> int:
-    """Append an item and return how many there are; there is room for all that smooth functions can ask for."""
-    if count + MOST_LANES <= items.shape[1]:
-        items[LANE, count] = lane
-        items[HALF, count] = half
-        items[UPPER, count] = 1.0 if upper else 0.0
-        items[XA, count] = a
-        items[FA, count] = fa
-        items[XB, count] = b
-        items[FB, count] = fb
-        return count + 1
-    return count
+def set_bracket(items: Any, count: int, a: float, fa: float, b: float, fb: float) -> None:
+    """Write the bracket of the next item, see `append_item`."""
+    items[XA, count] = a
+    items[FA, count] = fa
+    items[XB, count] = b
+    items[FB, count] = fb
+
+
+@merged
+def append_item(items: Any, count: int, lane: int, half: int, upper: bool) -> int:
+    """Append the item whose bracket is set; return how many there are.
+
+    There is room for all that smooth functions can ask for; beyond that, the last column is written again.
+    """
+    items[LANE, count] = lane
+    items[HALF, count] = half
+    items[UPPER, count] = 1.0 if upper else 0.0
+    return count + 1 if count + MOST_LANES <= items.shape[1] else count
 
 
 @outlined

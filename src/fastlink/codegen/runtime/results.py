@@ -1,4 +1,4 @@
-"""What a search has found: extremes by design and branch, sorted lists, the greatest and the least.
+"""Results of a search: extrema by design and branch, sorted lists, the greatest and the least.
 
 The zeros of a derivative come as items, each of one design, branch and side of the ground line. Where a quantity
 has a mirror symmetry, a zero of one branch is one of the other branch too, at the mirror image of the input position.
@@ -8,127 +8,157 @@ from __future__ import annotations
 
 from typing import Any
 
-from fastlink.codegen.runtime.cells import FA, FB, HALF, LANE, LANES, UPPER, append_item
-from fastlink.numerics.compiler import lanes, outlined
+from fastlink.codegen.runtime.cells import (
+    AT_LIMIT,
+    BRANCHES,
+    FA,
+    FB,
+    HALF,
+    HALVES,
+    IMAGE,
+    KIND,
+    LANE,
+    LANES,
+    MIRROR,
+    NUMBER,
+    ONTO,
+    ORDER,
+    OWN,
+    PARITY,
+    SIDES,
+    START,
+    THETA,
+    TOGGLE,
+    UPPER,
+    VALUE,
+    append_item,
+    padded,
+    set_bracket,
+)
+from fastlink.numerics.compiler import inlined, lanes, outlined
 from fastlink.numerics.elementary import ANGLE_ROUNDING, INFINITY, NOT_A_NUMBER, PI, TWO_PI
 
-__all__ = ["clear", "collect_ends", "store_best", "store_counts", "store_list", "take"]
+__all__ = [
+    *("clear", "collect_ends", "end_values", "extrema_at_zeros", "mirror_image"),
+    *("store_best", "store_counts", "store_extrema", "store_kinds", "store_list"),
+]
 
-# Rows of the lists, and of the best.
-PLACE, VALUE, KIND = range(3)
-GREATEST, AT_GREATEST, LEAST, AT_LEAST = range(4)
+# Rows of the lists: an extremum's position, value and kind.
+LIST_THETA, LIST_VALUE, LIST_KIND = range(3)
+# Rows of the best: greatest and least value with their positions, and how many extrema there are.
+GREATEST, AT_GREATEST, LEAST, AT_LEAST, COUNT = range(5)
+BEST_ROWS = 5
 
 
 @outlined
-def clear(lists: Any, best: Any, found: Any) -> None:
-    """Forget what was found."""
+def clear(lists: Any, best: Any) -> None:
+    """Forget the extrema of the designs before."""
     for r in range(lists.shape[0]):
         for column in range(lists.shape[1]):
             for k in range(lists.shape[2]):
                 lists[r, column, k] = NOT_A_NUMBER
-    for i in lanes(found.size):
+    for i in lanes(best.shape[1]):
         best[GREATEST, i] = -INFINITY
         best[LEAST, i] = INFINITY
         best[AT_GREATEST, i] = NOT_A_NUMBER
         best[AT_LEAST, i] = NOT_A_NUMBER
-        found[i] = 0
+        best[COUNT, i] = 0.0
 
 
 @outlined
 def _insert(lists: Any, column: int, count: int, theta: float, value: float, kind: float) -> None:
-    """Insert into a sorted list; beyond its length the last one drops out, and the count tells."""
+    """Insert an extremum into a sorted list of so many; beyond its length the last one drops out."""
     room = lists.shape[2]
     k = min(count, room)
-    while k > 0 and lists[PLACE, column, k - 1] > theta:
+    while k > 0 and lists[LIST_THETA, column, k - 1] > theta:
         k -= 1
     if k == room:
         return
     for move in range(min(count, room - 1), k, -1):
         for r in range(3):
             lists[r, column, move] = lists[r, column, move - 1]
-    lists[PLACE, column, k] = theta
-    lists[VALUE, column, k] = value
-    lists[KIND, column, k] = kind
+    lists[LIST_THETA, column, k] = theta
+    lists[LIST_VALUE, column, k] = value
+    lists[LIST_KIND, column, k] = kind
+
+
+@inlined
+def mirror_image(theta: Any, twice_axis: Any) -> Any:
+    """Return the mirror image of an input position; the sum of both is `twice_axis`, but for full turns."""
+    image = twice_axis - theta
+    return image + TWO_PI if image < -(twice_axis * ANGLE_ROUNDING) else (0.0 if image < 0.0 else image)
 
 
 @outlined
-def take(
-    s: Any,
-    count: int,
-    which: int,
-    ends: bool,
-    w: Any,
-    about: Any,
-    own: Any,
-    other: Any,
-    onto: Any,
-    order: Any,
-    parity: Any,
-    lists: Any,
-    best: Any,
-    found: Any,
-    twice_axis: float,
-) -> None:
-    """Sort the items of a search into the results of their design.
+def extrema_at_zeros(s: Any, count: int, table: Any, search: Any) -> None:
+    """Find of what kind the extremum at each zero is: 1 for a maximum, -1 for a minimum; 0 and pi where an angle jumps.
 
     Parameters
     ----------
     s, count : array, int
         State of the items, and how many they are.
-    which : int
-        Number of the search.
-    ends : bool
-        Whether the items are ends of the range.
-    w : array
-        Lane values.
-    about : array of int
-        Row of the state that holds the quantity, the next one holds the input position; row of `w` that says whether
-        the lower end is a toggle, the next one whether the upper one is; sides that were searched; branches that are
-        asked for.
-    own, other : array of int
-        For each branch that was searched where its results go, and those of its mirror; -1 for nowhere.
-    onto : array of int
-        For each search that whose results it adds to: itself, or another if it tells where that one's angle passes pi.
-    order, parity : array
-        For each quantity the power of 1/sigma by which it grows at a toggle, and what the mirror does to it.
-    twice_axis : float
-        Sum of an input position and its mirror image, but for full turns.
+    table, search : array of int
+        Tables of the kernel and of the search, see `cells`.
     """
-    row, toggles, sides, branches = about[0], about[1], about[2], about[3]
+    sides = table[SIDES]
+    if search[ONTO] == search[NUMBER]:
+        for i in lanes(padded(count)):
+            half = int(s[HALF, i])
+            lower_side = half - (half >> (sides - 1)) * sides == 0
+            rises = (s[FA, i] > 0.0) | (s[FB, i] < 0.0)
+            s[KIND, i] = 1.0 if rises == lower_side else -1.0
+    else:
+        for i in lanes(padded(count)):
+            # An angle near 0 passes 0, which is no extremum; it is pi and -pi where it jumps.
+            s[KIND, i] = NOT_A_NUMBER if abs(s[VALUE, i]) < 1.0 else 0.0
+            s[VALUE, i] = PI
+
+
+@outlined
+def end_values(s: Any, count: int, w: Any, table: Any, search: Any) -> None:
+    """Make the values at ends of the range infinite where they are so at a toggle; an end is of no kind."""
     for i in range(count):
-        lane, half = int(s[LANE, i]), int(s[HALF, i])
-        value, theta = s[row, i], s[row + 1, i]
-        branch = half >> (sides - 1)
-        side = half - branch * sides
-        kind = 0.0
-        jumps = onto[which] != which
-        if jumps:
-            # An angle near 0 passes 0; it is pi and -pi where it jumps.
-            if abs(value) < 1.0:
-                continue
-            value = PI
-        elif ends:
-            if w[toggles + int(s[UPPER, i]), lane] > 0.0 and order[which] > 0 and value != 0.0:
-                value = value * INFINITY
-        else:
-            rises = s[FA, i] > 0.0 or s[FB, i] < 0.0
-            kind = 1.0 if rises == (side == 0) else -1.0
-        # Of its own branch, then of the mirror's.
+        s[KIND, i] = 0.0
+        toggle = w[table[TOGGLE] + int(s[UPPER, i]), int(s[LANE, i])] > 0.0
+        if toggle and search[ORDER] > 0 and s[VALUE, i] != 0.0:
+            s[VALUE, i] = s[VALUE, i] * INFINITY
+
+
+@outlined
+def store_extrema(s: Any, count: int, table: Any, search: Any, lists: Any, best: Any) -> None:
+    """Sort the extrema at items into the results of their design, each for its own branch, then for the mirror's.
+
+    Parameters
+    ----------
+    s, count, table, search
+        As for `extrema_at_zeros`.
+    lists : array (3, columns, length)
+        Sorted lists of extrema; a column is of one search, branch and design.
+    best : array (5, columns)
+        The greatest and least values.
+    """
+    sides, branches = table[SIDES], table[BRANCHES]
+    onto, parity = search[ONTO], float(search[PARITY])
+    jumps = onto != search[NUMBER]
+    for i in range(count):
+        value, theta, kind = s[VALUE, i], s[THETA, i], s[KIND, i]
+        if kind != kind:
+            continue
+        lane, branch = int(s[LANE, i]), int(s[HALF, i]) >> (sides - 1)
         for mirror in range(2):
-            target = other[branch] if mirror == 1 else own[branch]
+            target = table[MIRROR + branch] if mirror == 1 else table[OWN + branch]
             if target < 0:
                 continue
             if mirror == 1:
-                theta = twice_axis - theta
-                theta = theta + TWO_PI if theta < -(twice_axis * ANGLE_ROUNDING) else max(theta, 0.0)
+                theta = s[IMAGE, i]
                 if not jumps:
-                    value = parity[which] * value
-                kind = parity[which] * kind
-            column = (onto[which] * branches + target) * LANES + lane
+                    value = parity * value
+                kind = parity * kind
+            column = (onto * branches + target) * LANES + lane
             if kind != 0.0:
                 if lists.shape[2] > 0:
-                    _insert(lists, column, found[column], theta, value, kind)
-                found[column] += 1
+                    _insert(lists, column, int(best[COUNT, column]), theta, value, kind)
+                best[COUNT, column] += 1.0
             if value > best[GREATEST, column]:
                 best[GREATEST, column] = value
                 best[AT_GREATEST, column] = theta
@@ -139,33 +169,25 @@ def take(
 
 
 @outlined
-def collect_ends(
-    w: Any,
-    starts: int,
-    count: int,
-    halves: int,
-    which: int,
-    very_end: bool,
-    best: Any,
-    branches: int,
-    ends: Any,
-) -> int:
-    """Make items of the ends of the range where they may be extreme: at toggles, and where nothing else was found.
+def collect_ends(w: Any, count: int, table: Any, search: Any, best: Any, ends: Any) -> int:
+    """Make items of the ends of the range where they may be extreme: at toggles, and where there is no extremum.
 
-    An end counts where the first sample is; with `very_end` at the end itself, unless the first sample's place is
-    negative: nothing has a value at the end itself then.
+    An end counts where the first sample is; for a quantity with a value at the end itself, there, unless the position
+    of the first sample is negative: nothing has a value at the end itself then.
     """
     total = 0
     for i in range(count):
         empty = False
-        for branch in range(branches):
-            empty = empty or best[GREATEST, (which * branches + branch) * LANES + i] == -INFINITY
-        for half in range(halves):
+        for branch in range(table[BRANCHES]):
+            column = (search[NUMBER] * table[BRANCHES] + branch) * LANES + i
+            empty = empty or best[GREATEST, column] == -INFINITY
+        for half in range(table[HALVES]):
             for upper in range(2):
-                first = w[starts + upper, i]
+                first = w[table[START] + upper, i]
                 if first != 0.0 or empty:
-                    place = 0.0 if very_end and first >= 0.0 else abs(first)
-                    total = append_item(ends, total, i, half, upper == 1, place, 0.0, place, 0.0)
+                    x = 0.0 if search[AT_LIMIT] > 0 and first >= 0.0 else abs(first)
+                    set_bracket(ends, total, x, 0.0, x, 0.0)
+                    total = append_item(ends, total, i, half, upper == 1)
     return total
 
 
@@ -181,28 +203,27 @@ def store_list(result: Any, first: int, count: int, base: int, lists: Any, row: 
 
 @outlined
 def store_kinds(result: Any, first: int, count: int, base: int, lists: Any) -> None:
-    """Copy the kinds: 1 for a maximum, -1 for a minimum, 0 beyond the last extreme."""
+    """Copy the kinds: 1 for a maximum, -1 for a minimum, 0 beyond the last extremum."""
     for i in range(count):
         for branch in range(result.shape[1]):
             for k in range(result.shape[2]):
-                kind = lists[KIND, base + branch * LANES + i, k] if k < lists.shape[2] else NOT_A_NUMBER
+                kind = lists[LIST_KIND, base + branch * LANES + i, k] if k < lists.shape[2] else NOT_A_NUMBER
                 result[first + i, branch, k] = int(kind) if kind == kind else 0
 
 
 @outlined
-def store_counts(result: Any, first: int, count: int, base: int, found: Any) -> None:
-    """Copy how many extremes were found."""
+def store_counts(result: Any, first: int, count: int, base: int, best: Any) -> None:
+    """Copy how many extrema there are."""
     for i in range(count):
         for branch in range(result.shape[1]):
-            result[first + i, branch] = min(found[base + branch * LANES + i], 127)
+            result[first + i, branch] = min(int(best[COUNT, base + branch * LANES + i]), 127)
 
 
 @outlined
 def store_best(result: Any, first: int, count: int, base: int, best: Any, row: int) -> None:
-    """Copy a greatest or least value, or its place in the row after; NaN where there is none."""
-    where = row | 1
+    """Copy a greatest or least value, or its position from the row after; NaN where there is none."""
     for i in range(count):
         for branch in range(result.shape[1]):
             column = base + branch * LANES + i
-            there_is = best[where, column] == best[where, column]
-            result[first + i, branch] = best[row, column] if there_is else NOT_A_NUMBER
+            theta = best[row | 1, column]
+            result[first + i, branch] = best[row, column] if theta == theta else NOT_A_NUMBER

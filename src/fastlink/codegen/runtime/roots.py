@@ -1,4 +1,4 @@
-"""Zeros and least magnitudes in their brackets, refined in the lanes: no item waits for another design."""
+"""Refine zeros and least magnitudes in their brackets, lane by lane: no item waits for another design."""
 
 from __future__ import annotations
 
@@ -16,6 +16,7 @@ from fastlink.codegen.runtime.cells import (
     LANE,
     MOST_LANES,
     OPEN,
+    ROOTS,
     STEPS,
     TOLERANCE,
     UPPER,
@@ -28,6 +29,7 @@ from fastlink.codegen.runtime.cells import (
     X,
     append_item,
     padded,
+    set_bracket,
 )
 from fastlink.numerics.compiler import inlined, lanes, outlined
 
@@ -36,7 +38,7 @@ __all__ = [
     *("every_vector", "place_ends", "split"),
 ]
 
-# 2 units in the last place of a place, and 2^-56 of the cell where the zero is at 0.
+# 2 units in the last place of a position, and 2^-56 of the cell where the zero is at 0.
 RELATIVE = 2.0**-51
 ABSOLUTE = 2.0**-56
 # A minimum is found to half the digits; closer pairs of zeros are not told from none.
@@ -48,7 +50,7 @@ GOLDEN = 0.3819660112501051
 
 @outlined
 def begin_valleys(s: Any, count: int, vectors: Any) -> int:
-    """Choose the first place of each valley; return how many vectors are open."""
+    """Choose the first position in each valley; return how many vectors are open."""
     width = padded(count)
     for i in lanes(width):
         low, high, c = s[XA, i], s[XB, i], s[XC, i]
@@ -69,7 +71,7 @@ def begin_valleys(s: Any, count: int, vectors: Any) -> int:
 
 @outlined
 def begin_roots(s: Any, count: int, vectors: Any, flags: Any) -> int:
-    """Choose the first place of each root, which may be an end of its bracket; return how many vectors are open."""
+    """Choose the first position for each root, perhaps an end of its bracket; return how many vectors are open."""
     width = padded(count)
     for i in lanes(width):
         a, fa, b, fb = s[XA, i], s[FA, i], s[XB, i], s[FB, i]
@@ -77,20 +79,20 @@ def begin_roots(s: Any, count: int, vectors: Any, flags: Any) -> int:
         t = fa / (fa - fb)
         t = 0.02 if t < 0.02 else t
         t = 0.98 if t > 0.98 else t
-        found = (fa == 0.0) | (fb == 0.0)
-        s[X, i] = (a if fa == 0.0 else b) if found else a + t * (b - a)
+        exact = (fa == 0.0) | (fb == 0.0)
+        s[X, i] = (a if fa == 0.0 else b) if exact else a + t * (b - a)
         s[F, i] = 0.0
         s[X1, i] = a
         s[F1, i] = fa
         s[X2, i] = b
         s[F2, i] = fb
-        s[OPEN, i] = 0.0 if found else 1.0
+        s[OPEN, i] = 0.0 if exact else 1.0
     return _still_open(s, vectors, every_vector(vectors, count), flags)
 
 
 @outlined
 def every_vector(vectors: Any, count: int) -> int:
-    """List the vectors of so many items; return how many."""
+    """List all vectors of so many items; return how many."""
     n = padded(count) >> 3
     for k in range(n):
         vectors[k] = k << 3
@@ -99,14 +101,14 @@ def every_vector(vectors: Any, count: int) -> int:
 
 @outlined
 def place_ends(s: Any, count: int) -> None:
-    """Place items at the ends of the range, where they are."""
+    """Put items at the ends of the range at their positions."""
     for i in lanes(padded(count)):
         s[X, i] = s[XA, i]
 
 
 @outlined
 def _still_open(s: Any, vectors: Any, n: int, flags: Any) -> int:
-    """Keep the vectors of items of which any is open; return how many."""
+    """Keep the vectors with an open item; return how many."""
     words = flags.view(np.int64)
     kept = 0
     for v in range(n):
@@ -121,7 +123,7 @@ def _still_open(s: Any, vectors: Any, n: int, flags: Any) -> int:
 
 @outlined
 def advance_roots(s: Any, vectors: Any, n: int, flags: Any) -> int:
-    """Take the function's value at each place, choose the next; return how many vectors are open.
+    """Use the function's value at each position, choose the next; return how many vectors are open.
 
     One step of Chandrupatla's method: inverse quadratic interpolation where it is safe, else bisection.
     """
@@ -154,9 +156,9 @@ def advance_roots(s: Any, vectors: Any, n: int, flags: Any) -> int:
             t = t if t > limit else limit
             t = t if t < 1.0 - limit else 1.0 - limit
             done = (limit > 0.5) | (best_f == 0.0)
-            place = best if done else x + t * sum_of_four
+            next_x = best if done else x + t * sum_of_four
             is_open = s[OPEN, at + i]
-            s[X, at + i] = place if is_open > 0.0 else x
+            s[X, at + i] = next_x if is_open > 0.0 else x
             s[X1, at + i] = x
             s[F1, at + i] = f
             s[X2, at + i] = x2
@@ -188,7 +190,7 @@ def advance_valleys(s: Any, vectors: Any, n: int, flags: Any) -> int:
         if (f > 0.0) != (fc > 0.0):
             s[OPEN, i] = 0.0
             continue
-        # The outer of the two interior places replaces the end on its side.
+        # The outer of the two interior positions replaces the end on its side.
         inner, f_inner, outer, f_outer = (x, f, c, fc) if abs(f) < abs(fc) else (c, fc, x, f)
         if outer < inner:
             a = outer
@@ -213,11 +215,11 @@ def advance_valleys(s: Any, vectors: Any, n: int, flags: Any) -> int:
 
 @outlined
 def split(s: Any, count: int, counts: Any, roots: Any) -> None:
-    """Make two roots of each valley in which a place of the other sign was found."""
+    """Make two roots of each valley that has a value of the other sign in it."""
     for i in range(count):
         if (s[F, i] > 0.0) != (s[FC, i] > 0.0):
-            lane, half = int(s[LANE, i]), int(s[HALF, i])
-            upper = s[UPPER, i] > 0.0
-            x, f = s[X, i], s[F, i]
-            counts[1] = append_item(roots, counts[1], lane, half, upper, s[XA, i], s[FA, i], x, f)
-            counts[1] = append_item(roots, counts[1], lane, half, upper, x, f, s[XB, i], s[FB, i])
+            lane, half, upper = int(s[LANE, i]), int(s[HALF, i]), s[UPPER, i] > 0.0
+            set_bracket(roots, counts[ROOTS], s[XA, i], s[FA, i], s[X, i], s[F, i])
+            counts[ROOTS] = append_item(roots, counts[ROOTS], lane, half, upper)
+            set_bracket(roots, counts[ROOTS], s[X, i], s[F, i], s[XB, i], s[FB, i])
+            counts[ROOTS] = append_item(roots, counts[ROOTS], lane, half, upper)

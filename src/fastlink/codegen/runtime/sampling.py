@@ -9,7 +9,21 @@ from typing import Any
 
 import numpy as np
 
-from fastlink.codegen.runtime.cells import FC, XC, append_item, padded
+from fastlink.codegen.runtime.cells import (
+    BEYOND,
+    CELLS,
+    DESIGNS,
+    FC,
+    FIRST,
+    PART,
+    ROOTS,
+    SIGN,
+    VALLEYS,
+    XC,
+    append_item,
+    padded,
+    set_bracket,
+)
 from fastlink.numerics.compiler import inlined, lanes, merged, outlined
 from fastlink.numerics.elementary import sqrt, trailing_zeros
 
@@ -23,46 +37,47 @@ NOISE = 2.0**-50
 
 
 @outlined
-def place_samples(w: Any, scale: int, start: int, rows: int, spare: int, cells: int, width: int) -> None:
-    """Write the places scale sinh(j h), j = 0 ... cells, of both ends; the last ones are one place.
+def place_samples(w: Any, samples: Any, scale: int, start: int, cells: int, width: int) -> None:
+    """Write the positions scale sinh(j h), j = 0 ... cells, of both ends; the last ones are one position.
 
     Parameters
     ----------
     w : array (rows, lanes)
         Lane values.
+    samples : array (rows, lanes)
+        Written: cells + 1 rows for the lower end, then as many for the upper, and four spare ones.
     scale, start : int
-        Rows of the scale and of the first place of the lower end; those of the upper end follow each.
-    rows, spare : int
-        First row of the results (cells + 1 for the lower end, then as many for the upper), and of four spare ones.
+        Rows of the scale and of the first position of the lower end; those of the upper end follow each.
     cells : int
         Half the number of cells, a power of two.
     width : int
         Number of lanes.
     """
-    a, b, up, down = spare, spare + 1, spare + 2, spare + 3
+    beyond = cells + 1
+    a, b, up, down = 2 * beyond, 2 * beyond + 1, 2 * beyond + 2, 2 * beyond + 3
     for i in lanes(width):
         g = 1.0 / sqrt(w[scale, i] * w[scale + 1, i])
-        w[a, i] = g + sqrt(g * g + 1.0)
-        w[up, i] = 1.0
-        w[down, i] = 1.0
+        samples[a, i] = g + sqrt(g * g + 1.0)
+        samples[up, i] = 1.0
+        samples[down, i] = 1.0
     part = cells
     while part > 1:
         for i in lanes(width):
-            w[a, i] = sqrt(w[a, i])
+            samples[a, i] = sqrt(samples[a, i])
         part = part >> 1
     for i in lanes(width):
-        w[b, i] = 1.0 / w[a, i]
+        samples[b, i] = 1.0 / samples[a, i]
     for j in range(1, cells + 1):
         for i in lanes(width):
-            x = w[up, i] * w[a, i]
-            y = w[down, i] * w[b, i]
-            w[up, i] = x
-            w[down, i] = y
-            w[rows + j, i] = w[scale, i] * (0.5 * (x - y))
-            w[rows + cells + 1 + j, i] = w[scale + 1, i] * (0.5 * (x - y))
+            x = samples[up, i] * samples[a, i]
+            y = samples[down, i] * samples[b, i]
+            samples[up, i] = x
+            samples[down, i] = y
+            samples[j, i] = w[scale, i] * (0.5 * (x - y))
+            samples[beyond + j, i] = w[scale + 1, i] * (0.5 * (x - y))
     for i in lanes(width):
-        w[rows, i] = abs(w[start, i])
-        w[rows + cells + 1, i] = abs(w[start + 1, i])
+        samples[0, i] = abs(w[start, i])
+        samples[beyond, i] = abs(w[start + 1, i])
 
 
 @inlined
@@ -93,101 +108,89 @@ def mark(a: Any, b: Any, c: Any, sign: Any) -> Any:
 
 
 @outlined
-def mark_ends(values: Any, flags: Any, f: int, beyond: int, last: int, sign: float, width: int) -> None:
+def mark_ends(samples: Any, marks: Any, part: Any, width: int) -> None:
     """Mark the first and the last sample of one half of the range, which other halves continue.
 
     Parameters
     ----------
-    values, flags : array (rows, lanes)
-        The function's values, and their marks.
-    f, beyond : int
-        First row of the function's samples in this half, and in the half that continues it beyond both ends.
-    last : int
-        Number of the last sample.
-    sign : float
-        1, or -1 where a zero at a sample counts for the cell on its other side.
+    samples, marks : array (rows, lanes)
+        Positions and the function's values there, and the marks of these.
+    part : array of int
+        Table of the half, see `cells`.
     width : int
         Number of lanes.
     """
+    first, beyond, sign = part[FIRST], part[BEYOND], float(part[SIGN])
     for i in lanes(width):
-        flags[f, i] = mark(values[beyond + 1, i], values[f, i], values[f + 1, i], sign)
-    end = f + last
+        marks[first, i] = mark(samples[beyond + 1, i], samples[first, i], samples[first + 1, i], sign)
+    last, continued = first + 2 * part[CELLS], beyond + 2 * part[CELLS] - 1
     for i in lanes(width):
-        flags[end, i] = mark(values[end - 1, i], values[end, i], values[beyond + last - 1, i], sign)
+        marks[last, i] = mark(samples[last - 1, i], samples[last, i], samples[continued, i], sign)
 
 
 @merged
-def _place(w: Any, rows: int, cells: int, j: int, upper: bool, lane: int) -> float:
-    """Return the place of a sample from the lower end, or from the upper one."""
+def _position(samples: Any, cells: int, j: int, upper: bool, lane: int) -> float:
+    """Return the position of a sample from the lower end, or from the upper one."""
     if upper:
-        return float(w[rows + 3 * cells + 1 - j, lane])
+        return float(samples[3 * cells + 1 - j, lane])
     if j <= cells:
-        return float(w[rows + j, lane])
-    return 1.0 / float(w[rows + 3 * cells + 1 - j, lane])
+        return float(samples[j, lane])
+    return 1.0 / float(samples[3 * cells + 1 - j, lane])
+
+
+@merged
+def _add_root(samples: Any, part: Any, j: int, lane: int, counts: Any, roots: Any) -> None:
+    """Make an item of the cell that begins with a sample."""
+    cells, n = part[CELLS], counts[ROOTS]
+    at, upper = part[FIRST] + j, j >= cells
+    a, b = _position(samples, cells, j, upper, lane), _position(samples, cells, j + 1, upper, lane)
+    set_bracket(roots, n, a, samples[at, lane], b, samples[at + 1, lane])
+    counts[ROOTS] = append_item(roots, n, lane, part[PART], upper)
+
+
+@merged
+def _add_valley(samples: Any, part: Any, j: int, lane: int, counts: Any, valleys: Any) -> None:
+    """Make an item of the cells about a sample, if the function has one sign at their ends."""
+    cells, first, n = part[CELLS], part[FIRST], counts[VALLEYS]
+    left, right = max(j - 1, 0), min(j + 1, 2 * cells)
+    fa, fb, middle = samples[first + left, lane], samples[first + right, lane], samples[first + j, lane]
+    if (fa > 0.0) == (middle > 0.0) and (fb > 0.0) == (middle > 0.0):
+        upper = left >= cells
+        a, b = _position(samples, cells, left, upper, lane), _position(samples, cells, right, upper, lane)
+        set_bracket(valleys, n, a, fa, b, fb)
+        valleys[XC, n] = _position(samples, cells, j, upper, lane)
+        valleys[FC, n] = middle
+        counts[VALLEYS] = append_item(valleys, n, lane, part[PART], upper)
 
 
 @outlined
-def collect(
-    w: Any,
-    values: Any,
-    flags: Any,
-    f: int,
-    rows: int,
-    cells: int,
-    count: int,
-    half: int,
-    counts: Any,
-    roots: Any,
-    valleys: Any,
-) -> None:
+def collect(samples: Any, marks: Any, part: Any, counts: Any, roots: Any, valleys: Any) -> None:
     """Make items of the cells of one half of the range that hold a zero or may hold two.
 
     Parameters
     ----------
-    w, values, flags : array (rows, lanes)
-        Lane values with the places of samples, the function's values there, and their marks.
-    f : int
-        First row of the function's samples in this half.
-    rows, cells : int
-        As in `place_samples`.
-    count : int
-        How many lanes are designs.
-    half : int
-        Number of this half.
-    counts, roots, valleys : array
-        How many items there are of each kind, and the items.
+    samples, marks, part
+        As for `mark_ends`.
+    counts : array of int
+        How many designs there are, and how many items of each kind.
+    roots, valleys : array (rows of an item, items)
+        The items.
     """
-    last = 2 * cells
+    first, last, count = part[FIRST], 2 * part[CELLS], counts[DESIGNS]
+    n_words = padded(count) >> 3
     for j in range(last + 1):
         # Eight marks at once: most are none.
-        words = flags[f + j].view(np.int64)
-        for k in range(padded(count) >> 3):
+        words = marks[first + j].view(np.int64)
+        for k in range(n_words):
             word = words[k]
             while word != 0:
                 shift = trailing_zeros(word) & 56
                 flag = (word >> shift) & (ROOT | VALLEY)
                 word = word ^ (flag << shift)
-                i = 8 * k + (shift >> 3)
-                if i >= count:
+                lane = 8 * k + (shift >> 3)
+                if lane >= count:
                     break
                 if flag & ROOT and j < last:
-                    upper = j >= cells
-                    counts[1] = append_item(
-                        roots, counts[1], i, half, upper,
-                        _place(w, rows, cells, j, upper, i), values[f + j, i],
-                        _place(w, rows, cells, j + 1, upper, i), values[f + j + 1, i],
-                    )  # fmt: skip
+                    _add_root(samples, part, j, lane, counts, roots)
                 if flag & VALLEY:
-                    left, right = max(j - 1, 0), min(j + 1, last)
-                    fa, fb, middle = values[f + left, i], values[f + right, i], values[f + j, i]
-                    if (fa > 0.0) == (middle > 0.0) and (fb > 0.0) == (middle > 0.0):
-                        upper = left >= cells
-                        n = counts[0]
-                        counts[0] = append_item(
-                            valleys, n, i, half, upper,
-                            _place(w, rows, cells, left, upper, i), fa,
-                            _place(w, rows, cells, right, upper, i), fb,
-                        )  # fmt: skip
-                        if counts[0] > n:
-                            valleys[XC, n] = _place(w, rows, cells, j, upper, i)
-                            valleys[FC, n] = middle
+                    _add_valley(samples, part, j, lane, counts, valleys)
