@@ -121,7 +121,7 @@ def main():
     )
     print(accuracy_table(measured))
     if arguments.picture:
-        draw(measured, arguments.picture)
+        draw(measured).savefig(arguments.picture)
 
 
 if __name__ == "__main__":

@@ -8,7 +8,7 @@ import xarray as xr
 from tests.support.refusals import refused
 
 import fastlink as fl
-from fastlink.diagnostics.pareto import draw, front
+from fastlink.diagnostics.pareto import front
 from fastlink.numerics.compensated import UNIT_ROUNDING
 
 STUDY = """
@@ -145,6 +145,10 @@ def test_bad_input(folder_of_study, change, options, key, remedy):
         fl.accuracy(study, **options)
 
 
-def test_pictures_that_cannot_be_written(measured, tmp_path):
-    with refused("picture.xyz"):
-        draw(measured, tmp_path / "picture.xyz")
+def test_a_picture_that_cannot_be_written_is_refused_before_anything_is_measured(folder_of_study):
+    said = []
+    with refused("picture.xyz", "write one of"):
+        fl.accuracy(
+            folder_of_study / "study.toml", picture=folder_of_study / "picture.xyz", announce=said.append
+        )
+    assert said == []

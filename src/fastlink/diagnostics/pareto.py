@@ -3,21 +3,19 @@
 from __future__ import annotations
 
 import math
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from fastlink._text import aligned
-from fastlink.errors import InputError
 
 if TYPE_CHECKING:
     import xarray as xr
+    from matplotlib.figure import Figure
     from numpy.typing import NDArray
 
 __all__ = ["accuracy_table", "draw", "front"]
 
-INSTALL = "python -m pip install 'fastlink-linkages[plot]'"
 #: Smaller errors are drawn as this one, half a rounding of a double.
 LEAST = 2.0**-54
 #: Smaller errors count as this one: they are those of the last digits.
@@ -76,31 +74,19 @@ def _row(method: Any) -> tuple[str, ...]:
     return (star, name, f"{float(method['ns_per_design']):,.0f}", *texts, missed)
 
 
-def draw(measured: xr.Dataset, to: str | Path) -> None:
-    """Write the work-precision diagram: error over time, a panel for each quantity, the front as a line.
+def draw(measured: xr.Dataset) -> Figure:
+    """Return the work-precision diagram: error over time, a panel for each quantity, the front as a line."""
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.figure import Figure
 
-    Raises
-    ------
-    InputError
-        Matplotlib is missing, or the picture cannot be written.
-    """
-    try:
-        from matplotlib.backends.backend_agg import FigureCanvasAgg
-        from matplotlib.figure import Figure
-    except ModuleNotFoundError:
-        raise InputError("matplotlib is not installed", where=("picture",), remedy=INSTALL) from None
     quantities = [str(name) for name in measured["quantity"].values]
     columns = min(COLUMNS, len(quantities))
     lines = -(-len(quantities) // columns)
-    figure = Figure(figsize=(5.2 * columns, 3.9 * lines), layout="constrained")
+    figure = Figure(figsize=(5.2 * columns, 3.9 * lines), layout="constrained", dpi=160)
     FigureCanvasAgg(figure)
     for k, quantity in enumerate(quantities):
         _draw_panel(figure.add_subplot(lines, columns, k + 1), measured.sel(quantity=quantity), quantity)
-    try:
-        figure.savefig(Path(to), dpi=160)
-    except (OSError, ValueError) as error:
-        what = f"{to} cannot be written ({error})"
-        raise InputError(what, where=("picture",), remedy="choose another name") from None
+    return figure
 
 
 def _draw_panel(axes: Any, measured: xr.Dataset, quantity: str) -> None:

@@ -18,6 +18,7 @@ from fastlink.engine.resolve import resolve
 from fastlink.errors import InputError
 from fastlink.io.dataset import plain_attrs
 from fastlink.io.partial_file import check_target
+from fastlink.plot.picture import check_picture, save
 from fastlink.space.design_space import sampled
 from fastlink.study.study import read_study
 
@@ -108,12 +109,13 @@ def accuracy(
     """
     read = read_study(study)
     target = None if to is None else check_target(to, 0, overwrite)
+    path = None if picture is None else check_picture(picture, "picture")
     offered = partial(methods_for, with_numpy=outside)
     measured = measure(read, offered, designs=designs, seed=seed, announce=announce)
     if target is not None:
         measured.to_netcdf(target, engine="h5netcdf")
-    if picture is not None:
-        draw(measured, picture)
+    if path is not None:
+        save(draw(measured), path, "picture")
     return measured
 
 

@@ -13,50 +13,48 @@ if TYPE_CHECKING:
     import xarray as xr
 
 __all__ = [
+    "CYCLIC",
     "are_counts",
     "colours_of",
     "count_colours",
     "flag_colours",
     "flag_handles",
-    "flag_places",
+    "flag_indices",
     "limits_of",
 ]
 
-# Of the codes that most mechanisms have, then of long lists of types.
+CYCLIC = "twilight_shifted"
+# Colours of the codes that most mechanisms have, then of long lists of types.
 FLAGS = (
     *("#2a9d5c", "#e9c46a", "#b0b7c3", "#d1495b", "#333333", "#8a5fbf"),
     *("#0b5fa5", "#f4a261", "#7fc8a9", "#8c564b", "#e377c2", "#17becf", "#bcbd22", "#5c6f7b", "#c9a0dc"),
 )
-
-
 MOST_COUNTS = 8
 
 
 def colours_of(values: Any, regular: Any, angle: bool) -> tuple[Any, Any, str]:
-    """Return norm, colour map and open ends, by the regular cells where there are any.
+    """Return norm, colour map and open ends, from the regular cells if there are any.
 
     An angle that passes from pi to -pi has a cyclic map, values of both signs have zero in the middle.
     """
-    kept = values[:, regular]
-    low, high, extend = limits_of(values, kept, 2.0)
+    inside = values[:, regular]
+    low, high, extend = limits_of(values, inside, 2.0)
     if angle and low < -0.9 * np.pi and high > 0.9 * np.pi:
-        return Normalize(-np.pi, np.pi), matplotlib.colormaps["twilight_shifted"], "neither"
+        return Normalize(-np.pi, np.pi), matplotlib.colormaps[CYCLIC], "neither"
     if low < 0 < high and min(-low, high) > 0.05 * max(-low, high):
         return CenteredNorm(0.0, max(-low, high)), matplotlib.colormaps["RdBu_r"], extend
-    inner = (
-        np.percentile(kept[np.isfinite(kept)], (2, 98)) if low > 0 and np.isfinite(kept).any() else (1.0, 1.0)
-    )
-    if inner[1] > 30 * inner[0]:
+    positive = inside[np.isfinite(inside)] if low > 0 else np.empty(0)
+    low_inner, high_inner = np.percentile(positive, (2, 98)) if positive.size else (1.0, 1.0)
+    if high_inner > 30 * low_inner:
         return LogNorm(low, high), matplotlib.colormaps["viridis"], extend
     return Normalize(low, high), matplotlib.colormaps["viridis"], extend
 
 
 def are_counts(values: Any) -> bool:
-    """Tell whether values are a few whole numbers, between which there is nothing."""
-    found = np.unique(values[np.isfinite(values)])
-    return bool(
-        1 < found.size <= MOST_COUNTS and found[-1] - found[0] < MOST_COUNTS and (found % 1.0 == 0.0).all()
-    )
+    """Tell whether values are a few neighbouring whole numbers."""
+    counts = np.unique(values[np.isfinite(values)])
+    few = 1 < counts.size <= MOST_COUNTS and counts[-1] - counts[0] < MOST_COUNTS
+    return bool(few and (counts % 1.0 == 0.0).all())
 
 
 def count_colours(values: Any) -> tuple[Any, Any, str]:
@@ -69,8 +67,8 @@ def count_colours(values: Any) -> tuple[Any, Any, str]:
 def limits_of(values: Any, regular: Any, most: float) -> tuple[float, float, str]:
     """Return a range, and at which ends values lie outside.
 
-    The range is that of the regular values; of their inner 96 % when that is `most` times shorter, for a few
-    far outliers must not use up a scale.
+    The range is that of the regular values, or of their inner 96 % if that is `most` times shorter: a few far outliers
+    must not use up a scale.
     """
     every = values[np.isfinite(values)]
     finite = regular[np.isfinite(regular)]
@@ -89,25 +87,25 @@ def limits_of(values: Any, regular: Any, most: float) -> tuple[float, float, str
 
 
 def flag_colours(variable: xr.DataArray) -> tuple[Any, Any, str]:
-    """Return norm and colour map of the places of a code, one colour for each of its values."""
+    """Return norm and colour map of the indices of a code, one colour for each of its values."""
     count = len(variable.attrs["flag_values"])
-    colours = ListedColormap([FLAGS[place % len(FLAGS)] for place in range(count)])
+    colours = ListedColormap([FLAGS[index % len(FLAGS)] for index in range(count)])
     return Normalize(-0.5, count - 0.5), colours, "neither"
 
 
-def flag_places(variable: xr.DataArray, values: Any) -> Any:
-    """Return for each code its place in the list of codes, NaN for what is none."""
-    places = np.full(values.shape, np.nan)
-    for place, code in enumerate(variable.attrs["flag_values"]):
-        places[values == code] = place
-    return places
+def flag_indices(variable: xr.DataArray, values: Any) -> Any:
+    """Return the index of each code in the list of codes, NaN for other values."""
+    indices = np.full(values.shape, np.nan)
+    for index, code in enumerate(variable.attrs["flag_values"]):
+        indices[values == code] = index
+    return indices
 
 
 def flag_handles(variable: xr.DataArray, values: Any) -> list[Any]:
-    """Return the legend of a code: the values that are there."""
+    """Return the legend of a code, for the values that occur."""
     pairs = zip(variable.attrs["flag_values"], variable.attrs["flag_meanings"].split(), strict=True)
     return [
-        Patch(facecolor=FLAGS[place % len(FLAGS)], label=meaning.replace("_", " "))
-        for place, (code, meaning) in enumerate(pairs)
+        Patch(facecolor=FLAGS[index % len(FLAGS)], label=meaning.replace("_", " "))
+        for index, (code, meaning) in enumerate(pairs)
         if (values == code).any()
     ]

@@ -17,12 +17,13 @@ from matplotlib.patches import Patch
 from matplotlib.ticker import LogLocator, MaxNLocator
 
 from fastlink.plot.colours import (
+    CYCLIC,
     are_counts,
     colours_of,
     count_colours,
     flag_colours,
     flag_handles,
-    flag_places,
+    flag_indices,
     limits_of,
 )
 from fastlink.plot.labels import constants_of, label_of, title_of
@@ -30,15 +31,15 @@ from fastlink.plot.labels import constants_of, label_of, title_of
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["draw", "kinds", "style"]
+__all__ = ["draw", "style"]
 
-MOST_CELLS = 1600  # along each side: more than a picture has pixels
-ABSENT, ENDLESS = "0.78", "0.45"
+MOST_CELLS = 1600  # along each side, more than the pixels of a picture
+ABSENT, INFINITE = "0.78", "0.45"
 WITHOUT_BOUND = "grows without bound"
 VEIL = (1.0, 1.0, 1.0, 0.55)
 LINES = ("#0b5fa5", "#d1495b", "#2a9d5c", "#8a5fbf")
 CONTOURS = 8
-BESIDE, BELOW = 32, 60  # letters to a line of a legend
+BESIDE, BELOW = 32, 60  # letters in a line of a legend
 STYLE = {
     "font.size": 10,
     "axes.titlesize": 10.5,
@@ -49,12 +50,6 @@ STYLE = {
     "savefig.dpi": 160,
     "svg.hashsalt": "fastlink",  # equal pictures are equal files
 }
-
-
-def kinds() -> Mapping[str, str]:
-    """Return the kinds of pictures that can be written, by their endings."""
-    found: Mapping[str, str] = FigureCanvasAgg.get_supported_filetypes()
-    return found
 
 
 @contextlib.contextmanager
@@ -91,7 +86,7 @@ def draw(
 def _status(
     dataset: xr.Dataset, variable: xr.DataArray, free: Sequence[str], fixed: Mapping[str, float]
 ) -> xr.DataArray | None:
-    """Return the status of the designs that a map shows, or None where its cells are no designs."""
+    """Return the status of the designs that a map shows, or None if its cells are not designs."""
     if variable.name == "status" or "status" not in dataset:
         return None
     status = dataset["status"]
@@ -105,120 +100,117 @@ def _draw_maps(
     figure: Figure, variable: xr.DataArray, free: Sequence[str], status: xr.DataArray | None
 ) -> None:
     panels = _panels(variable)
-    figure.set_size_inches((3.0 if "flag_meanings" in variable.attrs else 1.6) + 5.2 * len(panels), 5.0)
+    is_code = "flag_meanings" in variable.attrs
+    figure.set_size_inches((3.0 if is_code else 1.6) + 5.2 * len(panels), 5.0)
     axes = figure.subplots(1, len(panels), sharey=True, squeeze=False)[0]
     values = np.stack([panel.transpose(free[1], free[0]).values for _, panel in panels]).astype(float)
-    endless = np.isinf(values)
-    values[endless] = np.nan
+    infinite = np.isinf(values)
+    values[infinite] = np.nan
+    is_count = not is_code and are_counts(values)
+    veiled = _veiled(values, status)
+    norm, colours, extend = _scale(variable, values, ~veiled)
+    veiled &= not (is_code or is_count)  # neither grows without bound
     x, y = (variable[dim].values for dim in free)
-    # where a design does not rotate fully, rates grow without bound towards the ends of its motion
-    odd = np.zeros(values.shape[1:], bool)
-    if status is not None:
-        there = np.isfinite(values).any(axis=0)
-        odd = (status.values != status.attrs["flag_values"][0]) & there
-        odd &= (there & ~odd).any()  # a veil over all that there is tells nothing apart
-    flags, counts = "flag_meanings" in variable.attrs, are_counts(values)
-    if flags:
-        norm, colours, extend = flag_colours(variable)
-    elif counts:
-        norm, colours, extend = count_colours(values)
-    else:
-        norm, colours, extend = colours_of(values, ~odd, variable.attrs.get("units") == "rad")
-    odd &= not (flags or counts)  # neither grows without bound
-    for axis, (title, _), short_repr, beyond in zip(axes, panels, values, endless, strict=True):
+    for axis, (title, _), cells, beyond in zip(axes, panels, values, infinite, strict=True):
         axis.set_facecolor(ABSENT)
-        image = axis.pcolormesh(
-            x,
-            y,
-            np.ma.masked_invalid(flag_places(variable, short_repr) if flags else short_repr),
-            norm=norm,
-            cmap=colours,
-            shading="nearest",
-            rasterized=True,
-        )
+        drawn = flag_indices(variable, cells) if is_code else cells
+        image = _fill(axis, x, y, np.ma.masked_invalid(drawn), norm=norm, cmap=colours)
         if beyond.any():
-            cells = np.ma.masked_equal(beyond, False)
-            axis.pcolormesh(x, y, cells, cmap=ListedColormap([ENDLESS]), shading="nearest", rasterized=True)
-        if not (flags or counts):
-            _add_contours(
-                axis, x, y, np.where(odd, np.nan, short_repr), norm, colours.name == "twilight_shifted"
-            )
-            _veil(axis, x, y, odd)
+            _fill(axis, x, y, np.ma.masked_equal(beyond, False), cmap=ListedColormap([INFINITE]))
+        if not (is_code or is_count):
+            if colours.name != CYCLIC:
+                _add_contours(axis, x, y, np.where(veiled, np.nan, cells), norm)
+            _add_veil(axis, x, y, veiled)
         axis.set_xlabel(label_of(variable[free[0]]))
         axis.set_title(title)
     axes[0].set_ylabel(label_of(variable[free[1]]))
-    handles = flag_handles(variable, values) if flags else []
-    if odd.any() and status is not None:
-        handles.append(
-            Patch(facecolor=VEIL, edgecolor="0.35", linewidth=0, hatch="////", label=_meanings(status, odd))
-        )
-    if endless.any():
-        handles.append(Patch(facecolor=ENDLESS, label=WITHOUT_BOUND))
-    absent = np.isnan(values) & ~endless
-    if absent.any():
-        handles.append(Patch(facecolor=ABSENT, label=_why_absent(status, absent.any(axis=0))))
-    if not flags:
-        ticks = MaxNLocator(integer=True) if counts else None
+    handles = flag_handles(variable, values) if is_code else []
+    if not is_code:
+        ticks = MaxNLocator(integer=True) if is_count else None
         bar = figure.colorbar(image, ax=list(axes), extend=extend, pad=0.02, ticks=ticks)
         bar.set_label(label_of(variable, name=False))
-    _add_legend(axes[-1] if flags else axes[0], handles, beside=flags)
+    handles += _reasons(status, veiled, infinite, np.isnan(values) & ~infinite)
+    _add_legend(axes[-1] if is_code else axes[0], handles, beside=is_code)
 
 
-def _add_contours(axis: Any, x: Any, y: Any, short_repr: Any, norm: Any, cyclic: bool) -> None:
-    if min(short_repr.shape) < 2 * CONTOURS or not np.isfinite(short_repr).any() or cyclic:
+def _veiled(values: Any, status: xr.DataArray | None) -> Any:
+    """Return the cells of designs that do not rotate fully, whose rates grow without bound near toggles.
+
+    There are none where all cells are such: a veil over all of them would distinguish nothing.
+    """
+    if status is None:
+        return np.zeros(values.shape[1:], bool)
+    present = np.isfinite(values).any(axis=0)
+    veiled = present & (status.values != status.attrs["flag_values"][0])
+    return veiled & (present & ~veiled).any()
+
+
+def _scale(variable: xr.DataArray, values: Any, regular: Any) -> tuple[Any, Any, str]:
+    """Return norm, colour map and open ends for codes, counts or numbers."""
+    if "flag_meanings" in variable.attrs:
+        return flag_colours(variable)
+    if are_counts(values):
+        return count_colours(values)
+    return colours_of(values, regular, variable.attrs.get("units") == "rad")
+
+
+def _fill(axis: Any, x: Any, y: Any, cells: Any, **colours: Any) -> Any:
+    return axis.pcolormesh(x, y, cells, shading="nearest", rasterized=True, **colours)
+
+
+def _reasons(status: xr.DataArray | None, veiled: Any, infinite: Any, absent: Any) -> list[Patch]:
+    """Return what the legend says of cells under the veil, without bound, or without a value."""
+    handles = []
+    if veiled.any() and status is not None:
+        label = _meanings(status, veiled)
+        handles.append(Patch(facecolor=VEIL, edgecolor="0.35", linewidth=0, hatch="////", label=label))
+    if infinite.any():
+        handles.append(Patch(facecolor=INFINITE, label=WITHOUT_BOUND))
+    if absent.any():
+        handles.append(Patch(facecolor=ABSENT, label=_why_absent(status, absent.any(axis=0))))
+    return handles
+
+
+def _add_contours(axis: Any, x: Any, y: Any, cells: Any, norm: Any) -> None:
+    if min(cells.shape) < 2 * CONTOURS or not np.isfinite(cells).any():
         return
     locator = LogLocator(subs=(1.0, 2.0, 5.0)) if isinstance(norm, LogNorm) else MaxNLocator(CONTOURS)
     levels = [level for level in locator.tick_values(norm.vmin, norm.vmax) if norm.vmin < level < norm.vmax]
+    line = {"colors": "white", "linestyles": "solid", "linewidths": 0.7, "alpha": 0.8}
     with warnings.catch_warnings():
         warnings.filterwarnings("ignore", "No contour levels were found")
-        lines = axis.contour(
-            x,
-            y,
-            np.ma.masked_invalid(short_repr),
-            levels,
-            colors="white",
-            linestyles="solid",
-            linewidths=0.7,
-            alpha=0.8,
-        )
+        lines = axis.contour(x, y, np.ma.masked_invalid(cells), levels, **line)
     axis.clabel(lines, fontsize=7.5, fmt="%g")
 
 
-def _veil(axis: Any, x: Any, y: Any, odd: Any) -> None:
+def _add_veil(axis: Any, x: Any, y: Any, veiled: Any) -> None:
     """Cover the cells of designs that do not rotate fully with a light veil, and hatch them."""
-    if min(odd.shape) < 2 or not odd.any():
+    if min(veiled.shape) < 2 or not veiled.any():
         return
-    cells = np.ma.masked_equal(odd, False)
-    axis.pcolormesh(x, y, cells, cmap=ListedColormap([VEIL]), shading="nearest", rasterized=True)
+    _fill(axis, x, y, np.ma.masked_equal(veiled, False), cmap=ListedColormap([VEIL]))
     outer_x, outer_y = (
         np.concatenate(([1.5 * v[0] - 0.5 * v[1]], v, [1.5 * v[-1] - 0.5 * v[-2]])) for v in (x, y)
     )
-    padded = np.pad(odd.astype(float), 1, mode="edge")
+    padded = np.pad(veiled.astype(float), 1, mode="edge")
     axis.contourf(outer_x, outer_y, padded, levels=[0.5, 1.5], colors="none", hatches=["////"])
 
 
 def _add_legend(axis: Any, handles: Sequence[Any], beside: bool) -> None:
-    """Explain below the axes; beside them what codes mean, which has no colour bar there."""
+    """Add a legend below the axes; for codes beside them, as they have no colour bar."""
     for handle in handles:
         handle.set_label(textwrap.fill(handle.get_label(), BESIDE if beside else BELOW))
-    if handles and beside:
-        axis.legend(
-            handles=handles, loc="upper left", bbox_to_anchor=(1.02, 1.0), frameon=False, borderaxespad=0.0
-        )
-    elif handles:
-        columns = 3 if sum(len(handle.get_label()) for handle in handles) < 60 else 1
-        axis.legend(
-            handles=handles,
-            loc="upper left",
-            bbox_to_anchor=(0.0, -0.13),
-            ncols=columns,
-            frameon=False,
-            borderaxespad=0.0,
-        )
+    if not handles:
+        return
+    if beside:
+        place: dict[str, Any] = {"bbox_to_anchor": (1.02, 1.0)}
+    else:
+        columns = 3 if sum(len(handle.get_label()) for handle in handles) < BELOW else 1
+        place = {"bbox_to_anchor": (0.0, -0.13), "ncols": columns}
+    axis.legend(handles=handles, loc="upper left", frameon=False, borderaxespad=0.0, **place)
 
 
 def _why_absent(status: xr.DataArray | None, absent: Any) -> str:
-    """Tell why cells have no value: a design that assembles may have none for another reason."""
+    """Return why cells have no value: a design that assembles may lack one for another reason."""
     if status is None:
         return "does not assemble"
     pairs = zip(status.attrs["flag_values"], status.attrs["flag_meanings"].split(), strict=True)
@@ -227,12 +219,12 @@ def _why_absent(status: xr.DataArray | None, absent: Any) -> str:
     return " or ".join(["does not assemble"] * bool(fails.any()) + ["has no value"] * bool((~fails).any()))
 
 
-def _meanings(status: xr.DataArray, odd: Any) -> str:
+def _meanings(status: xr.DataArray, veiled: Any) -> str:
     """Return what the statuses but the first mean, the most frequent one first."""
     pairs = zip(status.attrs["flag_values"], status.attrs["flag_meanings"].split(), strict=True)
-    counts = {meaning: int((status.values[odd] == code).sum()) for code, meaning in list(pairs)[1:]}
-    found = sorted((meaning for meaning in counts if counts[meaning]), key=lambda meaning: -counts[meaning])
-    return ", ".join(found).replace("_", " ")
+    counts = {meaning: int((status.values[veiled] == code).sum()) for code, meaning in list(pairs)[1:]}
+    present = sorted((meaning for meaning in counts if counts[meaning]), key=lambda meaning: -counts[meaning])
+    return ", ".join(present).replace("_", " ")
 
 
 def _panels(variable: xr.DataArray) -> list[tuple[str, xr.DataArray]]:
@@ -260,11 +252,11 @@ def _draw_lines(figure: Any, variable: xr.DataArray, dim: str) -> None:
     if dim == "design":
         marks = {"marker": ".", "linestyle": "none"}
     for (title, panel), colour in zip(panels, LINES, strict=False):
-        places, values = _unwrapped(x, panel.values.astype(float), variable.attrs.get("units"))
-        axis.plot(places, values, color=colour, label=title, linewidth=1.6, **marks)
+        cut_x, values = _cut(x, panel.values.astype(float), variable.attrs.get("units"))
+        axis.plot(cut_x, values, color=colour, label=title, linewidth=1.6, **marks)
     every = np.array([panel.values.astype(float) for _, panel in panels])
     _shade(axis, x, np.isnan(every).all(axis=0), ABSENT, "does not assemble")
-    _shade(axis, x, np.isinf(every).any(axis=0), ENDLESS, WITHOUT_BOUND)
+    _shade(axis, x, np.isinf(every).any(axis=0), INFINITE, WITHOUT_BOUND)
     if dim != "design":
         axis.set_xlim(x[0], x[-1])
     if coordinate.attrs.get("units") == "rad" and x[0] >= 0.0 and x[-1] <= 2.0 * np.pi:
@@ -290,8 +282,8 @@ def _draw_lines(figure: Any, variable: xr.DataArray, dim: str) -> None:
         axis.legend(*zip(*named, strict=True))
 
 
-def _unwrapped(x: Any, values: Any, units: str | None) -> tuple[Any, Any]:
-    """Return a curve that is cut where an angle passes from pi to -pi."""
+def _cut(x: Any, values: Any, units: str | None) -> tuple[Any, Any]:
+    """Return a curve, cut where an angle passes from pi to -pi."""
     if units != "rad":
         return x, values
     jumps = np.flatnonzero(np.abs(np.diff(values)) > np.pi) + 1
@@ -299,9 +291,9 @@ def _unwrapped(x: Any, values: Any, units: str | None) -> tuple[Any, Any]:
 
 
 def _shade(axis: Any, x: Any, absent: Any, colour: str, label: str) -> None:
-    """Shade where there is no value to draw, half-way to the next place that has one."""
+    """Shade where there is no value to draw, half-way to the neighbours that have one."""
     edges = np.flatnonzero(np.diff(np.concatenate(([False], absent, [False])).astype(int)))
     middles = np.concatenate((x[:1], 0.5 * (x[:-1] + x[1:]), x[-1:]))
     for number, (start, stop) in enumerate(edges.reshape(-1, 2)):
-        known = "_further" if number else label
-        axis.axvspan(middles[start], middles[stop], color=colour, linewidth=0, label=known)
+        shown = "_further" if number else label  # matplotlib leaves out labels with an underscore
+        axis.axvspan(middles[start], middles[stop], color=colour, linewidth=0, label=shown)

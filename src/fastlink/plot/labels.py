@@ -1,4 +1,4 @@
-"""The text of pictures: titles, labels with symbols and units, values that are fixed."""
+"""Compose the text of pictures: titles, labels with symbols and units, fixed values."""
 
 from __future__ import annotations
 
@@ -46,7 +46,7 @@ def _units(units: str) -> str:
 
 
 def label_of(array: xr.DataArray, name: bool = True) -> str:
-    """Return what stands at an axis: name, symbol and units."""
+    """Return the label of an axis: name, symbol and units."""
     attrs = array.attrs
     parts = [str(attrs.get("long_name", array.name))] if name else []
     if "symbol" in attrs:
@@ -66,8 +66,8 @@ def _valued(array: xr.DataArray, value: float) -> str:
 def title_of(dataset: xr.Dataset, variable: xr.DataArray, fixed: Mapping[str, float]) -> str:
     """Return the name of a variable, and the values at which dimensions are fixed."""
     title = textwrap.fill(str(variable.attrs.get("long_name", variable.name)), TITLE_WIDTH)
-    places = ", ".join(_valued(dataset[dim], value) for dim, value in fixed.items())
-    return f"{title}\n{places}" if places else title
+    values = ", ".join(_valued(dataset[dim], value) for dim, value in fixed.items())
+    return f"{title}\n{values}" if values else title
 
 
 def constants_of(dataset: xr.Dataset) -> str:

@@ -1,4 +1,4 @@
-"""Pictures of maps: choose what is drawn, and check it; `fastlink.plot.draw` draws."""
+"""Check a request for a picture of a map, and select its data; `fastlink.plot.draw` draws."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from fastlink.errors import InputError, Remedy, Setting, suggest
+from fastlink.plot.picture import check_picture, require_matplotlib, save
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -16,7 +17,6 @@ if TYPE_CHECKING:
 
 __all__ = ["plot_map"]
 
-INSTALL = "python -m pip install 'fastlink-linkages[plot]'"
 BRANCH = "branch"
 
 
@@ -30,7 +30,7 @@ def plot_map(
 ) -> Figure:
     """Draw one variable of a result.
 
-    Over two dimensions it is a filled map, where grey is what does not assemble; over one, a line for each
+    Over two dimensions it is a filled map, grey where the linkage does not assemble; over one, a line for each
     assembly mode. Further dimensions are fixed by `at`.
 
     Parameters
@@ -42,14 +42,14 @@ def plot_map(
     branch : int, optional
         One assembly mode; by default all, in one picture.
     at : mapping of str to float, optional
-        Values at which dimensions are fixed; the nearest one in the result is taken.
+        Values at which dimensions are fixed, each at the nearest one in the result.
     to : path, optional
-        The picture to write, of a kind that its ending says (png, svg, pdf); replaced if it exists.
+        The picture to write; its ending (png, svg, pdf) is its kind. An existing one is replaced.
 
     Returns
     -------
     matplotlib.figure.Figure
-        Without any global state of matplotlib: nothing to close.
+        The figure; it is not part of matplotlib's global state and need not be closed.
 
     Raises
     ------
@@ -65,51 +65,32 @@ def plot_map(
     >>> figure.axes[0].get_xlabel()
     'length of the coupler AB $a_{2}$ [m]'
     """
-    try:
-        from fastlink.plot import draw as plot_draw
-    except ModuleNotFoundError as error:
-        if (error.name or "").partition(".")[0] != "matplotlib":
-            raise
-        raise InputError("matplotlib is not installed", where=("plot",), remedy=INSTALL) from None
-    place = None if to is None else _place(to, plot_draw.kinds())
-    chosen, fixed = _chosen(dataset, name, branch, dict(at or {}))
-    free = [str(dim) for dim in chosen.dims if dim != BRANCH]
+    require_matplotlib("plot")
+    from fastlink.plot.draw import draw, style
+
+    path = None if to is None else check_picture(to, "to")
+    variable, fixed = _select(dataset, name, branch, dict(at or {}))
+    free = [str(dim) for dim in variable.dims if dim != BRANCH]
     if len(free) > 2:
-        what = f"{name} has the dimensions {_listed(chosen, free)}"
-        value = Setting("at", {free[-1]: _middle(chosen, free[-1])})
-        raise InputError(what, where=("plot",), remedy=(f"fix {_some(len(free) - 2)} of them by ", value))
+        what = f"{name} has the dimensions {_listed(variable, free)}"
+        value = Setting("at", {free[-1]: _middle(variable, free[-1])})
+        count = {1: "one", 2: "two", 3: "three"}.get(len(free) - 2, str(len(free) - 2))
+        raise InputError(what, where=("plot",), remedy=(f"fix {count} of them by ", value))
     if not free:
-        values = ", ".join(f"{value:g}" for value in chosen.values.ravel())
+        values = ", ".join(f"{value:g}" for value in variable.values.ravel())
         what = f"{name} has no dimension left to draw it over; its value is {values}"
         raise InputError(what, where=("plot",), remedy="leave one free")
-    with plot_draw.style():
-        figure = plot_draw.draw(dataset, chosen.load(), free, fixed)
-        if place is not None:
-            try:
-                figure.savefig(place)
-            except OSError as error:
-                what = f"{place} cannot be written ({error.strerror})"
-                raise InputError(what, where=("to",), remedy="choose another place") from error
+    with style():
+        figure = draw(dataset, variable.load(), free, fixed)
+        if path is not None:
+            save(figure, path, "to")
     return figure
 
 
-def _place(to: str | Path, kinds: Mapping[str, str]) -> Path:
-    place = Path(to).expanduser()
-    kind = place.suffix.removeprefix(".").lower()
-    if kind not in kinds:
-        found = f"ends in {kind!r}" if kind else "has no ending"
-        what, remedy = f"{place}: the name of the picture {found}", f"write one of {', '.join(sorted(kinds))}"
-        raise InputError(what, where=("to",), remedy=remedy)
-    if not place.parent.is_dir():
-        what = f"{place}: there is no folder {place.parent}"
-        raise InputError(what, where=("to",), remedy="create it or choose another")
-    return place
-
-
-def _chosen(
+def _select(
     dataset: xr.Dataset, name: str, branch: int | None, at: dict[str, float]
 ) -> tuple[xr.DataArray, dict[str, float]]:
-    """Return the variable with dimensions fixed as asked, and what they are fixed at."""
+    """Return the variable with dimensions fixed, and the values at which they are fixed."""
     if name not in dataset.data_vars:
         known = [str(key) for key in dataset.data_vars]
         nearest = suggest(str(name), known)
@@ -133,7 +114,7 @@ def _chosen(
         remedy: Remedy = suggest(dim, known) if known else "it has none"
         if dim == BRANCH:
             remedy = ("choose an assembly mode by ", Setting("branch", 1))
-        what = f"{dim!r} is no dimension of {name} that can be fixed"
+        what = f"{dim!r} is not a dimension of {name} that can be fixed"
         raise InputError(what, where=("at",), remedy=remedy)
     return variable, fixed
 
@@ -149,15 +130,15 @@ def _one_branch(variable: xr.DataArray, branch: int) -> xr.DataArray:
     return variable.isel({BRANCH: [known.index(branch)]})
 
 
-def _nearest(dim: str, values: Any, wanted: float) -> int:
-    if isinstance(wanted, bool) or not isinstance(wanted, numbers.Real) or not math.isfinite(wanted):
-        raise InputError(f"is {wanted!r}", where=("at", dim), remedy="write a finite number")
+def _nearest(dim: str, values: Any, value: float) -> int:
+    if isinstance(value, bool) or not isinstance(value, numbers.Real) or not math.isfinite(value):
+        raise InputError(f"is {value!r}", where=("at", dim), remedy="write a finite number")
     low, high = float(values.min()), float(values.max())
     slack = 1e-9 * max(abs(low), abs(high))
-    if not low - slack <= wanted <= high + slack:
+    if not low - slack <= value <= high + slack:
         remedy = f"write a number from {low:g} to {high:g}"
-        raise InputError(f"is {wanted:g}, outside the result", where=("at", dim), remedy=remedy)
-    return int(abs(values - float(wanted)).argmin())
+        raise InputError(f"is {value:g}, outside the result", where=("at", dim), remedy=remedy)
+    return int(abs(values - float(value)).argmin())
 
 
 def _listed(variable: xr.DataArray, dims: list[str]) -> str:
@@ -166,10 +147,6 @@ def _listed(variable: xr.DataArray, dims: list[str]) -> str:
         values = variable[dim].values
         parts.append(f"{dim} ({len(values)} from {values.min():g} to {values.max():g})")
     return ", ".join(parts)
-
-
-def _some(number: int) -> str:
-    return {1: "one", 2: "two", 3: "three"}.get(number, str(number))
 
 
 def _middle(variable: xr.DataArray, dim: str) -> float:
