@@ -1,4 +1,4 @@
-"""Errors that a user can mend: what is wrong, where, and what to write instead, in the words of each door."""
+"""Errors that a user can mend, in the words of each door."""
 
 from __future__ import annotations
 
@@ -132,7 +132,7 @@ class InputError(ValueError):
 
     @property
     def what(self) -> str:
-        """What is wrong, of the first problem."""
+        """The first problem, without path and remedy."""
         return self.problems[0].what
 
     @property
@@ -146,7 +146,7 @@ class InputError(ValueError):
         return self.problems[0].remedy
 
     def lines(self, wording: Wording | None = None) -> list[str]:
-        """Return a line for each problem, in the error's own wording or else in the given one."""
+        """Return a line per problem, in the error's own wording or else the given one."""
         chosen = self.wording or wording or Wording()
         shown = list(self.problems[:MOST_LINES])
         if more := len(self.problems) - len(shown):
@@ -170,7 +170,7 @@ class Problems:
 
     @contextlib.contextmanager
     def at(self, *where: str | int) -> Iterator[None]:
-        """Add the problems of an InputError, at a path if they have none of their own, and go on."""
+        """Add the problems of an InputError, at a path unless they have one, and go on."""
         try:
             yield
         except InputError as error:

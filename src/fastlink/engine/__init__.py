@@ -1,4 +1,4 @@
-"""Doors to compiled kernels besides the sweep: a kernel as a function of arrays, and as one that numba calls.
+"""The doors `sweep`, `evaluate` and `function`, and the parts that they share.
 
-What enters here takes a resolved request and runs its kernels; it knows no labels and no files.
+A module enters here if it resolves requests, runs their kernels or labels their results.
 """

@@ -1,4 +1,4 @@
-"""Kernels with the buffers of one thread: designs, angles and scratch, bound to the arrays of results."""
+"""Bind kernels to the buffers of one thread: designs, angles, scratch, results."""
 
 from __future__ import annotations
 
@@ -55,7 +55,10 @@ class KernelTask:
 
 
 class _KeptScratch(threading.local):
-    """Scratch of this thread's last kernels: its pages take as long to come as one design to be evaluated."""
+    """Scratch of this thread's last kernels.
+
+    To get its pages takes as long as to evaluate one design.
+    """
 
     def __init__(self) -> None:
         self.arrays: dict[tuple[tuple[tuple[int, ...], str], ...], list[NDArray[Any]]] = {}
@@ -115,7 +118,7 @@ class BoundKernel:
 
 
 def aligned(shape: tuple[int, ...], dtype: str = "float64") -> NDArray[Any]:
-    """Return an uninitialised array that begins on a cache line: stores across two lines take longer."""
+    """Return an uninitialised array on a cache line: stores across two take longer."""
     size = math.prod(shape) * np.dtype(dtype).itemsize
     raw = np.empty(size + CACHE_LINE, dtype=np.uint8)
     start = -raw.ctypes.data % CACHE_LINE

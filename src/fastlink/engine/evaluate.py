@@ -72,8 +72,15 @@ def evaluate(
     catalogue = find_catalogue(mechanism, input)
     names = (quantities,) if isinstance(quantities, str) else tuple(quantities)
     of_links = dict(links.values) if links is not None else {}
-    model = None if links is None else links.model
-    recipe = _recipe(catalogue, catalogue.version, names, solver, model, tuple(of_links), tuple(inputs))
+    recipe = _recipe(
+        catalogue,
+        names,
+        version=catalogue.version,
+        solver=solver,
+        model=None if links is None else links.model,
+        of_links=tuple(of_links),
+        inputs=tuple(inputs),
+    )
     values = recipe.defaults | of_links | inputs | {"branch": branch}
     template, arrays = _to_arrays(values)
     theta = arrays.pop(catalogue.position.name)
@@ -94,7 +101,7 @@ def evaluate(
 
 @dataclass(frozen=True)
 class _Recipe:
-    """The steps to some quantities from given inputs, cached: to derive them takes longer than to compute them.
+    """The steps from given inputs to quantities; to resolve takes longer than to run.
 
     Attributes
     ----------
@@ -114,8 +121,9 @@ class _Recipe:
 @lru_cache(maxsize=256)
 def _recipe(
     catalogue: Catalogue,
-    version: int,
     names: tuple[str, ...],
+    *,
+    version: int,
     solver: str,
     model: str | None,
     of_links: tuple[str, ...],
@@ -140,7 +148,7 @@ def _recipe(
 
 
 def _to_arrays(values: Mapping[str, Any]) -> tuple[Any, dict[str, Any]]:
-    """Return a DataArray of the broadcast shape (None without xarray inputs), and plain arrays."""
+    """Return a DataArray of the broadcast shape, or None, and plain arrays."""
     labelled = {name: value for name, value in values.items() if hasattr(value, "dims")}
     if not labelled:
         # doubles of NumPy where there is one: twice as fast as arrays without axes

@@ -1,7 +1,7 @@
-"""Run kernels over all designs: blocks handed out to threads, all buffers owned here.
+"""Run kernels over all designs, in blocks that threads take one by one.
 
-It knows neither names nor files: arrays in, arrays out. Blocks are small and handed out one by one, because a
-static split stalls for a whole time slice when another process holds a core.
+It knows neither names nor files: arrays in, arrays out. Blocks are small, because a static
+split stalls for a whole time slice when another process holds a core.
 """
 
 from __future__ import annotations
@@ -60,7 +60,7 @@ def default_threads() -> int:
 
 
 def block_length(job: Job, threads: int) -> int:
-    """Return how many designs a block holds: results that fit the cache, and several blocks per thread."""
+    """Return the designs per block: results fit the cache, threads get several."""
     row = sum(math.prod(shape) * np.dtype(dtype).itemsize for shape, dtype in job.shapes)
     share = -(-job.size // (4 * threads))
     length = max(1, min(BLOCK_DESIGNS, BLOCK_BYTES // max(row, 1), share))

@@ -1,4 +1,4 @@
-"""Compiled quantities as a plain function of arrays, for optimisers and other libraries."""
+"""Give compiled quantities as a plain function of arrays."""
 
 from __future__ import annotations
 
@@ -48,7 +48,7 @@ def function(
     backend: str | None = None,
     **fixed: Any,
 ) -> Function:
-    """Return compiled quantities as a function of arrays, for optimisers and other libraries.
+    """Return compiled quantities as a function of arrays, such as for an optimiser.
 
     Parameters
     ----------
@@ -149,7 +149,7 @@ class FunctionKernel:
 
 
 class Function:
-    """Compiled quantities of a mechanism as a function of arrays; made by `fastlink.function`.
+    """Compiled quantities of a mechanism as a function of arrays.
 
     Attributes
     ----------
@@ -216,7 +216,7 @@ class Function:
 
     @cached_property
     def jitted(self) -> Any:
-        """The same for numba: a function of an array (inputs,) or (inputs, n) that ``@njit`` functions may call.
+        """The same function of (inputs,) or (inputs, n) for callers in ``@njit`` code.
 
         It calls the kernels by address; nothing of them is compiled again. See docs/performance.md.
         """
@@ -225,7 +225,7 @@ class Function:
         return jitted_of(self._bind(JITTED_BLOCK), self._declared, self._shapes, self.shape)
 
     def _bind(self, block: int) -> list[FunctionKernel]:
-        """Return the kernels with buffers for a block of designs, the constants filled in."""
+        """Return the kernels with buffers for a block of designs; constants are set."""
         constants, kernels = self._resolved.space.constants, []
         for task in self._job.tasks:
             bound, rows = BoundKernel(task, block), []
@@ -291,7 +291,7 @@ def _constants(fixed: Mapping[str, Any]) -> dict[str, float]:
 
 
 def _refuse_choices(resolved: ResolvedSweep, varying: DesignSpace) -> None:
-    """Refuse an input that is a code and is not given; a sweep would have a dimension of all of them."""
+    """Refuse a missing code, of which a sweep would evaluate every choice."""
     known = resolved.catalogue.known_inputs(resolved.plan.variants)
     for name in resolved.space.axes:
         if name not in varying.names:
@@ -300,7 +300,7 @@ def _refuse_choices(resolved: ResolvedSweep, varying: DesignSpace) -> None:
 
 
 def _axes(outputs: Sequence[Output]) -> tuple[str, ...]:
-    """Return the axes of the results besides the design: those of the output that has most."""
+    """Return the axes of the output that has most; no other may have further ones."""
     first, *others = (output for output in sorted(outputs, key=lambda output: -len(output.axes)))
     for other in others:
         if set(other.axes) - set(first.axes):

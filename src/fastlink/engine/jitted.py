@@ -1,4 +1,4 @@
-"""Give numba's compiled code a function that calls kernels by their address, so that nothing is compiled again."""
+"""Call kernels by their address from numba's code, without another compilation."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ __all__ = ["JITTED_BLOCK", "jitted_of"]
 JITTED_BLOCK = 64
 #: Doubles and bytes of a cache line.
 LINE, LINE_BYTES = 8, 64
-ROOMS = ["float64", "int64", "int8"]
+DTYPES = ["float64", "int64", "int8"]
 ANY, POSITIVE, NON_NEGATIVE, CHOICE = range(4)
 RULES = {"any": ANY, "positive": POSITIVE, "non-negative": NON_NEGATIVE}
 
@@ -46,7 +46,7 @@ def _call_kernel(typing: Any, address: Any, table: Any) -> Any:
 
 
 def _put(typing: Any, address: Any, value: Any) -> Any:
-    """Write a double to an address: half a second less to compile than a view of an array."""
+    """Write a double to an address: it compiles half a second faster than a view."""
 
     def generate(context: Any, builder: Any, signature: Any, values: Any) -> Any:
         builder.store(values[1], builder.inttoptr(values[0], ir.DoubleType().as_pointer()))
@@ -69,39 +69,43 @@ def _is_valid(value: float, rule: int, codes: NDArray[Any]) -> bool:
 
 
 def _evaluate(x: Any, y: int, values: int, layout: Any, rules: Any, codes: Any) -> None:
-    """Evaluate designs x (inputs, n) into an array (outputs, n, values) at the address y.
+    """Evaluate designs x (inputs, n) into (outputs, n, values) at the address y.
 
-    Each call has rooms of its own for all arrays of the kernels, so that threads share nothing. Entries are set one by
-    one: numba takes a second more to compile an assignment to a slice, and half a second for each view of an array.
+    Each call has buffers of its own for all arrays of the kernels, so that threads share nothing. Entries are set
+    one by one: an assignment to a slice compiles a second longer, and each view of an array half a second.
     """
     sizes, addresses, tables, starts, moving, varying, fixed, numbers, results, picked = layout
-    room, words, octets = np.empty(sizes[0] + LINE), np.empty(sizes[1], np.int64), np.empty(sizes[2], np.int8)
+    doubles, words, octets = (
+        np.empty(sizes[0] + LINE),
+        np.empty(sizes[1], np.int64),
+        np.empty(sizes[2], np.int8),
+    )
     at_words = np.int64(words.ctypes.data)
-    first = (-np.int64(room.ctypes.data) % LINE_BYTES) // 8
-    bases = np.int64(room.ctypes.data) + 8 * first, at_words, np.int64(octets.ctypes.data)
+    first = (-np.int64(doubles.ctypes.data) % LINE_BYTES) // 8
+    bases = np.int64(doubles.ctypes.data) + 8 * first, at_words, np.int64(octets.ctypes.data)
     for k in range(tables.size):
         words[k] = tables[k]
     for k in range(moving.shape[0]):
         words[moving[k, 0]] = bases[moving[k, 1]] + moving[k, 2]
     for k in range(fixed.size):
         for i in range(JITTED_BLOCK):
-            room[first + fixed[k] + i] = numbers[k]
+            doubles[first + fixed[k] + i] = numbers[k]
     for start in range(0, x.shape[1], JITTED_BLOCK):
         count = min(JITTED_BLOCK, x.shape[1] - start)
         for k in range(varying.shape[0]):
             # lanes beyond the last design repeat it
             for i in range(-(-count // VECTOR) * VECTOR):
-                room[first + varying[k, 0] + i] = x[varying[k, 1], start + min(i, count - 1)]
+                doubles[first + varying[k, 0] + i] = x[varying[k, 1], start + min(i, count - 1)]
         for k in range(addresses.size):
             words[starts[k] + COUNT] = count
             call_kernel(addresses[k], at_words + 8 * starts[k])
         for k in range(results.shape[0]):
-            place, each, is_code = results[k, 0], results[k, 1], results[k, 2]
+            offset, each, is_code = results[k, 0], results[k, 1], results[k, 2]
             for i in range(count):
                 row = y + 8 * values * (k * x.shape[1] + start + i)
                 for j in range(values):
-                    at = place + i * each + picked[k, j]
-                    put(row + 8 * j, octets[at] if is_code else room[first + at])
+                    at = offset + i * each + picked[k, j]
+                    put(row + 8 * j, octets[at] if is_code else doubles[first + at])
     for i in range(x.shape[1]):
         for row in range(x.shape[0]):
             if not is_valid(x[row, i], rules[row], codes[row]):
@@ -115,7 +119,10 @@ evaluate = numba.njit(**OPTIONS)(_evaluate)
 
 
 class _Layout:
-    """Where the arrays of all kernels stand: in rooms of doubles, of words behind the tables, and of octets."""
+    """Offsets of the arrays of all kernels in three buffers: doubles, words, octets.
+
+    The tables of addresses come first among the words.
+    """
 
     def __init__(self, kernels: Sequence[FunctionKernel]) -> None:
         self.addresses: list[int] = []
@@ -147,10 +154,10 @@ class _Layout:
 
     def _add(self, entry: int, array: NDArray[Any]) -> None:
         """Note where an array stands, and which entry of the tables holds its address."""
-        room, size = ROOMS.index(array.dtype.name), array.itemsize
-        offset = self.offsets[id(array)] = self.sizes[room]
-        self.moving.append((entry, room, offset * size))
-        self.sizes[room] += -(-array.nbytes // LINE_BYTES) * LINE_BYTES // size
+        buffer, size = DTYPES.index(array.dtype.name), array.itemsize
+        offset = self.offsets[id(array)] = self.sizes[buffer]
+        self.moving.append((entry, buffer, offset * size))
+        self.sizes[buffer] += -(-array.nbytes // LINE_BYTES) * LINE_BYTES // size
 
     def _add_rows(self, one: FunctionKernel) -> None:
         """Note which rows of a kernel's designs are inputs, and what the others hold."""
@@ -170,7 +177,7 @@ def jitted_of(
     shapes: Sequence[tuple[int, ...]],
     trailing: tuple[int, ...],
 ) -> Any:
-    """Return a function of an array (inputs,) or (inputs, n) that compiled code may call.
+    """Return a function of arrays (inputs,) or (inputs, n) for callers in numba.
 
     Parameters
     ----------

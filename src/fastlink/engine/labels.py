@@ -26,7 +26,7 @@ __all__ = ["coordinates", "global_attrs", "labelled", "variables"]
 
 
 def variables(plan: Plan, space: DesignSpace, positions: int) -> list[Variable]:
-    """Return the results with their dimensions and attributes, for a number of input positions."""
+    """Return the results with dimensions and attributes, for a number of positions."""
     lengths = axis_lengths(plan, positions)
     return [
         Variable(
@@ -69,7 +69,7 @@ def _labels(plan: Plan, output: Output) -> dict[str, Any]:
 
 
 def _of_list(part: str, fact: Fact, position: Input) -> dict[str, Any]:
-    """Return the attributes of a list of extremes, or of their places, kinds or number."""
+    """Return the attributes of listed extremes, or of their places, kinds or number."""
     if part == "value":
         return {"units": fact.units, "long_name": f"{fact.meaning}, extremes", "symbol": f"ext {fact.symbol}"}
     if part == "place":
@@ -186,7 +186,7 @@ def _flags(meanings: Mapping[int, str], dtype: str) -> dict[str, Any]:
 
 
 def _compiler(backend: str) -> tuple[str, ...]:
-    """Return the compilers of kernels with their versions, which need not be imported for that."""
+    """Return the compilers of kernels with their versions, without an import."""
     names = ("llvmlite",) if backend == "llvm" else (backend, "llvmlite")
     return tuple(f"{name} {_version(name)}" for name in names)
 

@@ -1,4 +1,4 @@
-"""Resolve a request to sweep: its designs, its input positions, and the plan that gives the results."""
+"""Resolve a request to sweep into its designs, input positions and plan."""
 
 from __future__ import annotations
 
@@ -106,7 +106,7 @@ class ResolvedSweep:
         return digest.hexdigest()
 
     def job(self) -> Job:
-        """Return the kernels, compiled, with the designs and input positions that they run on."""
+        """Return the compiled kernels with the designs and positions that they run on."""
         evaluated = self.space if self.scaling_axis is None else self.scaling_axis.space
         names = [output.name for output in self.plan.outputs]
         tasks = [
@@ -184,7 +184,7 @@ def resolve(
 def missing_inputs(
     catalogue: Catalogue, names: Iterable[str], variants: Sequence[str], given: Iterable[str]
 ) -> list[Problem]:
-    """Return a problem for each input that a quantity depends on and that nothing gives."""
+    """Return a problem for each input that quantities depend on and nothing gives."""
     of_links = {name for model in MODELS for name in catalogue.variant_inputs.get(model, {})}
     known, has = catalogue.known_inputs(variants), set(given)
     absent = {name for name in known if name not in has and catalogue.resolve(name, variants) is None}
@@ -202,7 +202,7 @@ def missing_inputs(
 
 
 def _problem_of_each(checked: CheckedRequest, given: Sequence[str], parameter: str) -> InputError | None:
-    """Return why each quantity cannot be computed: every missing input, once, or else a problem of its own."""
+    """Return every missing input, once, and the other problems of each quantity."""
     catalogue, problems = checked.catalogue, Problems()
     for k, name in enumerate(checked.names):
         with problems.at(parameter, k):
@@ -233,7 +233,7 @@ def cached_plan(
     angles: int,
     extrema: Extrema,
 ) -> Plan:
-    """Return the plan that `make_plan` makes, made once; `companions` as in `resolve`."""
+    """Return the plan that `make_plan` makes, once; `companions` as in `resolve`."""
     return _plan(
         catalogue,
         (catalogue.version, *REDUCTIONS.values()),

@@ -1,4 +1,4 @@
-"""Find an axis that only scales results, evaluate one of its values, and multiply.
+"""Evaluate one value of an axis that only scales results, and multiply.
 
 Rates grow in proportion to omega1, forces to its square or to the density of the links, places not at all (see
 `fastlink.symbolic.homogeneity`). A swept axis of such an input costs the output of its results and no more.
@@ -54,7 +54,7 @@ class ScalingAxis:
     length: int
 
     def over(self, sink: Sink) -> Sink:
-        """Return a sink of results of the evaluated designs that passes on those of all designs."""
+        """Return a sink of evaluated designs that passes on the results of all designs."""
 
         def scale(start: int, stop: int, arrays: list[NDArray[Any]]) -> None:
             for first, last, in_slabs in self._pieces(start, stop):
@@ -73,7 +73,7 @@ class ScalingAxis:
         return scale
 
     def ranges(self, start: int, stop: int) -> Iterator[tuple[int, int]]:
-        """Yield the ranges of all designs whose results follow from a range of evaluated ones."""
+        """Yield the ranges of all designs that follow from a range of evaluated ones."""
         for first, last, in_slabs in self._pieces(start, stop):
             if in_slabs:
                 yield first * self.length, last * self.length
@@ -81,12 +81,12 @@ class ScalingAxis:
                 yield from ((begin, begin + last - first) for begin in self._starts(first))
 
     def _starts(self, first: int) -> list[int]:
-        """Return the number among all designs of an evaluated one, at each value of the axis."""
+        """Return the number among all designs of an evaluated one, at each axis value."""
         slab, offset = divmod(first, self.inner)
         return [(slab * self.length + k) * self.inner + offset for k in range(self.length)]
 
     def _pieces(self, start: int, stop: int) -> list[tuple[int, int, bool]]:
-        """Cut a range where the axis moves on: whole slabs lie side by side in the whole space."""
+        """Cut a range where the axis moves on: whole slabs are contiguous in the result."""
         first, last = -(-start // self.inner) * self.inner, stop // self.inner * self.inner
         if first >= last:
             cuts = sorted({start, *([first] if start < first < stop else []), stop})
@@ -105,7 +105,7 @@ class ScalingAxis:
 
 
 def find_scaling_axis(plan: Plan, space: DesignSpace) -> ScalingAxis | None:
-    """Return the longest axis of a grid that only scales the results of a plan, if there is one.
+    """Return the longest axis of a grid that only scales results, if there is one.
 
     Its values must be positive: a rate's greatest value is minus its least one where the sense of rotation changes.
     """
@@ -130,7 +130,7 @@ def find_scaling_axis(plan: Plan, space: DesignSpace) -> ScalingAxis | None:
 
 @lru_cache(maxsize=256)
 def _powers(plan: Plan, given: tuple[str, ...], name: str) -> list[float] | None:
-    """Return the power of an input by which each result grows, or None where one has none."""
+    """Return the power of an input by which each result grows, or None."""
     catalogue = plan.catalogue
     if catalogue.known_inputs(plan.variants)[name].choices:
         return None

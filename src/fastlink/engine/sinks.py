@@ -1,4 +1,4 @@
-"""Sinks: functions that receive the results of a sweep block by block, from any thread."""
+"""Sinks, which receive the results of a sweep block by block, from any thread."""
 
 from __future__ import annotations
 

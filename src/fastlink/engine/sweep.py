@@ -1,4 +1,4 @@
-"""Sweep a design space: resolve the request, run its kernels, label the results, write the file."""
+"""Sweep a design space: resolve, run the kernels, label and write the results."""
 
 from __future__ import annotations
 
@@ -194,7 +194,7 @@ class _Evaluation:
         self.verification = Verification(plan, space, positions, verify) if verify else None
 
     def load(self, started: float) -> None:
-        """Compile the kernels, or load them, and note the time since the sweep has started."""
+        """Compile or load the kernels, and note the time since the sweep has started."""
         self.job = self.resolved.job()
         axis = self.resolved.scaling_axis
         if axis is not None and self.block is None:
@@ -216,7 +216,7 @@ class _Evaluation:
         return labels.labelled(self.resolved, variables, arrays, {**attrs, **statistics, **measured})
 
     def to_file(self, path: Path, overwrite: bool, show: Sink, attrs: Mapping[str, Any]) -> None:
-        """Evaluate all designs into a file, or those that a killed run of the same sweep has left."""
+        """Evaluate all designs into a file, or the rest of a killed run."""
         resolved, axis = self.resolved, self.resolved.scaling_axis
         coords = labels.coordinates(resolved.plan, resolved.space, resolved.positions)
         key = self._fingerprint(attrs), self.job.size
@@ -252,7 +252,7 @@ class _Evaluation:
         return tee(self.counts.take, *verified, show)
 
     def _statistics(self, resumed: int = 0) -> dict[str, Any]:
-        """Return how many designs there were and how fast they were evaluated, as global attributes."""
+        """Return numbers of designs and their speed, as global attributes."""
         run_time = time.perf_counter() - self.loaded
         resolved, size = self.resolved, self.resolved.space.size
         rate = (size - resumed) / run_time
@@ -275,7 +275,7 @@ class _Evaluation:
         return hashlib.sha256(repr((self.resolved.fingerprint, rest, self.variables)).encode()).hexdigest()
 
     def _replay(self, writer: Writer, sink: Sink) -> int:
-        """Pass on the results that a killed run has written; return how many designs these are."""
+        """Pass on the results of a killed run, and return the number of its designs."""
         axis, count = self.resolved.scaling_axis, 0
         for start, stop in writer.written:
             for first, last in axis.ranges(start, stop) if axis else [(start, stop)]:

@@ -1,4 +1,4 @@
-"""Label arrays as an xarray Dataset: dimensions, coordinates with units, attributes."""
+"""Label arrays as an xarray Dataset with dimensions, coordinates and attributes."""
 
 from __future__ import annotations
 
@@ -96,7 +96,7 @@ def assemble(
     arrays: Mapping[str, NDArray[Any]],
     attrs: Mapping[str, Any],
 ) -> xr.Dataset:
-    """Return the labelled Dataset of a sweep in memory, equal to the contents of its file.
+    """Return the labelled Dataset of a sweep in memory, equal to that of a file.
 
     Parameters
     ----------
@@ -120,12 +120,12 @@ def assemble(
 
 
 def marked(attrs: Mapping[str, Any]) -> dict[str, Any]:
-    """Return global attributes with the version of the layout, which marks a complete map."""
+    """Return global attributes with the version of the layout of a complete map."""
     return plain_attrs(attrs) | {FORMAT: FORMAT_VERSION}
 
 
 def check_dims(coords: xr.Dataset, variable: Variable) -> None:
-    """Refuse a variable with the name of a coordinate, or with other dimensions than the coordinates."""
+    """Refuse a variable with the name of a coordinate, or with other dimensions."""
     if variable.name in coords.coords:
         raise ValueError(f"{variable.name}: a coordinate has that name")
     for dim, length in zip(variable.dims, variable.shape, strict=True):
@@ -136,7 +136,7 @@ def check_dims(coords: xr.Dataset, variable: Variable) -> None:
 
 
 def plain_attrs(attrs: Mapping[str, Any]) -> dict[str, Any]:
-    """Return attributes as text, numbers and 1-D arrays of numbers, which both netCDF libraries read."""
+    """Return attributes as text, numbers and 1-D arrays, which netCDF can hold."""
     return {name: _plain(name, value) for name, value in attrs.items()}
 
 

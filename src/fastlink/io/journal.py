@@ -1,4 +1,4 @@
-"""Keep a journal of the designs that a partial file holds, so that a killed run can be resumed.
+"""Record the designs that a partial file holds, to resume a killed run.
 
 A thread synchronises the file's data while the sweep computes, and then records their designs: whatever the journal
 names is on the disk, even after a power cut. The system would otherwise wait some seconds or for much memory to be
@@ -30,7 +30,7 @@ def journal_of(part: Path) -> Path:
 
 
 def read_journal(part: Path, fingerprint: str) -> tuple[dict[str, Any], list[Range]] | None:
-    """Return the head of a journal and the written designs, or None where it is of another run.
+    """Return the head and the written designs of a journal, None if of another run.
 
     It ends before a record that a kill or a power cut has torn.
     """
@@ -84,7 +84,7 @@ def _check(start: int, stop: int) -> int:
 
 
 class Journal:
-    """A thread that synchronises a file whenever enough data is pending, and then records their designs.
+    """A thread that synchronises pending data of a file, then records their designs.
 
     A failure to synchronise is left to the last fsync, which reports it; nothing is recorded then.
 
@@ -127,7 +127,7 @@ class Journal:
             self._pending.append((start, stop))
 
     def close(self, *, keep: bool) -> None:
-        """Stop: record the last designs if the partial file is kept, else remove the journal."""
+        """Record the last designs if the partial file is kept, else remove the journal."""
         with self._changed:
             self._closed = True
             self._changed.notify()

@@ -42,7 +42,7 @@ def reason(error: BaseException) -> str:
 
 
 def check_target(path: str | Path, nbytes_needed: int, overwrite: bool) -> Path:
-    """Return the absolute path of an output file, or refuse one that cannot be written.
+    """Return the absolute path of an output file, or refuse it.
 
     To be called before anything is computed.
 
@@ -92,7 +92,7 @@ def no_room(path: Path, nbytes: int, error: Exception | None = None) -> InputErr
 
 @contextlib.contextmanager
 def claimed(part: Path) -> Iterator[None]:
-    """Hold the name of a partial file while it is laid out; the file of a killed run is emptied.
+    """Hold the name of a partial file while it is laid out, and empty an old file.
 
     Refused when a live process writes it. The name is gone when the body fails.
     """
@@ -111,7 +111,7 @@ def claimed(part: Path) -> Iterator[None]:
 
 
 def adopt(fresh: Path, part: Path) -> int:
-    """Give a laid-out file the claimed name, hold it, and return its open file number."""
+    """Give a laid-out file the claimed name, hold it, and return its file number."""
     if fcntl is None:
         os.replace(fresh, part)  # an open file cannot be renamed there
         return _open(part)
@@ -126,7 +126,7 @@ def adopt(fresh: Path, part: Path) -> int:
 
 
 def reopened(part: Path) -> int | None:
-    """Hold the partial file of a killed run, and return its open file number, or None if there is no file.
+    """Hold the partial file of a killed run; return its file number, None if absent.
 
     Refused when a live process writes it.
     """
@@ -148,7 +148,7 @@ def reopened(part: Path) -> int | None:
 
 
 def make_sure_of_room(path: Path, nbytes: int) -> None:
-    """Fail if HDF5 will have no room for the labels: a disk that fills up under it may crash the process."""
+    """Fail if HDF5 will have no room for the labels, which might crash the process."""
     fd = _open(path, os.O_CREAT | os.O_TRUNC)
     try:
         reserve(fd, nbytes)
@@ -168,7 +168,7 @@ def reserve(fd: int, extra: int) -> None:
 
 
 def publish(fd: int, part: Path, final: Path, overwrite: bool) -> None:
-    """Give a complete, synchronised partial file its final name; only `overwrite` replaces another file."""
+    """Give a synchronised partial file its final name; `overwrite` replaces a file."""
     if fcntl is None:
         os.close(fd)  # an open file cannot be renamed there
         _rename(part, final, overwrite)
@@ -231,7 +231,7 @@ def _lock(fd: int, part: Path) -> None:
 
 
 def _flock(fd: int, operation: int) -> None:
-    """Lock or unlock; a file system without locks counts as one where nobody holds any."""
+    """Lock or unlock; without locks in the file system, nobody holds any."""
     try:
         fcntl.flock(fd, operation)
     except OSError as error:

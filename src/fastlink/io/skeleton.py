@@ -1,4 +1,4 @@
-"""Lay out a map file: coordinates by xarray; variables by h5py, contiguous and empty."""
+"""Lay out a map file: coordinates by xarray, contiguous variables by h5py."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ PAGE = 4096
 def lay_out(
     path: Path, coords: xr.Dataset, variables: Sequence[Variable], attrs: Mapping[str, Any]
 ) -> dict[str, int]:
-    """Create the file with all labels and without values; return the offset of each variable."""
+    """Create the file with labels, without values; return the variables' offsets."""
     labelled = coords.assign_attrs(plain_attrs(attrs))
     # without _FillValue: None xarray declares NaN a fill value of every coordinate
     labelled.to_netcdf(
@@ -66,7 +66,7 @@ def _create(file: Any, coords: xr.Dataset, variable: Variable) -> int:
 def set_attrs(
     fd: int, path: Path, attrs: Mapping[str, Any], of_variables: Mapping[str, Mapping[str, Any]]
 ) -> None:
-    """Add attributes, global and of variables, to a file that this process has locked by `fd`."""
+    """Add attributes, global and of variables, to a file that is locked by `fd`."""
     with contextlib.ExitStack() as stack:
         try:
             # this process holds the lock that HDF5 would ask for

@@ -1,4 +1,4 @@
-"""Write labelled HDF5 files that are filled block by block and appear under their name only when complete.
+"""Write labelled HDF5 files block by block; only complete ones get their name.
 
 The file is laid out once; then every block is one plain ``pwrite`` at a known offset, which any thread may do
 in any order and which is faster than a write through HDF5. All this happens in ``NAME.part``; the last step
@@ -216,7 +216,7 @@ class Writer:
     def _start(
         self, coords: xr.Dataset, variables: Sequence[Variable], attrs: Mapping[str, Any]
     ) -> tuple[dict[str, int], int]:
-        """Lay the file out and reserve its room; return the offset of each variable, and the file number."""
+        """Lay the file out; return the offset of each variable and the file number."""
         fresh = self.part.with_name(self.part.name + ".new")
         try:
             partial_file.make_sure_of_room(fresh, coords.nbytes + partial_file.SLACK)
@@ -235,7 +235,7 @@ class Writer:
         return offsets, fd
 
     def _position(self, name: str, start: int, block: NDArray[Any]) -> int:
-        """Return the offset of a block in the file, after checking that it fits the variable."""
+        """Return the offset of a block in the file, or refuse one that does not fit."""
         variable = self._variables[name]
         if block.dtype != variable.dtype:
             raise TypeError(f"{name}: block is {block.dtype}, the variable {variable.dtype}")
@@ -256,7 +256,10 @@ class Writer:
         return InputError(what, where=("to",), remedy="choose another place")
 
     def _close_to_writers(self, *, keep: bool = False) -> None:
-        """Refuse further writes, and wait for those under way: the file number may soon be of another file."""
+        """Refuse further writes and wait for those under way.
+
+        The file number may soon be of another file.
+        """
         with self._idle:
             if self._closed:
                 raise ValueError(f"{self.path}: the file is closed")

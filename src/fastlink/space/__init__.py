@@ -1,4 +1,4 @@
-"""Design spaces and link models: numbered designs whose inputs are filled in on demand.
+"""Design spaces, whose inputs are filled in on demand, and link models.
 
 Nothing here knows what is computed for a design.
 """

@@ -18,7 +18,7 @@ DESIGN = "design"
 
 @dataclass(frozen=True, eq=False)
 class DesignSpace:
-    """A set of designs: which inputs are swept, over which values, and which are constant.
+    """A set of designs: the values of swept inputs, and the constant inputs.
 
     Made by `grid`, `table`, `sobol` and `latin_hypercube`. Designs are numbered 0, 1, ... in C order over the
     dimensions; a grid of 10^9 designs costs no more memory than its axes.
@@ -61,7 +61,7 @@ class DesignSpace:
         return (*self.axes, *self.columns, *self.constants)
 
     def values(self, name: str) -> Floats:
-        """Return the values of an input, 1-D: its axis, its column (row by row) or its constant."""
+        """Return the values of an input, 1-D: its axis, its column or its constant."""
         if name in self.axes:
             return self.axes[name]
         if name in self.columns:
@@ -69,7 +69,7 @@ class DesignSpace:
         return np.array([self.constants[self._known(name)]])
 
     def fill(self, names: Sequence[str], start: int, stop: int, out: Floats) -> None:
-        """Write the inputs of designs ``start`` to ``stop - 1`` into rows of ``out``; thread-safe.
+        """Write inputs of designs ``start`` to ``stop - 1`` into rows; thread-safe.
 
         Parameters
         ----------
@@ -96,7 +96,7 @@ class DesignSpace:
                 target[:] = self.constants[self._known(name)]
 
     def some(self, count: int, rng: np.random.Generator) -> NDArray[np.int64]:
-        """Return the numbers of random designs, in order, without a list of all: there may be 10^9."""
+        """Return the numbers of random designs in order; no list of all, perhaps 10^9."""
         if count >= self.size:
             return np.arange(self.size)
         return np.sort(rng.choice(self.size, count, replace=False))
@@ -109,7 +109,7 @@ class DesignSpace:
         return dict(zip(self.names, rows, strict=True))
 
     def with_constants(self, extra: Mapping[str, float]) -> DesignSpace:
-        """Return this space with further constants; an input that already has a value keeps it."""
+        """Return this space with further constants; inputs with values keep theirs."""
         given = set(self.names)
         added = {
             name: constant("constants", name, value) for name, value in extra.items() if name not in given
@@ -117,13 +117,13 @@ class DesignSpace:
         return replace(self, constants={**self.constants, **added})
 
     def with_axis(self, name: str, values: Sequence[float]) -> DesignSpace:
-        """Return every design at each value of one more input, which is the fastest dimension."""
+        """Return every design at each value of one more input, the fastest dimension."""
         axis = frozen(np.array(values, dtype=np.float64))
         dims, shape = (*self.dims, name), (*self.shape, len(axis))
         return replace(self, dims=dims, shape=shape, axes={**self.axes, name: axis})
 
     def _axis_indices(self, start: int, stop: int) -> dict[str, NDArray[np.int64]]:
-        """Return the index along every dimension of each design, from the last (fastest) one to the first."""
+        """Return the index of each design along every dimension, the fastest first."""
         indices = {}
         rest = np.arange(start, stop, dtype=np.int64)
         for name, length in zip(reversed(self.dims), reversed(self.shape), strict=True):

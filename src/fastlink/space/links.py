@@ -1,4 +1,4 @@
-"""Models of the links, which give masses, inertias and mass centres from the lengths."""
+"""Models of the links, which give mass data from the lengths."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ MODELS: dict[str, tuple[str, ...]] = {"round_bar": ("density", "radius")}
 
 @dataclass(frozen=True)
 class Links:
-    """A model of the links: its name, and its inputs that are the same for all designs."""
+    """A model of the links, with its inputs that are the same for all designs."""
 
     model: str
     values: Mapping[str, float]

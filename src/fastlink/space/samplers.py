@@ -1,4 +1,4 @@
-"""Design spaces: a full grid, a table, or a space-filling sample of a mechanism's inputs."""
+"""Make design spaces: full grids and space-filling samples of inputs."""
 
 from __future__ import annotations
 
@@ -63,7 +63,7 @@ def grid(**axes: ArrayLike) -> DesignSpace:
 
 
 def sobol(n: int, *, seed: int = 0, **ranges: ArrayLike) -> DesignSpace:
-    """Sample the inputs by a scrambled Sobol sequence, along the dimension ``design``.
+    """Sample inputs by a scrambled Sobol sequence, along the dimension ``design``.
 
     Parameters
     ----------
@@ -142,7 +142,7 @@ def _sample(
     ranges: Mapping[str, ArrayLike],
     chunks: Callable[[int, int, int], Iterable[Floats]],
 ) -> DesignSpace:
-    """Scale the points of the unit cube that ``chunks(n, dimensions, seed)`` yields to the ranges."""
+    """Scale the points that ``chunks(n, dimensions, seed)`` yields to the ranges."""
     problems = Problems()
     with problems.at():
         _check_integer((kind, "n"), n, 1, MOST_SAMPLES, f"from 1 to {MOST_SAMPLES}")
@@ -215,7 +215,7 @@ def _engine(name: str, dimensions: int, seed: int) -> Any:
 
 
 def _sobol_chunks(n: int, dimensions: int, seed: int) -> Iterator[Floats]:
-    """Yield the first n points piece by piece: scipy holds one piece besides the columns, not all of them."""
+    """Yield the first n points piece by piece, so that scipy does not hold them all."""
     engine = _engine("Sobol", dimensions, seed)
     # scipy warns of any first piece that is no power of two; the points do not depend on how they are cut
     chunk = min(SOBOL_CHUNK, 1 << (n - 1).bit_length())

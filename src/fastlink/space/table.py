@@ -1,4 +1,4 @@
-"""Tables of designs: mappings, data frames, datasets and CSV files, one design per row."""
+"""Read tables of designs: mappings, data frames, datasets and CSV files."""
 
 from __future__ import annotations
 
@@ -163,7 +163,7 @@ def _parse_csv(file: str, reader: Any, allow_invalid: bool) -> dict[str, Floats]
 
 
 def _check_cell(cell: str, text: str, allow_invalid: bool) -> None:
-    """Refuse the text of a CSV cell that is not a finite number, unless invalid designs are allowed."""
+    """Refuse a CSV cell that is not a finite number, unless these are allowed."""
     text = text.strip()
     if text and _number(text) is None:
         raise _refused(f"{cell} is {short_repr(text)}, not a number", "write a number")

@@ -22,7 +22,7 @@ def short_repr(value: object) -> str:
 
 
 def numbers_of(where: str, name: str, given: Any) -> Floats:
-    """Return the values given for one input as a 0-d or 1-D array of their own, or refuse them."""
+    """Return the values given for an input as a new 0-d or 1-D array, or refuse them."""
     if isinstance(given, np.ma.MaskedArray) and given.dtype.kind in "iuf":
         given = np.ma.filled(given.astype(np.float64), np.nan)
     try:

@@ -25,7 +25,7 @@ Reader: TypeAlias = Callable[[Any, KeyPath], Any]
 
 
 def _value(allowed: str, convert: Callable[[Any], Any]) -> Reader:
-    """Return the reader of one value, which `convert` returns or refuses by a ValueError."""
+    """Return the reader of a value that `convert` returns, or refuses by ValueError."""
 
     def read(value: Any, where: KeyPath) -> Any:
         try:
@@ -37,7 +37,7 @@ def _value(allowed: str, convert: Callable[[Any], Any]) -> Reader:
 
 
 def _list(allowed: str, entry: Reader) -> Reader:
-    """Return the reader of a list that is not empty, each entry of which has a reader."""
+    """Return the reader of a list of one or more entries, which have a reader."""
 
     def read(value: Any, where: KeyPath) -> list[Any]:
         if not isinstance(value, list) or not value:

@@ -1,4 +1,4 @@
-"""Read, check and run studies: TOML files that name a mechanism, designs and quantities."""
+"""Read, check and run studies."""
 
 from __future__ import annotations
 
@@ -216,7 +216,7 @@ def _text_of(path: Path) -> str:
 
 
 def _tables_of(path: Path, text: str) -> dict[str, Any]:
-    """Return the tables of a study, or refuse its keys and types, with its mechanism, input and their names."""
+    """Return the tables of a study, or refuse its keys, types and names."""
     try:
         raw = tomllib.loads(text)
     except (tomllib.TOMLDecodeError, RecursionError) as error:
