@@ -23,6 +23,13 @@ __all__ = ["app", "main"]
 BAD_INPUT, INTERRUPTED = 2, 130
 C = TypeVar("C", bound=Callable[..., Any])
 
+StudyFile = Annotated[Path, typer.Argument(metavar="STUDY.toml", help="The study file.", show_default=False)]
+MapFile = Annotated[Path, typer.Argument(metavar="FILE", help="A map.", show_default=False)]
+MechanismName = Annotated[
+    str, typer.Argument(metavar="MECHANISM", help="Such as planar_4r.", show_default=False)
+]
+Overwrite = Annotated[bool, typer.Option("--overwrite", help="Replace an existing file.")]
+
 app = typer.Typer(
     add_completion=False,
     no_args_is_help=True,
@@ -33,7 +40,7 @@ app = typer.Typer(
 
 
 class _Options(Wording):
-    """How the command line is told of its problems: by its options and arguments.
+    """Words problems in terms of a command's options and arguments.
 
     Parameters
     ----------
@@ -71,7 +78,7 @@ def main() -> None:
 
 
 def command(function: C) -> C:
-    """Make a function a command that ends with a line for each problem, never with a traceback."""
+    """Register a function as a command that prints a line for each problem, never a traceback."""
 
     @functools.wraps(function)
     def guarded(*args: Any, **options: Any) -> None:
@@ -113,22 +120,22 @@ def options(
 
 @command
 def run(
-    study: Annotated[Path, typer.Argument(metavar="STUDY.toml", help="The study file.", show_default=False)],
+    study: StudyFile,
     to: Annotated[
         Path | None,
-        typer.Option("--to", metavar="FILE", help="The HDF5 file to write, instead of what the study says."),
+        typer.Option("--to", metavar="FILE", help="The HDF5 file to write, instead of the study's."),
     ] = None,
     threads: Annotated[
         int | None,
-        typer.Option("--threads", metavar="N", help="Number of threads; all processors if left out."),
+        typer.Option("--threads", metavar="N", help="Number of threads; one per processor if left out."),
     ] = None,
-    overwrite: Annotated[bool, typer.Option("--overwrite", help="Replace an existing file.")] = False,
+    overwrite: Overwrite = False,
     verify: Annotated[
         int | None,
         typer.Option(
             "--verify",
             metavar="N",
-            help="Designs to compute again with 50 digits; 64 if left out, 0 for none.",
+            help="Designs to verify with 50 digits; 64 if left out, 0 for none.",
         ),
     ] = None,
     quiet: Annotated[bool, typer.Option("--quiet", help="Print neither progress nor summary.")] = False,
@@ -146,42 +153,40 @@ def run(
 
 @command
 def explain(
-    study: Annotated[Path, typer.Argument(metavar="STUDY.toml", help="The study file.", show_default=False)],
+    study: StudyFile,
     text: Annotated[bool, typer.Option("--text", help="Print the text of the kernels too.")] = False,
-    ir: Annotated[bool, typer.Option("--ir", help="Print what LLVM makes machine code of, too.")] = False,
+    ir: Annotated[bool, typer.Option("--ir", help="Print their LLVM text too.")] = False,
     asm: Annotated[
-        bool, typer.Option("--asm", help="Print the kernels in assembly language for this processor, too.")
+        bool, typer.Option("--asm", help="Print their assembly language for this processor too.")
     ] = False,
 ) -> None:
-    """Tell what a study computes and what it leaves out; nothing is run."""
-    from fastlink.diagnostics.explain import explain as explained
+    """Explain what a study computes and what it leaves out; nothing is run."""
+    from fastlink.diagnostics.explain import explain as explain_study
 
-    typer.echo(explained(study).text(kernels=text, ir=ir, asm=asm))
+    typer.echo(explain_study(study).text(kernels=text, ir=ir, asm=asm))
 
 
 @command
 def quantities(
-    mechanism: Annotated[
-        str, typer.Argument(metavar="MECHANISM", help="Such as planar_4r.", show_default=False)
-    ],
+    mechanism: MechanismName,
     every: Annotated[
-        bool, typer.Option("--all", help="List the steps on the way too, which cannot be asked for by name.")
+        bool, typer.Option("--all", help="List intermediate facts too, which cannot be requested by name.")
     ] = False,
     input: Annotated[
-        str | None, typer.Option("--input", metavar="INPUT", help="What drives, such as joint_angle_2.")
+        str | None, typer.Option("--input", metavar="INPUT", help="The driven input, such as joint_angle_2.")
     ] = None,
 ) -> None:
-    """List what can be asked of a mechanism, and its inputs."""
-    from fastlink.report.quantities import quantities as listed
+    """List the quantities and inputs of a mechanism."""
+    from fastlink.report.quantities import quantities as list_quantities
 
-    typer.echo(str(listed(mechanism, internal=every, input=input)))
+    typer.echo(str(list_quantities(mechanism, internal=every, input=input)))
 
 
 @command
 def info(
-    file: Annotated[Path, typer.Argument(metavar="FILE", help="A map.", show_default=False)],
+    file: MapFile,
 ) -> None:
-    """Tell what a map holds, and how it was made."""
+    """Print what a map holds, and how it was computed."""
     from fastlink.report.summary import contents
 
     with _opened(file) as maps:
@@ -190,9 +195,7 @@ def info(
 
 @command
 def new(
-    mechanism: Annotated[
-        str, typer.Argument(metavar="MECHANISM", help="Such as planar_4r.", show_default=False)
-    ],
+    mechanism: MechanismName,
 ) -> None:
     """Print a commented study that runs as it is.
 
@@ -212,8 +215,8 @@ def new(
 
 @command
 def accuracy(
-    study: Annotated[Path, typer.Argument(metavar="STUDY.toml", help="The study file.", show_default=False)],
-    designs: Annotated[int, typer.Option("--designs", metavar="N", help="Designs of the sample.")] = 64,
+    study: StudyFile,
+    designs: Annotated[int, typer.Option("--designs", metavar="N", help="Number of sampled designs.")] = 64,
     outside: Annotated[
         bool, typer.Option("--outside", help="Add NumPy without any kernel, which takes longer.")
     ] = False,
@@ -222,7 +225,7 @@ def accuracy(
         Path | None,
         typer.Option("--picture", metavar="PICTURE", help="Error over time: png, svg or pdf by its ending."),
     ] = None,
-    overwrite: Annotated[bool, typer.Option("--overwrite", help="Replace an existing file.")] = False,
+    overwrite: Overwrite = False,
 ) -> None:
     """Measure error and run time of a study by every method that the engine offers."""
     from fastlink.diagnostics import accuracy as measure
@@ -238,9 +241,9 @@ def accuracy(
 def cache(
     clear: Annotated[bool, typer.Option("--clear", help="Remove all compiled kernels.")] = False,
 ) -> None:
-    """Tell where compiled kernels are kept and how many bytes they take; clear them if wanted.
+    """Print where compiled kernels are kept and how large they are, or remove them.
 
-    The environment variable FASTLINK_CACHE_DIR is another folder, FASTLINK_CACHE_BYTES another limit.
+    The environment variables FASTLINK_CACHE_DIR and FASTLINK_CACHE_BYTES set another folder and another limit.
     """
     from fastlink._text import counted, size
     from fastlink.codegen import cache as kernel_cache
@@ -257,7 +260,7 @@ def cache(
 
 @command
 def plot(
-    file: Annotated[Path, typer.Argument(metavar="FILE", help="A map.", show_default=False)],
+    file: MapFile,
     name: Annotated[
         str,
         typer.Argument(metavar="NAME", help="The variable; `fastlink info` lists them.", show_default=False),
@@ -277,13 +280,13 @@ def plot(
     ] = None,
 ) -> None:
     """Draw a variable of a map."""
-    fixed = _fixed(at or [])
     from fastlink.plot.plot_map import plot_map
 
-    place = to if to is not None else Path(f"{name}.png")
+    fixed = _fixed(at or [])
+    picture = to if to is not None else Path(f"{name}.png")
     with _opened(file) as maps:
-        plot_map(maps, name, branch=branch, at=fixed, to=place)
-    typer.echo(str(place))
+        plot_map(maps, name, branch=branch, at=fixed, to=picture)
+    typer.echo(str(picture))
 
 
 @contextmanager
@@ -295,7 +298,7 @@ def _opened(file: Path) -> Iterator[xr.Dataset]:
 
 
 def _fixed(texts: list[str]) -> dict[str, float]:
-    """Return the values of ``--at DIM=VALUE``."""
+    """Return the dimensions and values of ``--at DIM=VALUE``."""
     fixed: dict[str, float] = {}
     for text in texts:
         dim, equals, number = text.partition("=")

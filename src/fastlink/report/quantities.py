@@ -1,4 +1,4 @@
-"""What can be asked of a mechanism, and what it must be given: tables read off its catalogue.
+"""List the quantities and inputs of a mechanism, from its catalogue.
 
 ``python -m fastlink.report.quantities > docs/quantities.md`` writes the documentation of all mechanisms.
 """
@@ -31,18 +31,18 @@ MEANING_WIDTH, SOURCE_WIDTH = 46, 34
 
 @dataclass(frozen=True)
 class Quantity:
-    """One quantity that can be asked for.
+    """One quantity of a mechanism.
 
     Attributes
     ----------
     name : str
-        To ask for; the name of the variable in the result.
+        Its name, which is that of the variable in the result.
     units : str
         UDUNITS text; ``1`` for a pure number or a code.
     dims : tuple of str
         Dimensions in the result; ``design`` stands for the swept dimensions.
     meaning, source : str
-        What it is, and where its formula stands.
+        Its definition, and where its formula stands.
     """
 
     name: str
@@ -71,25 +71,22 @@ class QuantityList(list[Quantity]):
     mechanism : str
         Its name.
     inputs : list of GivenInput
-        What designs are made of.
+        The inputs that make up a design.
     """
 
     def __init__(self, rows: Iterable[Quantity], catalogue: Catalogue) -> None:
         super().__init__(rows)
         self.mechanism = catalogue.name
         self.inputs = _inputs(catalogue)
-        self._title = catalogue.title
-        self._branches = catalogue.branches
-        self._position = catalogue.position
-        self._graded = catalogue.graded is not None
+        self._catalogue = catalogue
 
     def __repr__(self) -> str:
         return "\n\n".join(
             (
-                f"{self.mechanism}: {self._title}",
+                f"{self.mechanism}: {self._catalogue.title}",
                 _text_table(_header(Quantity), self._cells()),
-                textwrap.fill(self._naming(""), 110),
-                "Inputs; only those that something asked for depends on are needed:",
+                textwrap.fill(self._naming().replace("`", ""), 110),
+                "Inputs; only those that the requested quantities depend on are needed:",
                 _text_table(_header(GivenInput), [astuple(given) for given in self.inputs]),
             )
         )
@@ -97,20 +94,20 @@ class QuantityList(list[Quantity]):
     __str__ = __repr__
 
     def markdown(self) -> str:
-        """Return the same as Markdown, as the documentation has it."""
-        branches = "\n".join(f"- `branch` {number}: {meaning}" for number, meaning in self._branches.items())
+        """Return the list as Markdown, as it stands in the documentation."""
+        branches = self._catalogue.branches.items()
         return "\n\n".join(
             (
                 f"## `{self.mechanism}`",
-                f"{self._title}. Assembly modes:",
-                branches,
+                f"{self._catalogue.title}. Assembly modes:",
+                "\n".join(f"- `branch` {number}: {meaning}" for number, meaning in branches),
                 "### Quantities",
                 _markdown_table(_header(Quantity), self._cells()),
-                self._naming("`"),
+                self._naming(),
                 "### Inputs",
-                "Any input can be swept. Only those that something asked for depends on are needed. Those "
-                "that links of a model give need not be given; given, they replace the model's. Those with a default "
-                "belong to a load or a further motion, which is there only if one of its inputs is given.",
+                "Any input can be swept. Only the inputs that the requested quantities depend on are needed. Inputs "
+                "that a model of links gives need not be given; if they are, they replace the model's. Inputs with a "
+                "default belong to a load or a further motion, which exists only if one of its inputs is given.",
                 _markdown_table(_header(GivenInput), [astuple(given) for given in self.inputs]),
             )
         )
@@ -118,49 +115,42 @@ class QuantityList(list[Quantity]):
     def _cells(self) -> list[tuple[str, ...]]:
         return [(row.name, row.units, f"({', '.join(row.dims)})", row.meaning, row.source) for row in self]
 
-    def _naming(self, quote: str) -> str:
-        """Tell how the names of what is taken over the cycle are formed."""
-        position = self._position.name
-        unit = "" if self._position.units == "1" else f" in {self._position.units}"
-        ways = [
-            f"{quote}{Reduced(NAME, reduction.suffix)}{quote} ({reduction.phrase})"
-            for reduction in REDUCTIONS.values()
-        ]
-        places = [
-            f"{quote}{Reduced(NAME, reduction.suffix, position)}{quote}"
-            for reduction in REDUCTIONS.values()
-            if reduction.has_place
+    def _naming(self) -> str:
+        """Return how names over the cycle, of derivatives and of error bounds are formed, as Markdown."""
+        position = self._catalogue.position
+        unit = "" if position.units == "1" else f" in {position.units}"
+        reductions = [f"`{Reduced(NAME, each.suffix)}` ({each.phrase})" for each in REDUCTIONS.values()]
+        positions = [
+            f"`{Reduced(NAME, each.suffix, position.name)}`" for each in REDUCTIONS.values() if each.has_place
         ]
         lists = (
-            f"{quote}{ListOfExtrema(NAME)}{quote} lists all extremes over the reachable range by growing {position}, "
-            f"along the dimension {quote}extremum{quote}, and brings "
-            f"{quote}{ListOfExtrema(NAME, place=position)}{quote}, "
-            f"{quote}{ListOfExtrema(NAME, 'count')}{quote} and {quote}{ListOfExtrema(NAME, 'kind')}{quote}. "
+            f"`{ListOfExtrema(NAME)}` lists all extremes over the reachable range by growing {position.name}, along "
+            f"the dimension `extremum`, together with `{ListOfExtrema(NAME, place=position.name)}`, "
+            f"`{ListOfExtrema(NAME, 'count')}` and `{ListOfExtrema(NAME, 'kind')}`. "
         )
         return (
-            f"For any NAME with the dimension {quote}{position}{quote} there are {_and(ways)}, and "
-            f"{_and(places)} (the {position}{unit} where that is), with the dimensions "
-            f"({DESIGN}, {BRANCH}). {lists if self._graded else ''}"
-            "Configurations that do not assemble are NaN and never enter. "
-            f"{quote}{Derivative(NAME, 'PARAM')}{quote} is the derivative of NAME by an input or by "
-            f"{quote}{position}{quote}, and itself such a NAME. "
-            f"{quote}{ErrorBound(NAME)}{quote} bounds the error that rounding makes in NAME, and "
-            f"{quote}{Trust(NAME)}{quote} tells where that exceeds a millionth of NAME. "
-            f"{quote}{DESIGN}{quote} stands for the swept dimensions."
+            f"Any NAME with the dimension `{position.name}` has {_and(reductions)}, and {_and(positions)} (the "
+            f"{position.name}{unit} there), with the dimensions ({DESIGN}, {BRANCH}). "
+            f"{lists if self._catalogue.graded is not None else ''}"
+            "Configurations that do not assemble are NaN and do not count. "
+            f"`{Derivative(NAME, 'PARAM')}` is the derivative of NAME with respect to an input or to "
+            f"`{position.name}`, and is itself such a NAME. "
+            f"`{ErrorBound(NAME)}` bounds the rounding error of NAME, and `{Trust(NAME)}` flags where that bound "
+            f"exceeds a millionth of NAME. `{DESIGN}` stands for the swept dimensions."
         )
 
 
 def quantities(mechanism: str, internal: bool = False, input: str | None = None) -> QuantityList:
-    """List what can be asked of a mechanism.
+    """List the quantities and inputs of a mechanism.
 
     Parameters
     ----------
     mechanism : str
         Its name, such as ``"planar_4r"``.
     internal : bool, default False
-        List the steps on the way too, which cannot be asked for by name.
+        List intermediate facts too, which cannot be requested by name.
     input : str, optional
-        What drives, as in `fastlink.sweep`.
+        The driven input, as in `fastlink.sweep`.
 
     Returns
     -------
@@ -174,8 +164,8 @@ def quantities(mechanism: str, internal: bool = False, input: str | None = None)
 
     Examples
     --------
-    >>> listed = quantities("planar_4r")
-    >>> [(row.name, row.units, row.dims) for row in listed if row.name == "omega4"]
+    >>> rows = quantities("planar_4r")
+    >>> [(row.name, row.units, row.dims) for row in rows if row.name == "omega4"]
     [('omega4', 'rad s-1', ('design', 'branch', 'theta1'))]
     """
     catalogue = find_catalogue(mechanism, input)
@@ -202,7 +192,7 @@ def document() -> str:
 
 
 def _ordered(catalogue: Catalogue) -> list[Fact]:
-    """Return the public facts: those of a design first, then by how much must be known for them.
+    """Return the public facts: those of a design first, then by the number of steps to each.
 
     Components of one vector stay together.
     """
@@ -214,11 +204,11 @@ def _ordered(catalogue: Catalogue) -> list[Fact]:
         vector = COMPONENT.sub("", name)
         effort[vector] = max(steps, effort.get(vector, 0))
 
-    def place(fact: Fact) -> tuple[bool, int, str, str]:
+    def order(fact: Fact) -> tuple[bool, int, str, str]:
         vector = COMPONENT.sub("", fact.name)
         return catalogue.varies(fact.name), effort[vector], vector, fact.name
 
-    return sorted(catalogue.public.values(), key=place)
+    return sorted(catalogue.public.values(), key=order)
 
 
 def _quantity(fact: Fact, dims: tuple[str, ...]) -> Quantity:
