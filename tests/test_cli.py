@@ -234,7 +234,7 @@ def test_plot_writes_a_picture(folder):
         (["--branch", "3"], "--branch: 3 is not in the result; write one of 1, 2"),
         (
             ["--at", "a1=0.4"],
-            "--at: 'a1' is no dimension of omega4_max that can be fixed; did you mean 'a3'?",
+            "--at: 'a1' is not a dimension of omega4_max that can be fixed; did you mean 'a3'?",
         ),
     ],
 )
