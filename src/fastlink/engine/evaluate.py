@@ -139,7 +139,8 @@ def _recipe(
     if position not in inputs:
         declared = catalogue.position
         unit = "" if declared.units == "1" else f" in {declared.units}"
-        raise InputError(f"evaluate: {position} is missing ({declared.meaning}); give it{unit}")
+        what, where = f"is missing ({declared.meaning})", ("evaluate", position)
+        raise InputError(what, where=where, remedy=f"give it{unit}")
     tables = (position, *catalogue.tables, *catalogue.table_low_parts)
     given = {*defaults, *inputs, *of_links, *tables, "branch"}
     steps = tuple(catalogue.dependencies(names, given, variants))

@@ -101,9 +101,8 @@ def function(
     names = list(check_names("inputs", inputs))
     for name in names:
         if name in fixed:
-            raise InputError(
-                f"function: {name} is among the inputs and given as {fixed[name]!r}; leave one out"
-            )
+            what = f"is among the inputs and given as {fixed[name]!r}"
+            raise InputError(what, where=("function", name), remedy="leave one out")
     positions, constants = _fixed(mechanism, input, fixed)
     varying = DesignSpace(
         "table", (DESIGN,), (1,), constants, columns={name: np.full(1, np.nan) for name in names}
@@ -184,10 +183,8 @@ class Function:
         """Return the outputs (outputs, ...) of designs (inputs, ...)."""
         given = np.asarray(x, dtype=np.float64)
         if given.shape[:1] != (len(self.inputs),):
-            raise InputError(
-                f"function: x has the shape {given.shape}; its first axis has {len(self.inputs)} rows: "
-                f"{', '.join(self.inputs)}"
-            )
+            remedy = f"its first axis has {len(self.inputs)} rows: {', '.join(self.inputs)}"
+            raise InputError(f"has the shape {given.shape}", where=("function", "x"), remedy=remedy)
         try:
             kernels = self._of_thread.kernels
         except AttributeError:
@@ -284,9 +281,8 @@ def _constants(fixed: Mapping[str, Any]) -> dict[str, float]:
     space = grid(**fixed)
     if space.dims:
         name = space.dims[0]
-        raise InputError(
-            f"function: {name} is given {space.shape[0]} values; write one number, or name it among the inputs"
-        )
+        what, remedy = f"is given {space.shape[0]} values", "write one number, or name it among the inputs"
+        raise InputError(what, where=("function", name), remedy=remedy)
     return space.constants
 
 
@@ -296,7 +292,7 @@ def _refuse_choices(resolved: ResolvedSweep, varying: DesignSpace) -> None:
     for name in resolved.space.axes:
         if name not in varying.names:
             codes = ", ".join(f"{code} ({meaning})" for code, meaning in known[name].choices.items())
-            raise InputError(f"function: {name} is missing; give it, one of {codes}")
+            raise InputError("is missing", where=("function", name), remedy=f"give it, one of {codes}")
 
 
 def _axes(outputs: Sequence[Output]) -> tuple[str, ...]:
@@ -304,8 +300,6 @@ def _axes(outputs: Sequence[Output]) -> tuple[str, ...]:
     first, *others = (output for output in sorted(outputs, key=lambda output: -len(output.axes)))
     for other in others:
         if set(other.axes) - set(first.axes):
-            raise InputError(
-                f"function: {first.name} is along {first.axes[-1]}, {other.name} along {other.axes[-1]}; "
-                "make a function of each"
-            )
+            what = f"{first.name} is along {first.axes[-1]}, {other.name} along {other.axes[-1]}"
+            raise InputError(what, where=("function",), remedy="make a function of each")
     return first.axes

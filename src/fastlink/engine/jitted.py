@@ -14,7 +14,7 @@ from numba.extending import intrinsic
 from fastlink.codegen.kernel import MachineCode
 from fastlink.codegen.numba_backend import OPTIONS
 from fastlink.engine.binding import COUNT, VECTOR
-from fastlink.errors import InputError
+from fastlink.errors import InputError, Setting
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -196,10 +196,8 @@ def jitted_of(
         A kernel has no address: numba compiled it.
     """
     if not all(isinstance(one.bound.task.code, MachineCode) for one in kernels):
-        raise InputError(
-            "function: jitted calls kernels by address, which those of backend 'numba' do not have; "
-            "write backend='llvm'"
-        )
+        what = "jitted calls kernels by address, which those of backend 'numba' do not have"
+        raise InputError(what, where=("function",), remedy=("write ", Setting("backend", "llvm")))
     layout = _Layout(kernels)
     codes = {k: result.dtype == np.int8 for one in kernels for k, result in one.results}
     picked = [np.broadcast_to(np.arange(math.prod(s)).reshape(s), trailing).ravel() for s in shapes]

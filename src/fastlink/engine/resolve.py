@@ -181,24 +181,22 @@ def resolve(
     return ResolvedSweep(space, plan, checked.positions, solver, axis, checked.backend)
 
 
-def missing_inputs(
-    catalogue: Catalogue, names: Iterable[str], variants: Sequence[str], given: Iterable[str]
+def _missing_inputs(
+    catalogue: Catalogue, name: str, variants: Sequence[str], given: Iterable[str]
 ) -> list[Problem]:
-    """Return a problem for each input that quantities depend on and nothing gives."""
+    """Return a problem for each input that a quantity depends on and nothing gives."""
     of_links = {name for model in MODELS for name in catalogue.variant_inputs.get(model, {})}
     known, has = catalogue.known_inputs(variants), set(given)
     absent = {name for name in known if name not in has and catalogue.resolve(name, variants) is None}
     tables = (catalogue.position.name, *catalogue.tables, *catalogue.table_low_parts)
-    missing = []
-    for request in (parse_request(name, catalogue) for name in names):
-        steps = catalogue.dependencies([request.quantity], {*has, *absent, *tables, "branch"}, variants)
-        needed = absent & {need for step in steps for need in step.depends_on}
-        for name in (name for name in known if name in needed):
-            absent.discard(name)
-            has.add(name)
-            table = "links" if name in of_links else "design"
-            missing.append(catalogue.missing_problem(known[name], request.name, table))
-    return missing
+    request = parse_request(name, catalogue)
+    steps = catalogue.dependencies([request.quantity], {*has, *absent, *tables, "branch"}, variants)
+    needed = absent & {need for step in steps for need in step.depends_on}
+    return [
+        catalogue.missing_problem(known[key], request.name, "links" if key in of_links else "design")
+        for key in known
+        if key in needed
+    ]
 
 
 def _problem_of_each(checked: CheckedRequest, given: Sequence[str], parameter: str) -> InputError | None:
@@ -206,7 +204,7 @@ def _problem_of_each(checked: CheckedRequest, given: Sequence[str], parameter: s
     catalogue, problems = checked.catalogue, Problems()
     for k, name in enumerate(checked.names):
         with problems.at(parameter, k):
-            missing = missing_inputs(catalogue, [name], checked.variants, given)
+            missing = _missing_inputs(catalogue, name, checked.variants, given)
             known = [one.where for one in problems.noted]
             problems.noted += [one for one in missing if one.where not in known]
             if not missing:

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from fastlink.engine.executor import Sink
     from fastlink.plan.plan import Plan
 
-__all__ = ["ProgressBar", "StatusCounts", "into", "progress_bar", "tee"]
+__all__ = ["ProgressBar", "StatusCounts", "into", "tee"]
 
 
 def tee(*sinks: Sink) -> Sink:
@@ -59,11 +59,11 @@ class StatusCounts:
 
 
 class ProgressBar:
-    """A progress bar that threads may feed; nothing where it is not visible."""
+    """A progress bar that threads may feed, by default visible on a terminal only."""
 
-    def __init__(self, total: int, visible: bool) -> None:
+    def __init__(self, total: int, visible: bool | None) -> None:
         self.bar: Any = None
-        if visible:
+        if sys.stderr.isatty() if visible is None else visible:
             from tqdm import tqdm  # 15 ms, which nobody waits for who sees no bar
 
             self.bar = tqdm(total=total, unit=" designs", unit_scale=True, file=sys.stderr)
@@ -81,8 +81,3 @@ class ProgressBar:
     def __exit__(self, *error: object) -> None:
         if self.bar is not None:
             self.bar.close()
-
-
-def progress_bar(total: int, progress: bool | None) -> ProgressBar:
-    """Return a bar that is visible if wanted, or by default on a terminal."""
-    return ProgressBar(total, sys.stderr.isatty() if progress is None else progress)

@@ -16,7 +16,7 @@ from fastlink.catalogue.declare import ELIMINATED
 from fastlink.engine import labels
 from fastlink.engine.executor import Sink, block_length, default_threads, run
 from fastlink.engine.resolve import ResolvedSweep, resolve
-from fastlink.engine.sinks import StatusCounts, into, progress_bar, tee
+from fastlink.engine.sinks import ProgressBar, StatusCounts, into, tee
 from fastlink.errors import InputError
 from fastlink.io.partial_file import check_target
 from fastlink.io.reader import open_map
@@ -159,7 +159,7 @@ def sweep(
     before = labels.global_attrs(resolved, threads) | dict(attrs or {})
     path = None if to is None else check_target(to, evaluation.nbytes, overwrite)
     evaluation.load(started)
-    with progress_bar(resolved.space.size, progress) as bar:
+    with ProgressBar(resolved.space.size, progress) as bar:
         if path is None:
             return evaluation.in_memory(bar.take, before)
         evaluation.to_file(path, overwrite, bar.take, before)

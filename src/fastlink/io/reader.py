@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import os
 from pathlib import Path
-from typing import Any
 
 import xarray as xr
 
@@ -47,28 +46,20 @@ def open_map(path: str | Path) -> xr.Dataset:
     if not path.exists():
         part = part_of(path)
         hint = f"; {part.name} is of a run that has not finished" if part.exists() else ""
-        raise InputError(f"{path}: there is no such file{hint}; give the path of a written map")
+        raise InputError(f"{path}: there is no such file{hint}", remedy="give the path of a written map")
     if path.is_dir():
-        raise InputError(f"{path}: is a folder; give the path of a map that a sweep has written")
+        raise InputError(f"{path}: is a folder", remedy="give the path of a map that a sweep has written")
     try:
         dataset = xr.open_dataset(path, engine="h5netcdf")
     except (OSError, ValueError, KeyError, RuntimeError) as error:
-        raise InputError(
-            f"{path}: cannot be read as HDF5 ({reason(error)}); give a map that a sweep has written"
-        ) from error
-    problem = _foreign(dataset.attrs.get(FORMAT))
-    if problem:
-        dataset.close()
-        raise InputError(f"{path}: {problem}")
-    return dataset
-
-
-def _foreign(version: Any) -> str:
-    """Return why a file of some version of the layout is refused, or an empty text."""
+        what = f"{path}: cannot be read as HDF5 ({reason(error)})"
+        raise InputError(what, remedy="give a map that a sweep has written") from error
+    version = dataset.attrs.get(FORMAT)
+    if version is not None and version <= FORMAT_VERSION:
+        return dataset
+    dataset.close()
     if version is None:
-        return (
-            f"is no finished map (it has no attribute {FORMAT!r}); other files open with xarray.open_dataset"
-        )
-    if version > FORMAT_VERSION:
-        return f"has format {version}, this version reads up to {FORMAT_VERSION}; update fastlink"
-    return ""
+        what = f"{path}: is no finished map (it has no attribute {FORMAT!r})"
+        raise InputError(what, remedy="other files open with xarray.open_dataset")
+    what = f"{path}: has format {version}, this version reads up to {FORMAT_VERSION}"
+    raise InputError(what, remedy="update fastlink")

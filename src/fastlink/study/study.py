@@ -212,7 +212,7 @@ def _text_of(path: Path) -> str:
         raise InputError(f"{path}: is no UTF-8 text ({error.reason} at byte {error.start})") from None
     except (OSError, ValueError) as error:  # ValueError: a NUL in the path
         why = getattr(error, "strerror", None) or str(error)
-        raise InputError(f"{path}: cannot be read ({why}); give the path of a study file") from None
+        raise InputError(f"{path}: cannot be read ({why})", remedy="give the path of a study file") from None
 
 
 def _tables_of(path: Path, text: str) -> dict[str, Any]:
