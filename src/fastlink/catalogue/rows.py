@@ -77,6 +77,38 @@ class Rows:
                 low=low,
             )(law)
 
+    def vector(
+        self,
+        law: Callable[..., Any] | tuple[Callable[..., Any], Callable[..., Any]],
+        name: str,
+        symbol: str,
+        meaning: str,
+        /,
+        *,
+        units: str | None = None,
+        source: str | None = None,
+        **given: str,
+    ) -> None:
+        """Declare both components of a vector; x and y stand for each * in the row.
+
+        Parameters
+        ----------
+        law : callable or pair of callables
+            The text of both components, or that of each.
+        name, symbol, meaning, units, source, **given
+            As where a fact is declared; the meaning is that of the vector.
+
+        Examples
+        --------
+        ``force.vector(difference, "F21_*", "F_21*", "Force on the crank at A", x="F32_*", y="p2_*")`` declares
+        ``F21_x = F32_x - p2_x`` and ``F21_y = F32_y - p2_y``.
+        """
+        laws = law if isinstance(law, tuple) else (law, law)
+        for component, own in zip("xy", laws, strict=True):
+            names = {parameter: other.replace("*", component) for parameter, other in given.items()}
+            labels = (name.replace("*", component), symbol.replace("*", component), f"{meaning}, {component}")
+            self(own, *labels, units=units, source=source, **names)
+
 
 @dataclass(frozen=True)
 class DerivativeRows:

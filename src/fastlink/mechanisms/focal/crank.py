@@ -9,7 +9,16 @@ from __future__ import annotations
 
 from typing import Any
 
-from fastlink.mechanisms._shared.laws import angle, opposite, opposite_product, product, same
+from fastlink.mechanisms._shared.laws import (
+    angle,
+    difference,
+    half,
+    opposite,
+    opposite_product,
+    product,
+    same,
+    twice,
+)
 from fastlink.mechanisms._shared.reuse import borrow_tables
 from fastlink.mechanisms.focal.by_crank import by_crank
 from fastlink.mechanisms.focal.dyad import DYAD
@@ -51,10 +60,8 @@ step(
 )
 
 
-@by_crank.quantity(units="1", symbol="cos omega", source=f"{WUNDERLICH}, eq. (1.5)", internal=True)
-def w_x(squared_half_sine: Any, squared_half_cosine: Any) -> Any:
-    """Cosine of omega."""
-    return squared_half_cosine - squared_half_sine
+step = by_crank.steps(units="1", source=f"{WUNDERLICH}, eq. (1.5)")
+step(difference, "w_x", "cos omega", "Cosine of omega", x="squared_half_cosine", y="squared_half_sine")
 
 
 @by_crank.quantity(units="1", symbol="|sin omega|/2", source=f"{WUNDERLICH}, eq. (1.5)", internal=True)
@@ -63,10 +70,7 @@ def half_sine_omega(squared_half_sine: Any, squared_half_cosine: Any) -> Any:
     return sqrt(squared_half_sine * squared_half_cosine)
 
 
-@by_crank.quantity(units="1", symbol="|sin omega|", source=f"{WUNDERLICH}, eq. (1.5)", internal=True)
-def size_of_sine(half_sine_omega: Any) -> Any:
-    """Sine of omega without its sign."""
-    return 2.0 * half_sine_omega
+step(twice, "size_of_sine", "|sin omega|", "Sine of omega without its sign", x="half_sine_omega")
 
 
 @by_crank.quantity(units="1", symbol="2/|sin omega|", source=f"{WUNDERLICH}, eq. (1.5)", internal=True)
@@ -81,10 +85,7 @@ def omega_sign(branch: Any) -> Any:
     return 3.0 - 2.0 * branch
 
 
-@by_crank.quantity(units="1", symbol="sin omega", source=f"{WUNDERLICH}, eq. (1.5)", internal=True)
-def w_y(size_of_sine: Any, omega_sign: Any) -> Any:
-    """Sine of omega."""
-    return omega_sign * size_of_sine
+step(product, "w_y", "sin omega", "Sine of omega", x="omega_sign", y="size_of_sine")
 
 
 # -- u, v, e ------------------------------------------------------------------------------------------------------
@@ -240,10 +241,8 @@ declare_rate("phi", "M", "MA", "s_s", "s_p")
 declare_rate("psi", "N", "NB", "s_NS", "minus_s_q")
 
 
-@by_crank.quantity(units="1", symbol="sin(sigma)/2", source=POSITION, internal=True)
-def half_sine(g_y: Any) -> Any:
-    """Half the sine of sigma."""
-    return 0.5 * g_y
+step = by_crank.steps(units="1", source=POSITION)
+step(half, "half_sine", "sin(sigma)/2", "Half the sine of sigma", x="g_y")
 
 
 @by_crank.quantity(units="1", symbol="-sr/(mp)", source=DYAD, internal=True)

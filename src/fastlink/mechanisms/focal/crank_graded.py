@@ -9,6 +9,7 @@ from __future__ import annotations
 from typing import Any
 
 from fastlink.catalogue.catalogue import GradedRange
+from fastlink.mechanisms._shared.laws import difference
 from fastlink.mechanisms.focal.by_crank import by_crank
 from fastlink.mechanisms.focal.dyad import DYAD
 from fastlink.mechanisms.planar_4r import graded
@@ -128,6 +129,6 @@ step(
 )
 step(mixed, "squared_half_sine", "squared_half_sine")
 step(mixed, "squared_half_cosine", "squared_half_cosine", falling="growing", growing="falling")
-step(graded.cos_theta1, "g_x", "g_x")
+step(difference, "g_x", "g_x", "Cosine of the input angle", x="C", y="Z")
 step(graded.sin_theta1, "g_y", "g_y")
 step(graded.theta1, SIGMA, SIGMA)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
+from fastlink.mechanisms._shared.laws import same
 from fastlink.mechanisms._shared.reuse import borrow
 from fastlink.mechanisms.focal.inputs import DESIGN, GIVEN_S, LINKS, WUNDERLICH, focal
 from fastlink.mechanisms.planar_4r import planar_4r
@@ -121,12 +122,7 @@ length = focal.quantities(units="m", source=f"{WUNDERLICH}, section 3")
 length(length_of, "FT", "FT", "Length FT", scaled="s_FT")
 length = focal.quantities(units="m", source=f"{WUNDERLICH}, eqs. (1.8) corrected, (1.9)")
 length(length_of, "s", "s", "Crank support S on MN, from M towards N", scaled="s_s")
-
-
-@focal.quantity(units="m", symbol="S_x", source=f"{WUNDERLICH}, eqs. (1.8) corrected, (1.9)")
-def S_x(s: Any) -> Any:
-    """Crank support S, x."""
-    return s
+length(same, "S_x", "S_x", "Crank support S, x", x="s")
 
 
 @focal.quantity(

@@ -18,7 +18,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from fastlink.mechanisms._shared.laws import opposite
+from fastlink.mechanisms._shared.laws import opposite, product, quotient
 from fastlink.mechanisms._shared.reuse import borrow
 from fastlink.mechanisms.focal.design_facts import FOUR_BAR, PREFIX
 from fastlink.mechanisms.focal.inputs import DESIGN, GIVEN_LAMBDA, focal
@@ -36,16 +36,9 @@ FACTORS = (
 borrow(focal, planar_4r, FOUR_BAR, PREFIX, {name: {} for name in FACTORS})
 
 
-@focal.quantity(units="1", symbol="K", source=DYAD, internal=True)
-def K(rho: Any, common: Any) -> Any:
-    """(1 + rho)(a^2 + rho b^2), scaled."""
-    return rho * common
-
-
-@focal.quantity(units="1", symbol="V", source=DYAD, internal=True)
-def V(K: Any, lambda_: Any) -> Any:
-    """(1 + rho)(a^2 + rho b^2)/lambda, scaled."""
-    return K / lambda_
+step = focal.steps(units="1", source=DYAD)
+step(product, "K", "K", "(1 + rho)(a^2 + rho b^2), scaled", x="rho", y="common")
+step(quotient, "V", "V", "(1 + rho)(a^2 + rho b^2)/lambda, scaled", x="K", y="lambda_")
 
 
 @focal.quantity(units="1", symbol="sqrt|rho| R", source=DYAD, internal=True)
@@ -224,13 +217,5 @@ def straight_lever_N(straight_N: Any, s_n: Any, lambda_sign: Any) -> Any:
     return lambda_sign * straight_N / s_n
 
 
-@focal.quantity(units="1", symbol="-(d - s)", source=DYAD, internal=True)
-def s_NS(s_SN: Any) -> Any:
-    """Scaled distance from N to S along MN."""
-    return -s_SN
-
-
-@focal.quantity(units="1", symbol="-q", source=DYAD, internal=True)
-def minus_s_q(s_q: Any) -> Any:
-    """Minus the scaled length QF."""
-    return -s_q
+step(opposite, "s_NS", "-(d - s)", "Scaled distance from N to S along MN", x="s_SN")
+step(opposite, "minus_s_q", "-q", "Minus the scaled length QF", x="s_q")

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from fastlink.mechanisms._shared.laws import product, quotient
+from fastlink.mechanisms._shared.laws import product, quotient, total
 from fastlink.mechanisms._shared.reuse import borrow, borrow_tables
 from fastlink.mechanisms.focal.design_facts import FOUR_BAR, PREFIX
 from fastlink.mechanisms.focal.inputs import WUNDERLICH, focal
@@ -70,16 +70,9 @@ def t(x: Any, s_c: Any, s_d: Any) -> Any:
     return x * s_d / s_c
 
 
-@focal.quantity(units="1", symbol="rho b", source=POSITION, internal=True)
-def weight(rho: Any, s_b: Any) -> Any:
-    """Rho times NB, scaled."""
-    return rho * s_b
-
-
-@focal.quantity(units="1", symbol="x", source=POSITION, internal=True)
-def QP_x(e_x: Any, t: Any) -> Any:
-    """Vector from P to Q over c, times lambda, x."""
-    return e_x + t
+step = focal.steps(units="1", source=POSITION)
+step(product, "weight", "rho b", "Rho times NB, scaled", x="rho", y="s_b")
+step(total, "QP_x", "x", "Vector from P to Q over c, times lambda, x", x="e_x", y="t")
 
 
 def weighted(weight: Any, u: Any, s_a: Any, v: Any) -> Any:
@@ -114,10 +107,8 @@ def closing_y(QP_x: Any, e_y: Any, bars_x: Any, bars_y: Any, per_bars: Any) -> A
 declare_fifth(focal, "g", "SF", "e", "closing")
 
 
-@focal.quantity(units="m", symbol="AT", source=f"{WUNDERLICH}, eq. (3.2)", internal=True)
-def AT(T_share: Any, c: Any) -> Any:
-    """Distance of T from A along AB."""
-    return T_share * c
+step = focal.steps(units="m", source=f"{WUNDERLICH}, eq. (3.2)")
+step(product, "AT", "AT", "Distance of T from A along AB", x="T_share", y="c")
 
 
 declare_T(focal, "A", "AT", "e")

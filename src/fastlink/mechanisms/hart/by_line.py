@@ -15,7 +15,7 @@ from typing import Any
 
 from fastlink.catalogue.catalogue import Catalogue, Input
 from fastlink.mechanisms._shared import lengths
-from fastlink.mechanisms._shared.laws import along, mean, product, quotient
+from fastlink.mechanisms._shared.laws import along, mean, product, quotient, square_difference, twice_product
 from fastlink.mechanisms._shared.other_input import ByOtherInput
 from fastlink.mechanisms.hart.inputs import PAGE, WUNDERLICH, hart
 from fastlink.mechanisms.hart.motion import BAR_ERRORS, omega_angle
@@ -70,18 +70,10 @@ def omega_scale(to_outer: Any, to_inner: Any) -> Any:
 
 step(quotient, "half_cosine", "cos(omega/2)", "cos(omega/2)", x="to_outer", y="omega_scale")
 step(quotient, "half_sine", "sin(omega/2)", "sin(omega/2)", x="to_inner", y="omega_scale")
+step(twice_product, "w_y", "sin omega", "Sine of omega", x="half_sine", y="half_cosine")
 
 
-@by_line.quantity(units="1", symbol="sin omega", source=POSITION, internal=True)
-def w_y(half_sine: Any, half_cosine: Any) -> Any:
-    """Sine of omega."""
-    return 2.0 * (half_sine * half_cosine)
-
-
-@by_line.quantity(units="1", symbol="cos omega", source=POSITION, internal=True)
-def w_x(half_sine: Any, half_cosine: Any) -> Any:
-    """Cosine of omega."""
-    return (half_cosine - half_sine) * (half_cosine + half_sine)
+step(square_difference, "w_x", "cos omega", "Cosine of omega", x="half_cosine", y="half_sine")
 
 
 def arm_x(own: Any, other: Any, K: Any, half_sine: Any) -> Any:

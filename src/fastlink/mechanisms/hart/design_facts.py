@@ -11,7 +11,7 @@ from __future__ import annotations
 from typing import Any
 
 from fastlink.mechanisms._shared import lengths
-from fastlink.mechanisms._shared.laws import opposite, product
+from fastlink.mechanisms._shared.laws import opposite, product, size
 from fastlink.mechanisms.hart.inputs import PAGE, hart
 from fastlink.numerics.compensated import (
     UNIT_ROUNDING,
@@ -35,12 +35,7 @@ step(lengths.unit, "unit", "unit", a1="m", a2="n", a3="d", a4="d", units="m")
 step(lengths.scaled, "s_m", "s_m", "scaled length m", length="m")
 step(lengths.scaled, "s_n", "s_n", "scaled length n", length="n")
 step(lengths.scaled, "s_d", "s_d", "scaled length d", length="d")
-
-
-@hart.quantity(units="1", symbol="K", source=NUMERICS, internal=True)
-def K(kappa: Any) -> Any:
-    """Size of kappa."""
-    return abs(kappa)
+step(size, "K", "K", "Size of kappa", x="kappa")
 
 
 @hart.quantity(units="1", symbol="valid", source=NUMERICS, internal=True)

@@ -124,16 +124,9 @@ def fixed_bar_error(x: Any, y: Any, x0: Any, length: Any, longest: Any) -> Any:
     return sqrt(u * u + v * v) - length / longest
 
 
-@hart.quantity(units="m", symbol="|p|", source=NUMERICS, internal=True)
-def size_p(K: Any, n: Any) -> Any:
-    """Length PF."""
-    return K * n
-
-
-@hart.quantity(units="m", symbol="|q|", source=NUMERICS, internal=True)
-def size_q(K: Any, m: Any) -> Any:
-    """Length QF."""
-    return K * m
+step = hart.steps(units="m", source=NUMERICS)
+step(product, "size_p", "|p|", "Length PF", x="K", y="n")
+step(product, "size_q", "|q|", "Length QF", x="K", y="m")
 
 
 def declare_bar(name: str, law: Callable[..., Any], ends: str, **given: str) -> None:

@@ -9,6 +9,7 @@ from __future__ import annotations
 from typing import Any
 
 from fastlink.mechanisms._shared import lengths
+from fastlink.mechanisms._shared.laws import opposite
 from fastlink.mechanisms.minkowski_4r.inputs import LINKS, NUMERICS, minkowski_4r
 from fastlink.numerics.compensated import gap_product_quotient, power_of_two_below, sum_of_four
 
@@ -53,10 +54,7 @@ def product_one(a_one: Any, g_one: Any) -> Any:
     return 2.0 * (a_one * g_one)
 
 
-@minkowski_4r.quantity(units="1", symbol="-s_h", source=SCALING, internal=True)
-def minus_s_h(s_h: Any) -> Any:
-    """Minus the scaled hyperbolic length of the coupler."""
-    return -s_h
+step(opposite, "minus_s_h", "-s_h", "Minus the scaled hyperbolic length of the coupler", x="s_h")
 
 
 def limit(s_a: Any, s_b: Any, s_g: Any, reach: Any, a_one: Any, g_one: Any, valid: Any) -> Any:

@@ -22,16 +22,9 @@ RATES = f"{NUMERICS}#rates"
 
 
 step = planar_4r.steps(units="1", source=RATES)
-step(rates.omega4, "output_ratio", "n_4", "omega4/omega1", mean_rate="mean_ratio", odd_rate="half_H")
-step(
-    rates.alpha4,
-    "output_slope",
-    "n_4'",
-    "derivative of omega4/omega1 by the input angle",
-    mean_acceleration="mean_slope",
-    H_rate="H_slope",
-    kappa_rate="kappa_slope",
-)
+_SLOPE = "derivative of omega4/omega1 by the input angle"
+step(rates.link_rate, "output_ratio", "n_4", "omega4/omega1", share="output_share", **coupler.RATIO)
+step(rates.link_acceleration, "output_slope", "n_4'", _SLOPE, share="output_share", **coupler.SLOPE)
 
 
 @planar_4r.quantity(units="1", symbol="n - 1", source=RATES, internal=True)
@@ -42,16 +35,8 @@ def joint_ratio_2(
     return branch_sign * (half_H * coupler_share) - 0.5 * ((ground_excess + Z) * per_gamma)
 
 
-@planar_4r.quantity(units="1", symbol="n_4 - n", source=RATES, internal=True)
-def joint_ratio_3(H: Any, branch_sign: Any) -> Any:
-    """Rate of the third joint angle over omega1."""
-    return branch_sign * H
-
-
-@planar_4r.quantity(units="1", symbol="-n_4", source=RATES, internal=True)
-def joint_ratio_4(output_ratio: Any) -> Any:
-    """Rate of the fourth joint angle over omega1."""
-    return -output_ratio
+step(product, "joint_ratio_3", "n_4 - n", "Rate of the third joint angle over omega1", x="branch_sign", y="H")
+step(opposite, "joint_ratio_4", "-n_4", "Rate of the fourth joint angle over omega1", x="output_ratio")
 
 
 # -- declared derivatives ------------------------------------------------------------------------------

@@ -14,6 +14,7 @@ from __future__ import annotations
 
 from typing import Any
 
+from fastlink.mechanisms._shared.laws import half, product
 from fastlink.mechanisms.planar_4r import rates
 from fastlink.mechanisms.planar_4r.inputs import HAYES, NUMERICS, planar_4r
 from fastlink.numerics.elementary import sqrt
@@ -30,63 +31,27 @@ def mean_ratio(crank_excess: Any, Z: Any, per_gamma: Any) -> Any:
     return 0.5 * ((crank_excess + Z) * per_gamma)
 
 
-@planar_4r.quantity(units="1", symbol="H/2", source=RATES, internal=True)
-def half_H(H: Any) -> Any:
-    """Half of H."""
-    return 0.5 * H
-
-
-@planar_4r.quantity(units="1", symbol="gamma'/(2 gamma)", source=RATES, internal=True)
-def half_log_rate(log_rate: Any) -> Any:
-    """Half the logarithmic derivative of gamma."""
-    return 0.5 * log_rate
-
-
-@planar_4r.quantity(units="1", symbol="C_0/4", source=RATES, internal=True)
-def quarter_C0(C0: Any) -> Any:
-    """A quarter of C0."""
-    return 0.25 * C0
-
-
-@planar_4r.quantity(units="1", symbol="Z_0/4", source=RATES, internal=True)
-def quarter_Z0(Z0: Any) -> Any:
-    """A quarter of Z0."""
-    return 0.25 * Z0
+def quarter(x: Any) -> Any:
+    """Return x/4."""
+    return 0.25 * x
 
 
 step = planar_4r.steps(units="1", source=RATES)
-step(rates.omega2, "coupler_ratio", "n", "omega2/omega1", mean_rate="mean_ratio", odd_rate="half_H")
-step(
-    rates.mean_acceleration,
-    "mean_slope",
-    "T'/2",
-    "derivative of the mean of the ratios",
-    gamma_rate="half_log_rate",
-)
-step(
-    rates.H_rate,
-    "H_slope",
-    "H'/2",
-    "half the derivative of H",
-    C0_squared_rate="quarter_C0",
-    Z0_squared_rate="quarter_Z0",
-)
-step(
-    rates.kappa_rate,
-    "kappa_slope",
-    "H kappa gamma'/(2 gamma^2)",
-    "half of H times the derivative of -kappa/gamma",
-    gamma_rate="half_log_rate",
-)
-step(
-    rates.alpha2,
-    "coupler_slope",
-    "n'",
-    "derivative of omega2/omega1 by the input angle",
-    mean_acceleration="mean_slope",
-    H_rate="H_slope",
-    kappa_rate="kappa_slope",
-)
+step(half, "half_H", "H/2", "Half of H", x="H")
+step(half, "half_log_rate", "gamma'/(2 gamma)", "Half the logarithmic derivative of gamma", x="log_rate")
+step(quarter, "quarter_C0", "C_0/4", "A quarter of C0", x="C0")
+step(quarter, "quarter_Z0", "Z_0/4", "A quarter of Z0", x="Z0")
+
+RATIO = {"mean_rate": "mean_ratio", "odd_rate": "half_H"}
+SLOPE = {"mean_acceleration": "mean_slope", "H_rate": "H_slope", "kappa_rate": "kappa_slope"}
+_MEAN, _KAPPA = "derivative of the mean of the ratios", "half of H times the derivative of -kappa/gamma"
+_SLOPE = "derivative of omega2/omega1 by the input angle"
+_QUARTERS = {"C0_squared_rate": "quarter_C0", "Z0_squared_rate": "quarter_Z0"}
+step(rates.link_rate, "coupler_ratio", "n", "omega2/omega1", share="coupler_share", **RATIO)
+step(rates.mean_acceleration, "mean_slope", "T'/2", _MEAN, gamma_rate="half_log_rate")
+step(rates.H_rate, "H_slope", "H'/2", "half the derivative of H", **_QUARTERS)
+step(rates.kappa_rate, "kappa_slope", "H kappa gamma'/(2 gamma^2)", _KAPPA, gamma_rate="half_log_rate")
+step(rates.link_acceleration, "coupler_slope", "n'", _SLOPE, share="coupler_share", **SLOPE)
 
 
 @planar_4r.quantity(units="m", symbol="P_x'", source=COUPLER, internal=True)
@@ -119,28 +84,12 @@ def P_ddy(A_y: Any, coupler_ratio_squared: Any, coupler_slope: Any, AP_x: Any, A
     return (coupler_slope * AP_x - coupler_ratio_squared * AP_y) - A_y
 
 
-@planar_4r.quantity(units="m s-1", symbol="v_Px", source=AT_P)
-def P_vx(omega1: Any, P_dx: Any) -> Any:
-    """Velocity of the coupler point, x."""
-    return omega1 * P_dx
-
-
-@planar_4r.quantity(units="m s-1", symbol="v_Py", source=AT_P)
-def P_vy(omega1: Any, P_dy: Any) -> Any:
-    """Velocity of the coupler point, y."""
-    return omega1 * P_dy
-
-
-@planar_4r.quantity(units="m s-2", symbol="a_Px", source=AT_P)
-def P_ax(omega1_squared: Any, P_ddx: Any) -> Any:
-    """Acceleration of the coupler point, x."""
-    return omega1_squared * P_ddx
-
-
-@planar_4r.quantity(units="m s-2", symbol="a_Py", source=AT_P)
-def P_ay(omega1_squared: Any, P_ddy: Any) -> Any:
-    """Acceleration of the coupler point, y."""
-    return omega1_squared * P_ddy
+velocity = planar_4r.quantities(units="m s-1", source=AT_P)
+velocity.vector(product, "P_v*", "v_P*", "Velocity of the coupler point", x="omega1", y="P_d*")
+acceleration = planar_4r.quantities(units="m s-2", source=AT_P)
+acceleration.vector(
+    product, "P_a*", "a_P*", "Acceleration of the coupler point", x="omega1_squared", y="P_dd*"
+)
 
 
 @planar_4r.quantity(units="1", symbol="|P'|", source=COUPLER, internal=True)

@@ -8,7 +8,8 @@ from __future__ import annotations
 
 from typing import Any
 
-from fastlink.mechanisms._shared.laws import same
+from fastlink.mechanisms._shared.laws import same, turned
+from fastlink.mechanisms.planar_4r.forces import THETA1
 from fastlink.mechanisms.planar_4r.inputs import HAYES, planar_4r
 from fastlink.numerics.vectors import cross
 
@@ -17,28 +18,10 @@ UNKNOWNS = ("F41_x", "F41_y", "F21_x", "F21_y", "F32_x", "F32_y", "F43_x", "F43_
 SHAKING = f"{HAYES}, section 5"
 
 
-@planar_4r.quantity(units="m", symbol="OG_1x", source=EQUATION_9, internal=True)
-def OG_x(G1_u: Any, G1_v: Any, cos_theta1: Any, sin_theta1: Any) -> Any:
-    """Mass centre of the crank from O, x."""
-    return G1_u * cos_theta1 - G1_v * sin_theta1
-
-
-@planar_4r.quantity(units="m", symbol="OG_1y", source=EQUATION_9, internal=True)
-def OG_y(G1_u: Any, G1_v: Any, cos_theta1: Any, sin_theta1: Any) -> Any:
-    """Mass centre of the crank from O, y."""
-    return G1_u * sin_theta1 + G1_v * cos_theta1
-
-
-@planar_4r.quantity(units="N", symbol="m_2 a_CG2x", source=EQUATION_9, internal=True)
-def joint_force2_x(p2_x: Any) -> Any:
-    """Sum of the joints' forces on the coupler, x."""
-    return p2_x
-
-
-@planar_4r.quantity(units="N", symbol="m_2 a_CG2y", source=EQUATION_9, internal=True)
-def joint_force2_y(p2_y: Any) -> Any:
-    """Sum of the joints' forces on the coupler, y."""
-    return p2_y
+step = planar_4r.steps(units="N", source=EQUATION_9)
+_G1 = {"u": "G1_u", "v": "G1_v", **THETA1}
+step.vector(turned, "OG_*", "OG_1*", "Mass centre of the crank from O", **_G1, units="m")
+step.vector(same, "joint_force2_*", "m_2 a_CG2*", "Sum of the joints' forces on the coupler", x="p2_*")
 
 
 @planar_4r.quantity(units="N m", symbol="I_CG1 alpha_1", source=EQUATION_9, internal=True)
@@ -114,16 +97,15 @@ def reactions(
     )
 
 
-@planar_4r.quantity(units="N", symbol="F_x", source=SHAKING, variant="dense")
-def shaking_force_x(F41_x: Any, F43_x: Any) -> Any:
-    """Shaking force F14 + F34 on the ground, x."""
-    return -(F41_x + F43_x)
+def on_ground(x: Any, y: Any) -> Any:
+    """Return minus the sum of two forces of the ground."""
+    return -(x + y)
 
 
-@planar_4r.quantity(units="N", symbol="F_y", source=SHAKING, variant="dense")
-def shaking_force_y(F41_y: Any, F43_y: Any) -> Any:
-    """Shaking force F14 + F34 on the ground, y."""
-    return -(F41_y + F43_y)
+force = planar_4r.quantities(units="N", source=SHAKING, variant="dense")
+force.vector(
+    on_ground, "shaking_force_*", "F_*", "Shaking force F14 + F34 on the ground", x="F41_*", y="F43_*"
+)
 
 
 @planar_4r.quantity(units="N m", symbol="M_O", source=SHAKING, variant="dense")

@@ -12,6 +12,7 @@ from collections.abc import Callable
 from typing import Any
 
 from fastlink.catalogue.catalogue import GradedRange
+from fastlink.mechanisms._shared.laws import difference, product
 from fastlink.mechanisms.planar_4r.inputs import NUMERICS, planar_4r
 from fastlink.mechanisms.planar_4r.residuals import IO_PRODUCTS
 from fastlink.numerics.elementary import NOT_A_NUMBER, TWO_PI, atan2, select, sqrt
@@ -141,10 +142,7 @@ def sine_scale(s1: Any, s2: Any, s3: Any, s4: Any) -> Any:
     return 2.0 * (s1 / s2) * (s4 / s3)
 
 
-@planar_4r.quantity(units="1", symbol="sin mu", source=EXTREMES, internal=True)
-def sine_mu(sigma: Any, sine_scale: Any) -> Any:
-    """Sine of the transmission angle."""
-    return sigma * sine_scale
+step(product, "sine_mu", "sin mu", "Sine of the transmission angle", x="sigma", y="sine_scale")
 
 
 def from_end(least: Any, range_width: Any, fraction: Any) -> Any:
@@ -165,10 +163,7 @@ def sin_theta1(side: Any, Z: Any, C: Any) -> Any:
     return side * (2.0 * sqrt(Z * C))
 
 
-@planar_4r.quantity(units="1", symbol="cos theta_1", source=EXTREMES, internal=True, variant="graded")
-def cos_theta1(Z: Any, C: Any) -> Any:
-    """Cosine of the input angle."""
-    return C - Z
+graded(difference, "cos_theta1", "cos theta_1", "Cosine of the input angle", x="C", y="Z")
 
 
 @planar_4r.quantity(units="rad", symbol="theta_1", source=EXTREMES, internal=True, variant="graded")

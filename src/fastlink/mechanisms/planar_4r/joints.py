@@ -13,6 +13,7 @@ from __future__ import annotations
 
 from typing import Any
 
+from fastlink.mechanisms._shared.laws import opposite, same
 from fastlink.mechanisms.planar_4r.inputs import HAYES, planar_4r
 from fastlink.numerics.elementary import INFINITY, NOT_A_NUMBER, atan2, select, sqrt
 
@@ -176,22 +177,12 @@ def joint_alpha_4(alpha4: Any) -> Any:
 # -- for the residuals (factors.py) ------------------------------------------------------------------
 
 
-@planar_4r.quantity(units="1", symbol="sin^2(theta_1/2)", source=JOINTS, internal=True)
-def joint_S1(C: Any) -> Any:
-    """Squared sine of half the first joint angle."""
-    return C
+step = planar_4r.steps(units="1", source=JOINTS)
+step(same, "joint_S1", "sin^2(theta_1/2)", "Squared sine of half the first joint angle", x="C")
+step(same, "joint_C1", "cos^2(theta_1/2)", "Squared cosine of half the first joint angle", x="Z")
 
 
-@planar_4r.quantity(units="1", symbol="cos^2(theta_1/2)", source=JOINTS, internal=True)
-def joint_C1(Z: Any) -> Any:
-    """Squared cosine of half the first joint angle."""
-    return Z
-
-
-@planar_4r.quantity(units="1", symbol="sin(theta_1)/2", source=JOINTS, internal=True)
-def joint_Y1(half_sine: Any) -> Any:
-    """Half the sine of the first joint angle."""
-    return -half_sine
+step(opposite, "joint_Y1", "sin(theta_1)/2", "Half the sine of the first joint angle", x="half_sine")
 
 
 @planar_4r.quantity(units="1", symbol="a_1 a_4/(a_2 a_3)", source=JOINTS, internal=True)

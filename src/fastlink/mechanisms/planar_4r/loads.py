@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from fastlink.mechanisms._shared.laws import product, same
+from fastlink.mechanisms._shared.laws import moment, product, same, turned
 from fastlink.mechanisms.planar_4r import dense, forces, shaking  # noqa: F401 (declare what is replaced)
 from fastlink.mechanisms.planar_4r.inputs import HAYES, build_on, less, planar_4r, plus
 from fastlink.numerics.vectors import cross
@@ -35,13 +35,8 @@ load(COUPLER_FORCE, "FP_x", "N", "F_Px", "load on the coupler point P, x")
 load(COUPLER_FORCE, "FP_y", "N", "F_Py", "load on the coupler point P, y")
 load(OUTPUT_TORQUE, "T_load", "N m", "T_0", "load torque on the output link, constant part")
 load(OUTPUT_TORQUE, "T_load_linear", "N m s", "T_1", "load torque on the output link over omega4")
-load(
-    OUTPUT_TORQUE,
-    "T_load_quadratic",
-    "N m s2",
-    "T_2",
-    "load torque on the output link over omega4 |omega4|",
-)
+_QUADRATIC = "load torque on the output link over omega4 |omega4|"
+load(OUTPUT_TORQUE, "T_load_quadratic", "N m s2", "T_2", _QUADRATIC)
 load(MOMENT_POINT, "M_x", "m", "M_x", "point of reference of shaking_moment_at, x")
 load(MOMENT_POINT, "M_y", "m", "M_y", "point of reference of shaking_moment_at, y")
 
@@ -56,16 +51,8 @@ step(product, "m1_G1_u", "m_1 G_1u", "mass times centre of the crank, along", x=
 step(product, "m1_G1_v", "m_1 G_1v", "mass times centre of the crank, across", x="m1", y="G1_v")
 
 
-@planar_4r.quantity(units="kg m", symbol="m_1 OG_1x", source=LOADS, internal=True)
-def m1_OG_x(m1_G1_u: Any, m1_G1_v: Any, cos_theta1: Any, sin_theta1: Any) -> Any:
-    """Mass times centre of the crank from O, x."""
-    return m1_G1_u * cos_theta1 - m1_G1_v * sin_theta1
-
-
-@planar_4r.quantity(units="kg m", symbol="m_1 OG_1y", source=LOADS, internal=True)
-def m1_OG_y(m1_G1_u: Any, m1_G1_v: Any, cos_theta1: Any, sin_theta1: Any) -> Any:
-    """Mass times centre of the crank from O, y."""
-    return m1_G1_u * sin_theta1 + m1_G1_v * cos_theta1
+_G1 = {"u": "m1_G1_u", "v": "m1_G1_v", **forces.THETA1}
+step.vector(turned, "m1_OG_*", "m_1 OG_1*", "Mass times centre of the crank from O", **_G1)
 
 
 # -- gravity --------------------------------------------------------------------------------------
@@ -76,17 +63,10 @@ def less_weight(replaced: Any, mass: Any, gravity: Any) -> Any:
     return replaced - mass * gravity
 
 
-build_on(GRAVITY, "p1_x", less_weight, mass="mass1", gravity="gravity_x")
-build_on(GRAVITY, "p1_y", less_weight, mass="mass1", gravity="gravity_y")
-build_on(GRAVITY, "p2_x", less_weight, mass="m2", gravity="gravity_x")
-build_on(GRAVITY, "p2_y", less_weight, mass="m2", gravity="gravity_y")
-build_on(GRAVITY, "p3_x", less_weight, mass="mass3", gravity="gravity_x")
-build_on(GRAVITY, "p3_y", less_weight, mass="mass3", gravity="gravity_y")
-
-
-def weight_moment(x: Any, y: Any, gravity_x: Any, gravity_y: Any) -> Any:
-    """Moment of a link's weight about its fixed pivot."""
-    return cross(x, y, gravity_x, gravity_y)
+for _xy in "xy":
+    build_on(GRAVITY, f"p1_{_xy}", less_weight, mass="mass1", gravity=f"gravity_{_xy}")
+    build_on(GRAVITY, f"p2_{_xy}", less_weight, mass="m2", gravity=f"gravity_{_xy}")
+    build_on(GRAVITY, f"p3_{_xy}", less_weight, mass="mass3", gravity=f"gravity_{_xy}")
 
 
 def pull_less(replaced: Any, further: Any, unit_per_2_a1_a4: Any, per_sigma: Any, branch_sign: Any) -> Any:
@@ -95,22 +75,10 @@ def pull_less(replaced: Any, further: Any, unit_per_2_a1_a4: Any, per_sigma: Any
 
 
 step = planar_4r.steps(units="N m", source=LOADS, variant=GRAVITY)
-step(
-    weight_moment,
-    "weight_moment1",
-    "OG_1 x m_1 g",
-    "Moment of the crank's weight about O",
-    x="m1_OG_x",
-    y="m1_OG_y",
-)
-step(
-    weight_moment,
-    "weight_moment3",
-    "DG_3 x m_3 g",
-    "Moment of the output link's weight about D",
-    x="m3_DG_x",
-    y="m3_DG_y",
-)
+_G1, _G3 = {"x": "m1_OG_x", "y": "m1_OG_y"}, {"x": "m3_DG_x", "y": "m3_DG_y"}
+_G = {"F_x": "gravity_x", "F_y": "gravity_y"}
+step(moment, "weight_moment1", "OG_1 x m_1 g", "Moment of the crank's weight about O", **_G1, **_G)
+step(moment, "weight_moment3", "DG_3 x m_3 g", "Moment of the output link's weight about D", **_G3, **_G)
 
 build_on(GRAVITY, "pull_along_AB", pull_less, further="weight_moment3")
 build_on(GRAVITY, "spin_rate3", less, further="weight_moment3")
@@ -121,16 +89,12 @@ build_on(GRAVITY, "shaking_moment", plus, further="weight_moment1")
 # -- force on the coupler point -------------------------------------------------------------------
 
 
-@planar_4r.quantity(units="N m", symbol="AP x F_P", source=LOADS, internal=True, variant=COUPLER_FORCE)
-def load_moment_A(AP_x: Any, AP_y: Any, FP_x: Any, FP_y: Any) -> Any:
-    """Moment of the load on the coupler point about A."""
-    return cross(AP_x, AP_y, FP_x, FP_y)
-
-
-@planar_4r.quantity(units="N m", symbol="A x F_P", source=LOADS, internal=True, variant=COUPLER_FORCE)
-def load_moment_of_A(A_x: Any, A_y: Any, FP_x: Any, FP_y: Any) -> Any:
-    """Moment about O of the load on the coupler point, were it to act in A."""
-    return cross(A_x, A_y, FP_x, FP_y)
+_AP, _A = {"x": "AP_x", "y": "AP_y"}, {"x": "A_x", "y": "A_y"}
+_FP = {"F_x": "FP_x", "F_y": "FP_y"}
+_ABOUT_O = "Moment about O of the load on the coupler point, were it to act in A"
+step = planar_4r.steps(units="N m", source=LOADS, variant=COUPLER_FORCE)
+step(moment, "load_moment_A", "AP x F_P", "Moment of the load on the coupler point about A", **_AP, **_FP)
+step(moment, "load_moment_of_A", "A x F_P", _ABOUT_O, **_A, **_FP)
 
 
 @planar_4r.quantity(units="N m", symbol="G_2P x F_P", source=LOADS, internal=True, variant=COUPLER_FORCE)

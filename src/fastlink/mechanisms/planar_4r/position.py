@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from typing import Any
 
+from fastlink.mechanisms._shared.laws import angle, opposite_product, product, quotient, total, turned
 from fastlink.mechanisms.planar_4r.inputs import HAYES, NUMERICS, planar_4r
 from fastlink.numerics.elementary import atan2, cos, select, sin, sqrt
 from fastlink.numerics.vectors import largest
@@ -77,28 +78,19 @@ def AD_x(a1: Any, a4: Any, Z: Any) -> Any:
     return (a4 - a1) + 2.0 * a1 * Z
 
 
-@planar_4r.quantity(units="m", symbol="A_x", source=f"{HAYES}, Fig. 2")
-def A_x(a1: Any, cos_theta1: Any) -> Any:
-    """Moving pivot A, x."""
-    return a1 * cos_theta1
+point = planar_4r.quantities(units="m", source=f"{HAYES}, Fig. 2")
+point(product, "A_x", "A_x", "Moving pivot A, x", x="a1", y="cos_theta1")
+point(product, "A_y", "A_y", "Moving pivot A, y", x="a1", y="sin_theta1")
 
 
-@planar_4r.quantity(units="m", symbol="A_y", source=f"{HAYES}, Fig. 2")
-def A_y(a1: Any, sin_theta1: Any) -> Any:
-    """Moving pivot A, y."""
-    return a1 * sin_theta1
+def foot_along(p: Any, offset: Any, per_gamma: Any) -> Any:
+    """Foot of B on AD from one of its ends, over |AD|."""
+    return (0.5 * p + offset) * per_gamma
 
 
-@planar_4r.quantity(units="1", symbol="f_2", source=POSITION, internal=True)
-def coupler_along(p: Any, coupler_offset: Any, per_gamma: Any) -> Any:
-    """Foot of B on AD, from A, over |AD|."""
-    return (0.5 * p + coupler_offset) * per_gamma
-
-
-@planar_4r.quantity(units="1", symbol="f_3", source=POSITION, internal=True)
-def output_along(p: Any, output_offset: Any, per_gamma: Any) -> Any:
-    """Foot of B on AD, from D, over |AD|."""
-    return (0.5 * p + output_offset) * per_gamma
+step = planar_4r.steps(units="1", source=POSITION)
+step(foot_along, "coupler_along", "f_2", "Foot of B on AD, from A, over |AD|", offset="coupler_offset")
+step(foot_along, "output_along", "f_3", "Foot of B on AD, from D, over |AD|", offset="output_offset")
 
 
 @planar_4r.quantity(units="1", symbol="h", source=POSITION, internal=True)
@@ -107,137 +99,38 @@ def height(sigma: Any, per_gamma: Any) -> Any:
     return 0.5 * sigma * per_gamma
 
 
-@planar_4r.quantity(units="m", symbol="AF_x", source=POSITION, internal=True)
-def along_AB_x(coupler_along: Any, AD_x: Any) -> Any:
-    """Foot of B on AD from A, x."""
-    return coupler_along * AD_x
+def beside(foot: Any, across: Any, branch_sign: Any) -> Any:
+    """Return a component of B, from its foot on AD."""
+    return foot + branch_sign * across
 
 
-@planar_4r.quantity(units="m", symbol="AF_y", source=POSITION, internal=True)
-def along_AB_y(coupler_along: Any, A_y: Any) -> Any:
-    """Foot of B on AD from A, y."""
-    return -(coupler_along * A_y)
+step = planar_4r.steps(units="m", source=POSITION)
+step(product, "along_AB_x", "AF_x", "Foot of B on AD from A, x", x="coupler_along", y="AD_x")
+step(opposite_product, "along_AB_y", "AF_y", "Foot of B on AD from A, y", x="coupler_along", y="A_y")
+step(opposite_product, "along_DB_x", "DF_x", "Foot of B on AD from D, x", x="output_along", y="AD_x")
+step(product, "along_DB_y", "DF_y", "Foot of B on AD from D, y", x="output_along", y="A_y")
+step(product, "across_x", "FB_x", "From the foot to B in branch 2, x", x="height", y="A_y")
+step(product, "across_y", "FB_y", "From the foot to B in branch 2, y", x="height", y="AD_x")
+step.vector(beside, "AB_*", "AB_*", "Vector from A to B", foot="along_AB_*", across="across_*")
+step.vector(beside, "DB_*", "DB_*", "Vector from D to B", foot="along_DB_*", across="across_*")
+step.vector(total, "foot_*", "F_*", "Foot of B on AD, the same in both branches", x="A_*", y="along_AB_*")
+point.vector(beside, "B_*", "B_*", "Moving pivot B", foot="foot_*", across="across_*")
 
 
-@planar_4r.quantity(units="m", symbol="DF_x", source=POSITION, internal=True)
-def along_DB_x(output_along: Any, AD_x: Any) -> Any:
-    """Foot of B on AD from D, x."""
-    return -(output_along * AD_x)
+AB = {"x": "AB_x", "y": "AB_y"}
+step(quotient, "P_along", "P_u/a_2", "Coupler point along AB, over its length", x="P_u", y="a2", units="1")
+step(quotient, "P_across", "P_v/a_2", "Coupler point across AB, over its length", x="P_v", y="a2", units="1")
+step.vector(turned, "AP_*", "AP_*", "Vector from A to the coupler point", u="P_along", v="P_across", **AB)
+point.vector(total, "P_*", "P_*", "Coupler point P", x="A_*", y="AP_*")
 
 
-@planar_4r.quantity(units="m", symbol="DF_y", source=POSITION, internal=True)
-def along_DB_y(output_along: Any, A_y: Any) -> Any:
-    """Foot of B on AD from D, y."""
-    return output_along * A_y
-
-
-@planar_4r.quantity(units="m", symbol="FB_x", source=POSITION, internal=True)
-def across_x(height: Any, A_y: Any) -> Any:
-    """From the foot to B in branch 2, x."""
-    return height * A_y
-
-
-@planar_4r.quantity(units="m", symbol="FB_y", source=POSITION, internal=True)
-def across_y(height: Any, AD_x: Any) -> Any:
-    """From the foot to B in branch 2, y."""
-    return height * AD_x
-
-
-@planar_4r.quantity(units="m", symbol="AB_x", source=POSITION, internal=True)
-def AB_x(along_AB_x: Any, across_x: Any, branch_sign: Any) -> Any:
-    """Vector from A to B, x."""
-    return along_AB_x + branch_sign * across_x
-
-
-@planar_4r.quantity(units="m", symbol="AB_y", source=POSITION, internal=True)
-def AB_y(along_AB_y: Any, across_y: Any, branch_sign: Any) -> Any:
-    """Vector from A to B, y."""
-    return along_AB_y + branch_sign * across_y
-
-
-@planar_4r.quantity(units="m", symbol="DB_x", source=POSITION, internal=True)
-def DB_x(along_DB_x: Any, across_x: Any, branch_sign: Any) -> Any:
-    """Vector from D to B, x."""
-    return along_DB_x + branch_sign * across_x
-
-
-@planar_4r.quantity(units="m", symbol="DB_y", source=POSITION, internal=True)
-def DB_y(along_DB_y: Any, across_y: Any, branch_sign: Any) -> Any:
-    """Vector from D to B, y."""
-    return along_DB_y + branch_sign * across_y
-
-
-@planar_4r.quantity(units="m", symbol="F_x", source=POSITION, internal=True)
-def foot_x(A_x: Any, along_AB_x: Any) -> Any:
-    """Foot of B on AD, the same in both branches, x."""
-    return A_x + along_AB_x
-
-
-@planar_4r.quantity(units="m", symbol="F_y", source=POSITION, internal=True)
-def foot_y(A_y: Any, along_AB_y: Any) -> Any:
-    """Foot of B on AD, the same in both branches, y."""
-    return A_y + along_AB_y
-
-
-@planar_4r.quantity(units="m", symbol="B_x", source=f"{HAYES}, Fig. 2")
-def B_x(foot_x: Any, across_x: Any, branch_sign: Any) -> Any:
-    """Moving pivot B, x."""
-    return foot_x + branch_sign * across_x
-
-
-@planar_4r.quantity(units="m", symbol="B_y", source=f"{HAYES}, Fig. 2")
-def B_y(foot_y: Any, across_y: Any, branch_sign: Any) -> Any:
-    """Moving pivot B, y."""
-    return foot_y + branch_sign * across_y
-
-
-@planar_4r.quantity(units="1", symbol="P_u/a_2", source=POSITION, internal=True)
-def P_along(P_u: Any, a2: Any) -> Any:
-    """Coupler point along AB, over its length."""
-    return P_u / a2
-
-
-@planar_4r.quantity(units="1", symbol="P_v/a_2", source=POSITION, internal=True)
-def P_across(P_v: Any, a2: Any) -> Any:
-    """Coupler point across AB, over its length."""
-    return P_v / a2
-
-
-@planar_4r.quantity(units="m", symbol="AP_x", source=POSITION, internal=True)
-def AP_x(AB_x: Any, AB_y: Any, P_along: Any, P_across: Any) -> Any:
-    """Vector from A to the coupler point, x."""
-    return P_along * AB_x - P_across * AB_y
-
-
-@planar_4r.quantity(units="m", symbol="AP_y", source=POSITION, internal=True)
-def AP_y(AB_x: Any, AB_y: Any, P_along: Any, P_across: Any) -> Any:
-    """Vector from A to the coupler point, y."""
-    return P_along * AB_y + P_across * AB_x
-
-
-@planar_4r.quantity(units="m", symbol="P_x", source=f"{HAYES}, Fig. 2")
-def P_x(A_x: Any, AP_x: Any) -> Any:
-    """Coupler point P, x."""
-    return A_x + AP_x
-
-
-@planar_4r.quantity(units="m", symbol="P_y", source=f"{HAYES}, Fig. 2")
-def P_y(A_y: Any, AP_y: Any) -> Any:
-    """Coupler point P, y."""
-    return A_y + AP_y
-
-
-@planar_4r.quantity(units="rad", symbol="theta_2", source=f"{HAYES}, eq. (2)")
-def theta2(AB_x: Any, AB_y: Any) -> Any:
-    """Direction of the coupler AB in the ground frame."""
-    # + 0.0 turns -0.0 into 0.0, so that the straight angle is pi and never -pi.
-    return atan2(AB_y + 0.0, AB_x)
-
-
-@planar_4r.quantity(units="rad", symbol="theta_4", source=f"{HAYES}, eq. (1)")
-def theta4(DB_x: Any, DB_y: Any) -> Any:
-    """Direction of the output link DB in the ground frame."""
-    return atan2(DB_y + 0.0, DB_x)
+direction = planar_4r.quantities(units="rad", source=f"{HAYES}, eq. (1)")
+_AB, _DB = (
+    "Direction of the coupler AB in the ground frame",
+    "Direction of the output link DB in the ground frame",
+)
+direction(angle, "theta2", "theta_2", _AB, x="AB_x", y="AB_y", source=f"{HAYES}, eq. (2)")
+direction(angle, "theta4", "theta_4", _DB, x="DB_x", y="DB_y")
 
 
 @planar_4r.quantity(units="rad", symbol="mu", source=POSITION)
@@ -246,20 +139,17 @@ def transmission_angle(p: Any, q: Any) -> Any:
     return 2.0 * atan2(sqrt(p), sqrt(q))
 
 
-@planar_4r.quantity(units="m", symbol="|AB|", source=POSITION, internal=True)
-def coupler_length(AB_x: Any, AB_y: Any, lift: Any, unit: Any) -> Any:
-    """Length of the computed coupler vector, scaled."""
-    x = AB_x * lift / unit
-    y = AB_y * lift / unit
-    return sqrt(x * x + y * y)
+def scaled_norm(x: Any, y: Any, lift: Any, unit: Any) -> Any:
+    """Length of a vector, scaled."""
+    u = x * lift / unit
+    v = y * lift / unit
+    return sqrt(u * u + v * v)
 
 
-@planar_4r.quantity(units="m", symbol="|DB|", source=POSITION, internal=True)
-def output_length(DB_x: Any, DB_y: Any, lift: Any, unit: Any) -> Any:
-    """Length of the computed output vector, scaled."""
-    x = DB_x * lift / unit
-    y = DB_y * lift / unit
-    return sqrt(x * x + y * y)
+step(
+    scaled_norm, "coupler_length", "|AB|", "Length of the computed coupler vector, scaled", x="AB_x", y="AB_y"
+)
+step(scaled_norm, "output_length", "|DB|", "Length of the computed output vector, scaled", x="DB_x", y="DB_y")
 
 
 @planar_4r.quantity(units="1", symbol="e_x", source=POSITION, internal=True)

@@ -13,7 +13,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from fastlink.mechanisms._shared.laws import product
+from fastlink.mechanisms._shared.laws import half, product
 from fastlink.mechanisms.planar_4r.inputs import HAYES, NUMERICS, planar_4r
 
 RATES = f"{NUMERICS}#rates"
@@ -25,16 +25,9 @@ def per_sigma(sigma: Any) -> Any:
     return 1.0 / sigma
 
 
-@planar_4r.quantity(units="1", symbol="sin(theta_1)/2", source=RATES, internal=True)
-def half_sine(sin_theta1: Any) -> Any:
-    """Derivative of gamma by the input angle."""
-    return 0.5 * sin_theta1
-
-
-@planar_4r.quantity(units="rad s-1", symbol="omega_1/2", source=RATES, internal=True)
-def half_omega1(omega1: Any) -> Any:
-    """Half the input speed."""
-    return 0.5 * omega1
+step = planar_4r.steps(units="1", source=RATES)
+step(half, "half_sine", "sin(theta_1)/2", "Derivative of gamma by the input angle", x="sin_theta1")
+step(half, "half_omega1", "omega_1/2", "Half the input speed", x="omega1", units="rad s-1")
 
 
 @planar_4r.quantity(units="rad2 s-2", symbol="omega_1^2/2", source=RATES, internal=True)
@@ -49,10 +42,7 @@ def mean_rate(half_omega1: Any, crank_excess: Any, Z: Any, per_gamma: Any) -> An
     return half_omega1 * ((crank_excess + Z) * per_gamma)
 
 
-@planar_4r.quantity(units="1", symbol="H", source=RATES, internal=True)
-def H(half_sine: Any, per_sigma: Any) -> Any:
-    """Part of the ratios that changes sign with the branch."""
-    return half_sine * per_sigma
+step(product, "H", "H", "Part of the ratios that changes sign with the branch", x="half_sine", y="per_sigma")
 
 
 @planar_4r.quantity(units="rad s-1", symbol="omega_1 H/2", source=RATES, internal=True)
@@ -61,10 +51,7 @@ def odd_rate(half_omega1: Any, H: Any) -> Any:
     return half_omega1 * H
 
 
-@planar_4r.quantity(units="1", symbol="kappa/gamma", source=RATES, internal=True)
-def kappa_per_gamma(kappa: Any, per_gamma: Any) -> Any:
-    """(a2^2 - a3^2)/|AD|^2."""
-    return kappa * per_gamma
+step(product, "kappa_per_gamma", "kappa/gamma", "(a2^2 - a3^2)/|AD|^2", x="kappa", y="per_gamma")
 
 
 @planar_4r.quantity(units="1", symbol="1 + kappa/gamma", source=RATES, internal=True)
@@ -79,16 +66,15 @@ def coupler_share(kappa_per_gamma: Any) -> Any:
     return kappa_per_gamma - 1.0
 
 
-@planar_4r.quantity(units="rad s-1", symbol="omega_4", source=f"{HAYES}, eq. (7)")
-def omega4(mean_rate: Any, odd_rate: Any, output_share: Any, branch_sign: Any) -> Any:
-    """Angular velocity of the output link."""
-    return mean_rate + branch_sign * (odd_rate * output_share)
+def link_rate(mean_rate: Any, odd_rate: Any, share: Any, branch_sign: Any) -> Any:
+    """Angular velocity of a link, or its ratio to that of the crank."""
+    return mean_rate + branch_sign * (odd_rate * share)
 
 
-@planar_4r.quantity(units="rad s-1", symbol="omega_2", source=f"{HAYES}, eq. (7) for the pair 1-2")
-def omega2(mean_rate: Any, odd_rate: Any, coupler_share: Any, branch_sign: Any) -> Any:
-    """Angular velocity of the coupler."""
-    return mean_rate + branch_sign * (odd_rate * coupler_share)
+rate = planar_4r.quantities(units="rad s-1", source=f"{HAYES}, eq. (7)")
+rate(link_rate, "omega4", "omega_4", "Angular velocity of the output link", share="output_share")
+rate = planar_4r.quantities(units="rad s-1", source=f"{HAYES}, eq. (7) for the pair 1-2")
+rate(link_rate, "omega2", "omega_2", "Angular velocity of the coupler", share="coupler_share")
 
 
 @planar_4r.quantity(units="rad2 s-2", symbol="omega_1^2 gamma'/(2 gamma)", source=RATES, internal=True)
@@ -103,16 +89,15 @@ def mean_acceleration(epsilon: Any, gamma_rate: Any, per_gamma: Any) -> Any:
     return -((epsilon * gamma_rate) * per_gamma)
 
 
-@planar_4r.quantity(units="rad2 s-2", symbol="omega_1^2 C_0/4", source=RATES, internal=True)
-def C0_squared_rate(C0: Any, half_omega1_squared: Any) -> Any:
-    """C0 times a quarter of the squared input speed."""
-    return 0.5 * half_omega1_squared * C0
+def squared_rate(limit: Any, half_omega1_squared: Any) -> Any:
+    """Return a squared sine or cosine times a quarter of the squared input speed."""
+    return 0.5 * half_omega1_squared * limit
 
 
-@planar_4r.quantity(units="rad2 s-2", symbol="omega_1^2 Z_0/4", source=RATES, internal=True)
-def Z0_squared_rate(Z0: Any, half_omega1_squared: Any) -> Any:
-    """Z0 times a quarter of the squared input speed."""
-    return 0.5 * half_omega1_squared * Z0
+step = planar_4r.steps(units="rad2 s-2", source=RATES)
+_TIMES = "times a quarter of the squared input speed"
+step(squared_rate, "C0_squared_rate", "omega_1^2 C_0/4", f"C0 {_TIMES}", limit="C0")
+step(squared_rate, "Z0_squared_rate", "omega_1^2 Z_0/4", f"Z0 {_TIMES}", limit="Z0")
 
 
 @planar_4r.quantity(units="rad s-2", symbol="omega_1^2 H'/2", source=RATES, internal=True)
@@ -129,16 +114,17 @@ def kappa_rate(H: Any, kappa_per_gamma: Any, gamma_rate: Any) -> Any:
     return (H * kappa_per_gamma) * gamma_rate
 
 
-@planar_4r.quantity(units="rad s-2", symbol="alpha_4", source=f"{HAYES}, eq. (8)")
-def alpha4(mean_acceleration: Any, H_rate: Any, output_share: Any, kappa_rate: Any, branch_sign: Any) -> Any:
-    """Angular acceleration of the output link."""
-    return mean_acceleration + branch_sign * (H_rate * output_share - kappa_rate)
+def link_acceleration(
+    mean_acceleration: Any, H_rate: Any, share: Any, kappa_rate: Any, branch_sign: Any
+) -> Any:
+    """Angular acceleration of a link, or the derivative of its ratio."""
+    return mean_acceleration + branch_sign * (H_rate * share - kappa_rate)
 
 
-@planar_4r.quantity(units="rad s-2", symbol="alpha_2", source=f"{HAYES}, eq. (8) for the pair 1-2")
-def alpha2(mean_acceleration: Any, H_rate: Any, coupler_share: Any, kappa_rate: Any, branch_sign: Any) -> Any:
-    """Angular acceleration of the coupler."""
-    return mean_acceleration + branch_sign * (H_rate * coupler_share - kappa_rate)
+rate = planar_4r.quantities(units="rad s-2", source=f"{HAYES}, eq. (8)")
+rate(link_acceleration, "alpha4", "alpha_4", "Angular acceleration of the output link", share="output_share")
+rate = planar_4r.quantities(units="rad s-2", source=f"{HAYES}, eq. (8) for the pair 1-2")
+rate(link_acceleration, "alpha2", "alpha_2", "Angular acceleration of the coupler", share="coupler_share")
 
 
 @planar_4r.quantity(units="1", symbol="gamma'/gamma", source=RATES, internal=True)
@@ -180,20 +166,11 @@ def bend(mean_bend: Any, H_bend: Any, share: Any, kappa_bend: Any, branch_sign: 
 
 
 step = planar_4r.steps(units="1", source=RATES)
-step(
-    bend,
-    "output_bend",
-    "n_4''",
-    "second derivative of omega4/omega1 by the input angle",
-    share="output_share",
+_OUTPUT, _COUPLER = (
+    f"second derivative of {omega}/omega1 by the input angle" for omega in ("omega4", "omega2")
 )
-step(
-    bend,
-    "coupler_bend",
-    "n''",
-    "second derivative of omega2/omega1 by the input angle",
-    share="coupler_share",
-)
+step(bend, "output_bend", "n_4''", _OUTPUT, share="output_share")
+step(bend, "coupler_bend", "n''", _COUPLER, share="coupler_share")
 
 
 @planar_4r.quantity(units="rad3 s-3", symbol="omega_1^3", source=RATES, internal=True)
@@ -204,12 +181,5 @@ def omega1_cubed(omega1_squared: Any, omega1: Any) -> Any:
 
 jerk = planar_4r.quantities(units="rad s-3", source=f"{HAYES}, eq. (8), differentiated")
 jerk(product, "jerk4", "jerk_4", "Angular jerk of the output link", x="omega1_cubed", y="output_bend")
-jerk(
-    product,
-    "jerk2",
-    "jerk_2",
-    "Angular jerk of the coupler",
-    x="omega1_cubed",
-    y="coupler_bend",
-    source=f"{HAYES}, eq. (8) for the pair 1-2, differentiated",
-)
+jerk = planar_4r.quantities(units="rad s-3", source=f"{HAYES}, eq. (8) for the pair 1-2, differentiated")
+jerk(product, "jerk2", "jerk_2", "Angular jerk of the coupler", x="omega1_cubed", y="coupler_bend")

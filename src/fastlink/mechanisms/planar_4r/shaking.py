@@ -7,34 +7,24 @@ from __future__ import annotations
 
 from typing import Any
 
-from fastlink.mechanisms.planar_4r.forces import CENTRES, force_magnitude
+from fastlink.mechanisms._shared.laws import norm, turned
+from fastlink.mechanisms.planar_4r.forces import CENTRES, DB
 from fastlink.mechanisms.planar_4r.inputs import HAYES, planar_4r
 from fastlink.numerics.vectors import cross
 
 SHAKING = f"{HAYES}, section 5"
 
 
-@planar_4r.quantity(units="N", symbol="F_x", source=SHAKING)
-def shaking_force_x(p1_x: Any, p2_x: Any, p3_x: Any) -> Any:
-    """Shaking force F14 + F34 on the ground, x."""
-    return -(p1_x + p2_x + p3_x)
-
-
-@planar_4r.quantity(units="N", symbol="F_y", source=SHAKING)
-def shaking_force_y(p1_y: Any, p2_y: Any, p3_y: Any) -> Any:
-    """Shaking force F14 + F34 on the ground, y."""
-    return -(p1_y + p2_y + p3_y)
+def minus_sum(p1: Any, p2: Any, p3: Any) -> Any:
+    """Return minus the rate of momentum of all links."""
+    return -(p1 + p2 + p3)
 
 
 force = planar_4r.quantities(units="N", source=SHAKING)
-force(
-    force_magnitude,
-    "shaking_force",
-    "|F|",
-    "Shaking force on the ground, magnitude",
-    x="shaking_force_x",
-    y="shaking_force_y",
-)
+_P = {f"p{link}": f"p{link}_*" for link in (1, 2, 3)}
+_NET = {"x": "shaking_force_x", "y": "shaking_force_y"}
+force.vector(minus_sum, "shaking_force_*", "F_*", "Shaking force F14 + F34 on the ground", **_P)
+force(norm, "shaking_force", "|F|", "Shaking force on the ground, magnitude", **_NET)
 
 
 @planar_4r.quantity(units="N m", symbol="dL_2/dt", source=SHAKING, internal=True)
@@ -61,16 +51,9 @@ def shaking_moment_at(shaking_moment: Any) -> Any:
     return shaking_moment
 
 
-@planar_4r.quantity(units="m", symbol="DG_3x", source=CENTRES, internal=True)
-def DG_x(G3_along: Any, G3_across: Any, DB_x: Any, DB_y: Any) -> Any:
-    """Mass centre of the output link from D, x."""
-    return G3_along * DB_x - G3_across * DB_y
-
-
-@planar_4r.quantity(units="m", symbol="DG_3y", source=CENTRES, internal=True)
-def DG_y(G3_along: Any, G3_across: Any, DB_x: Any, DB_y: Any) -> Any:
-    """Mass centre of the output link from D, y."""
-    return G3_along * DB_y + G3_across * DB_x
+_G3 = {"u": "G3_along", "v": "G3_across", **DB}
+centre = planar_4r.steps(units="m", source=CENTRES)
+centre.vector(turned, "DG_*", "DG_3*", "Mass centre of the output link from D", **_G3)
 
 
 @planar_4r.quantity(units="m2", symbol="DG_3 x DB", source=CENTRES, internal=True)

@@ -8,6 +8,7 @@ from __future__ import annotations
 from typing import Any
 
 from fastlink.catalogue.catalogue import GradedRange
+from fastlink.mechanisms._shared.laws import difference, product
 from fastlink.mechanisms.planar_4r import graded as planar
 from fastlink.mechanisms.slider_crank.inputs import PAGE, slider_crank
 from fastlink.numerics.elementary import ANGLE_ROUNDING, NOT_A_NUMBER, PI, TWO_PI, atan2, select, sqrt
@@ -79,14 +80,14 @@ def minus_cosine(side: Any, Z: Any, C: Any) -> Any:
     return -side * (2.0 * sqrt(Z * C))
 
 
-step(planar.sine_mu, "sine_mu", "sin mu")
+step(product, "sine_mu", "sin mu", "Sine of the transmission angle", x="sigma", y="sine_scale")
 
 place = slider_crank.steps(units="1", source=EXTREMES, variant="graded")
 for _name, _fraction in (("Z", "from_low"), ("p", "from_low"), ("C", "from_high"), ("q", "from_high")):
     _meaning = f"{_name} at a place of the graded range"
     place(planar.from_end, _name, _name, _meaning, least=f"{_name}_least", fraction=_fraction)
 place(minus_cosine, "cos_theta", "cos theta")
-place(planar.cos_theta1, "sin_theta", "sin theta", "Sine of the crank angle")
+place(difference, "sin_theta", "sin theta", "Sine of the crank angle", x="C", y="Z")
 
 
 @slider_crank.quantity(units="rad", symbol="theta", source=EXTREMES, internal=True, variant="graded")

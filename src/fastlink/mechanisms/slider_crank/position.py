@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from fastlink.mechanisms._shared.laws import product
+from fastlink.mechanisms._shared.laws import difference, product
 from fastlink.mechanisms.planar_4r import position as planar
 from fastlink.mechanisms.slider_crank.inputs import PAGE, slider_crank
 from fastlink.numerics.elementary import atan2, cos, select, sin, sqrt
@@ -71,10 +71,7 @@ def AB_x(r: Any, sigma: Any, branch_sign: Any) -> Any:
     return branch_sign * (2.0 * (r * sigma))
 
 
-@slider_crank.quantity(units="m", symbol="AB_y", source=POSITION, internal=True)
-def AB_y(e: Any, A_y: Any) -> Any:
-    """Vector from A to B, y."""
-    return e - A_y
+step(difference, "AB_y", "AB_y", "Vector from A to B, y", x="e", y="A_y", units="m")
 
 
 @slider_crank.quantity(units="1", symbol="AB_y/r", source=POSITION, internal=True)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from fastlink.mechanisms.planar_4r.forces import force_magnitude
+from fastlink.mechanisms._shared.laws import norm
 from fastlink.mechanisms.slider_crank import forces  # noqa: F401 (declare the rates of momentum)
 from fastlink.mechanisms.slider_crank.inputs import HAYES, PAGE, slider_crank
 
@@ -25,7 +25,7 @@ def shaking_force_y(p1_y: Any, p2_y: Any) -> Any:
 
 whole = slider_crank.quantities(units="N", source=SHAKING)
 _x, _y = "shaking_force_x", "shaking_force_y"
-whole(force_magnitude, "shaking_force", "|F|", "Shaking force on the ground, magnitude", x=_x, y=_y)
+whole(norm, "shaking_force", "|F|", "Shaking force on the ground, magnitude", x=_x, y=_y)
 
 
 @slider_crank.quantity(units="N m", symbol="dL_2/dt", source=SHAKING, internal=True)
