@@ -232,7 +232,7 @@ def test_a_table_without_a_derivative_is_a_fault_of_the_mechanism():
         """Twice."""
         return 2.0 * s
 
-    with pytest.raises(CatalogueError, match="table s has no declared derivative by theta"):
+    with pytest.raises(CatalogueError, match="table s has no declared derivative with respect to theta"):
         made.resolve("d_b_d_theta")
 
 

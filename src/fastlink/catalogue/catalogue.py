@@ -1,8 +1,4 @@
-"""Read a mechanism off its declarations: what there is, what it depends on, what must be computed for it.
-
-A *fact* (see `fastlink.facts.fact`) is a straight-line function; its parameters are the names of what it
-depends on, its name is the name of the quantity, the first line of its docstring is its meaning.
-"""
+"""Answer questions about a mechanism from its declarations: quantities, dependencies, derivatives, error bounds."""
 
 from __future__ import annotations
 
@@ -11,23 +7,12 @@ from dataclasses import replace
 from functools import cached_property
 
 from fastlink.catalogue.declare import Declarations
+from fastlink.catalogue.selection import Selection, name_below, plain_and_above, replaced_by, variants_below
 from fastlink.errors import InputError, Problem, suggest
 from fastlink.facts.fact import CatalogueError, Fact, GradedRange, Input, System, parameters
-from fastlink.facts.names import (
-    Below,
-    Derivative,
-    ErrorBound,
-    Made,
-    Name,
-    Quantity,
-    Trust,
-    as_derivative,
-    derivative_name,
-    plain_part,
-    reading_of,
-)
-from fastlink.symbolic.derivative import Derivation, NoDerivative, with_derivative_labels
-from fastlink.symbolic.error_bound import ErrorBounds, trust_fact, with_error_labels
+from fastlink.facts.names import Derivative, ErrorBound, Made, Trust, as_derivative, plain_part
+from fastlink.symbolic.derivative import NoDerivative, with_derivative_labels
+from fastlink.symbolic.error_bound import trust_fact, with_error_labels
 from fastlink.symbolic.postorder import CircularError, postorder
 
 __all__ = ["Catalogue", "CatalogueError", "Fact", "GradedRange", "Input", "System", "parameters"]
@@ -41,31 +26,32 @@ class Catalogue(Declarations):
     name : str
         Name of the mechanism, as a study file has it.
     title : str
-        What it is, in a line.
+        One line about it.
     branches : mapping of int to str
-        The assembly modes and what tells them apart.
+        The assembly modes and what distinguishes them.
     position : Input
-        The input position over which a cycle is taken.
+        The input position, which runs over the cycle.
     positions : (first, last, number), optional
-        The input positions unless some are given, of an input without bounds; without them it turns, in equal steps.
+        The default input positions of an input without bounds; without them the input turns in equal steps.
     """
 
     @property
     def public(self) -> dict[str, Fact]:
-        """The facts that users ask for by name."""
+        """The quantities: the facts that users may request by name."""
         return {name: fact for name, fact in self.facts.items() if not fact.internal}
 
     def known_inputs(self, variants: Iterable[str] = ()) -> dict[str, Input]:
-        """Return every input that a design may give, with those of the chosen sets of facts."""
+        """Return every input that a design may give, with those of the selected variants."""
         known = dict(self.inputs)
         for variant in variants:
             known.update(self.variant_inputs.get(variant, {}))
         return known
 
     def variants_selected_by(self, given: Iterable[str]) -> tuple[str, ...]:
-        """Return the sets of facts that giving these inputs chooses.
+        """Return the variants that a design selects by giving these inputs.
 
-        Those with an input that may be left out, and those named after an input, which stands for another one.
+        An input selects the variant that is named after it (it replaces another input), and the variant to which it
+        belongs if some input of that variant has a default.
         """
         names = set(given)
         return tuple(
@@ -76,7 +62,7 @@ class Catalogue(Declarations):
         )
 
     def mutually_exclusive_inputs(self, name: str) -> tuple[str, ...]:
-        """Return the inputs that giving this one makes a result, or that make this one a result."""
+        """Return the inputs that cannot be given together with this one: one makes the other a result."""
         replaced = [other for other in self.variants.get(name, {}) if other in self.inputs]
         replacing = [key for key, facts in self.variants.items() if name in facts and name in self.inputs]
         named = [key for key in replacing if key in self.variant_inputs.get(key, {})]
@@ -86,120 +72,86 @@ class Catalogue(Declarations):
     def resolve(
         self, name: str, variants: Iterable[str] = (), given: Iterable[str] = ()
     ) -> Fact | System | None:
-        """Return what determines `name`, or None for an input, a table or an unknown name.
+        """Return the fact or system that determines `name`, None for an input, a table or an unknown name.
 
-        The first of the chosen sets that has it, else the mechanism itself. A fact of a set that needs its own
-        name builds on what it replaces (in a later set, or the mechanism), see `fastlink.facts.names.Below`: loads
-        add themselves so, in any combination. A derivative is by what is given: facts among `given` count as inputs.
+        The fact of the first selected variant that has one counts, else that of the mechanism itself. A fact of a
+        variant that depends on its own name builds on the fact that it replaces (in a later variant, or in the
+        mechanism), see `fastlink.facts.names.Below`: in this way loads add up in any combination. In derivatives and
+        error bounds, facts among `given` count as inputs.
         """
-        chosen = tuple(variants)
+        selected = tuple(variants)
         tree = self.parse(name)
-        if isinstance(tree, Derivative):
-            if isinstance(tree.of, (ErrorBound, Trust)):
-                what = f"quantity {name!r}: {tree.of} is an error bound, which has no derivative"
-                raise NoDerivative(what, remedy="leave it out")
-            return self._derivation(tree.by, chosen, given).fact(str(tree.of))
-        if isinstance(tree, ErrorBound):
-            return self._error_bounds(chosen, given).fact(str(tree.of))
-        if isinstance(tree, Trust):
-            return trust_fact(self._error_bounds(chosen, given).found(str(tree.of)))
-        plain, above = _plain(tree)
-        if above and above not in chosen:
+        if isinstance(tree, (Derivative, ErrorBound, Trust)):
+            return self._derived(tree, self._selection(selected, given))
+        plain, above = plain_and_above(tree)
+        if above and above not in selected:
             return None
-        for variant in chosen[chosen.index(above) + 1 if above else 0 :]:
-            found = self.variants.get(variant, {}).get(plain)
-            if isinstance(found, Fact):
-                depends_on = tuple(_below(n, variant) if n in found.names else n for n in found.depends_on)
-                found = found if depends_on == found.depends_on else replace(found, depends_on=depends_on)
-                return _replaced_by(above, found) if above else found
-            if found is not None:
-                return found
+        for variant in variants_below(selected, above):
+            step = self.variants.get(variant, {}).get(plain)
+            if isinstance(step, System):
+                return step
+            if step is not None:
+                own = {name: name_below(name, variant) for name in step.names}
+                if not own.keys().isdisjoint(step.depends_on):
+                    step = replace(step, depends_on=tuple(own.get(name, name) for name in step.depends_on))
+                return replaced_by(above, step)
         fact = self.facts.get(plain)
-        return _replaced_by(above, fact) if fact is not None and above else fact
+        return fact and replaced_by(above, fact)
 
-    def _replaced(self, chosen: tuple[str, ...]) -> set[str]:
-        """Return the names of all facts, those of the chosen sets too."""
-        return {*self.facts, *(name for key in chosen for name in self.variants.get(key, {}))}
+    def _derived(self, tree: Derivative | ErrorBound | Trust, selection: Selection) -> Fact:
+        """Return the fact of a derivative, an error bound or a trust."""
+        of = str(tree.of)
+        if isinstance(tree, ErrorBound):
+            return selection.error_bounds.fact(of)
+        if isinstance(tree, Trust):
+            return trust_fact(selection.error_bounds.found(of))
+        if isinstance(tree.of, (ErrorBound, Trust)):
+            what = f"quantity {str(tree)!r}: {of} is an error bound, which has no derivative"
+            raise NoDerivative(what, remedy="leave it out")
+        return selection.derivation(tree.by).fact(of)
 
-    def _error_bounds(self, chosen: tuple[str, ...], given: Iterable[str]) -> ErrorBounds:
-        fixed = self._replaced(chosen).intersection(given)
-        key = chosen, frozenset(fixed)
-        if key not in self._bounds:
-            self._bounds[key] = ErrorBounds(
-                lambda name: None if name in fixed else self.resolve(name, chosen, fixed),
-                self.known_inputs(chosen),
-                self.branches,
-                self.tables,
-                self.table_low_parts,
-            )
-        return self._bounds[key]
-
-    @cached_property
-    def _bounds(self) -> dict[tuple[tuple[str, ...], frozenset[str]], ErrorBounds]:
-        return {}
-
-    def _derivation(self, by: str, chosen: tuple[str, ...], given: Iterable[str]) -> Derivation:
-        fixed = self._replaced(chosen).intersection(given)
-        key = by, chosen, frozenset(fixed)
-
-        def find(name: str) -> Fact | System | None:
-            return None if name in fixed else self.resolve(name, chosen, fixed)
-
-        def declared(name: str) -> Fact | None:
-            if name in fixed:
-                return None
-            plain, above = _plain(self.parse(name))
-            sets = [self.variants.get(key, {}) for key in chosen[chosen.index(above) + 1 if above else 0 :]]
-            # a derivative that is declared of a fact is not that of what replaces it
-            within = next((facts for facts in sets if plain in facts), self.facts)
-            found = within.get(derivative_name(plain, by))
-            if found is None and within is self.facts and plain in self.tables and by == self.position.name:
-                raise CatalogueError(f"{self.name}: table {plain} has no declared derivative by {by}")
-            return found if isinstance(found, Fact) else None
-
-        if key not in self._derivations:
-            self._derivations[key] = Derivation(self.variables[by], find, declared)
-        return self._derivations[key]
+    def _selection(self, variants: tuple[str, ...], given: Iterable[str]) -> Selection:
+        """Return the mechanism with these variants, and with those of its facts that are given."""
+        facts = {*self.facts, *(name for variant in variants for name in self.variants.get(variant, {}))}
+        key = variants, frozenset(facts.intersection(given))
+        if key not in self._selections:
+            self._selections[key] = Selection(self, *key)
+        return self._selections[key]
 
     @cached_property
-    def _derivations(self) -> dict[tuple[str, tuple[str, ...], frozenset[str]], Derivation]:
+    def _selections(self) -> dict[tuple[tuple[str, ...], frozenset[str]], Selection]:
         return {}
 
     @cached_property
-    def _axes(self) -> dict[str, frozenset[str]]:
-        axes = {name: frozenset({"design"}) for name in self.known_inputs(self.variant_inputs)}
-        axes["branch"] = frozenset({"branch"})
-        for name in (self.position.name, *self.tables, *self.table_low_parts):
-            axes[name] = frozenset({self.position.name})
-        # a derivative varies with what it is of, see `varies`; that of a constant table is none
+    def _varying(self) -> set[str]:
+        """The names of all values that change over the cycle, but for derivatives and error bounds."""
+        varying = {self.position.name, *self.tables, *self.table_low_parts}
+        leaves = {*varying, "branch", *self.known_inputs(self.variant_inputs)}
         names = [name for name in self.facts if not self.is_derivative(name)]
-        for found in self.dependencies(names, tuple(axes)):
-            if isinstance(found, Fact):
-                axes |= dict.fromkeys(
-                    found.names, frozenset().union(*(axes[need] for need in found.depends_on))
-                )
-        return axes
+        for step in self.dependencies(names, leaves):
+            if not varying.isdisjoint(step.depends_on):
+                varying.update(step.names)
+        return varying
 
     def varies(self, name: str) -> bool:
-        """Tell whether a fact changes over the input cycle."""
-        of = plain_part(self.parse(name))
-        return self.position.name in self._axes[of]
+        """Tell whether a fact changes over the cycle."""
+        # derivatives and error bounds vary where their quantity does; constant tables have none
+        return plain_part(self.parse(name)) in self._varying
 
     def check(self) -> None:
         """Raise CatalogueError unless every name is declared and no fact depends on itself."""
-        for chosen, found in self.variants.items():
-            for name in set(found) - set(self.facts) - set(self.inputs):
-                fact = found[name]
-                if isinstance(fact, System) or not fact.internal:
-                    raise CatalogueError(f"{self.name}: {chosen} gives {name}, which is no quantity or input")
+        for variant, steps in self.variants.items():
+            for name in set(steps) - set(self.facts) - set(self.inputs):
+                step = steps[name]
+                if isinstance(step, System) or not step.internal:
+                    raise CatalogueError(
+                        f"{self.name}: {variant} gives {name}, which is no quantity or input"
+                    )
         derivatives = {name for name in self.facts if self.is_derivative(name)}
-        for name in set(self.facts) - derivatives - self.hiding:
-            if tree := reading_of(name, self):
-                raise CatalogueError(f"{self.name}: {name} reads as {tree!r}; call it otherwise")
-        names = {
-            *self.facts,
-            *(need for name in derivatives for need in self.facts[name].depends_on),
-        } - derivatives
+        for name in set(self.facts) - derivatives:
+            self.check_reading(name)
+        parts = {part for name in derivatives for part in self.facts[name].depends_on}
+        names = {*self.facts, *parts} - derivatives
         leaves = {"branch", self.position.name, *self.tables, *self.table_low_parts}
         if self.graded is not None:
             leaves |= set(self.graded.coordinates)
@@ -210,15 +162,15 @@ class Catalogue(Declarations):
                 pass
 
     def is_quantity(self, name: str) -> bool:
-        """Tell whether users may ask for a name: a public fact, the derivative of one, the error bound of these."""
+        """Tell whether a name is a public fact, or a derivative or error bound of one."""
         return plain_part(self.parse(name)) in self.public
 
     def has_reductions(self, name: str) -> bool:
-        """Tell whether users may ask for what is taken of a name over the cycle."""
+        """Tell whether a name is a quantity that changes over the cycle, so that it has reductions."""
         return self.is_quantity(name) and self.varies(name)
 
     def public_fact(self, name: str) -> Fact:
-        """Return the labels of a quantity that users may ask for.
+        """Return the labels of a public quantity.
 
         Raises
         ------
@@ -241,7 +193,7 @@ class Catalogue(Declarations):
         return with_error_labels(of) if isinstance(tree, ErrorBound) else trust_fact(of)
 
     def unknown_error(self, name: str, known: Iterable[str]) -> InputError:
-        """Return the error of a name that is none of the known ones."""
+        """Return the error for a name that is not among the known ones."""
         tree = self.parse(name)
         wrong, options = name, known
         if isinstance(tree, (ErrorBound, Trust)):
@@ -256,16 +208,16 @@ class Catalogue(Declarations):
     def dependencies(
         self, names: Iterable[str], leaves: Iterable[str], variants: Iterable[str] = ()
     ) -> Iterator[Fact | System]:
-        """Yield what must be computed for `names`, each after what it depends on.
+        """Yield the facts and systems that `names` depend on, each after its own dependencies.
 
-        Names in `leaves` are given. A name that is neither given nor declared is an InputError.
+        Names in `leaves` are given. A missing input is an InputError.
         """
-        given, chosen = set(leaves), tuple(variants)
-        done: set[str] = set(given)
+        given, selected = set(leaves), tuple(variants)
+        done = set(given)
         steps: dict[str, Fact | System] = {}
 
         def parts(name: str) -> tuple[str, ...]:
-            step = self.resolve(name, chosen, given)
+            step = self.resolve(name, selected, given)
             if step is None:
                 dependents = (of for of in reversed(steps) if name in steps[of].depends_on)
                 raise self._missing(name, next(dependents, None))
@@ -280,7 +232,7 @@ class Catalogue(Declarations):
             raise CatalogueError(f"{self.name}: circular: {' -> '.join(error.args)}") from None
 
     def missing_problem(self, declared: Input, dependent: str | None, *inside: str) -> Problem:
-        """Return what is wrong where something depends on an input and nothing gives it."""
+        """Return the problem that an input, on which another name depends, is not given."""
         others = "".join(f", or {other!r} instead" for other in self.mutually_exclusive_inputs(declared.name))
         what = f"is missing ({declared.meaning} [{declared.units}])"
         return Problem(what, (*inside, declared.name), f"{dependent} depends on it: add it{others}")
@@ -292,18 +244,3 @@ class Catalogue(Declarations):
         if dependent is not None:
             return CatalogueError(f"{self.name}: {dependent} depends on {name}, which is not declared")
         return CatalogueError(f"{self.name}: {name} is not declared")
-
-
-def _plain(tree: Name) -> tuple[str, str]:
-    """Return the name of a fact, and the set whose own fact of that name builds on it, if it is one below."""
-    return (str(tree.of), tree.variant) if isinstance(tree, Below) else (str(tree), "")
-
-
-def _below(name: str, variant: str) -> str:
-    """Return what the fact of a variant calls what it replaces."""
-    return str(Below(Quantity(name), variant))
-
-
-def _replaced_by(variant: str, fact: Fact) -> Fact:
-    """Return a fact under the names that it has where the fact of a variant replaces it."""
-    return replace(fact, name=_below(fact.name, variant), low=fact.low and _below(fact.low, variant))

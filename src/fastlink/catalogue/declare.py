@@ -24,7 +24,7 @@ from fastlink.symbolic.derivative import with_derivative_labels
 
 __all__ = ["ELIMINATED", "Declarations"]
 
-#: The solver that solves no linear system: closed forms.
+#: The name of the solver that needs no linear system: closed forms.
 ELIMINATED = "eliminated"
 
 F = TypeVar("F", bound=Callable[..., Any])
@@ -32,7 +32,7 @@ _versions = count()
 
 
 class Declarations:
-    """What is declared of one mechanism; `fastlink.catalogue.catalogue.Catalogue` reads it."""
+    """The declarations of one mechanism; `fastlink.catalogue.catalogue.Catalogue` reads them."""
 
     def __init__(
         self,
@@ -54,7 +54,7 @@ class Declarations:
         self.variants: dict[str, dict[str, Fact | System]] = {}
         self.variant_inputs: dict[str, dict[str, Input]] = {}
         self.graded: GradedRange | None = None
-        #: Closed forms, and each set of facts that has a linear system.
+        #: Closed forms, and each variant that has a linear system.
         self.solvers: tuple[str, ...] = (ELIMINATED,)
         self.hiding: set[str] = set()
         self._formed: dict[str, list[tuple[str, bool]]] = {}
@@ -62,9 +62,9 @@ class Declarations:
 
     @property
     def version(self) -> int:
-        """A number that is another one whenever anything declared is another one, for what is found once.
+        """A number that changes when a declaration changes: part of the key of what is cached.
 
-        All that is declared is compared with what it was, by identity: 8 us for the planar 4R.
+        All declarations are compared by identity with those of the last call: 8 us for the planar 4R.
         """
         now: list[Any] = [self.position, self.graded, self.positions, *self.branches]
         sets: tuple[Mapping[str, Any], ...] = (self.inputs, self.facts, self.tables)
@@ -89,13 +89,12 @@ class Declarations:
         default: float | None = None,
         choices: Mapping[int, str] | None = None,
     ) -> None:
-        """Declare a number that the user gives; `variant` restricts it to a named set of facts.
+        """Declare a number that the user gives; an input of a `variant` belongs to that variant alone.
 
-        Giving an input of a set that has one with a default, or that the set is named after, chooses the set: see
-        `variants_selected_by`. The codes of `choices` become a dimension of the result unless the design names one.
+        Which inputs select a variant is defined by `Catalogue.variants_selected_by`. The codes of `choices` become a
+        dimension of the result unless the design gives one of them.
         """
-        self._check_new(name, variant)
-        self._check_reading(name, public=False)
+        self._check_name(name, variant)
         declared = Input(name, units, symbol, meaning, rule, default, dict(choices or {}))
         if variant is None:
             self.inputs[name] = declared
@@ -122,35 +121,44 @@ class Declarations:
         Parameters
         ----------
         units, symbol, source : str
-            UDUNITS text, the paper's symbol, and where it stands (paper and equation number).
+            UDUNITS text, the symbol in the paper, and the source (paper and equation number).
         internal : bool
-            A step on the way: not offered to users by name.
+            An intermediate step, which users cannot request.
         flags : mapping of int to str, optional
-            For a quantity that is a code: the CF flag meanings of its values.
+            For a quantity that is a code: the CF flag meaning of each value.
         variant : str, optional
-            The name of the set of facts it belongs to, which replaces or adds facts when asked for.
+            The variant to which the fact belongs: it replaces or adds facts when it is selected.
         name, meaning : str, optional
-            Instead of the function's name and the first line of its docstring: where one law holds for
-            several links, it is written once and declared for each.
+            Used instead of the function's name and the first line of its docstring where one law is
+            declared for several links.
         given : mapping of str to str, optional
-            With them: what stands for the law's parameters.
+            The names that replace the parameters of the law.
         hides_reduction : bool
-            Its name may read as what is taken of another quantity over the cycle, which then has no name.
+            Allow a name that reads as a reduction of another quantity, which then cannot be requested.
         low : str, optional
-            The name of what rounding to double lost, of an internal fact whose function returns ``(high, low)``.
+            The name of the low part, for an internal fact whose function returns ``(high, low)``.
         """
 
         def declare(function: F) -> F:
-            labels = (units, symbol, source, internal, flags)
-            fact = self._fact(function, *labels, name, meaning, given or {}, low)
+            fact = self._fact(
+                function,
+                given,
+                name=name or function.__name__,
+                meaning=meaning or _first_line(function),
+                units=units,
+                symbol=symbol,
+                source=source,
+                internal=internal,
+                flags=dict(flags or {}),
+                low=low,
+            )
             if low is not None and not internal:
                 raise CatalogueError(f"{self.name}: fact {fact.name} has a low part, and is not internal")
             if hides_reduction:
                 self.hiding.add(fact.name)
             known: Any = self.variants.setdefault(variant, {}) if variant else self.facts
             for each in fact.names:
-                self._check_new(each, variant)
-                self._check_reading(each, public=not fact.internal)
+                self._check_name(each, variant, public=not internal)
                 known[each] = fact
             return function
 
@@ -164,45 +172,43 @@ class Declarations:
         variant: str | None = None,
         flags: Mapping[int, str] | None = None,
     ) -> Rows:
-        """Return what declares quantities that users ask for, row by row."""
+        """Return a function that declares public quantities with common labels, one in each call."""
         return Rows([self], units, source, internal=False, variant=variant, flags=flags)
 
     def steps(self, *, units: str, source: str, variant: str | None = None) -> Rows:
-        """Return what declares steps on the way, row by row."""
+        """Return a function that declares internal facts with common labels, one in each call."""
         return Rows([self], units, source, internal=True, variant=variant)
 
     def table(self, *, symbol: str, source: str, low: str | None = None) -> Callable[[F], F]:
         """Declare a function of the input position alone, tabled once per sweep from 40 digits.
 
-        `low` names a second table: what rounding to double lost.
+        `low` is the name of a second table, for the low parts.
         """
 
         def declare(function: F) -> F:
-            fact = self._fact(function, "1", symbol, source, True, None)
-            self._check_new(fact.name, None)
-            self._check_reading(fact.name, public=False)
+            labels = {"units": "1", "symbol": symbol, "source": source, "internal": True}
+            fact = self._fact(function, None, name=function.__name__, meaning=_first_line(function), **labels)
+            self._check_name(fact.name, None)
             if fact.depends_on != (self.position.name,):
                 raise CatalogueError(
                     f"{self.name}: table {fact.name} must depend on {self.position.name} alone"
                 )
             self.tables[fact.name] = fact
             if low is not None:
-                self._check_new(low, None)
-                self._check_reading(low, public=False)
+                self._check_name(low, None)
                 self.table_low_parts[low] = fact.name
             return function
 
         return declare
 
     def system(self, name: str, unknowns: Sequence[str], *, variant: str) -> Callable[[F], F]:
-        """Declare a linear system that determines `unknowns`, as part of a named set of facts."""
+        """Declare a linear system that determines `unknowns`, as part of a variant."""
 
         def declare(function: F) -> F:
             declared = System(name, tuple(unknowns), function, parameters(function))
             self.solvers = tuple(dict.fromkeys((*self.solvers, variant)))
             for unknown in unknowns:
-                self._check_new(unknown, variant)
-                self._check_reading(unknown, public=False)
+                self._check_name(unknown, variant)
                 self.variants.setdefault(variant, {})[unknown] = declared
             return function
 
@@ -211,113 +217,81 @@ class Declarations:
     def derivative(
         self, name: str, by: str, *, given: Mapping[str, str] | None = None, variant: str | None = None
     ) -> Callable[[F], F]:
-        """Declare the derivative of a fact or table by an input or the position, where a closed form is better.
+        """Declare the derivative of a fact or table with respect to an input or the position.
 
-        All others are generated, see `fastlink.symbolic.derivative`. It holds of the fact of that set
-        (`variant`), not of
-        what replaces it.
+        Others are generated, see `fastlink.symbolic.derivative`: declare one where a closed form is better. It holds
+        for the fact of that `variant`, not for a fact that replaces it.
         """
 
         def declare(function: F) -> F:
             fact = self.facts.get(name) or self.tables[name]
-            depends_on = tuple((given or {}).get(parameter, parameter) for parameter in parameters(function))
-            found = replace(
+            declared = replace(
                 with_derivative_labels(fact, self.variables[by]),
                 function=function,
-                depends_on=depends_on,
+                depends_on=_depends_on(function, given),
                 internal=True,
             )
-            self._check_new(found.name, variant)
-            within = self.facts if variant is None else self.variants.setdefault(variant, {})
-            within[found.name] = found
+            self._check_new(declared.name, variant)
+            facts = self.facts if variant is None else self.variants.setdefault(variant, {})
+            facts[declared.name] = declared
             return function
 
         return declare
 
     def depends_on_solver(self, steps: Iterable[Fact | System]) -> bool:
-        """Tell whether a solver determines any of the values of a closure, or has no derivative of one."""
-        solved = {name for key in self.solvers if key != ELIMINATED for name in self.variants[key]}
-        slopes = {derivative_name(name, by) for name in solved for by in self.variables}
-        names = {
-            name for step in steps for name in (step.unknowns if isinstance(step, System) else (step.name,))
-        }
-        return not names.isdisjoint(solved | slopes)
+        """Tell whether steps include a value that some solver determines, or a derivative of one."""
+        solved = {name for solver in self.solvers if solver != ELIMINATED for name in self.variants[solver]}
+        solved |= {derivative_name(name, by) for name in solved for by in self.variables}
+        return any(not solved.isdisjoint(step.names) for step in steps)
 
     def derivatives(self, by: str, *, variant: str | None = None) -> DerivativeRows:
-        """Return what declares derivatives with respect to an input or the position, row by row."""
+        """Return a function that declares derivatives with respect to one variable, one in each call."""
         return DerivativeRows(self, by, variant)
 
     @property
     def variables(self) -> dict[str, Input]:
-        """What there are derivatives by: every input that a design may give, and the position."""
+        """The variables of derivatives: every input that a design may give, and the position."""
         sets = self.variant_inputs.values()
         known = {name: given for inputs in (self.inputs, *sets) for name, given in inputs.items()}
         return {**known, self.position.name: self.position}
 
-    def _fact(
-        self,
-        function: Callable[..., Any],
-        units: str,
-        symbol: str,
-        source: str,
-        internal: bool,
-        flags: Mapping[int, str] | None,
-        name: str | None = None,
-        meaning: str | None = None,
-        given: Mapping[str, str] | None = None,
-        low: str | None = None,
-    ) -> Fact:
-        name = name or function.__name__
-        meaning = meaning or (function.__doc__ or "").strip().split("\n", 1)[0].rstrip(".")
-        for what, value in (("units", units), ("symbol", symbol), ("source", source), ("meaning", meaning)):
-            if not value:
-                raise CatalogueError(f"{self.name}: fact {name} has no {what}")
-        depends_on = tuple((given or {}).get(parameter, parameter) for parameter in parameters(function))
-        return Fact(
-            name, function, depends_on, units, symbol, meaning, source, internal, dict(flags or {}), low
-        )
+    def _fact(self, function: Callable[..., Any], given: Mapping[str, str] | None, **labels: Any) -> Fact:
+        for label in ("units", "symbol", "source", "meaning"):
+            if not labels[label]:
+                raise CatalogueError(f"{self.name}: fact {labels['name']} has no {label}")
+        return Fact(function=function, depends_on=_depends_on(function, given), **labels)
 
     def parse(self, name: str) -> Name:
-        """Return what a name is made of, see `fastlink.facts.names`."""
+        """Return the tree of a name, see `fastlink.facts.names`."""
         return parse(name, self)
 
     def is_derivative(self, name: str) -> bool:
-        """Tell whether a name is that of a derivative."""
+        """Tell whether a name is the name of a derivative."""
         return isinstance(self.parse(name), Derivative)
 
     def declares(self, name: str) -> bool:
-        """Tell whether a name is declared: that of a fact, an input, a table, the position."""
+        """Tell whether a name is declared: as a fact, an input, a table or the position."""
         sets: tuple[Mapping[str, Any], ...] = (*self.variants.values(), *self.variant_inputs.values())
         return self._is_own(name) or any(name in names for names in sets)
 
     def _is_own(self, name: str) -> bool:
-        """Tell whether a name is declared of the mechanism itself, not of a set of facts."""
-        return (
-            name in self.facts
-            or name in self.inputs
-            or name in self.tables
-            or name in self.table_low_parts
-            or name in (self.position.name, "branch")
-        )
+        """Tell whether a name is declared for the mechanism itself, not for a variant."""
+        own = (self.facts, self.inputs, self.tables, self.table_low_parts, (self.position.name, "branch"))
+        return any(name in names for names in own)
 
     def is_public(self, name: str) -> bool:
-        """Tell whether a declared name is that of a quantity that users ask for."""
+        """Tell whether a declared name is the name of a public quantity."""
         return name in self.facts and not self.facts[name].internal
 
     def _check_new(self, name: str, variant: str | None) -> None:
-        if variant is None:
-            taken = self._is_own(name)
-        else:
-            taken = name in self.variants.get(variant, {})
-            taken = taken or name in self.variant_inputs.get(variant, {})
-        if taken:
+        of_variant = (*self.variants.get(variant or "", {}), *self.variant_inputs.get(variant or "", {}))
+        if self._is_own(name) if variant is None else name in of_variant:
             raise CatalogueError(f"{self.name}: {name} is declared twice")
 
-    def _check_reading(self, name: str, public: bool) -> None:
-        """Refuse a name that says something else by its form, or lets another one do so; see `fastlink.facts.names`."""
-        tree = None if name in self.hiding else reading_of(name, self)
-        if tree is not None:
-            raise CatalogueError(f"{self.name}: {name} reads as {tree!r}; call it otherwise")
+    def _check_name(self, name: str, variant: str | None, public: bool = False) -> None:
+        """Refuse a name that is declared, that reads as made of another one, or that another one reads as made of."""
+        self._check_new(name, variant)
+        self.check_reading(name)
         for other, of_cycle in self._formed.get(name, ()):
             if other not in self.hiding and (public or not of_cycle):
                 raise CatalogueError(
@@ -327,3 +301,18 @@ class Declarations:
         if form is not None:
             of_cycle = isinstance(form, (Reduced, ListOfExtrema))
             self._formed.setdefault(root_of(form), []).append((name, of_cycle))
+
+    def check_reading(self, name: str) -> None:
+        """Raise CatalogueError if a name reads as made of another one, see `fastlink.facts.names`."""
+        if name not in self.hiding and (tree := reading_of(name, self)):
+            raise CatalogueError(f"{self.name}: {name} reads as {tree!r}; call it otherwise")
+
+
+def _first_line(function: Callable[..., Any]) -> str:
+    """Return the meaning of a quantity, as the docstring of its fact has it."""
+    return (function.__doc__ or "").strip().split("\n", 1)[0].rstrip(".")
+
+
+def _depends_on(function: Callable[..., Any], given: Mapping[str, str] | None) -> tuple[str, ...]:
+    """Return the names of what a fact depends on: those of its parameters, unless others stand for them."""
+    return tuple((given or {}).get(parameter, parameter) for parameter in parameters(function))

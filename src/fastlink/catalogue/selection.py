@@ -1,0 +1,95 @@
+"""A mechanism with selected variants, some of whose facts are given: its derivatives and error bounds."""
+
+from __future__ import annotations
+
+from collections.abc import Collection
+from functools import cached_property
+from typing import TYPE_CHECKING
+
+from fastlink.facts.fact import CatalogueError, Fact, System
+from fastlink.facts.names import Below, Name, Quantity, derivative_name
+from fastlink.symbolic.derivative import Derivation
+from fastlink.symbolic.error_bound import ErrorBounds
+
+if TYPE_CHECKING:
+    from fastlink.catalogue.catalogue import Catalogue
+
+__all__ = ["Selection", "name_below", "plain_and_above", "replaced_by", "variants_below"]
+
+
+class Selection:
+    """The facts of a mechanism with selected variants, but for facts that are given.
+
+    Parameters
+    ----------
+    catalogue : Catalogue
+        The mechanism.
+    variants : tuple of str
+        The selected variants; the first one that has a fact counts.
+    given : collection of str
+        The facts that are given.
+    """
+
+    def __init__(self, catalogue: Catalogue, variants: tuple[str, ...], given: Collection[str]) -> None:
+        self.catalogue, self.variants, self.given = catalogue, variants, given
+        self._derivations: dict[str, Derivation] = {}
+
+    def find(self, name: str) -> Fact | System | None:
+        """Return the fact or system that determines a name, None if it is given."""
+        return None if name in self.given else self.catalogue.resolve(name, self.variants, self.given)
+
+    def derivation(self, by: str) -> Derivation:
+        """Return the derivatives with respect to a variable."""
+        if by not in self._derivations:
+            variable = self.catalogue.variables[by]
+            self._derivations[by] = Derivation(variable, self.find, lambda name: self._declared(name, by))
+        return self._derivations[by]
+
+    @cached_property
+    def error_bounds(self) -> ErrorBounds:
+        """The error bounds."""
+        known = self.catalogue
+        inputs = known.known_inputs(self.variants)
+        return ErrorBounds(self.find, inputs, known.branches, known.tables, known.table_low_parts)
+
+    def _declared(self, name: str, by: str) -> Fact | None:
+        """Return the declared derivative of a name, None if there is none."""
+        if name in self.given:
+            return None
+        known = self.catalogue
+        plain, above = plain_and_above(known.parse(name))
+        variants = [known.variants.get(variant, {}) for variant in variants_below(self.variants, above)]
+        # the declared derivative of a fact is not the derivative of a fact that replaces it
+        facts = next((facts for facts in variants if plain in facts), known.facts)
+        derivative = facts.get(derivative_name(plain, by))
+        if isinstance(derivative, Fact):
+            return derivative
+        if facts is known.facts and plain in known.tables and by == known.position.name:
+            raise CatalogueError(
+                f"{known.name}: table {plain} has no declared derivative with respect to {by}"
+            )
+        return None
+
+
+def plain_and_above(tree: Name) -> tuple[str, str]:
+    """Return the name of a fact, and the variant whose fact builds on it, else an empty text."""
+    return (str(tree.of), tree.variant) if isinstance(tree, Below) else (str(tree), "")
+
+
+def variants_below(variants: tuple[str, ...], above: str) -> tuple[str, ...]:
+    """Return the variants after the one `above`, all if that is empty."""
+    return variants[variants.index(above) + 1 :] if above else variants
+
+
+def name_below(name: str, variant: str) -> str:
+    """Return the name under which the fact of a variant uses the fact that it replaces."""
+    return str(Below(Quantity(name), variant))
+
+
+def replaced_by(variant: str, fact: Fact) -> Fact:
+    """Return a fact under the names by which the fact of a variant uses it, unchanged if that is empty."""
+    return (
+        fact.renamed(lambda name: name_below(name, variant) if name in fact.names else name)
+        if variant
+        else fact
+    )
