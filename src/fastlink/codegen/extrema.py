@@ -286,14 +286,14 @@ class _ExtremaWriter(ExtremaSchedule):
         base = self.number_of(request.quantity) * len(self.program.branches) * LANES
         target = f"out_{output.name}, i0, n_here, {base}"
         if request.reduction is not None:
-            row = {1: results.GREATEST, -1: results.LEAST}[request.reduction.sign] + int(request.place)
+            row = {1: results.GREATEST, -1: results.LEAST}[request.reduction.sign] + int(request.is_position)
             self.text.call(results.store_best, f"{target}, best, {row}")
         elif request.listed == "count":
             self.text.call(results.store_counts, f"{target}, best")
         elif request.listed == "kind":
             self.text.call(results.store_kinds, f"{target}, lists")
         else:
-            row = results.LIST_THETA if request.listed == "place" else results.LIST_VALUE
+            row = results.LIST_THETA if request.listed == "position" else results.LIST_VALUE
             self.text.call(results.store_list, f"{target}, lists, {row}")
 
 

@@ -60,12 +60,12 @@ def backend_of(chosen: str | None) -> str:
 
 @cache
 def _environment() -> bytes:
-    """Return what every kernel depends on besides its text."""
+    """Return a digest of everything that a kernel depends on besides its text."""
     return environment() + repr((version(), sys.platform, host(), lanes_of_host())).encode()
 
 
 def kernel_key(source: Source, backend: str = "") -> str:
-    """Return what tells a kernel's machine code from all others."""
+    """Return a hash that tells a kernel's machine code from all others."""
     text = repr((source.arguments, backend)) + source.text
     return hashlib.sha256(_environment() + text.encode()).hexdigest()[:32]
 
@@ -76,21 +76,14 @@ def llvm_text(source: Source, *, lanes: int | None = None, fast_math: Sequence[s
     return translate(source.text, arguments, lanes or lanes_of_host(), fast_math)
 
 
-class MachineCode:
+class MachineCode(Loaded):
     """Machine code with the arguments of a `Source`.
 
     It is called with designs, angles, their numbers, scratch and results. The arrays must lie in rows and not overlap.
-
-    Attributes
-    ----------
-    address : int
-        Of the function, which takes the address of a table (see `table`) and needs no lock of Python.
     """
 
     def __init__(self, source: Source, code: bytes) -> None:
-        self.source = source
-        self._code = Loaded(code)
-        self.address, self.call = self._code.address, self._code.call
+        super().__init__(code)
         self._arguments = source.arguments
 
     def table(self, *arguments: Any) -> NDArray[np.int64]:
@@ -149,8 +142,8 @@ class Kernel:
 
     Attributes
     ----------
-    program : Program or ExtremaProgram
-        What it computes.
+    program : Program
+        The computation.
     """
 
     def __init__(self, program: Program) -> None:

@@ -105,7 +105,7 @@ class Loaded:
     Attributes
     ----------
     address : int
-        Of its function ``kernel(table)``, which needs no lock of Python.
+        Of its function ``kernel(table)`` of the addresses of the arguments, which needs no lock of Python.
     call : callable
         ``call(address of the table)``.
     """

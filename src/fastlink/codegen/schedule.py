@@ -64,7 +64,7 @@ class CycleValue:
     def position_slots(self) -> list[str]:
         """The position of an extremum, where it is the result; else none."""
         request = self.output.request
-        return [f"{request.name}__position{self.suffix}"] if request.place else []
+        return [f"{request.name}__position{self.suffix}"] if request.is_position else []
 
     @property
     def whole_slot(self) -> str:

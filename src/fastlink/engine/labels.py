@@ -51,7 +51,7 @@ def _labels(plan: Plan, output: Output) -> dict[str, Any]:
         attrs["units"] = reduction.units_of(fact.units)
         attrs["long_name"] = f"{fact.meaning}, {reduction.phrase}"
         attrs["symbol"] = f"{reduction.suffix} {fact.symbol}"
-        if output.request.place:
+        if output.request.is_position:
             attrs = {
                 "units": position.units,
                 "long_name": f"{position.meaning}, where {fact.symbol} is {reduction.phrase}",
@@ -72,7 +72,7 @@ def _of_list(part: str, fact: Fact, position: Input) -> dict[str, Any]:
     """Return the attributes of listed extremes, or of their places, kinds or number."""
     if part == "value":
         return {"units": fact.units, "long_name": f"{fact.meaning}, extremes", "symbol": f"ext {fact.symbol}"}
-    if part == "place":
+    if part == "position":
         meaning = f"{position.meaning}, where {fact.symbol} is extreme"
         symbol = f"{position.symbol} at ext {fact.symbol}"
         return {"units": position.units, "long_name": meaning, "symbol": symbol}

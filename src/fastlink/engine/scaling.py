@@ -146,6 +146,6 @@ def _powers(plan: Plan, given: tuple[str, ...], name: str) -> list[float] | None
 
 def _power(output: Output, degree: float | None) -> float | None:
     request = output.request
-    if degree is None or request.place or request.listed not in ("", "value"):
+    if degree is None or request.is_position or request.listed not in ("", "value"):
         return None if degree is None else 0.0
     return degree if request.reduction is None else request.reduction.degree_of(degree)

@@ -1,4 +1,4 @@
-"""What is searched for extremes: a quantity, its derivative by the input position, how fine the search is."""
+"""Programs of searches for extrema: each of a quantity by its derivative with respect to the input position."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from fastlink.plan.program import ExtremaProgram, ExtremumSearch, Output
 from fastlink.symbolic.asymptotics import asymptotics
 from fastlink.symbolic.derivative import NoDerivative
 
-__all__ = ["extrema_programs", "find_extremum_search", "find_jumps"]
+__all__ = ["extrema_programs", "find_extremum_search"]
 
 
 def find_extremum_search(
@@ -29,41 +29,31 @@ def find_extremum_search(
         return None
     slope = derivative_name(quantity, catalogue.position.name)
     try:
-        steps = _closure(catalogue, (quantity, slope), given, variants)
+        steps = _steps(catalogue, (quantity, slope), given, variants)
     except (CatalogueError, NoDerivative):
         return None
     if any(isinstance(step, System) for step in steps):
         return None
-    found = asymptotics(graded, steps, (*graded.coordinates, "branch"))
-    needed = {name for step in _closure(catalogue, (quantity,), given, variants) for name in step.names}
+    grades = asymptotics(graded, steps, (*graded.coordinates, "branch"))
+    grade = grades[quantity]
+    needed = {name for step in _steps(catalogue, (quantity,), given, variants) for name in step.names}
     return ExtremumSearch(
         quantity,
         slope,
         graded.cells.get(quantity, graded.cells_otherwise),
         graded.max_extrema.get(quantity, graded.max_extrema_otherwise),
-        round(found[quantity].order),
-        max(round(found[slope].order), 0),
-        found[quantity].parity,
-        -found[quantity].parity,  # the input position is odd
-        graded.reciprocal not in needed and not found[quantity].choice,
+        round(grade.order),
+        max(round(grades[slope].order), 0),
+        grade.parity,
+        -grade.parity,  # the input position is odd
+        graded.reciprocal not in needed and not grade.choice,
     )
 
 
-def find_jumps(catalogue: Catalogue, search: ExtremumSearch) -> ExtremumSearch | None:
-    """Return where the angle of a search jumps by 2 pi, or None where it does not."""
-    graded = catalogue.graded
-    assert graded is not None
-    vanishing = graded.wraps_at.get(search.quantity)
-    if vanishing is None:
-        return None
-    # It is the sine of the angle times a length: odd where the angle is.
-    return replace(search, slope=vanishing, slope_order=0, slope_parity=search.parity, onto=search.quantity)
-
-
-def _closure(
+def _steps(
     catalogue: Catalogue, names: Iterable[str], given: Iterable[str], variants: Sequence[str]
 ) -> tuple[Fact | System, ...]:
-    """Return what is computed for facts at places of the graded range."""
+    """Return the steps that compute facts at positions of the graded range."""
     graded = catalogue.graded
     assert graded is not None
     return tuple(
@@ -73,39 +63,50 @@ def _closure(
 
 def extrema_programs(
     catalogue: Catalogue,
-    outputs: Iterable[Output],
-    searches: Iterable[ExtremumSearch],
+    outputs: Sequence[Output],
+    searches: Sequence[ExtremumSearch],
+    *,
     given: Sequence[str],
-    branches: tuple[int, ...],
-    variants: tuple[str, ...],
+    branches: Sequence[int],
+    variants: Sequence[str],
 ) -> list[ExtremaProgram]:
-    """Group searches by what may share samples without changing any bit: fineness and symmetry."""
+    """Group searches by what may share samples without changing any bit: fineness and symmetry.
+
+    Where the greatest or least value of an angle is requested, its jumps by 2 pi are searched too.
+    """
     graded = catalogue.graded
     assert graded is not None
+    bounded = {output.request.quantity for output in outputs if output.request.can_be_refined}
+    # The fact that vanishes there is the sine of the angle times a length: odd where the angle is.
+    jumps = [
+        replace(s, slope=graded.wraps_at[s.quantity], slope_order=0, slope_parity=s.parity, onto=s.quantity)
+        for s in searches
+        if s.quantity in bounded and s.quantity in graded.wraps_at
+    ]
     groups: dict[tuple[int, bool], list[ExtremumSearch]] = {}
-    for search in searches:
+    for search in (*searches, *jumps):
         groups.setdefault((search.cells, search.parity != 0), []).append(search)
-    asked = list(outputs)
-    ends = [name for end in graded.ends for name in end]
-    result = []
+    programs = []
     for group in groups.values():
-        names = [catalogue.position.name, graded.bounded_factor, *ends]
+        names = [
+            catalogue.position.name,
+            graded.bounded_factor,
+            *(name for end in graded.ends for name in end),
+        ]
         names += [name for search in group for name in (search.slope, search.quantity)]
-        steps = [s for s in _closure(catalogue, names, given, variants) if isinstance(s, Fact)]
-        read = {need for step in steps for need in step.depends_on}
-        inputs = tuple(name for name in catalogue.known_inputs(variants) if name in read and name in given)
-        own = tuple(
-            o for search in group for o in asked if o.request.quantity == search.quantity and not search.onto
-        )
-        result.append(
+        steps = _steps(catalogue, names, given, variants)
+        read = {name for step in steps for name in step.depends_on}
+        known = catalogue.known_inputs(variants)
+        own = (o for s in group for o in outputs if o.request.quantity == s.quantity and not s.onto)
+        programs.append(
             ExtremaProgram(
                 catalogue=catalogue,
-                outputs=own,
-                steps=tuple(steps),
-                inputs=inputs,
-                branches=branches,
-                variants=variants,
+                outputs=tuple(own),
+                steps=steps,
+                inputs=tuple(name for name in known if name in read and name in given),
+                branches=tuple(branches),
+                variants=tuple(variants),
                 searches=tuple(group),
             )
         )
-    return result
+    return programs

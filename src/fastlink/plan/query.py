@@ -1,4 +1,4 @@
-"""The names that are asked for: quantities, their reductions over the input cycle, lists of their extremes."""
+"""Requested names: quantities, their reductions over the input cycle, lists of their extrema."""
 
 from __future__ import annotations
 
@@ -11,32 +11,44 @@ from fastlink.plan.reductions import REDUCTIONS, Reduction
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
-    from fastlink.catalogue.catalogue import Catalogue, Fact
+    from fastlink.catalogue.catalogue import Catalogue
 
 __all__ = ["Extrema", "Request", "parse_request"]
 
-#: Whether extremes are exact over the cycle, or taken over the given positions.
+#: Whether extrema are exact over the cycle, or those of the values at the given positions.
 Extrema = Literal["refined", "sampled"]
 
 
 @dataclass(frozen=True)
 class Request:
-    """A requested name: a quantity, a reduction of it over the cycle, or a list of its extremes."""
+    """A requested name.
+
+    Attributes
+    ----------
+    name, quantity : str
+        The name, and that of the quantity in it.
+    reduction : Reduction, optional
+        The reduction over the cycle that it is.
+    is_position : bool
+        Whether it is the input position of an extremum instead of its value.
+    listed : {"", "value", "position", "count", "kind"}
+        The part of a list of extrema that it is, if it is one.
+    """
 
     name: str
     quantity: str
     reduction: Reduction | None = None
-    place: bool = False
+    is_position: bool = False
     listed: str = ""
 
     @property
     def is_of_quantity(self) -> bool:
-        """Whether a value has the meaning and the values of its quantity: no mean of a code is one, no place."""
-        return not self.place and (self.reduction is None or self.reduction.sign != 0)
+        """Whether a value has the meaning and the values of its quantity: no mean of a code is one, no position."""
+        return not self.is_position and (self.reduction is None or self.reduction.sign != 0)
 
     @property
     def can_be_refined(self) -> bool:
-        """Whether it is one number of the extremes, which samples only come near."""
+        """Whether it is one number of the extrema, which samples only come near."""
         return self.reduction is not None and self.reduction.has_place
 
 
@@ -54,19 +66,14 @@ def parse_request(name: str, catalogue: Catalogue) -> Request:
     if isinstance(tree, (Reduced, ListOfExtrema)) and catalogue.has_reductions(quantity := str(tree.of)):
         if isinstance(tree, Reduced):
             return Request(name, quantity, REDUCTIONS[tree.how], bool(tree.place))
-        return Request(name, quantity, listed="place" if tree.place else tree.part)
+        return Request(name, quantity, listed="position" if tree.place else tree.part)
     known = [*catalogue.public, *reduced_names(catalogue)]
     raise catalogue.unknown_error(name, known)
 
 
-def _cyclic(catalogue: Catalogue) -> dict[str, Fact]:
-    """Return the public quantities that change over the cycle: all but the codes of a design."""
-    return {name: fact for name, fact in catalogue.public.items() if catalogue.varies(name)}
-
-
 def reduced_names(catalogue: Catalogue) -> Iterable[str]:
-    """Yield every name that can be asked of a mechanism's cycle."""
-    for quantity in _cyclic(catalogue):
+    """Yield every name of a reduction or list over a mechanism's cycle: of all but the codes of a design."""
+    for quantity in filter(catalogue.varies, catalogue.public):
         for reduction in REDUCTIONS.values():
             yield str(Reduced(Quantity(quantity), reduction.suffix))
             if reduction.has_place:
@@ -75,21 +82,18 @@ def reduced_names(catalogue: Catalogue) -> Iterable[str]:
 
 
 def list_names(catalogue: Catalogue, quantity: str) -> tuple[str, ...]:
-    """Return the names that belong together: a list of extremes, their places, their number, their kinds."""
+    """Return the names that belong together: a list of extrema, their positions, their number, their kinds."""
     of = Quantity(quantity)
-    lists = (
-        ListOfExtrema(of, place=catalogue.position.name),
-        *(ListOfExtrema(of, part) for part in ("count", "kind")),
-    )
-    return tuple(map(str, (ListOfExtrema(of), *lists)))
+    parts = (ListOfExtrema(of, part) for part in ("count", "kind"))
+    return tuple(map(str, (ListOfExtrema(of), ListOfExtrema(of, place=catalogue.position.name), *parts)))
 
 
 def with_lists(catalogue: Catalogue, names: Iterable[str]) -> list[str]:
-    """Return the names with, after each list of extremes, what belongs to it and was not asked for already."""
-    asked = list(names)
+    """Return the names with, after each list of extrema, those that belong to it and are not requested already."""
+    requested = list(names)
     result: list[str] = []
-    for name in asked:
+    for name in requested:
         request = parse_request(name, catalogue)
-        belong = list_names(catalogue, request.quantity) if request.listed == "value" else (name,)
-        result += [other for other in belong if other == name or other not in (*asked, *result)]
+        together = list_names(catalogue, request.quantity) if request.listed == "value" else (name,)
+        result += [other for other in together if other == name or other not in (*requested, *result)]
     return result

@@ -113,13 +113,13 @@ def _compare_list(
         if k >= present or not candidates:  # one that the sweep missed, or one that does not exist
             errors["value"].add_mismatch()
             continue
-        near = float(results["place"][k])
+        near = float(results["position"][k])
         nearest = min(candidates, key=lambda c: _distance(near, stationary.angle(design, c)))
         candidates.remove(nearest)
         exact = stationary.extreme(design, nearest, positions=True)
         errors["value"].add(float(results["value"][k]), exact.value, exact.condition)
-        if "place" in results:
-            _add_position(errors["place"], near, exact)
+        if "position" in results:
+            _add_position(errors["position"], near, exact)
         if "kind" in results:
             errors["kind"].add_code(float(results["kind"][k]), nearest.kind)
 
@@ -141,15 +141,15 @@ def _reductions(outputs: Sequence[Output]) -> list[Reduction]:
 
 
 def _part(output: Output) -> str:
-    """Return the part of an output: a reduction's suffix, "at" with it, "value", "place", "count" or "kind"."""
+    """Return the part of an output: a reduction's suffix, "at" with it, "value", "position", "count" or "kind"."""
     request = output.request
     if request.reduction is None:
         return request.listed
-    return f"at {request.reduction.suffix}" if request.place else request.reduction.suffix
+    return f"at {request.reduction.suffix}" if request.is_position else request.reduction.suffix
 
 
 def _is_position(output: Output) -> bool:
-    return output.request.place or output.request.listed == "place"
+    return output.request.is_position or output.request.listed == "position"
 
 
 def _affordable(sample: Sample, quantity: str, share: int, outputs: Sequence[Output]) -> int:

@@ -76,13 +76,13 @@ def sampled(sample: Sample, outputs: Sequence[Output], share: int) -> dict[str, 
         reduction = output.request.reduction
         assert reduction is not None
         compared = count if reduction.has_place else within(share, sample.positions.size, count)
-        measured = MeasuredErrors(METHODS[reduction.has_place, output.request.place])
+        measured = MeasuredErrors(METHODS[reduction.has_place, output.request.is_position])
         for design, curve in enumerate(curves[:compared]):
             value = float(sample.result(output.name, design))
             exact, size = _reduced(reduction, curve)
             if reduction.has_place and not CONTEXT.isnan(exact):
                 best = int(np.flatnonzero(curve == float(exact))[0])
-                if output.request.place:
+                if output.request.is_position:
                     exact, size = _selected_position(value, curve, best, sample.positions), None
                 else:
                     exact, size = _exact_sample(sample, facts, design, best)
