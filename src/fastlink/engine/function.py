@@ -18,7 +18,7 @@ from fastlink.engine.checks import check_names
 from fastlink.engine.resolve import ResolvedSweep, resolve
 from fastlink.errors import InputError
 from fastlink.mechanisms import catalogue as find_catalogue
-from fastlink.plan.validate import allowed, check_inputs, check_keywords, variants_of
+from fastlink.plan.validate import allowed, check_inputs
 from fastlink.space.design_space import DESIGN, DesignSpace
 from fastlink.space.samplers import grid
 
@@ -103,7 +103,9 @@ def function(
         if name in fixed:
             what = f"is among the inputs and given as {fixed[name]!r}"
             raise InputError(what, where=("function", name), remedy="leave one out")
-    positions, constants = _fixed(mechanism, input, fixed)
+    catalogue = find_catalogue(mechanism, input)
+    known = catalogue.known_inputs(catalogue.variant_inputs)
+    constants = _constants({name: value for name, value in fixed.items() if name in known})
     varying = DesignSpace(
         "table", (DESIGN,), (1,), constants, columns={name: np.full(1, np.nan) for name in names}
     )
@@ -111,18 +113,22 @@ def function(
         mechanism,
         varying,
         outputs,
-        positions=positions,
+        positions={name: values for name, values in fixed.items() if name not in known},
+        options=[*_OPTIONS, *known],
         allow_invalid=True,  # the fixed values are checked below, the others at each call
         companions=False,
         parameter="outputs",
         **options,
     )
-    variants = variants_of(resolved.catalogue, links, solver, varying.names)
-    check_inputs(resolved.catalogue, DesignSpace("grid", (), (), constants), variants, False)
+    check_inputs(catalogue, DesignSpace("grid", (), (), constants), resolved.plan.variants, False)
     _refuse_choices(resolved, varying)
     function_again: Any = function
     recipe = partial(function_again, mechanism, names, list(outputs), **options, **fixed)
     return Function(resolved, names, isinstance(branch, (int, np.integer)), recipe)
+
+
+#: The keywords of a function besides its fixed inputs and the name of the input.
+_OPTIONS = tuple(name for name in signature(function).parameters if name != "fixed")
 
 
 @dataclass(frozen=True, eq=False)
@@ -263,18 +269,6 @@ class Function:
             kernel.run(count)
             for k, result in kernel.results:
                 outputs[k] = result[:count].reshape(count, *self._shapes[k])
-
-
-def _fixed(
-    mechanism: str, input: str | None, fixed: Mapping[str, Any]
-) -> tuple[dict[str, Any], dict[str, float]]:
-    """Return the input positions by the name of the input, and the inputs that stay."""
-    catalogue = find_catalogue(mechanism, input)
-    known = {catalogue.position.name, *catalogue.known_inputs(catalogue.variant_inputs)}
-    options = [name for name in signature(function).parameters if name != "fixed"]
-    check_keywords(mechanism, catalogue, [name for name in fixed if name not in known], [*options, *known])
-    positions = {name: values for name, values in fixed.items() if name == catalogue.position.name}
-    return positions, _constants({name: value for name, value in fixed.items() if name not in positions})
 
 
 def _constants(fixed: Mapping[str, Any]) -> dict[str, float]:

@@ -23,7 +23,7 @@ from fastlink.plan.validate import all_choices, constants_of
 from fastlink.space.links import MODELS
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable
+    from collections.abc import Iterable, Mapping
 
     from numpy.typing import NDArray
 
@@ -163,19 +163,17 @@ def resolve(
     space = space.with_constants(constants_of(catalogue, checked.links, variants))
     for name, codes in all_choices(catalogue, space.names, variants).items():
         space = space.with_axis(name, codes)
+    planning: dict[str, Any] = {
+        "given": space.names,
+        "branches": checked.branches,
+        "variants": variants,
+        "angles": checked.positions.size,
+        "extrema": checked.extrema,
+    }
     try:
-        plan = cached_plan(
-            catalogue,
-            checked.names,
-            companions,
-            given=space.names,
-            branches=checked.branches,
-            variants=variants,
-            angles=checked.positions.size,
-            extrema=checked.extrema,
-        )
+        plan = cached_plan(catalogue, checked.names, companions, **planning)
     except InputError as error:
-        raise (_problem_of_each(checked, space.names, parameter) or error) from None
+        raise (_problem_of_each(checked, planning, parameter) or error) from None
     axis = find_scaling_axis(plan, space)
     solver = checked.solver if plan.depends_on_solver else ""
     return ResolvedSweep(space, plan, checked.positions, solver, axis, checked.backend)
@@ -199,24 +197,18 @@ def _missing_inputs(
     ]
 
 
-def _problem_of_each(checked: CheckedRequest, given: Sequence[str], parameter: str) -> InputError | None:
+def _problem_of_each(
+    checked: CheckedRequest, planning: Mapping[str, Any], parameter: str
+) -> InputError | None:
     """Return every missing input, once, and the other problems of each quantity."""
     catalogue, problems = checked.catalogue, Problems()
     for k, name in enumerate(checked.names):
         with problems.at(parameter, k):
-            missing = _missing_inputs(catalogue, name, checked.variants, given)
+            missing = _missing_inputs(catalogue, name, checked.variants, planning["given"])
             known = [one.where for one in problems.noted]
             problems.noted += [one for one in missing if one.where not in known]
             if not missing:
-                make_plan(
-                    catalogue,
-                    [name],
-                    given=given,
-                    branches=checked.branches,
-                    variants=checked.variants,
-                    angles=checked.positions.size,
-                    extrema=checked.extrema,
-                )
+                make_plan(catalogue, [name], **planning)
     return InputError.of(problems.noted) if problems.noted else None
 
 
