@@ -20,6 +20,7 @@ from fastlink.io.dataset import plain_attrs
 from fastlink.io.partial_file import check_target
 from fastlink.plot.picture import check_picture, save
 from fastlink.space.design_space import sampled
+from fastlink.space.values import check_whole
 from fastlink.study.study import read_study
 
 if TYPE_CHECKING:
@@ -128,8 +129,8 @@ def measure(
     announce: Callable[[str], None] | None = None,
 ) -> xr.Dataset:
     """Measure error and run time of a study's quantities by the methods that a function returns for each."""
-    _check_whole("designs", designs, 1)
-    _check_whole("seed", seed, 0)
+    check_whole(("designs",), designs, 1)
+    check_whole(("seed",), seed, 0)
     mechanism, options = study.mechanism, study.options
     resolved = resolve(mechanism, study.space, study.quantities, **options)
     rng = np.random.default_rng(seed)
@@ -161,12 +162,6 @@ def measure(
         "threads": 1,
     } | ({"left_out": " ".join(left_out)} if left_out else {})
     return _labelled(rows, quantities, attrs)
-
-
-def _check_whole(name: str, value: Any, least: int) -> None:
-    if isinstance(value, bool) or not isinstance(value, int) or value < least:
-        remedy = f"write a whole number of at least {least}"
-        raise InputError(f"is {value!r}", where=(name,), remedy=remedy)
 
 
 def _expected(methods: int, quantities: int, designs: int) -> str:

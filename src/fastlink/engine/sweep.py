@@ -17,11 +17,11 @@ from fastlink.engine import labels
 from fastlink.engine.executor import Sink, block_length, default_threads, run
 from fastlink.engine.resolve import ResolvedSweep, resolve
 from fastlink.engine.sinks import ProgressBar, StatusCounts, into, tee
-from fastlink.errors import InputError
 from fastlink.io.partial_file import check_target
 from fastlink.io.reader import open_map
 from fastlink.io.writer import Writer
 from fastlink.precision import Verification, check_verify
+from fastlink.space.values import check_whole
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -154,7 +154,7 @@ def sweep(
         allow_invalid=allow_invalid,
         backend=backend,
     )
-    threads = _check_threads(threads)
+    threads = default_threads() if threads is None else check_whole(("threads",), threads, 1)
     evaluation = _Evaluation(resolved, threads, block, check_verify(verify, to is not None))
     before = labels.global_attrs(resolved, threads) | dict(attrs or {})
     path = None if to is None else check_target(to, evaluation.nbytes, overwrite)
@@ -285,12 +285,3 @@ class _Evaluation:
                     rows = zip(self.variables, self.job.shapes, strict=True)
                     sink(k, end, [writer.read(variable.name, k, end, shape) for variable, (shape, _) in rows])
         return count
-
-
-def _check_threads(threads: int | None) -> int:
-    if threads is None:
-        return default_threads()
-    if isinstance(threads, bool) or not isinstance(threads, int) or threads < 1:
-        remedy = "write a whole number of at least 1"
-        raise InputError(f"is {threads!r}", where=("threads",), remedy=remedy)
-    return threads

@@ -8,10 +8,10 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from fastlink.errors import InputError
 from fastlink.precision.extrema import refined
 from fastlink.precision.pointwise import sampled, values
 from fastlink.precision.sample import Sample
+from fastlink.space.values import check_whole
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -42,10 +42,7 @@ def check_verify(verify: int | None, lasting: bool) -> int:
     """
     if verify is None:
         return DESIGNS if lasting else 0
-    if isinstance(verify, bool) or not isinstance(verify, int) or verify < 0:
-        remedy = "write how many designs to compute again, 0 for none"
-        raise InputError(f"is {verify!r}", where=("verify",), remedy=remedy)
-    return verify
+    return check_whole(("verify",), verify, 0, remedy="write how many designs to compute again, 0 for none")
 
 
 class Verification:

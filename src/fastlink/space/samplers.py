@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import numbers
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from typing import Any
 
@@ -13,7 +12,7 @@ from numpy.typing import ArrayLike
 from fastlink.errors import InputError, Pair, Problems
 from fastlink.space.design_space import DesignSpace, sampled
 from fastlink.space.table import table
-from fastlink.space.values import Floats, constant, first_invalid, frozen, numbers_of, short_repr
+from fastlink.space.values import Floats, check_whole, constant, first_invalid, frozen, numbers_of
 
 __all__ = ["DesignSpace", "grid", "latin_hypercube", "sobol", "table"]
 
@@ -145,9 +144,9 @@ def _sample(
     """Scale the points that ``chunks(n, dimensions, seed)`` yields to the ranges."""
     problems = Problems()
     with problems.at():
-        _check_integer((kind, "n"), n, 1, MOST_SAMPLES, f"from 1 to {MOST_SAMPLES}")
+        check_whole((kind, "n"), n, 1, MOST_SAMPLES, f"write an integer from 1 to {MOST_SAMPLES}")
     with problems.at():
-        _check_integer((kind, "seed"), seed, 0, math.inf, "of 0 or more")
+        check_whole((kind, "seed"), seed, 0, remedy="write an integer of 0 or more")
     constants: dict[str, float] = {}
     bounds: dict[str, tuple[float, float]] = {}
     for name, given in ranges.items():
@@ -170,12 +169,6 @@ def _sample(
             columns[name][start:stop] = np.minimum(low + unit * (high - low), high)
         start = stop
     return sampled(kind, constants, columns, _sample_attrs(kind, n, seed, bounds))
-
-
-def _check_integer(where: tuple[str, str], value: object, least: int, most: float, allowed: str) -> None:
-    integer = isinstance(value, numbers.Integral) and not isinstance(value, bool)
-    if not integer or not least <= value <= most:  # type: ignore[operator]
-        raise InputError(f"is {short_repr(value)}", where=where, remedy=f"write an integer {allowed}")
 
 
 def _range(kind: str, name: str, values: Floats) -> tuple[float, float]:

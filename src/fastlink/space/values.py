@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import numbers
 import reprlib
 from decimal import Decimal
@@ -10,7 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from fastlink.errors import InputError
+from fastlink.errors import InputError, KeyPath
 
 Floats = NDArray[np.float64]
 NUMBERS = "write a number or a flat list of numbers"
@@ -64,6 +65,16 @@ def constant(where: str, name: str, given: Any) -> float:
     if not np.isfinite(value):
         raise InputError(f"is {value}", where=(where, name), remedy="write a finite number")
     return float(value)
+
+
+def check_whole(
+    where: KeyPath, value: Any, least: int, most: float = math.inf, remedy: str | None = None
+) -> int:
+    """Return a whole number from `least` to `most`, or refuse the value."""
+    if isinstance(value, bool) or not isinstance(value, (int, np.integer)) or not least <= value <= most:
+        remedy = remedy or f"write a whole number of at least {least}"
+        raise InputError(f"is {short_repr(value)}", where=where, remedy=remedy)
+    return int(value)
 
 
 def first_invalid(values: Floats) -> int | None:
