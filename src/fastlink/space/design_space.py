@@ -62,11 +62,13 @@ class DesignSpace:
 
     def values(self, name: str) -> Floats:
         """Return the values of an input, 1-D: its axis, its column or its constant."""
+        if name in self.constants:
+            return np.array([self.constants[name]])
         if name in self.axes:
             return self.axes[name]
         if name in self.columns:
             return self.columns[name]
-        return np.array([self.constants[self._known(name)]])
+        raise InputError(f"{name!r} has no value", where=("design",), remedy=suggest(name, self.names))
 
     def fill(self, names: Sequence[str], start: int, stop: int, out: Floats) -> None:
         """Write inputs of designs ``start`` to ``stop - 1`` into rows; thread-safe.
@@ -85,15 +87,14 @@ class DesignSpace:
         indices = self._axis_indices(start, stop) if self.axes else {}
         for row, name in zip(out, names, strict=False):
             target = row[: stop - start]
-            if name in indices:
+            if name in self.constants:
+                target[:] = self.constants[name]
+            elif indices:
+                index = indices[name if name in indices else DESIGN]
                 # "clip" writes in place, the default "raise" in a copy of the output; no index needs clipping
-                np.take(self.axes[name], indices[name], out=target, mode="clip")
-            elif name in self.columns and indices:
-                np.take(self.columns[name], indices[DESIGN], out=target, mode="clip")
-            elif name in self.columns:
-                target[:] = self.columns[name][start:stop]
+                np.take(self.values(name), index, out=target, mode="clip")
             else:
-                target[:] = self.constants[self._known(name)]
+                target[:] = self.values(name)[start:stop]
 
     def some(self, count: int, rng: np.random.Generator) -> NDArray[np.int64]:
         """Return the numbers of random designs in order; no list of all, perhaps 10^9."""
@@ -132,11 +133,6 @@ class DesignSpace:
             indices[name] = rest - outer * length
             rest = outer
         return indices
-
-    def _known(self, name: str) -> str:
-        if name in self.constants:
-            return name
-        raise InputError(f"{name!r} has no value", where=("design",), remedy=suggest(name, self.names))
 
 
 def sampled(

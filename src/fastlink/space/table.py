@@ -61,19 +61,17 @@ def table(source: Any, *, allow_invalid: bool = False) -> DesignSpace:
 
 
 def _table_entries(source: Any) -> Iterator[tuple[str, Any]]:
-    """Yield name and values of each entry of a table that is in memory."""
+    """Return name and values of each entry of a table that is in memory."""
     if hasattr(source, "data_vars"):
-        entries = _dataset_entries(source)
-    elif hasattr(source, "columns") and hasattr(source, "to_numpy"):
+        return _dataset_entries(source)
+    if hasattr(source, "columns") and hasattr(source, "to_numpy"):
         _check_names(list(source.columns))
-        entries = ((name, source[name].to_numpy()) for name in source.columns)
-    elif isinstance(source, Mapping):
+        return ((name, source[name].to_numpy()) for name in source.columns)
+    if isinstance(source, Mapping):
         _check_names(list(source))
-        entries = iter(source.items())
-    else:
-        remedy = "give a mapping, an xarray.Dataset, a pandas.DataFrame or the path of a CSV file"
-        raise _refused(f"{short_repr(source)} is no table", remedy)
-    yield from entries
+        return iter(source.items())
+    remedy = "give a mapping, an xarray.Dataset, a pandas.DataFrame or the path of a CSV file"
+    raise _refused(f"{short_repr(source)} is no table", remedy)
 
 
 def _dataset_entries(dataset: Any) -> Iterator[tuple[str, Any]]:
