@@ -42,20 +42,13 @@ def one_plus_ratio_of_support(s: Any, d: Any) -> Any:
     return ratio, 0.0 * ratio
 
 
+by_support = focal.steps(units="1", source=COMPLETION, variant=GIVEN_S)
+by_support(one_plus_ratio_of_support, "rho_plus_1", "1 + rho", low="rho_plus_1_low")
+
+
 def nothing(exact: Any) -> Any:
     """No low part."""
     return 0.0 * exact
-
-
-focal.quantity(
-    units="1",
-    symbol="1 + rho",
-    source=COMPLETION,
-    internal=True,
-    variant=GIVEN_S,
-    name="rho_plus_1",
-    low="rho_plus_1_low",
-)(one_plus_ratio_of_support)
 
 
 @focal.quantity(
@@ -115,16 +108,9 @@ def root_of_ratio(root_near: Any, root_far: Any, u: Any, v: Any, completion: Any
 
 
 def one_plus_found(
-    ratio_sign: Any,
-    root: Any,
-    common: Any,
-    excess: Any,
-    root_near: Any,
-    root_far: Any,
-    u: Any,
-    v: Any,
+    ratio_sign: Any, root: Any, common: Any, excess: Any, root_near: Any, root_far: Any, u: Any, v: Any,
     completion: Any,
-) -> Any:
+) -> Any:  # fmt: skip
     """1 + the unknown ratio."""
     # Of the negative ratios, 1 + ratio is (middle -+ R)/(2 v^2), of the product W/v^2: the greater first.
     R = root_near * root_far

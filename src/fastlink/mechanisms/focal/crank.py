@@ -17,6 +17,7 @@ from fastlink.mechanisms._shared.laws import (
     opposite_product,
     product,
     same,
+    total,
     twice,
 )
 from fastlink.mechanisms._shared.reuse import borrow_tables
@@ -42,22 +43,10 @@ def mixed(at_0: Any, at_pi: Any, C: Any, Z: Any) -> Any:
 
 
 step = by_crank.steps(units="1", source=f"{WUNDERLICH}, eq. (1.5); {DYAD}")
-step(
-    mixed,
-    "squared_half_sine",
-    "sine^2(omega/2)",
-    "Squared sine of omega/2",
-    at_0="sine_at_0",
-    at_pi="sine_at_pi",
-)
-step(
-    mixed,
-    "squared_half_cosine",
-    "cosine^2(omega/2)",
-    "Squared cosine of omega/2",
-    at_0="cosine_at_0",
-    at_pi="cosine_at_pi",
-)
+_SINE = {"at_0": "sine_at_0", "at_pi": "sine_at_pi"}
+_COSINE = {"at_0": "cosine_at_0", "at_pi": "cosine_at_pi"}
+step(mixed, "squared_half_sine", "sine^2(omega/2)", "Squared sine of omega/2", **_SINE)
+step(mixed, "squared_half_cosine", "cosine^2(omega/2)", "Squared cosine of omega/2", **_COSINE)
 
 
 step = by_crank.steps(units="1", source=f"{WUNDERLICH}, eq. (1.5)")
@@ -112,30 +101,11 @@ def swing(of_sine: Any, of_cosine: Any, squared_half_sine: Any, squared_half_cos
     return of_sine * squared_half_sine + of_cosine * squared_half_cosine
 
 
-def dyad_x(straight: Any, swing: Any) -> Any:
-    """F seen from M or N, scaled, along the rocker."""
-    return straight + swing
-
-
 step = by_crank.steps(units="1", source=f"{WUNDERLICH}, eqs. (1.3), (1.4)")
 step(swing, "swing_M", "(m - p w)_x", of_sine="M_of_sine", of_cosine="M_of_cosine")
 step(swing, "swing_N", "(n + q w)_x", of_sine="N_of_sine", of_cosine="N_of_cosine")
-step(
-    dyad_x,
-    "dyad_M_x",
-    "(m - p w)_x",
-    "F seen from M, scaled, along MP",
-    straight="straight_M",
-    swing="swing_M",
-)
-step(
-    dyad_x,
-    "dyad_N_x",
-    "(n + q w)_x",
-    "F seen from N, scaled, along NQ",
-    straight="straight_N",
-    swing="swing_N",
-)
+step(total, "dyad_M_x", "(m - p w)_x", "F seen from M, scaled, along MP", x="straight_M", y="swing_M")
+step(total, "dyad_N_x", "(n + q w)_x", "F seen from N, scaled, along NQ", x="straight_N", y="swing_N")
 
 
 @by_crank.quantity(units="1", symbol="(m - p w)_y", source=f"{WUNDERLICH}, eq. (1.3)", internal=True)
@@ -199,18 +169,9 @@ direction(angle, "psi", "psi", "Direction of NB in the ground frame", x="v_x", y
 
 
 def rate(
-    s_r: Any,
-    base: Any,
-    g_x: Any,
-    g_y: Any,
-    x: Any,
-    y: Any,
-    straight_lever: Any,
-    swing: Any,
-    bar: Any,
-    per_half_sine: Any,
-    omega_sign: Any,
-) -> Any:
+    s_r: Any, base: Any, g_x: Any, g_y: Any, x: Any, y: Any, straight_lever: Any, swing: Any, bar: Any,
+    per_half_sine: Any, omega_sign: Any,
+) -> Any:  # fmt: skip
     """Return how fast a rocker turns: as the line from its pivot to F, and as omega changes."""
     lever = straight_lever + swing / bar
     turning = omega_sign * ((0.5 * base) * (g_y * lever) * per_half_sine)
@@ -220,18 +181,10 @@ def rate(
 def declare_rate(name: str, pivot: str, rocker: str, base: str, bar: str) -> None:
     """Declare how fast a rocker turns."""
     ratio = f"d{name}_dsigma"
-    by_crank.quantities(units="1", source=POSITION)(
-        rate,
-        ratio,
-        f"d {name}/d sigma",
-        f"Angular velocity of {rocker} over that of the crank SF",
-        base=base,
-        bar=bar,
-        x=f"{pivot}F_x",
-        y="MF_y",
-        straight_lever=f"straight_lever_{pivot}",
-        swing=f"swing_{pivot}",
-    )
+    labels = ratio, f"d {name}/d sigma", f"Angular velocity of {rocker} over that of the crank SF"
+    given = {"base": base, "bar": bar, "x": f"{pivot}F_x", "y": "MF_y", "swing": f"swing_{pivot}"}
+    quantity = by_crank.quantities(units="1", source=POSITION)
+    quantity(rate, *labels, straight_lever=f"straight_lever_{pivot}", **given)
     velocity = by_crank.quantities(units="rad s-1", source=POSITION)
     velocity(product, f"{name}_rate", f"d {name}/dt", f"Angular velocity of {rocker}", x="omega", y=ratio)
     by_crank.derivatives(SIGMA)(same, name, x=ratio)

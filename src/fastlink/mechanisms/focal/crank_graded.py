@@ -111,22 +111,10 @@ by_crank.graded = GradedRange(
 step = by_crank.steps(units="1", source=DYAD, variant=by_crank.graded.name)
 step(graded.from_end, "Z", "Z", least="Z_least", fraction="from_low")
 step(graded.from_end, "C", "C", least="C_least", fraction="from_high")
-step(
-    graded.from_end,
-    "growing",
-    "growing",
-    least="growing_least",
-    range_width="width_of_squares",
-    fraction="from_low",
-)
-step(
-    graded.from_end,
-    "falling",
-    "falling",
-    least="falling_least",
-    range_width="width_of_squares",
-    fraction="from_high",
-)
+_LOW = {"range_width": "width_of_squares", "fraction": "from_low"}
+_HIGH = {"range_width": "width_of_squares", "fraction": "from_high"}
+step(graded.from_end, "growing", "growing", least="growing_least", **_LOW)
+step(graded.from_end, "falling", "falling", least="falling_least", **_HIGH)
 step(mixed, "squared_half_sine", "squared_half_sine")
 step(mixed, "squared_half_cosine", "squared_half_cosine", falling="growing", growing="falling")
 step(difference, "g_x", "g_x", "Cosine of the input angle", x="C", y="Z")

@@ -158,15 +158,11 @@ def minus_s_c(s_c: Any) -> Any:
     return -s_c
 
 
+_H1 = "Distance of parallel MN and AB where a = b, NaN of others"
+_H2 = "Distance of parallel MN and the opposite AB where a = b, NaN of others"
 trapezoid = focal.quantities(units="m", source=f"{WUNDERLICH}, eq. (6.2)")
-trapezoid(height, "h1", "h_1", "Distance of parallel MN and AB where a = b, NaN of others", c="s_c")
-trapezoid(
-    height,
-    "h2",
-    "h_2",
-    "Distance of parallel MN and the opposite AB where a = b, NaN of others",
-    c="minus_s_c",
-)
+trapezoid(height, "h1", "h_1", _H1, c="s_c")
+trapezoid(height, "h2", "h_2", _H2, c="minus_s_c")
 
 
 @focal.quantity(units="m", symbol="x", source=f"{WUNDERLICH}, eq. (7.5) corrected")

@@ -99,29 +99,10 @@ def bars_difference(s_a: Any, s_b: Any, rho: Any) -> Any:
 
 
 def of_half_angle(
-    side: Any,
-    spin: Any,
-    lambda_sign: Any,
-    ratio_sign: Any,
-    greater_root: Any,
-    lesser_root: Any,
-    s_a: Any,
-    s_b: Any,
-    s_c: Any,
-    s_d: Any,
-    bars_sum: Any,
-    bars_difference: Any,
-    K: Any,
-    per_dyad: Any,
-    sure_A1: Any,
-    sure_B1: Any,
-    sure_C1: Any,
-    A2: Any,
-    B2: Any,
-    C2: Any,
-    D1: Any,
-    D2: Any,
-) -> Any:
+    side: Any, spin: Any, lambda_sign: Any, ratio_sign: Any, greater_root: Any, lesser_root: Any, s_a: Any,
+    s_b: Any, s_c: Any, s_d: Any, bars_sum: Any, bars_difference: Any, K: Any, per_dyad: Any, sure_A1: Any,
+    sure_B1: Any, sure_C1: Any, A2: Any, B2: Any, C2: Any, D1: Any, D2: Any,
+) -> Any:  # fmt: skip
     """Squared sine or cosine of omega/2 with the crank in the ground line."""
     root = select(side == ratio_sign, lesser_root, -greater_root)
     other_root = select(side == ratio_sign, greater_root, -lesser_root)

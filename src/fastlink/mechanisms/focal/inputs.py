@@ -37,13 +37,8 @@ focal.input(
     GIVEN_S, units="m", symbol="s", meaning="crank support S on MN, from M towards N", variant=GIVEN_S
 )
 focal.input(GIVEN_LAMBDA, units="1", symbol="lambda", meaning="factor a/m = b/n", variant=GIVEN_LAMBDA)
-focal.input(
-    "completion",
-    units="1",
-    symbol="k",
-    meaning="which root completes the four-bar: of lambda - 1, or of rho where lambda_ is given",
-    choices=COMPLETIONS,
-)
+_ROOT = "which root completes the four-bar: of lambda - 1, or of rho where lambda_ is given"
+focal.input("completion", units="1", symbol="k", meaning=_ROOT, choices=COMPLETIONS)
 focal.input(
     "omega", units="rad s-1", symbol="omega", meaning="angular velocity of the driving link, constant"
 )

@@ -81,16 +81,9 @@ def alpha(
 
 @either(units="rad", symbol="beta", source=f"{WUNDERLICH}, eq. (4.1)")
 def beta(
-    ratio_sign: Any,
-    near_p: Any,
-    near_m: Any,
-    w_x: Any,
-    w_y: Any,
-    by_S_x: Any,
-    by_S_y: Any,
-    f_x: Any,
+    ratio_sign: Any, near_p: Any, near_m: Any, w_x: Any, w_y: Any, by_S_x: Any, by_S_y: Any, f_x: Any,
     f_y: Any,
-) -> Any:
+) -> Any:  # fmt: skip
     """Angle from FP to FM, and from BF to BQ."""
     x = (near_p - near_m * w_x) - (by_S_x * f_x + by_S_y * f_y)
     y = near_m * w_y + (by_S_x * f_y - by_S_y * f_x)
@@ -147,16 +140,13 @@ def w_y(far_crank: Any, closing_y: Any, by_S_sine: Any) -> Any:
     return far_crank * closing_y + by_S_sine
 
 
-@focal.quantity(units="1", symbol="z_x", source=f"{WUNDERLICH}, eqs. (1.3), (1.7)", internal=True)
-def MF_x(by_S_x: Any, near_m: Any, u_x: Any, near_p: Any, f_x: Any) -> Any:
-    """Vector from M to F, scaled, x."""
-    return by_S_x + (near_m * u_x - near_p * f_x)
+def from_M(by_S: Any, near_m: Any, u: Any, near_p: Any, f: Any) -> Any:
+    """Return a component of the vector from M to F by way of S, or of P."""
+    return by_S + (near_m * u - near_p * f)
 
 
-@focal.quantity(units="1", symbol="z_y", source=f"{WUNDERLICH}, eqs. (1.3), (1.7)", internal=True)
-def MF_y(by_S_y: Any, near_m: Any, u_y: Any, near_p: Any, f_y: Any) -> Any:
-    """Vector from M to F, scaled, y."""
-    return by_S_y + (near_m * u_y - near_p * f_y)
+step = focal.steps(units="1", source=f"{WUNDERLICH}, eqs. (1.3), (1.7)")
+step.vector(from_M, "MF_*", "z_*", "Vector from M to F, scaled", by_S="by_S_*", u="u_*", f="f_*")
 
 
 @focal.quantity(units="1", symbol="z_x - s", source=POSITION, internal=True)

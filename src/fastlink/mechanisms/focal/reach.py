@@ -39,14 +39,9 @@ def folds(grashof_class: Any) -> Any:
 
 @focal.quantity(units="1", symbol="crank", source=CRANK, flags=CRANK_FLAGS)
 def crank_type(
-    sine_at_0: Any,
-    sine_at_pi: Any,
-    cosine_at_0: Any,
-    cosine_at_pi: Any,
-    P_sign: Any,
-    folds: Any,
+    sine_at_0: Any, sine_at_pi: Any, cosine_at_0: Any, cosine_at_pi: Any, P_sign: Any, folds: Any,
     has_crank: Any,
-) -> Any:
+) -> Any:  # fmt: skip
     """Whether the crank SF turns fully, and the position that stops it."""
     no_sine = (sine_at_0 < 0.0) | (sine_at_pi < 0.0)
     no_cosine = (cosine_at_0 < 0.0) | (cosine_at_pi < 0.0)
@@ -84,26 +79,16 @@ step(product, "cosine_parallel", "A2 D2", _PARALLEL, x=A2, y=D2)
 step(opposite_product, "sine_antiparallel", "B2 C2", _ANTIPARALLEL, x=B2, y=C2)
 step(product, "cosine_antiparallel", "A1 D1", _ANTIPARALLEL, x=A1, y=D1)
 
+_PQ = "Least acute angle between MP and PF, that of NQ and QF, over the whole motion"
+_F = "Least acute angle between PF and QF, that of MA and NB, over the whole motion"
+_ENDS = {
+    "sine": "sine_at_0",
+    "cosine": "cosine_at_0",
+    "other_sine": "sine_at_pi",
+    "other_cosine": "cosine_at_pi",
+}
+_SIDES = {"sine": "sine_parallel", "cosine": "cosine_parallel"}
+_SIDES |= {"other_sine": "sine_antiparallel", "other_cosine": "cosine_antiparallel"}
 least = focal.quantities(units="rad", source=CRANK)
-least(
-    least_acute_angle,
-    "transmission_angle_PQ_least",
-    "mu_PQ",
-    "Least acute angle between MP and PF, that of NQ and QF, over the whole motion",
-    sine="sine_at_0",
-    cosine="cosine_at_0",
-    other_sine="sine_at_pi",
-    other_cosine="cosine_at_pi",
-    known="has_crank",
-)
-least(
-    least_acute_angle,
-    "transmission_angle_F_least",
-    "mu_F",
-    "Least acute angle between PF and QF, that of MA and NB, over the whole motion",
-    sine="sine_parallel",
-    cosine="cosine_parallel",
-    other_sine="sine_antiparallel",
-    other_cosine="cosine_antiparallel",
-    known="assembles",
-)
+least(least_acute_angle, "transmission_angle_PQ_least", "mu_PQ", _PQ, known="has_crank", **_ENDS)
+least(least_acute_angle, "transmission_angle_F_least", "mu_F", _F, known="assembles", **_SIDES)

@@ -37,28 +37,14 @@ RATIO = {
     "source": f"{WUNDERLICH}, eq. (2.4), differentiated",
     "internal": False,
 }
-borrow(
-    focal,
-    planar_4r,
-    NAMES,
-    PREFIX,
-    {
-        "AB_x": {},
-        "AB_y": {},
-        "DB_x": {},
-        "DB_y": {},
-        "per_sigma": {},
-        "theta4": DIRECTION_OF_NB,
-        "output_ratio": RATIO,
-    },
-)
+LABELS: dict[str, dict[str, Any]] = {"theta4": DIRECTION_OF_NB, "output_ratio": RATIO}
+LABELS |= {name: {} for name in ("AB_x", "AB_y", "DB_x", "DB_y", "per_sigma")}
+borrow(focal, planar_4r, NAMES, PREFIX, LABELS)
 
 
 step = focal.steps(units="1", source=FIGURES)
-step(quotient, "v_x", "v_x", "Direction of NB, x", x="NB_x", y="b")
-step(quotient, "v_y", "v_y", "Direction of NB, y", x="NB_y", y="b")
-step(quotient, "e_x", "e_x", "Direction of AB, x", x="AB_x", y="c")
-step(quotient, "e_y", "e_y", "Direction of AB, y", x="AB_y", y="c")
+step.vector(quotient, "v_*", "v_*", "Direction of NB", x="NB_*", y="b")
+step.vector(quotient, "e_*", "e_*", "Direction of AB", x="AB_*", y="c")
 
 
 # -- w ----------------------------------------------------------------------------------------------------------

@@ -23,16 +23,9 @@ STATUS_FLAGS = {
     units="1", symbol="status", source=f"{WUNDERLICH}, sections 2 and 6; {DESIGN}#status", flags=STATUS_FLAGS
 )
 def status(
-    rho: Any,
-    x: Any,
-    excess: Any,
-    far_excess: Any,
-    lambda_: Any,
-    rho_plus_1: Any,
-    completion: Any,
-    assembles: Any,
-    valid: Any,
-) -> Any:
+    rho: Any, x: Any, excess: Any, far_excess: Any, lambda_: Any, rho_plus_1: Any, completion: Any,
+    assembles: Any, valid: Any,
+) -> Any:  # fmt: skip
     """Whether the four-bar has this completion, and why not."""
     code = select(rho_plus_1 == 0.0, 3.0, 0.0)
     code = select(lambda_ == 0.0, 4.0, code)

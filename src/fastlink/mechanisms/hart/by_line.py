@@ -144,46 +144,20 @@ def F_x(line_x: Any, w_y: Any) -> Any:
 angle = by_line.quantities(units="rad", source=POSITION)
 angle(direction, "phi", "phi", "Direction of MA in the ground frame", x="u_x", y="u_y")
 angle(direction, "psi", "psi", "Direction of NB in the ground frame", x="v_x", y="v_y")
-angle(
-    omega_angle,
-    "omega_angle",
-    "omega",
-    source=hart.facts["omega_angle"].source,
-    sine_part="w_y",
-    cosine_part="w_x",
-)
+_OMEGA = hart.facts["omega_angle"].source
+angle(omega_angle, "omega_angle", "omega", source=_OMEGA, sine_part="w_y", cosine_part="w_x")
 joint = by_line.quantities(units="m", source=POSITION)
-joint(product, "P_x", "P_x", "Joint P, x", x="m", y="u_x")
-joint(product, "P_y", "P_y", "Joint P, y", x="m", y="u_y")
-joint(product, "A_x", "A_x", "Joint A, x", x="a", y="u_x")
-joint(product, "A_y", "A_y", "Joint A, y", x="a", y="u_y")
+joint.vector(product, "P_*", "P_*", "Joint P", x="m", y="u_*")
+joint.vector(product, "A_*", "A_*", "Joint A", x="a", y="u_*")
 joint(along, "Q_x", "Q_x", "Joint Q, x", start="d", length="n", direction="v_x")
 joint(product, "Q_y", "Q_y", "Joint Q, y", x="n", y="v_y")
 joint(along, "B_x", "B_x", "Joint B, x", start="d", length="b", direction="v_x")
 joint(product, "B_y", "B_y", "Joint B, y", x="b", y="v_y")
-joint(mean, "PF_mid_x", "PF_mid_x", "Middle of PF, x", x="P_x", y="F_x")
-joint(mean, "PF_mid_y", "PF_mid_y", "Middle of PF, y", x="P_y", y="F_y")
+joint.vector(mean, "PF_mid_*", "PF_mid_*", "Middle of PF", x="P_*", y="F_*")
+_MA, _NB = "Rate of the direction of MA by the height of F", "Rate of the direction of NB by the height of F"
 turn = by_line.quantities(units="rad m-1", source=f"{PAGE}#rates-and-extremes")
-turn(
-    rate,
-    "dphi_dF_y",
-    "dphi_dF_y",
-    "Rate of the direction of MA by the height of F",
-    x="M_line",
-    y="s_t",
-    own="s_m",
-    other="s_n",
-)
-turn(
-    rate,
-    "dpsi_dF_y",
-    "dpsi_dF_y",
-    "Rate of the direction of NB by the height of F",
-    x="N_line",
-    y="s_t",
-    own="s_n",
-    other="s_m",
-)
+turn(rate, "dphi_dF_y", "dphi_dF_y", _MA, x="M_line", y="s_t", own="s_m", other="s_n")
+turn(rate, "dpsi_dF_y", "dpsi_dF_y", _NB, x="N_line", y="s_t", own="s_n", other="s_m")
 
 
 @by_line.quantity(units="1", symbol="u", source=DRIVE)

@@ -115,16 +115,9 @@ def assembles(far_sum_excess: Any, near_difference_excess: Any, valid: Any) -> A
 
 
 def toggle(
-    near_sum: Any,
-    near_sum_low: Any,
-    far_difference: Any,
-    far_difference_low: Any,
-    other: Any,
-    divisor: Any,
-    s_m: Any,
-    gap_rounding: Any,
-    valid: Any,
-) -> Any:
+    near_sum: Any, near_sum_low: Any, far_difference: Any, far_difference_low: Any, other: Any, divisor: Any,
+    s_m: Any, gap_rounding: Any, valid: Any,
+) -> Any:  # fmt: skip
     """Return (near_sum + other)(far_difference + other)/(4 m divisor)."""
     f, f_low = sum_of_four(near_sum, near_sum_low, other, 0.0)
     g, g_low = sum_of_four(far_difference, far_difference_low, other, 0.0)
@@ -133,21 +126,7 @@ def toggle(
     return select(valid == 1.0, zero_where(none, high), NOT_A_NUMBER), zero_where(none, low)
 
 
-step(
-    toggle,
-    "Z0",
-    "Z_0",
-    "squared sine of half of phi at the inner toggle, negative if none",
-    other="minus_e",
-    divisor="minus_e",
-    low="Z0_low",
-)
-step(
-    toggle,
-    "C0",
-    "C_0",
-    "squared cosine of half of phi at the outer toggle, negative if none",
-    other="e",
-    divisor="e",
-    low="C0_low",
-)
+_INNER = "squared sine of half of phi at the inner toggle, negative if none"
+_OUTER = "squared cosine of half of phi at the outer toggle, negative if none"
+step(toggle, "Z0", "Z_0", _INNER, other="minus_e", divisor="minus_e", low="Z0_low")
+step(toggle, "C0", "C_0", _OUTER, other="e", divisor="e", low="C0_low")

@@ -78,18 +78,9 @@ def AN_x(ground_excess: Any, size_a: Any, Z: Any, lift: Any, unit: Any) -> Any:
 
 @hart.quantity(units="1", symbol="w", source=f"{PLANAR}#extremes", internal=True)
 def range_width(
-    far_sum_less: Any,
-    far_sum_plus: Any,
-    near_difference_less: Any,
-    near_difference_plus: Any,
-    Z0: Any,
-    C0: Any,
-    s_m: Any,
-    s_n: Any,
-    e: Any,
-    K: Any,
-    assembles: Any,
-) -> Any:
+    far_sum_less: Any, far_sum_plus: Any, near_difference_less: Any, near_difference_plus: Any, Z0: Any,
+    C0: Any, s_m: Any, s_n: Any, e: Any, K: Any, assembles: Any,
+) -> Any:  # fmt: skip
     """Width of the reachable range of phi in Z; NaN where the design never assembles."""
     to_pi = far_sum_plus * near_difference_plus / (4.0 * (s_m * e))
     from_0 = -(far_sum_less * near_difference_less) / (4.0 * (s_m * e))

@@ -45,28 +45,17 @@ def minus_ratio_times(ratio: Any, length: Any, valid: Any) -> Any:
 
 
 length = hart.quantities(units="m", source=f"{WUNDERLICH}, eq. (7.2)")
-length(ratio_times, "p", "p", "Length of PF, kappa n, with the sign of kappa", ratio="kappa", length="n")
-length(
-    minus_ratio_times, "q", "q", "Length of QF, -kappa m, with the sign of -kappa", ratio="kappa", length="m"
-)
+_KAPPA, _LAMBDA = {"ratio": "kappa"}, {"ratio": "lambda_"}
+length(ratio_times, "p", "p", "Length of PF, kappa n, with the sign of kappa", **_KAPPA, length="n")
+length(minus_ratio_times, "q", "q", "Length of QF, -kappa m, with the sign of -kappa", **_KAPPA, length="m")
 length = hart.quantities(units="m", source=f"{WUNDERLICH}, eq. (7.4)")
 length(
-    ratio_times,
-    "a",
-    "a",
-    "Length of MA along MP: negative on the extension beyond M",
-    ratio="lambda_",
-    length="m",
+    ratio_times, "a", "a", "Length of MA along MP: negative on the extension beyond M", **_LAMBDA, length="m"
 )
 length(
-    ratio_times,
-    "b",
-    "b",
-    "Length of NB along NQ: negative on the extension beyond N",
-    ratio="lambda_",
-    length="n",
+    ratio_times, "b", "b", "Length of NB along NQ: negative on the extension beyond N", **_LAMBDA, length="n"
 )
-length(ratio_times, "c", "c", "Length of AB, kappa d, with the sign of kappa", ratio="kappa", length="d")
+length(ratio_times, "c", "c", "Length of AB, kappa d, with the sign of kappa", **_KAPPA, length="d")
 
 
 @hart.quantity(
@@ -145,16 +134,9 @@ def ellipse_b(is_kite: Any, m: Any) -> Any:
 
 @hart.quantity(units="1", symbol="status", source=f"{STROKE}; {WUNDERLICH}, section 7", flags=STATUS_FLAGS)
 def status(
-    kappa: Any,
-    F_y_inner: Any,
-    far_sum_excess: Any,
-    near_difference_excess: Any,
-    near_sum_excess: Any,
-    far_difference_excess: Any,
-    assembles: Any,
-    lengths_are_valid: Any,
-    valid: Any,
-) -> Any:
+    kappa: Any, F_y_inner: Any, far_sum_excess: Any, near_difference_excess: Any, near_sum_excess: Any,
+    far_difference_excess: Any, assembles: Any, lengths_are_valid: Any, valid: Any,
+) -> Any:  # fmt: skip
     """How F traces its line, or why there is none."""
     change_point = (near_sum_excess == 0.0) | (far_difference_excess == 0.0)
     rigid = (far_sum_excess == 0.0) | (near_difference_excess == 0.0)

@@ -124,18 +124,9 @@ declare_coordinate(
 
 @minkowski_4r.quantity(units="1", symbol="e", source=POSITION)
 def loop_residual(
-    s_a: Any,
-    s_b: Any,
-    s_g: Any,
-    s_h: Any,
-    p_r: Any,
-    per_p: Any,
-    r: Any,
-    AB_u: Any,
-    AB_v: Any,
-    CB_u: Any,
+    s_a: Any, s_b: Any, s_g: Any, s_h: Any, p_r: Any, per_p: Any, r: Any, AB_u: Any, AB_v: Any, CB_u: Any,
     CB_v: Any,
-) -> Any:
+) -> Any:  # fmt: skip
     """Closure error of the loop in null coordinates, relative to the sizes of its terms."""
     u_terms = (s_a * p_r + s_h * abs(AB_u)) + (s_g * r + s_b * abs(CB_u))
     v_terms = (s_a * per_p + s_h * abs(AB_v)) + (s_g + s_b * abs(CB_v))
@@ -148,22 +139,10 @@ def loop_residual(
     units="1", symbol="configuration", source=f"{NUMERICS}#configurations", flags=CONFIGURATION_FLAGS
 )
 def configuration_status(
-    half_root: Any,
-    CB_orientation: Any,
-    AB_orientation: Any,
-    CB_ratio: Any,
-    CB_scale: Any,
-    AB_ratio: Any,
-    CB_half: Any,
-    alpha_r: Any,
-    beta: Any,
-    inside: Any,
-    B_x: Any,
-    A_x: Any,
-    cosh_zeta: Any,
-    loop_residual: Any,
-    valid: Any,
-) -> Any:
+    half_root: Any, CB_orientation: Any, AB_orientation: Any, CB_ratio: Any, CB_scale: Any, AB_ratio: Any,
+    CB_half: Any, alpha_r: Any, beta: Any, inside: Any, B_x: Any, A_x: Any, cosh_zeta: Any,
+    loop_residual: Any, valid: Any,
+) -> Any:  # fmt: skip
     """Whether the loop closes in this configuration, and why a quantity of it is not a finite number."""
     escaped = CB_orientation * AB_orientation == 0.0
     lightlike = (alpha_r == 0.0) | (beta == 0.0)

@@ -66,22 +66,10 @@ def limit(s_a: Any, s_b: Any, s_g: Any, reach: Any, a_one: Any, g_one: Any, vali
 
 
 step = minkowski_4r.steps(units="1", source=POSITION)
-step(
-    limit,
-    "inner_limit",
-    "S_0",
-    "kappa sinh^2(theta_min/2), negative if there is no such limit",
-    reach="s_h",
-    low="inner_limit_low",
-)
-step(
-    limit,
-    "outer_limit",
-    "S_0",
-    "kappa sinh^2(theta_max/2), negative if there is no such limit",
-    reach="minus_s_h",
-    low="outer_limit_low",
-)
+_NONE = "negative if there is no such limit"
+_INNER, _OUTER = f"kappa sinh^2(theta_min/2), {_NONE}", f"kappa sinh^2(theta_max/2), {_NONE}"
+step(limit, "inner_limit", "S_0", _INNER, reach="s_h", low="inner_limit_low")
+step(limit, "outer_limit", "S_0", _OUTER, reach="minus_s_h", low="outer_limit_low")
 
 
 @minkowski_4r.quantity(units="1", symbol="g/a", source=POSITION, internal=True, low="ground_share_low")
@@ -95,20 +83,9 @@ def arm_share(length: Any, g_one: Any) -> Any:
     return length / (2.0 * g_one)
 
 
-step(
-    arm_share,
-    "b_share",
-    "b_share",
-    f"length of the {LINKS['b']} in units of the roots of the quadratic",
-    length="s_b",
-)
-step(
-    arm_share,
-    "h_share",
-    "h_share",
-    f"length of the {LINKS['h']} in units of the roots of the quadratic",
-    length="s_h",
-)
+_UNITS = "in units of the roots of the quadratic"
+step(arm_share, "b_share", "b_share", f"length of the {LINKS['b']} {_UNITS}", length="s_b")
+step(arm_share, "h_share", "h_share", f"length of the {LINKS['h']} {_UNITS}", length="s_h")
 
 
 def arm_product(length: Any, other: Any, product_one: Any) -> Any:

@@ -231,11 +231,7 @@ def declare_arm(arm: str, length: str, angle: tuple[str, str, str, str]) -> None
 
     step(takes_sum, "takes_sum", "1 where the sum of half and root does not cancel")
     step(arm_sum, "sum", "the sum of half and root that does not cancel")
-    step(
-        sum_rapidity,
-        "sum_rapidity",
-        "rapidity where that sum is the first null coordinate, for abs(theta)",
-    )
+    step(sum_rapidity, "sum_rapidity", "rapidity where that sum is the first null coordinate, for abs(theta)")
     step(other_rapidity, "other_rapidity", "rapidity where it is not, for abs(theta)")
     step(sum_orientation, "sum_orientation", "orientation where that sum is the first null coordinate")
     step(other_orientation, "other_orientation", "orientation where it is not")

@@ -86,20 +86,9 @@ def inner_square(s_a: Any, s_b: Any, s_g: Any, s_h: Any, product_one: Any) -> An
 
 @minkowski_4r.quantity(units="1", symbol="dpsi/dtheta", source=RATES)
 def dpsi_dtheta(
-    s_a: Any,
-    s_g: Any,
-    s_h: Any,
-    sinh_r: Any,
-    S_r: Any,
-    p_r: Any,
-    per_p: Any,
-    r: Any,
-    AB_u: Any,
-    AB_v: Any,
-    coupler_sum: Any,
-    diagonal: Any,
-    per_root: Any,
-) -> Any:
+    s_a: Any, s_g: Any, s_h: Any, sinh_r: Any, S_r: Any, p_r: Any, per_p: Any, r: Any, AB_u: Any, AB_v: Any,
+    coupler_sum: Any, diagonal: Any, per_root: Any,
+) -> Any:  # fmt: skip
     """Transmission ratio: rate of psi by theta."""
     one, other = s_a * s_h * per_root * (p_r * AB_v), s_a * s_h * per_root * (per_p * AB_u)
     odd = s_a * s_g * sinh_r * (coupler_sum * per_root) / diagonal
@@ -122,19 +111,9 @@ def bend_scale(s_a: Any, s_b: Any, s_g: Any, s_h: Any, per_root: Any) -> Any:
 
 @minkowski_4r.quantity(units="1", symbol="psi''", source=RATES, internal=True)
 def null_bend(
-    s_a: Any,
-    s_b: Any,
-    s_h: Any,
-    sinh_r: Any,
-    p_r: Any,
-    per_p: Any,
-    r: Any,
-    CB_u: Any,
-    CB_v: Any,
-    AB_u: Any,
-    AB_v: Any,
-    bend_scale: Any,
-) -> Any:
+    s_a: Any, s_b: Any, s_h: Any, sinh_r: Any, p_r: Any, per_p: Any, r: Any, CB_u: Any, CB_v: Any, AB_u: Any,
+    AB_v: Any, bend_scale: Any,
+) -> Any:  # fmt: skip
     """Psi'' by null coordinates, for abs(theta)."""
     squares = p_r * CB_u * (AB_v * AB_v) - per_p * CB_v * (AB_u * AB_u)
     heights = 2.0 * s_a * sinh_r + s_b * (CB_u - CB_v * r)
@@ -144,19 +123,9 @@ def null_bend(
 
 @minkowski_4r.quantity(units="1", symbol="|psi''|", source=RATES, internal=True)
 def null_bend_size(
-    s_a: Any,
-    s_b: Any,
-    s_h: Any,
-    sinh_r: Any,
-    p_r: Any,
-    per_p: Any,
-    r: Any,
-    CB_u: Any,
-    CB_v: Any,
-    AB_u: Any,
-    AB_v: Any,
-    bend_scale: Any,
-) -> Any:
+    s_a: Any, s_b: Any, s_h: Any, sinh_r: Any, p_r: Any, per_p: Any, r: Any, CB_u: Any, CB_v: Any, AB_u: Any,
+    AB_v: Any, bend_scale: Any,
+) -> Any:  # fmt: skip
     """Sum of the sizes of the terms of null_bend."""
     squares = abs(p_r * CB_u) * (AB_v * AB_v) + abs(per_p * CB_v) * (AB_u * AB_u)
     heights = 2.0 * s_a * sinh_r + s_b * (abs(CB_u) + abs(CB_v) * r)
@@ -166,18 +135,9 @@ def null_bend_size(
 
 @minkowski_4r.quantity(units="1", symbol="psi''", source=RATES, internal=True)
 def odd_bend(
-    inside: Any,
-    outside: Any,
-    outer_limit: Any,
-    inner_square: Any,
-    S_r: Any,
-    r: Any,
-    twice_s_a_s_g: Any,
-    product_one: Any,
-    coupler_sum: Any,
-    diagonal: Any,
-    per_root: Any,
-) -> Any:
+    inside: Any, outside: Any, outer_limit: Any, inner_square: Any, S_r: Any, r: Any, twice_s_a_s_g: Any,
+    product_one: Any, coupler_sum: Any, diagonal: Any, per_root: Any,
+) -> Any:  # fmt: skip
     """First term of psi'' by (AC)^2."""
     change = (r + S_r) * inside * outer_limit - S_r * outside * inner_square
     roots = per_root * per_root * per_root
@@ -192,17 +152,9 @@ def tilt(sinh_r: Any, r: Any, twice_s_a_s_g: Any, diagonal: Any) -> Any:
 
 @minkowski_4r.quantity(units="1", symbol="d2psi/dtheta2", source=RATES)
 def d2psi_dtheta2(
-    null_bend: Any,
-    null_bend_size: Any,
-    odd_bend: Any,
-    tilt: Any,
-    sinh_r: Any,
-    twice_s_a_s_g: Any,
-    coupler_excess: Any,
-    ground_excess: Any,
-    per_root: Any,
-    side: Any,
-) -> Any:
+    null_bend: Any, null_bend_size: Any, odd_bend: Any, tilt: Any, sinh_r: Any, twice_s_a_s_g: Any,
+    coupler_excess: Any, ground_excess: Any, per_root: Any, side: Any,
+) -> Any:  # fmt: skip
     """Rate of the transmission ratio by theta."""
     bent = tilt * (twice_s_a_s_g * sinh_r * coupler_excess * per_root)
     ground = tilt * ground_excess

@@ -35,43 +35,17 @@ step(lengths.scaled, "s_x", "s_x", "scaled coupler point along AB", length="x")
 step(lengths.scaled, "s_y", "s_y", "scaled coupler point across AB", length="y")
 step(first_null, "s_u", "s_u", "first null coordinate of X in the coupler", along="s_x", across="s_y")
 step(second_null, "s_v", "s_v", "second null coordinate of X in the coupler", along="s_x", across="s_y")
-step(
-    traced,
-    "X_u",
-    "X_u",
-    "first null coordinate of X, scaled, times r",
-    crank="s_a",
-    input_null="p_r",
-    along="s_u",
-    coupler_null="AB_u",
-)
-step(
-    traced,
-    "X_v",
-    "X_v",
-    "second null coordinate of X, scaled",
-    crank="s_a",
-    input_null="per_p",
-    along="s_v",
-    coupler_null="AB_v",
-)
+_U = {"crank": "s_a", "input_null": "p_r", "along": "s_u", "coupler_null": "AB_u"}
+_V = {"crank": "s_a", "input_null": "per_p", "along": "s_v", "coupler_null": "AB_v"}
+step(traced, "X_u", "X_u", "first null coordinate of X, scaled, times r", **_U)
+step(traced, "X_v", "X_v", "second null coordinate of X, scaled", **_V)
 
 
 @minkowski_4r.quantity(units="1", symbol="f", source=f"{HEGEDUS}, eq. (14), section 3.5; {SEXTIC}")
 def sextic_residual(
-    s_a: Any,
-    s_b: Any,
-    s_g: Any,
-    s_h: Any,
-    s_x: Any,
-    s_y: Any,
-    s_u: Any,
-    s_v: Any,
-    X_u: Any,
-    X_v: Any,
-    r: Any,
-    side: Any,
-) -> Any:
+    s_a: Any, s_b: Any, s_g: Any, s_h: Any, s_x: Any, s_y: Any, s_u: Any, s_v: Any, X_u: Any, X_v: Any,
+    r: Any, side: Any,
+) -> Any:  # fmt: skip
     """Value of the coupler sextic at the traced point, relative to the sizes of its terms."""
     k = s_u * s_v - s_a * s_a
     k_size = abs(s_u * s_v) + s_a * s_a

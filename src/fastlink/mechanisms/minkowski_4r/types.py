@@ -57,16 +57,9 @@ def output_type(sign_T1: Any, sign_T4: Any, sign_T5: Any, sums_are_valid: Any) -
     units="1", symbol="type", source=f"{HEGEDUS}, Theorems 3.12 to 3.22, Tables 1 to 3", flags=LINKAGE_FLAGS
 )
 def linkage_type(
-    sign_T1: Any,
-    sign_T2: Any,
-    sign_T3: Any,
-    sign_T4: Any,
-    sign_T5: Any,
-    sign_T6: Any,
-    input_type: Any,
-    output_type: Any,
-    sums_are_valid: Any,
-) -> Any:
+    sign_T1: Any, sign_T2: Any, sign_T3: Any, sign_T4: Any, sign_T5: Any, sign_T6: Any, input_type: Any,
+    output_type: Any, sums_are_valid: Any,
+) -> Any:  # fmt: skip
     """Strange, rigid, reducible or irreducible, and the motions of input and output."""
     strange = (sign_T3 > 0.0) | (sign_T4 < 0.0) | (sign_T5 < 0.0) | (sign_T6 < 0.0)
     rigid = (sign_T3 == 0.0) | (sign_T4 == 0.0) | (sign_T5 == 0.0) | (sign_T6 == 0.0)

@@ -152,70 +152,31 @@ def twice_arctangent(sine: Any, cosine: Any, assembles: Any) -> Any:
     return select(assembles == 1.0, 2.0 * atan2(sine, cosine), NOT_A_NUMBER)
 
 
-limit = planar_4r.quantities(units="rad", source=TOGGLES)
-limit(
-    twice_arctangent,
-    "theta1_low",
-    "theta_1",
-    "Least reachable |theta1|, 0 if none",
-    sine="sine_low_1",
-    cosine="cosine_low_1",
+def declare_limit(name: str, symbol: str, meaning: str, sine: str, cosine: str) -> None:
+    """Declare an angle at a limit."""
+    limit = planar_4r.quantities(units="rad", source=TOGGLES)
+    limit(twice_arctangent, name, symbol, meaning, sine=sine, cosine=cosine)
+
+
+_LEAST = "Least transmission angle over the reachable range: at theta1 = 0, or 0 at a toggle"
+_GREATEST = "Greatest transmission angle over the reachable range: at theta1 = pi, or pi at a toggle"
+declare_limit("theta1_low", "theta_1", "Least reachable |theta1|, 0 if none", "sine_low_1", "cosine_low_1")
+declare_limit(
+    "theta1_high", "theta_1", "Greatest reachable |theta1|, pi if none", "sine_high_1", "cosine_high_1"
 )
-limit(
-    twice_arctangent,
-    "theta1_high",
-    "theta_1",
-    "Greatest reachable |theta1|, pi if none",
-    sine="sine_high_1",
-    cosine="cosine_high_1",
+declare_limit("theta4_low", "theta_4", "Least reachable |theta4|, 0 if none", "sine_low_4", "cosine_low_4")
+declare_limit(
+    "theta4_high", "theta_4", "Greatest reachable |theta4|, pi if none", "sine_high_4", "cosine_high_4"
 )
-limit(
-    twice_arctangent,
-    "theta4_low",
-    "theta_4",
-    "Least reachable |theta4|, 0 if none",
-    sine="sine_low_4",
-    cosine="cosine_low_4",
-)
-limit(
-    twice_arctangent,
-    "theta4_high",
-    "theta_4",
-    "Greatest reachable |theta4|, pi if none",
-    sine="sine_high_4",
-    cosine="cosine_high_4",
-)
-limit(
-    twice_arctangent,
-    "transmission_angle_least",
-    "mu",
-    "Least transmission angle over the reachable range: at theta1 = 0, or 0 at a toggle",
-    sine="sine_least_mu",
-    cosine="sine_high_1",
-)
-limit(
-    twice_arctangent,
-    "transmission_angle_greatest",
-    "mu",
-    "Greatest transmission angle over the reachable range: at theta1 = pi, or pi at a toggle",
-    sine="cosine_low_1",
-    cosine="cosine_greatest_mu",
-)
+declare_limit("transmission_angle_least", "mu", _LEAST, "sine_least_mu", "sine_high_1")
+declare_limit("transmission_angle_greatest", "mu", _GREATEST, "cosine_low_1", "cosine_greatest_mu")
 
 
 @planar_4r.quantity(units="rad", symbol="Delta theta_4", source=TOGGLES)
 def swing(
-    sine_low_4: Any,
-    cosine_low_4: Any,
-    sine_high_4: Any,
-    cosine_high_4: Any,
-    theta4_high: Any,
-    s1: Any,
-    s2: Any,
-    s3: Any,
-    s4: Any,
-    assembles: Any,
-) -> Any:
+    sine_low_4: Any, cosine_low_4: Any, sine_high_4: Any, cosine_high_4: Any, theta4_high: Any, s1: Any,
+    s2: Any, s3: Any, s4: Any, assembles: Any,
+) -> Any:  # fmt: skip
     """Angle that the output link sweeps in one circuit; 2 pi where it turns fully."""
     # sin^2(high/2) - sin^2(low/2) = a1 a2/(a3 a4): the difference of the limits does not cancel.
     sine = 16.0 * ((s1 * s2) * (s3 * s4)) / (sine_high_4 * cosine_low_4 + cosine_high_4 * sine_low_4)
@@ -229,16 +190,9 @@ def swing(
 
 @planar_4r.quantity(units="1", symbol="Q", source=f"{HAYES}, eq. (1); output at rest where OA and AB align")
 def time_ratio(
-    sure_A1: Any,
-    sure_B1: Any,
-    sure_C1: Any,
-    factor_A2: Any,
-    factor_B2: Any,
-    factor_C2: Any,
-    factor_D1: Any,
-    factor_D2: Any,
-    assembles: Any,
-) -> Any:
+    sure_A1: Any, sure_B1: Any, sure_C1: Any, factor_A2: Any, factor_B2: Any, factor_C2: Any, factor_D1: Any,
+    factor_D2: Any, assembles: Any,
+) -> Any:  # fmt: skip
     """Slow over quick stroke of a crank-rocker, at least 1; NaN of others."""
     # Half the angles at O in the triangles OBD with OB = a1 + a2 (stretched) and a2 - a1 (folded).
     sine_stretched, cosine_stretched = sqrt(-sure_B1 * factor_A2), sqrt(factor_C2 * factor_D1)

@@ -39,20 +39,9 @@ def declare_counterweight(link: int) -> None:
     given = partial(planar_4r.input, variant=name)
     on = f"counterweight on the {LINKS[link]}"
     given(mass, units="kg", symbol=f"m_W{link}", meaning=f"{on}: mass", rule="non-negative")
-    given(
-        radius,
-        units="m",
-        symbol=f"r_W{link}",
-        meaning=f"{on}: distance from the link's fixed pivot",
-        rule="non-negative",
-    )
-    given(
-        direction,
-        units="rad",
-        symbol=f"psi_W{link}",
-        meaning=f"{on}: direction in the link's frame",
-        default=PI,
-    )
+    distance, angle = f"{on}: distance from the link's fixed pivot", f"{on}: direction in the link's frame"
+    given(radius, units="m", symbol=f"r_W{link}", meaning=distance, rule="non-negative")
+    given(direction, units="rad", symbol=f"psi_W{link}", meaning=angle, default=PI)
     step = planar_4r.steps(units="kg m", source=COUNTERWEIGHTS, variant=name)
     step(along, f"{name}_along", f"m_W{link} r cos psi", mass=mass, radius=radius, direction=direction)
     step(across, f"{name}_across", f"m_W{link} r sin psi", mass=mass, radius=radius, direction=direction)
@@ -122,18 +111,9 @@ def declare_centre(link: int, pivot: str) -> None:
     centre = "Mass centre of a link with its counterweight, from its fixed pivot"
     step(product, f"{pivot}G_x", f"{pivot}G_{link}x", centre, x=f"m{link}_{pivot}G_x", y=per_mass)
     step(product, f"{pivot}G_y", f"{pivot}G_{link}y", centre, x=f"m{link}_{pivot}G_y", y=per_mass)
-    build_on(
-        name,
-        f"I{link}_G",
-        about_centre,
-        own=f"m{link}",
-        mass=f"{name}_mass",
-        per_mass=per_mass,
-        radius=f"{name}_radius",
-        direction=f"{name}_direction",
-        G_u=f"G{link}_u",
-        G_v=f"G{link}_v",
-    )
+    own = {"own": f"m{link}", "per_mass": per_mass, "G_u": f"G{link}_u", "G_v": f"G{link}_v"}
+    given = {part: f"{name}_{part}" for part in ("mass", "radius", "direction")}
+    build_on(name, f"I{link}_G", about_centre, **own, **given)
 
 
 declare_centre(1, "O")

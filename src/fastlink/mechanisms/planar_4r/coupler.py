@@ -108,16 +108,9 @@ def P_speed(omega1: Any, curve_rate: Any, per_unit: Any) -> Any:
 
 @planar_4r.quantity(units="1", symbol="P' x P''", source=COUPLER, internal=True)
 def curve_turn(
-    A_x: Any,
-    A_y: Any,
-    AP_x: Any,
-    AP_y: Any,
-    P_dx: Any,
-    P_dy: Any,
-    coupler_ratio_squared: Any,
-    coupler_slope: Any,
-    per_unit: Any,
-) -> Any:
+    A_x: Any, A_y: Any, AP_x: Any, AP_y: Any, P_dx: Any, P_dy: Any, coupler_ratio_squared: Any,
+    coupler_slope: Any, per_unit: Any,
+) -> Any:  # fmt: skip
     """Cross product of the first two derivatives of the coupler point, scaled."""
     a_x = A_x * per_unit
     a_y = A_y * per_unit

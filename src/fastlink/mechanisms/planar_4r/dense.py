@@ -49,28 +49,10 @@ def couple3(I3_G: Any, alpha4: Any) -> Any:
 
 @planar_4r.system("reactions", UNKNOWNS, variant="dense")
 def reactions(
-    OG_x: Any,
-    OG_y: Any,
-    A_x: Any,
-    A_y: Any,
-    AG_x: Any,
-    AG_y: Any,
-    AB_x: Any,
-    AB_y: Any,
-    DG_x: Any,
-    DG_y: Any,
-    DB_x: Any,
-    DB_y: Any,
-    p1_x: Any,
-    p1_y: Any,
-    joint_force2_x: Any,
-    joint_force2_y: Any,
-    p3_x: Any,
-    p3_y: Any,
-    couple1: Any,
-    couple2: Any,
-    couple3: Any,
-) -> Any:
+    OG_x: Any, OG_y: Any, A_x: Any, A_y: Any, AG_x: Any, AG_y: Any, AB_x: Any, AB_y: Any, DG_x: Any,
+    DG_y: Any, DB_x: Any, DB_y: Any, p1_x: Any, p1_y: Any, joint_force2_x: Any, joint_force2_y: Any,
+    p3_x: Any, p3_y: Any, couple1: Any, couple2: Any, couple3: Any,
+) -> Any:  # fmt: skip
     """Rows and right-hand side of eq. (9)."""
     r11_x = -OG_x
     r11_y = -OG_y

@@ -29,19 +29,9 @@ ACCELERATIONS = ("alpha2", "alpha4")
 
 @planar_4r.quantity(units="1", symbol="w", source=EXTREMES, internal=True)
 def range_width(
-    s1: Any,
-    s2: Any,
-    s3: Any,
-    s4: Any,
-    factor_A2: Any,
-    factor_B2: Any,
-    factor_C2: Any,
-    factor_D2: Any,
-    Z0: Any,
-    C0: Any,
-    per_4_s1_s4: Any,
-    assembles: Any,
-) -> Any:
+    s1: Any, s2: Any, s3: Any, s4: Any, factor_A2: Any, factor_B2: Any, factor_C2: Any, factor_D2: Any,
+    Z0: Any, C0: Any, per_4_s1_s4: Any, assembles: Any,
+) -> Any:  # fmt: skip
     """Width of the reachable range in Z; NaN where the design never assembles."""
     low = Z0 > 0.0
     high = C0 > 0.0

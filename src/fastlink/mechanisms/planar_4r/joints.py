@@ -132,46 +132,34 @@ def ground_excess(s1: Any, s4: Any) -> Any:
 
 @planar_4r.quantity(units="rad s-1", symbol="d theta_2/dt (eqs. 1-6)", source=JOINT_RATES)
 def joint_omega_2(
-    half_omega1: Any,
-    ground_excess: Any,
-    Z: Any,
-    per_gamma: Any,
-    odd_rate: Any,
-    coupler_share: Any,
+    half_omega1: Any, ground_excess: Any, Z: Any, per_gamma: Any, odd_rate: Any, coupler_share: Any,
     branch_sign: Any,
-) -> Any:
+) -> Any:  # fmt: skip
     """Rate of the second joint angle, omega2 - omega1."""
     return branch_sign * (odd_rate * coupler_share) - half_omega1 * ((ground_excess + Z) * per_gamma)
 
 
-@planar_4r.quantity(units="rad s-1", symbol="d theta_3/dt (eqs. 1-6)", source=JOINT_RATES)
-def joint_omega_3(odd_rate: Any, branch_sign: Any) -> Any:
-    """Rate of the third joint angle, omega4 - omega2."""
-    return branch_sign * (2.0 * odd_rate)
+def of_both_branches(x: Any, branch_sign: Any) -> Any:
+    """Return 2 x, with the sign of the branch."""
+    return branch_sign * (2.0 * x)
 
 
-@planar_4r.quantity(units="rad s-1", symbol="d theta_4/dt (eqs. 1-6)", source=JOINT_RATES)
-def joint_omega_4(omega4: Any) -> Any:
-    """Rate of the fourth joint angle, -omega4."""
-    return 0.0 - omega4
+def backwards(x: Any) -> Any:
+    """Return 0 - x: not -0.0 where x is 0."""
+    return 0.0 - x
 
 
-@planar_4r.quantity(units="rad s-2", symbol="d2 theta_3/dt2 (eqs. 1-6)", source=JOINT_ACCELERATIONS)
-def joint_alpha_3(H_rate: Any, branch_sign: Any) -> Any:
-    """Second derivative of the third joint angle, alpha4 - alpha2."""
-    return branch_sign * (2.0 * H_rate)
-
-
-@planar_4r.quantity(units="rad s-2", symbol="d2 theta_2/dt2 (eqs. 1-6)", source=JOINT_ACCELERATIONS)
-def joint_alpha_2(alpha2: Any) -> Any:
-    """Second derivative of the second joint angle, alpha2 - alpha1."""
-    return alpha2
-
-
-@planar_4r.quantity(units="rad s-2", symbol="d2 theta_4/dt2 (eqs. 1-6)", source=JOINT_ACCELERATIONS)
-def joint_alpha_4(alpha4: Any) -> Any:
-    """Second derivative of the fourth joint angle, -alpha4."""
-    return 0.0 - alpha4
+_THIRD, _FOURTH = "Rate of the third joint angle, omega4 - omega2", "Rate of the fourth joint angle, -omega4"
+rate = planar_4r.quantities(units="rad s-1", source=JOINT_RATES)
+rate(of_both_branches, "joint_omega_3", "d theta_3/dt (eqs. 1-6)", _THIRD, x="odd_rate")
+rate(backwards, "joint_omega_4", "d theta_4/dt (eqs. 1-6)", _FOURTH, x="omega4")
+_SECOND = "Second derivative of the second joint angle, alpha2 - alpha1"
+_THIRD = "Second derivative of the third joint angle, alpha4 - alpha2"
+_FOURTH = "Second derivative of the fourth joint angle, -alpha4"
+rate = planar_4r.quantities(units="rad s-2", source=JOINT_ACCELERATIONS)
+rate(of_both_branches, "joint_alpha_3", "d2 theta_3/dt2 (eqs. 1-6)", _THIRD, x="H_rate")
+rate(same, "joint_alpha_2", "d2 theta_2/dt2 (eqs. 1-6)", _SECOND, x="alpha2")
+rate(backwards, "joint_alpha_4", "d2 theta_4/dt2 (eqs. 1-6)", _FOURTH, x="alpha4")
 
 
 # -- for the residuals (factors.py) ------------------------------------------------------------------
@@ -191,16 +179,22 @@ def per_p_plus_q(s1: Any, s2: Any, s3: Any, s4: Any) -> Any:
     return (s1 / s2) * (s4 / s3)
 
 
-@planar_4r.quantity(units="1", symbol="sin^2(theta_3/2)", source=JOINTS, internal=True)
-def joint_S3(root_q: Any, per_p_plus_q: Any) -> Any:
-    """Squared sine of half the third joint angle."""
-    return root_q * root_q * per_p_plus_q
+def squared_root(root: Any, per_p_plus_q: Any) -> Any:
+    """Return the square of a root of p or q, over p + q."""
+    return root * root * per_p_plus_q
 
 
-@planar_4r.quantity(units="1", symbol="cos^2(theta_3/2)", source=JOINTS, internal=True)
-def joint_C3(root_p: Any, per_p_plus_q: Any) -> Any:
-    """Squared cosine of half the third joint angle."""
-    return root_p * root_p * per_p_plus_q
+step = planar_4r.steps(units="1", source=JOINTS)
+step(
+    squared_root, "joint_S3", "sin^2(theta_3/2)", "Squared sine of half the third joint angle", root="root_q"
+)
+step(
+    squared_root,
+    "joint_C3",
+    "cos^2(theta_3/2)",
+    "Squared cosine of half the third joint angle",
+    root="root_p",
+)
 
 
 @planar_4r.quantity(units="1", symbol="sin(theta_3)/2", source=JOINTS, internal=True)

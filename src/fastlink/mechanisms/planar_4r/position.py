@@ -168,15 +168,9 @@ def closure_y(s1: Any, s2: Any, s3: Any, sin_theta1: Any, AB_y: Any, DB_y: Any, 
 
 @planar_4r.quantity(units="1", symbol="e", source=POSITION)
 def loop_residual(
-    closure_x: Any,
-    closure_y: Any,
-    coupler_length: Any,
-    output_length: Any,
-    s1: Any,
-    s2: Any,
-    s3: Any,
+    closure_x: Any, closure_y: Any, coupler_length: Any, output_length: Any, s1: Any, s2: Any, s3: Any,
     s4: Any,
-) -> Any:
+) -> Any:  # fmt: skip
     """Closure error of the loop and of the lengths AB and DB, relative to the longest link."""
     coupler_error = coupler_length - s2
     output_error = output_length - s3

@@ -26,25 +26,19 @@ def crank_excess(s1: Any, s4: Any) -> Any:
     return 0.5 * (s1 - s4) / s4
 
 
-@planar_4r.quantity(units="1", symbol="epsilon", source=f"{NUMERICS}#rates", internal=True)
-def epsilon(s1: Any, s4: Any, per_4_s1_s4: Any) -> Any:
-    """(a1^2 - a4^2)/(4 a1 a4)."""
-    return (s1 - s4) * (s1 + s4) * per_4_s1_s4
+def squares_ratio(x: Any, y: Any, per_4_s1_s4: Any) -> Any:
+    """Return (x^2 - y^2)/(4 a1 a4)."""
+    return (x - y) * (x + y) * per_4_s1_s4
 
 
-@planar_4r.quantity(units="1", symbol="kappa", source=f"{NUMERICS}#rates", internal=True)
-def kappa(s2: Any, s3: Any, per_4_s1_s4: Any) -> Any:
-    """(a2^2 - a3^2)/(4 a1 a4)."""
-    return (s2 - s3) * (s2 + s3) * per_4_s1_s4
+def offset(x: Any, y: Any, per_4_s1_s4: Any) -> Any:
+    """Return x (x - y)/(4 a1 a4)."""
+    return x * (x - y) * per_4_s1_s4
 
 
-@planar_4r.quantity(units="1", symbol="beta", source=f"{NUMERICS}#position", internal=True)
-def coupler_offset(s2: Any, s3: Any, per_4_s1_s4: Any) -> Any:
-    """a2 (a2 - a3)/(4 a1 a4)."""
-    return s2 * (s2 - s3) * per_4_s1_s4
-
-
-@planar_4r.quantity(units="1", symbol="delta", source=f"{NUMERICS}#position", internal=True)
-def output_offset(s2: Any, s3: Any, per_4_s1_s4: Any) -> Any:
-    """a3 (a3 - a2)/(4 a1 a4)."""
-    return s3 * (s3 - s2) * per_4_s1_s4
+step = planar_4r.steps(units="1", source=f"{NUMERICS}#rates")
+step(squares_ratio, "epsilon", "epsilon", "(a1^2 - a4^2)/(4 a1 a4)", x="s1", y="s4")
+step(squares_ratio, "kappa", "kappa", "(a2^2 - a3^2)/(4 a1 a4)", x="s2", y="s3")
+step = planar_4r.steps(units="1", source=f"{NUMERICS}#position")
+step(offset, "coupler_offset", "beta", "a2 (a2 - a3)/(4 a1 a4)", x="s2", y="s3")
+step(offset, "output_offset", "delta", "a3 (a3 - a2)/(4 a1 a4)", x="s3", y="s2")

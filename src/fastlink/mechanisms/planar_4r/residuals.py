@@ -62,6 +62,7 @@ def residual_minus_cross(squares: Any, cross: Any, Y_i: Any, Y_j: Any) -> Any:
 
 
 step = planar_4r.steps(units="1", source=f"{HAYES}, eqs. (1) to (6)")
+OVER = "over the squared sum of the lengths"
 step(io_cross, "io_cross_13", "8 a_1 a_3", "8 a1 a3 over the squared sum of the lengths", x="s1", y="s3")
 step(io_cross, "io_cross_24", "8 a_2 a_4", "8 a2 a4 over the squared sum of the lengths", x="s2", y="s4")
 
@@ -76,14 +77,8 @@ def declare_residual(pair: str) -> None:
     for term, product in zip(("vivj", "vi", "vj", "one"), products, strict=True):
         first, second = str(product).split()
         terms[term] = f"io_{pair}_{term}"
-        step(
-            io_product,
-            terms[term],
-            f"{first[0]}_{first[1]} {second[0]}_{second[1]}",
-            f"{first} {second} over the squared sum of the lengths",
-            first=f"factor_{first}",
-            second=f"factor_{second}",
-        )
+        symbol, meaning = f"{first[0]}_{first[1]} {second[0]}_{second[1]}", f"{first} {second} {OVER}"
+        step(io_product, terms[term], symbol, meaning, first=f"factor_{first}", second=f"factor_{second}")
     name, symbol = f"io_residual_{pair}", f"r_{pair}"
     meaning = f"Residual of the input-output equation of joints {i} and {j}, over the squared sum of lengths"
     quantity = planar_4r.quantities(units="1", source=source)
@@ -94,10 +89,8 @@ def declare_residual(pair: str) -> None:
     squares = f"io_{pair}_squares"
     step(residual, squares, symbol, f"{meaning}, but for v_i v_j", **terms)
     with_cross = residual_plus_cross if number > 0.0 else residual_minus_cross
-    cross = f"io_cross_{x}{y}"
-    quantity(
-        with_cross, name, symbol, meaning, squares=squares, cross=cross, Y_i=f"joint_Y{i}", Y_j=f"joint_Y{j}"
-    )
+    halves = {"Y_i": f"joint_Y{i}", "Y_j": f"joint_Y{j}"}
+    quantity(with_cross, name, symbol, meaning, squares=squares, cross=f"io_cross_{x}{y}", **halves)
 
 
 for _pair in IO_PRODUCTS:

@@ -64,18 +64,9 @@ def DG_cross_DB(G3_v: Any, a3: Any) -> Any:
 
 @planar_4r.quantity(units="N m", symbol="T_14 + r_34 x F_34", source=SHAKING)
 def shaking_moment_printed(
-    T41: Any,
-    pull_along_DB: Any,
-    pull_along_AB: Any,
-    DG_cross_DB: Any,
-    DG_x: Any,
-    DG_y: Any,
-    AB_x: Any,
-    AB_y: Any,
-    p3_x: Any,
-    p3_y: Any,
-    per_unit: Any,
-) -> Any:
+    T41: Any, pull_along_DB: Any, pull_along_AB: Any, DG_cross_DB: Any, DG_x: Any, DG_y: Any, AB_x: Any,
+    AB_y: Any, p3_x: Any, p3_y: Any, per_unit: Any,
+) -> Any:  # fmt: skip
     """Shaking moment as printed, T14 + r34 x F34 with r34 from the output link's mass centre to D."""
     along_DB = pull_along_DB * per_unit
     along_AB = pull_along_AB * per_unit

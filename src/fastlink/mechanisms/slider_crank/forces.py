@@ -133,17 +133,9 @@ def one_plus_H(one_less_H_squared: Any, H: Any) -> Any:
 
 @slider_crank.quantity(units="N m", symbol="T_41", source=FORCES)
 def T41(
-    p3_x: Any,
-    x_slope: Any,
-    m2: Any,
-    m2_omega_squared: Any,
-    H: Any,
-    one_plus_H: Any,
-    A_cross_AG: Any,
-    A_dot_AG: Any,
-    alpha2: Any,
-    I2_A: Any,
-) -> Any:
+    p3_x: Any, x_slope: Any, m2: Any, m2_omega_squared: Any, H: Any, one_plus_H: Any, A_cross_AG: Any,
+    A_dot_AG: Any, alpha2: Any, I2_A: Any,
+) -> Any:  # fmt: skip
     """Driving torque of the ground on the crank."""
     centripetal = m2_omega_squared * ((H * one_plus_H) * A_cross_AG)
     return p3_x * x_slope + (alpha2 * (m2 * A_dot_AG - H * I2_A) - centripetal)

@@ -101,17 +101,9 @@ def transmission_angle(p: Any, q: Any) -> Any:
 
 @slider_crank.quantity(units="1", symbol="e", source=POSITION)
 def loop_residual(
-    A_x: Any,
-    A_y: Any,
-    AB_x: Any,
-    AB_y: Any,
-    slider_position: Any,
-    s_r: Any,
-    s_l: Any,
-    s_e: Any,
-    lift: Any,
+    A_x: Any, A_y: Any, AB_x: Any, AB_y: Any, slider_position: Any, s_r: Any, s_l: Any, s_e: Any, lift: Any,
     unit: Any,
-) -> Any:
+) -> Any:  # fmt: skip
     """Closure error of the loop and of the length AB, relative to the longest of r, l and |e|."""
     x = AB_x * lift / unit
     y = AB_y * lift / unit

@@ -92,18 +92,9 @@ def bend_Cq(bend_form: Any, Z0: Any) -> Any:
 
 @slider_crank.quantity(units="1", symbol="N/sigma^2", source=RATES, internal=True)
 def bend(
-    bend_sine: Any,
-    bend_ZZ: Any,
-    bend_CC: Any,
-    bend_Zp: Any,
-    bend_Cq: Any,
-    sin_theta: Any,
-    Z: Any,
-    C: Any,
-    p: Any,
-    q: Any,
-    per_sigma: Any,
-) -> Any:
+    bend_sine: Any, bend_ZZ: Any, bend_CC: Any, bend_Zp: Any, bend_Cq: Any, sin_theta: Any, Z: Any, C: Any,
+    p: Any, q: Any, per_sigma: Any,
+) -> Any:  # fmt: skip
     """Derivative of H by the crank angle times 2 sigma."""
     upper = Z * ((bend_ZZ * per_sigma) * Z + (bend_Zp * per_sigma) * p)
     lower = C * ((bend_CC * per_sigma) * C + (bend_Cq * per_sigma) * q)
@@ -112,17 +103,9 @@ def bend(
 
 @slider_crank.quantity(units="1", symbol="N'/(sigma^2 cos theta)", source=RATES, internal=True)
 def bend_rate(
-    bend_sine: Any,
-    bend_ZZ: Any,
-    bend_CC: Any,
-    bend_Zp: Any,
-    bend_Cq: Any,
-    Z: Any,
-    C: Any,
-    p: Any,
-    q: Any,
+    bend_sine: Any, bend_ZZ: Any, bend_CC: Any, bend_Zp: Any, bend_Cq: Any, Z: Any, C: Any, p: Any, q: Any,
     per_sigma: Any,
-) -> Any:
+) -> Any:  # fmt: skip
     """Derivative of N by the crank angle, over sigma^2 cos(theta)."""
     upper = (bend_ZZ * per_sigma) * Z + (0.5 * (bend_Zp * per_sigma)) * (p + Z)
     lower = (bend_CC * per_sigma) * C + (0.5 * (bend_Cq * per_sigma)) * (q + C)

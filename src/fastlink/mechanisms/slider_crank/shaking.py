@@ -30,14 +30,9 @@ whole(norm, "shaking_force", "|F|", "Shaking force on the ground, magnitude", x=
 
 @slider_crank.quantity(units="N m", symbol="dL_2/dt", source=SHAKING, internal=True)
 def spin_rate2(
-    m2: Any,
-    m2_omega_squared: Any,
-    one_less_H_squared: Any,
-    A_cross_AG: Any,
-    A_dot_AG: Any,
-    alpha2: Any,
+    m2: Any, m2_omega_squared: Any, one_less_H_squared: Any, A_cross_AG: Any, A_dot_AG: Any, alpha2: Any,
     I2_A: Any,
-) -> Any:
+) -> Any:  # fmt: skip
     """Rate of moment of momentum of the connecting rod about O."""
     centripetal = m2_omega_squared * (one_less_H_squared * A_cross_AG)
     return centripetal + alpha2 * (m2 * A_dot_AG + I2_A)
