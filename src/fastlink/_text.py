@@ -71,7 +71,7 @@ def duration(seconds: float) -> str:
 
 
 def scaled(value: float, units: Sequence[str]) -> str:
-    """Return a number with three digits and its unit, one of the units for 1, 10^3, 10^6 ...
+    """Return a number with three digits, in one of the units for 1, 10^3, 10^6 ...
 
     Examples
     --------

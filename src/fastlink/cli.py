@@ -1,4 +1,4 @@
-"""The command line: ``run``, ``accuracy``, ``explain``, ``quantities``, ``info``, ``new``, ``cache``, ``plot``.
+"""The command line: one function for each command.
 
 Everything heavy is imported inside the commands, so that help comes at once.
 """
@@ -78,7 +78,7 @@ def main() -> None:
 
 
 def command(function: C) -> C:
-    """Register a function as a command that prints a line for each problem, never a traceback."""
+    """Register a command that prints a line for each problem, never a traceback."""
 
     @functools.wraps(function)
     def guarded(*args: Any, **options: Any) -> None:

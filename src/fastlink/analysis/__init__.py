@@ -1,4 +1,4 @@
-"""Functions of whole designs and of maps: coupler curves, cognates, balancing, sextics, designs in whole numbers.
+"""Functions of whole designs and of maps, such as coupler curves and cognates.
 
 Public as `fastlink.planar`, `fastlink.minkowski`, `fastlink.focal` and `fastlink.hart`.
 """

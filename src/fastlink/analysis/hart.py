@@ -1,4 +1,4 @@
-"""Hart's linkages whose sizes are whole numbers (Wunderlich, section 7), by exact arithmetic.
+"""Hart's linkages in whole numbers (Wunderlich, section 7), by exact arithmetic.
 
 With kappa = i/j in lowest terms the eight sizes m, n, p = kappa n, q = -kappa m, a = (1 - kappa^2) m,
 b = (1 - kappa^2) n, c = kappa d and d are whole if and only if

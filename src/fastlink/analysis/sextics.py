@@ -1,4 +1,4 @@
-"""The coupler sextic over the complex and over the double numbers: one formula for both planes."""
+"""The coupler sextic over complex and double numbers, for both planes."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ BLOCK = 512
 
 
 def _polynomial(size: int, **terms: Any) -> Any:
-    """Return coefficients (size, size, designs) of terms named by their powers, x1y2 for X Y^2."""
+    """Return coefficients (size, size, designs) of terms such as x1y2 for X Y^2."""
     result = np.zeros((size, size, next(iter(terms.values())).size))
     for powers, coefficient in terms.items():
         result[int(powers[1]), int(powers[3])] = coefficient
@@ -23,7 +23,7 @@ def _polynomial(size: int, **terms: Any) -> Any:
 
 
 def _product(f: Any, g: Any) -> Any:
-    """Multiply two polynomials in X and Y of total degree n - 1, coefficients (n, n, designs)."""
+    """Multiply polynomials in X and Y of degree n - 1, coefficients (n, n, designs)."""
     n = f.shape[0]
     powers = [(i, j) for i in range(n) for j in range(n - i)]
     result = np.zeros((2 * n - 1, 2 * n - 1, *f.shape[2:]))
@@ -34,7 +34,7 @@ def _product(f: Any, g: Any) -> Any:
 
 
 def coupler_sextic(jj: int, lengths: Sequence[Any], point: Sequence[Any]) -> Any:
-    """Return the coefficients (..., 7, 7) of the equation that all coupler points of a four-bar satisfy.
+    """Return the coefficients (..., 7, 7) of the sextic of all coupler points.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""Explain what a study computes; measure error against run time of its quantities by every method."""
+"""Explain what a study computes, and measure error against run time."""
 
 from fastlink.diagnostics.pareto import accuracy_table
 from fastlink.diagnostics.work_precision import accuracy

@@ -1,4 +1,4 @@
-"""The methods that the engine offers for a quantity, NumPy beside them, and their run times."""
+"""The methods for a quantity, NumPy among them, and their run times."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ SECONDS_PER_METHOD, SECONDS_PER_DESIGN = 0.2, 0.04
 
 @dataclass(frozen=True)
 class Subject:
-    """A quantity of sampled designs, with the options of `fastlink.sweep` that all methods share."""
+    """A quantity of sampled designs, with the options that all methods share."""
 
     mechanism: str
     space: DesignSpace
@@ -99,7 +99,7 @@ class Method:
 
 @dataclass
 class Trial:
-    """The values of a quantity by a method, and the least time that they took on one thread."""
+    """The values of a quantity by a method, and their least time on one thread."""
 
     values: NDArray[Any]
     designs: int
@@ -116,7 +116,7 @@ class Trial:
 
 
 def race(subject: Subject, methods: Iterable[Method]) -> dict[str, Trial]:
-    """Return the trial of each method by name, timed in turns: other load of the machine meets all alike."""
+    """Return the trial of each method by name, timed in turns under the same load."""
     trials = {method.name: method.prepare(subject) for method in methods}
     idle = 0
     for _ in range(MOST_ROUNDS):
@@ -156,7 +156,7 @@ def methods_for(subject: Subject, with_numpy: bool) -> list[Method]:
 
 
 def curves_by_numpy(resolved: ResolvedSweep, designs: int) -> NDArray[Any]:
-    """Return a quantity of the first designs (designs, branches, positions), from the facts read by NumPy."""
+    """Return a quantity (designs, branches, positions) from facts read by NumPy."""
     values: dict[str, Any] = {
         name: column[:, None, None] for name, column in resolved.space.at(np.arange(designs)).items()
     }
@@ -168,7 +168,7 @@ def curves_by_numpy(resolved: ResolvedSweep, designs: int) -> NDArray[Any]:
 
 
 def by_numpy(resolved: ResolvedSweep, designs: int) -> NDArray[Any]:
-    """Return the values of the first designs: a fact of the design, curves, or their greatest or least samples."""
+    """Return values of a fact of the design, curves, or their extreme samples."""
     curves, request = curves_by_numpy(resolved, designs), resolved.plan.outputs[0].request
     if not resolved.catalogue.varies(request.quantity):
         return curves[:, 0, 0]

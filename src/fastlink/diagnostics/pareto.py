@@ -26,7 +26,7 @@ COLUMNS = 2
 
 
 def front(measured: xr.Dataset) -> NDArray[np.int8]:
-    """Return 1 where no other method takes less time and has no larger error; a few roundings are equal."""
+    """Return 1 where no other method is faster with an error that is not larger."""
     errors, times = np.maximum(measured["error_max"].values, EQUAL), measured["ns_per_design"].values
     best = np.zeros(errors.shape, dtype=np.int8)
     for quantity in range(errors.shape[1]):
@@ -75,7 +75,7 @@ def _row(method: Any) -> tuple[str, ...]:
 
 
 def draw(measured: xr.Dataset) -> Figure:
-    """Return the work-precision diagram: error over time, a panel for each quantity, the front as a line."""
+    """Return the work-precision diagram, with a panel for each quantity."""
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 

@@ -35,7 +35,7 @@ class Truth:
     exact: list[Any]
 
     def errors(self, values: NDArray[Any]) -> tuple[NDArray[Any], int, int]:
-        """Return the relative errors of finite values, how many others are wrong, and how many were compared."""
+        """Return relative errors of finite values, the number of wrong ones, and of all."""
         errors, wrong, count = [], 0, 0
         for index, exact in zip(self.indices, self.exact, strict=True):
             if index[0] >= len(values) or CONTEXT.isnan(exact):
@@ -49,7 +49,7 @@ class Truth:
 
 
 def truth_of(subject: Subject, rng: np.random.Generator) -> Truth:
-    """Return the exact values of a quantity: of each design in one branch, for a curve at one input position."""
+    """Return exact values of a quantity, one for each design at random."""
     resolved = subject.resolve()
     output, catalogue, variants = resolved.plan.outputs[0], resolved.catalogue, resolved.plan.variants
     count, request = resolved.space.size, output.request

@@ -1,4 +1,4 @@
-"""Error against run time: a study's quantities on a sample of its designs by every method of the engine."""
+"""Measure error against run time of a study's quantities, by every method."""
 
 from __future__ import annotations
 
@@ -57,7 +57,7 @@ def accuracy(
     overwrite: bool = False,
     announce: Callable[[str], None] | None = None,
 ) -> xr.Dataset:
-    """Measure error and run time of a study's quantities by every method that the engine offers.
+    """Measure error and run time of a study's quantities by every method.
 
     The methods are refined extremes and those of 32 ... 4096 input angles, and reactions by elimination and by LU of
     the 9x9 system; the reference has 50 digits. docs/accuracy.md says which defaults follow from it.
@@ -128,7 +128,7 @@ def measure(
     seed: int = 0,
     announce: Callable[[str], None] | None = None,
 ) -> xr.Dataset:
-    """Measure error and run time of a study's quantities by the methods that a function returns for each."""
+    """Measure error and run time of a study's quantities by given methods."""
     check_whole(("designs",), designs, 1)
     check_whole(("seed",), seed, 0)
     mechanism, options = study.mechanism, study.options

@@ -1,1 +1,1 @@
-"""Pictures of maps, drawn by matplotlib, which is imported only when something is drawn."""
+"""Pictures of maps, drawn by matplotlib, which is imported when it is needed."""

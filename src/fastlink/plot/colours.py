@@ -1,4 +1,4 @@
-"""Colours of maps: ranges that a few far outliers do not use up, and the colours of codes."""
+"""Choose the colours of maps: ranges without far outliers, and those of codes."""
 
 from __future__ import annotations
 
@@ -87,7 +87,7 @@ def limits_of(values: Any, regular: Any, most: float) -> tuple[float, float, str
 
 
 def flag_colours(variable: xr.DataArray) -> tuple[Any, Any, str]:
-    """Return norm and colour map of the indices of a code, one colour for each of its values."""
+    """Return norm and colour map of the indices of a code, one colour for each."""
     count = len(variable.attrs["flag_values"])
     colours = ListedColormap([FLAGS[index % len(FLAGS)] for index in range(count)])
     return Normalize(-0.5, count - 0.5), colours, "neither"

@@ -1,4 +1,4 @@
-"""Draw a variable over one or two dimensions, by matplotlib's Agg alone and without its global state."""
+"""Draw a variable over one or two dimensions, without matplotlib's global state."""
 
 from __future__ import annotations
 
@@ -54,7 +54,7 @@ STYLE = {
 
 @contextlib.contextmanager
 def style() -> Iterator[None]:
-    """Draw with the same settings whatever the user's own are, and leave those as they were."""
+    """Draw with settings of our own, and restore the user's."""
     with matplotlib.rc_context():
         matplotlib.rcParams.update({**matplotlib.rcParamsDefault, **STYLE, "backend": "agg"})
         yield
@@ -63,7 +63,7 @@ def style() -> Iterator[None]:
 def draw(
     dataset: xr.Dataset, variable: xr.DataArray, free: Sequence[str], fixed: Mapping[str, float]
 ) -> Figure:
-    """Return the figure of a variable over its free dimensions, in panels or lines by assembly mode."""
+    """Return the figure of a variable, with a panel or line for each assembly mode."""
     for dim in free:
         variable = variable.sortby(dim)
     figure = Figure(layout="constrained")
@@ -86,7 +86,7 @@ def draw(
 def _status(
     dataset: xr.Dataset, variable: xr.DataArray, free: Sequence[str], fixed: Mapping[str, float]
 ) -> xr.DataArray | None:
-    """Return the status of the designs that a map shows, or None if its cells are not designs."""
+    """Return the status of the designs of a map, or None if its cells are not designs."""
     if variable.name == "status" or "status" not in dataset:
         return None
     status = dataset["status"]
@@ -134,7 +134,7 @@ def _draw_maps(
 
 
 def _veiled(values: Any, status: xr.DataArray | None) -> Any:
-    """Return the cells of designs that do not rotate fully, whose rates grow without bound near toggles.
+    """Return the cells of designs with toggles, where rates grow without bound.
 
     There are none where all cells are such: a veil over all of them would distinguish nothing.
     """
@@ -159,7 +159,7 @@ def _fill(axis: Any, x: Any, y: Any, cells: Any, **colours: Any) -> Any:
 
 
 def _reasons(status: xr.DataArray | None, veiled: Any, infinite: Any, absent: Any) -> list[Patch]:
-    """Return what the legend says of cells under the veil, without bound, or without a value."""
+    """Return the legend of cells under the veil, without bound, or without a value."""
     handles = []
     if veiled.any() and status is not None:
         label = _meanings(status, veiled)
@@ -184,7 +184,7 @@ def _add_contours(axis: Any, x: Any, y: Any, cells: Any, norm: Any) -> None:
 
 
 def _add_veil(axis: Any, x: Any, y: Any, veiled: Any) -> None:
-    """Cover the cells of designs that do not rotate fully with a light veil, and hatch them."""
+    """Cover the cells of designs with toggles with a light veil, and hatch them."""
     if min(veiled.shape) < 2 or not veiled.any():
         return
     _fill(axis, x, y, np.ma.masked_equal(veiled, False), cmap=ListedColormap([VEIL]))
@@ -210,7 +210,7 @@ def _add_legend(axis: Any, handles: Sequence[Any], beside: bool) -> None:
 
 
 def _why_absent(status: xr.DataArray | None, absent: Any) -> str:
-    """Return why cells have no value: a design that assembles may lack one for another reason."""
+    """Return why cells have no value: also designs that assemble may lack one."""
     if status is None:
         return "does not assemble"
     pairs = zip(status.attrs["flag_values"], status.attrs["flag_meanings"].split(), strict=True)
@@ -228,7 +228,7 @@ def _meanings(status: xr.DataArray, veiled: Any) -> str:
 
 
 def _panels(variable: xr.DataArray) -> list[tuple[str, xr.DataArray]]:
-    """Return a title and the values of each assembly mode; of all together where they are alike."""
+    """Return title and values of each assembly mode, or of all if they agree."""
     if "branch" not in variable.dims:
         return [("", variable)]
     parts = [(f"assembly mode {b.item()}", variable.sel(branch=b)) for b in variable["branch"]]

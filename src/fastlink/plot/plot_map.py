@@ -1,4 +1,4 @@
-"""Check a request for a picture of a map, and select its data; `fastlink.plot.draw` draws."""
+"""Check a request for a picture of a map, and select its data."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Measure the errors of a sweep's results: some of its designs are computed again with 50 digits."""
+"""Measure the errors of a sweep's results, by 50 digits for some of its designs."""
 
 from fastlink.precision.verification import Verification, check_verify
 

@@ -1,4 +1,4 @@
-"""Exact greatest and least values, their positions, and lists of extremes, by `fastlink.precision.stationary`."""
+"""Compare greatest and least values, their positions, and lists of extremes."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ EVALUATIONS = 12
 
 
 def outermost(stationary: Stationary, design: int, sign: int, *, near: float | None = None) -> Extreme:
-    """Return the greatest (sign 1) or least (-1) value of a design over the reachable range, with 50 digits.
+    """Return the greatest (sign 1) or least (-1) value of a design, with 50 digits.
 
     Parameters
     ----------
@@ -141,7 +141,7 @@ def _reductions(outputs: Sequence[Output]) -> list[Reduction]:
 
 
 def _part(output: Output) -> str:
-    """Return the part of an output: a reduction's suffix, "at" with it, "value", "position", "count" or "kind"."""
+    """Return the part of an output: [at] SUFFIX, value, position, count or kind."""
     request = output.request
     if request.reduction is None:
         return request.listed

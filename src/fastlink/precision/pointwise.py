@@ -1,4 +1,4 @@
-"""Compare curves, facts of the design and reductions of samples with the same facts with 50 digits."""
+"""Compare curves, facts of the design and reductions of samples."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ METHODS = {
 def values(
     sample: Sample, outputs: Sequence[Output], share: int, rng: np.random.Generator
 ) -> dict[str, MeasuredErrors]:
-    """Measure errors of curves and facts of the design at random branches and input positions."""
+    """Measure errors of curves and facts of the design at random configurations."""
     errors = {output.name: MeasuredErrors(FACTS) for output in outputs}
     facts = sample.facts(errors)
     has_numbers = any(output.dtype == "float64" for output in outputs)
@@ -62,7 +62,7 @@ def values(
 
 
 def sampled(sample: Sample, outputs: Sequence[Output], share: int) -> dict[str, MeasuredErrors]:
-    """Measure errors of reductions of one quantity's samples, by the reference of each reduction.
+    """Measure errors of reductions of one quantity's samples, by their references.
 
     The sample of a greatest or least value is chosen in doubles and computed with 50 digits; other reductions are
     computed with 50 digits from the samples in doubles.
@@ -92,7 +92,7 @@ def sampled(sample: Sample, outputs: Sequence[Output], share: int) -> dict[str, 
 
 
 def _reduced(reduction: Reduction, curve: NDArray[Any]) -> tuple[Any, Any]:
-    """Return the exact value of a reduction of samples in doubles, and the size of the terms it is made of."""
+    """Return the exact value of a reduction of samples, and the size of its terms."""
     assembles = ~np.isnan(curve)
     if not assembles.any() or (reduction.whole and not assembles.all()):
         return CONTEXT.nan, CONTEXT.zero
@@ -107,7 +107,7 @@ def _exact_sample(sample: Sample, facts: HighPrecision, design: int, index: int)
 
 
 def _selected_position(value: float, curve: NDArray[Any], best: int, positions: NDArray[Any]) -> Any:
-    """Return a position if its sample is the best one up to rounding, else the position of the best one."""
+    """Return a position if its sample is the best up to rounding, else the best one's."""
     selected = np.flatnonzero(positions == value)
     if selected.size and abs(curve[selected[0]] - curve[best]) <= TIE * abs(curve[best]):
         return CONTEXT.mpf(value)

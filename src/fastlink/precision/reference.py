@@ -1,4 +1,4 @@
-"""Evaluate facts with 50 digits, and express errors in roundings: the definition that all measurements share.
+"""Evaluate facts with 50 digits, and express errors in roundings.
 
 The unit is 2^-53 (|f| + sum over the inputs x of |x df/dx|): the last digit of f and of its inputs.
 The derivatives are differences of the same facts with 50 digits.
@@ -80,7 +80,7 @@ class HighPrecision:
         return self._follow({**base, **changes}, changed, self.steps_after(*changes))
 
     def condition(self, base: Mapping[str, Any], inputs: Iterable[str]) -> dict[str, Any]:
-        """Return for each name the sum of |x df/dx| over the inputs x beside which f has a value."""
+        """Return the sum of |x df/dx| over inputs x, for each name f."""
         sums = dict.fromkeys(self.names, CONTEXT.zero)
         for name in inputs:
             if base[name] == 0:
@@ -124,6 +124,6 @@ def _take(step: Fact | System, known: dict[str, Any]) -> None:
 
 
 def error_in_roundings(value: float, exact: Any, condition: Any) -> float:
-    """Return the error of a double in units of 2^-53 (|exact| + the sum of `HighPrecision.condition`)."""
+    """Return the error of a double in units of 2^-53 (|exact| + condition)."""
     error, unit = abs(CONTEXT.mpf(value) - exact), UNIT_ROUNDING * (abs(exact) + condition)
     return 0.0 if error == 0 else float(error / unit) if unit != 0 else np.inf

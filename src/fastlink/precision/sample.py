@@ -1,4 +1,4 @@
-"""Hold the designs that are verified, their results from a sweep, and the budget of their evaluation."""
+"""The designs that are verified, their results, and the budget of evaluations."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ FEWEST = 8
 
 @dataclass(frozen=True, eq=False)
 class Sample:
-    """Designs of a sweep with their results, and one branch of each for reductions over the cycle.
+    """Designs of a sweep with their results, and one branch of each for reductions.
 
     Attributes
     ----------
@@ -91,7 +91,7 @@ class Sample:
         return {**values, "branch": branch, self.catalogue.position.name: position}
 
     def arguments(self, facts: HighPrecision) -> list[str]:
-        """Return the numbers that facts depend on, with respect to which their condition is computed."""
+        """Return the inputs and position whose changes make up the condition of facts."""
         position = self.catalogue.position.name
         return [name for name in (*self.movable, position) if facts.steps_after(name)]
 
@@ -115,7 +115,7 @@ def read_curves(
     positions: NDArray[Any],
     variants: Iterable[str],
 ) -> Any:
-    """Return a quantity over the input positions, in the last axis, in doubles and without a kernel."""
+    """Return a quantity over the input positions (last axis), without a kernel."""
     tables = (catalogue.position.name, *catalogue.tables, *catalogue.table_low_parts)
     tabled = zip(tables, angle_tables(catalogue, tables, positions), strict=True)
     with np.errstate(all="ignore"):

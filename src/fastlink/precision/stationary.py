@@ -1,4 +1,4 @@
-"""Every extreme of a quantity over the whole reachable range, found by fine samples and refined with 50 digits.
+"""Find every extreme of a quantity by fine samples, and refine it with 50 digits.
 
 Positions are those of the graded range (see `fastlink.facts.fact.GradedRange`): a signed number x counted from the
 lower or the upper end, where rho = x^2 is the ratio of the distances to both ends and the sign tells the side. The
@@ -40,7 +40,7 @@ AT_END, FARTHER, GROWS = CONTEXT.mpf(10) ** -25, 1000, 10
 
 @dataclass(frozen=True)
 class Candidate:
-    """An extreme by samples: the end of the range that x counts from, x, the value there and its kind.
+    """An extreme by samples: the end that x counts from, x, the value and its kind.
 
     `kind` is 1 for a maximum, -1 for a minimum, `END` for the end of a range, `JUMP` for a jump by a whole turn.
     """
@@ -53,7 +53,7 @@ class Candidate:
 
 @dataclass(frozen=True)
 class Extreme:
-    """An extreme with 50 digits: value and input angle, each with the sum of |x d/dx| over the inputs x."""
+    """An extreme with 50 digits: value and input angle, each with its condition."""
 
     value: Any
     condition: Any
@@ -110,7 +110,7 @@ class Stationary:
     def _read(
         self, names: Sequence[str], x: NDArray[Any], high: NDArray[Any], designs: NDArray[Any]
     ) -> list[NDArray[Any]]:
-        """Return facts of designs at signed x from the lower ends, or from the upper ones where `high`."""
+        """Return facts of designs at signed x from the lower ends, or upper where `high`."""
         values: dict[str, Any] = {name: column[designs] for name, column in self.inputs.items()}
         values |= zip(self.graded.coordinates, _leaves(x, high), strict=True)
         with np.errstate(all="ignore"):
@@ -139,7 +139,7 @@ class Stationary:
         self.slopes[:, :, [0, -1]] = seam[:, None, :]
 
     def _candidates(self) -> list[list[Candidate]]:
-        """Return the extremes of each design by samples: maxima, minima, jumps, ends of ranges."""
+        """Return the extremes of each design by samples, jumps and ends among them."""
         candidates: list[list[Candidate]] = [[] for _ in range(len(self.x))]
         inside = np.ones((*self.x.shape[:2], self.x.shape[2] - 1), dtype=bool)
         inside[..., SAMPLES] = ~self.bounded
@@ -162,7 +162,7 @@ class Stationary:
         return candidates
 
     def _subdivided(self, design: NDArray[Any], end: NDArray[Any], cell: NDArray[Any]) -> list[list[Any]]:
-        """Narrow down cells whose slope changes sign; return x, the values there and their kinds."""
+        """Narrow down cells whose slope changes sign; return x, values and kinds."""
         low, high = self.x[design, end, cell], self.x[design, end, cell + 1]
         before, after = np.sign(self.slopes[design, end, cell]), np.sign(self.slopes[design, end, cell + 1])
         parts, rows = np.linspace(0.0, 1.0, PARTS + 1), np.arange(cell.size)
@@ -184,7 +184,7 @@ class Stationary:
         return float(np.quantile(values, 0.75)) if values.size else 0.0
 
     def largest_sample(self, design: int, sign: int) -> float:
-        """Return the greatest value (for sign 1, the least for -1) of the samples, NaN without any."""
+        """Return the greatest (sign 1) or least (-1) of the samples, NaN without any."""
         values = self.values[design][np.isfinite(self.values[design])]
         return float(sign * np.max(sign * values)) if values.size else np.nan
 
@@ -203,7 +203,7 @@ class Stationary:
     # -- 50 digits ---------------------------------------------------------------------------------
 
     def extreme(self, design: int, candidate: Candidate, *, positions: bool = False) -> Extreme:
-        """Return an extreme with 50 digits; with `positions` also the condition of the input angle."""
+        """Return an extreme with 50 digits; `positions` adds the condition of its angle."""
         if candidate.kind == JUMP:
             return Extreme(CONTEXT.pi, CONTEXT.zero, CONTEXT.nan, CONTEXT.zero)
         design_values = {name: column[design] for name, column in self.inputs.items()}
@@ -238,7 +238,7 @@ class Stationary:
         return -(above - below) / 2 / curvature if curvature != 0 else CONTEXT.zero
 
     def _position_condition(self, base: Mapping[str, Any], end: int, x: Any) -> Any:
-        """Return the sum of |x d/dx| of the input angle of an extreme, which moves with the inputs."""
+        """Return the condition of the input angle of an extreme, which moves with inputs."""
         total = CONTEXT.zero
         for name in self.movable:
             if base[name] != 0:
@@ -248,7 +248,7 @@ class Stationary:
         return total
 
     def _at_end(self, base: Mapping[str, Any], candidate: Candidate, size: float) -> Extreme:
-        """Return the limit at a toggle or fold: infinite where the quantity grows, 0 where it goes to nothing."""
+        """Return the limit at a toggle or fold: infinite, 0 or finite."""
         x = AT_END if candidate.x > 0 else -AT_END
         farther = self._at(base, candidate.end, FARTHER * x)[self.quantity]
         base = self._at(base, candidate.end, x)
@@ -263,7 +263,7 @@ class Stationary:
 
 
 def _leaves(x: NDArray[Any], high: NDArray[Any]) -> tuple[NDArray[Any], NDArray[Any], NDArray[Any]]:
-    """Return the fractions of the range from both ends and the side of the ground line, in doubles."""
+    """Return the fractions of the range from both ends, and the side, in doubles."""
     square = x * x
     far = 1.0 / (1.0 + square)
     near = square * far

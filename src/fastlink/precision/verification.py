@@ -1,4 +1,4 @@
-"""Collect the results of some designs while a sweep runs, then compare them with 50-digit ones."""
+"""Collect results of some designs during a sweep, then measure their errors."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ EVALUATIONS = 200_000
 
 
 def check_verify(verify: int | None, lasting: bool) -> int:
-    """Return the number of designs to verify; by default some if the result is written to a file.
+    """Return the number of designs to verify; by default some of a result in a file.
 
     Raises
     ------
@@ -82,7 +82,7 @@ class Verification:
             rows[first:last] = array[self.designs[first:last] - start]
 
     def measure(self) -> tuple[dict[str, Any], dict[str, dict[str, Any]]]:
-        """Return attributes of the result, and of its variables; a failure is stated in one of them."""
+        """Return attributes of the result, which state a failure too, and of its variables."""
         if not self.designs.size:
             return {}, {}
         started = time.perf_counter()
@@ -117,7 +117,7 @@ class Verification:
 
 
 def _groups(outputs: Sequence[Output]) -> tuple[list[tuple[str, list[Output]]], list[str]]:
-    """Return the outputs that are verified together, by method, and the names of those that are not verified."""
+    """Return the outputs by method and quantity, and the names of unverified ones."""
     groups: dict[tuple[str, str], list[Output]] = {}
     left_out = []
     for output in outputs:

@@ -1,1 +1,1 @@
-"""Tables for the terminal and the documentation: quantities of a mechanism, summaries of maps."""
+"""Tables of text: quantities of a mechanism, summaries of maps."""

@@ -54,7 +54,7 @@ class Quantity:
 
 @dataclass(frozen=True)
 class GivenInput:
-    """One input of a mechanism: its name, units, allowed values and meaning, and which links give it."""
+    """One input: name, units, allowed values, meaning, and the links that give it."""
 
     name: str
     units: str
@@ -116,7 +116,7 @@ class QuantityList(list[Quantity]):
         return [(row.name, row.units, f"({', '.join(row.dims)})", row.meaning, row.source) for row in self]
 
     def _naming(self) -> str:
-        """Return how names over the cycle, of derivatives and of error bounds are formed, as Markdown."""
+        """Return how names of reductions, derivatives and bounds are formed, as Markdown."""
         position = self._catalogue.position
         unit = "" if position.units == "1" else f" in {position.units}"
         reductions = [f"`{Reduced(NAME, each.suffix)}` ({each.phrase})" for each in REDUCTIONS.values()]
@@ -192,7 +192,7 @@ def document() -> str:
 
 
 def _ordered(catalogue: Catalogue) -> list[Fact]:
-    """Return the public facts: those of a design first, then by the number of steps to each.
+    """Return the public facts: of the design first, then by the number of their steps.
 
     Components of one vector stay together.
     """

@@ -115,7 +115,7 @@ def _percent(count: int, total: int) -> str:
 
 
 def contents(dataset: xr.Dataset) -> str:
-    """Return what a result holds: mechanism, axes, constants, variables, and what its sweep did.
+    """Return what a result holds: mechanism, axes, constants, variables, its summary.
 
     Parameters
     ----------

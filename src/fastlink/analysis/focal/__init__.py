@@ -1,4 +1,4 @@
-"""Functions of Burmester's focal mechanism alone: its cubic, and straight lines through paths."""
+"""Functions of Burmester's focal mechanism: its cubic, and straight lines."""
 
 from fastlink.analysis.focal.cubic import cubic, cubic_points
 from fastlink.analysis.focal.straight_line import StraightLine, T_deviation, straight_line

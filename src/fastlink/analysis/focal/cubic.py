@@ -1,4 +1,4 @@
-"""The focal cubic of a position of the four-bar MABN: all points that can be the joint F.
+"""The focal cubic of a position of the four-bar: all points that F can be.
 
 It is the locus of the foci of the conics that touch the lines MA, AB, BN and NM (Wunderlich, sections 4 and 5).
 """
@@ -90,7 +90,7 @@ def cubic(a: Any, b: Any, c: Any, d: Any, phi: Any, branch: Any = 1) -> Any:
 
 
 def cubic_points(a: Any, b: Any, c: Any, d: Any, phi: Any, branch: Any = 1, *, samples: int = 100) -> Any:
-    """Return points of the focal cubic of a position of the four-bar MABN, in the order of its branches.
+    """Return points of the focal cubic of a position, in the order of its branches.
 
     Parameters
     ----------
@@ -166,14 +166,14 @@ def _numbers(function: str, *numbers: Any) -> list[Any]:
 
 
 def _on_lines(k: Any, x: Any, y: Any) -> tuple[Any, Any, Any]:
-    """Return the coefficients of the cubic, the square and the first power of the distance from M along (x, y)."""
+    """Return the coefficients of the three powers of the distance from M along (x, y)."""
     cubed = k[..., 3, 0] * x + k[..., 0, 3] * y
     squared = k[..., 2, 0] * (x * x) + k[..., 1, 1] * (x * y) + k[..., 0, 2] * (y * y)
     return cubed, squared, k[..., 1, 0] * x + k[..., 0, 1] * y
 
 
 def _double_directions(k: Any) -> Any:
-    """Return four directions, ascending, among them all in which a line through M touches the cubic.
+    """Return four directions, among them all of lines through M that touch the cubic.
 
     The discriminant is a trigonometric polynomial of degree 2 in twice the direction, whose coefficient of that degree
     is (a d)^2/4 in magnitude: never 0. A zero that is not real counts as the direction nearest to it.

@@ -1,4 +1,4 @@
-"""Fit a straight line to the path of a joint, and measure how far the path deviates from it."""
+"""Fit a straight line to the path of a joint, and measure the deviation."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ class StraightLine(NamedTuple):
 
 
 def _fitted_line(x: Any, y: Any) -> StraightLine:
-    """Return the line of the least sum of squared distances for each row of points; NaN is skipped."""
+    """Return the line of least squares for each row of points; NaN is skipped."""
     finite = np.isfinite(x) & np.isfinite(y)
     count = np.where(finite.any(axis=-1), finite.sum(axis=-1), np.nan)
     middle_x, middle_y = (np.where(finite, values, 0.0).sum(axis=-1) / count for values in (x, y))
@@ -49,7 +49,7 @@ def _fitted_line(x: Any, y: Any) -> StraightLine:
 
 
 def straight_line(x: Any, y: Any) -> StraightLine:
-    """Return the straight line that fits points best: the sum of their squared distances is least.
+    """Return the straight line whose sum of squared distances from points is least.
 
     Parameters
     ----------

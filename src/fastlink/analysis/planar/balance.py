@@ -1,4 +1,4 @@
-"""Complete force balancing of the four-bar by counterweights on crank and output link (Berkof and Lowen, 1969).
+"""Balance the shaking force of the four-bar by counterweights (Berkof and Lowen).
 
 With complex numbers in the links' frames, g_i the mass centres and e_i the links' directions, the moment of mass
 
@@ -99,7 +99,7 @@ def force_balance(
 
 
 def _counterweight(link: int, product: Any, radius: Any, mass: Any, length: Any) -> dict[str, Any]:
-    """Return the inputs of a counterweight whose mass times radius is given as a complex number."""
+    """Return the inputs of a counterweight of a given complex mass times radius."""
     if radius is not None and mass is not None:
         raise InputError(
             f"force_balance: radius{link} and mass{link} are given; write one, the other follows"

@@ -36,7 +36,7 @@ class Cognate:
     number: int
 
     def configuration(self, theta1: Any, theta2: Any, theta4: Any) -> tuple[Any, Any]:
-        """Return the input angle [rad] and the branch that put this linkage's coupler point on the original's.
+        """Return the input angle [rad] and branch at a configuration of the original.
 
         Parameters
         ----------
@@ -63,7 +63,7 @@ class Cognate:
 
 
 def cognates(design: Mapping[str, Any]) -> tuple[Cognate, Cognate, Cognate]:
-    """Return the three linkages that trace one coupler curve (theorem of Roberts and Chebyshev).
+    """Return the three linkages that trace one coupler curve (Roberts, Chebyshev).
 
     Parameters
     ----------

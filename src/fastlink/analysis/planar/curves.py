@@ -83,7 +83,7 @@ def _along(
 
 
 def one_turn(samples: int) -> Any:
-    """Return input angles, half a step off theta1 = 0, where a change point may have no rates."""
+    """Return input angles half a step off theta1 = 0, where rates may not exist."""
     if samples < 1:
         raise InputError(f"samples is {samples}; give at least 1")
     return (np.arange(samples) + 0.5) * (2.0 * np.pi / samples)
@@ -183,7 +183,7 @@ def _half_width(points: Any) -> float:
 
 
 def straightness(x: Any, y: Any) -> Any:
-    """Return the greatest distance of points from their best line, the line that makes it least [m].
+    """Return the greatest distance of points from the line that makes it least [m].
 
     Parameters
     ----------

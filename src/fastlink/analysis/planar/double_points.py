@@ -1,4 +1,4 @@
-"""Double points of the coupler curve of a planar 4R: where it crosses itself, and where it has a cusp.
+"""Double points of the coupler curve of a planar 4R: crunodes and cusps.
 
 Roberts' sextic has three double points besides the circular points. With the notation of `fastlink.planar.sextic`,
 two coupler angles for one point make its two linear equations one: (A_2, B_2, C_2) is a multiple of
@@ -57,7 +57,7 @@ def _turned(k: Any, c: Any, s: Any) -> Any:
 
 
 def _real_roots(k: Any) -> tuple[Any, Any]:
-    """Return the real zeros (x, y) of cubic forms, three in the last axis, NaN where a zero is not real."""
+    """Return the real zeros (x, y) of cubic forms, three in the last axis or NaN."""
     values = _cubic_form(k[..., None, :], np.cos(DIRECTIONS), np.sin(DIRECTIONS))
     best = DIRECTIONS[np.argmax(np.abs(values), axis=-1)]
     c, s = np.cos(best), np.sin(best)
@@ -74,7 +74,7 @@ def _real_roots(k: Any) -> tuple[Any, Any]:
 
 
 def _double_points(function: str, *design: Any) -> tuple[Any, Any, Any]:
-    """Return the real double points X, Y, three in the last axis, and 1 - |c|; NaN for the others."""
+    """Return the real double points X, Y and 1 - |c|, three in the last axis or NaN."""
     a1, a2, a3, a4, u, v = curve_designs(function, *design)
     p, q = np.hypot(u, v), np.hypot(u - a2, v)
     with np.errstate(invalid="ignore", divide="ignore"):  # P is A or B
@@ -166,7 +166,7 @@ def crunodes(
 def cusps(
     a1: Any, a2: Any, a3: Any, a4: Any, P_u: Any, P_v: Any, *, tolerance: float = TOLERANCE
 ) -> tuple[Any, Any, Any]:
-    """Return the cusps of the coupler curve of a linkage, where P lies on the moving centrode and rests.
+    """Return the cusps of the coupler curve of a linkage, where P rests.
 
     Parameters
     ----------
@@ -201,7 +201,7 @@ def cusps(
 
 
 def crunode_count(a1: Any, a2: Any, a3: Any, a4: Any, P_u: Any, P_v: Any) -> Any:
-    """Return how often the coupler curve of a linkage crosses itself, as `crunodes` counts.
+    """Return the number of crunodes of the coupler curve of a linkage.
 
     Parameters
     ----------
@@ -223,7 +223,7 @@ def crunode_count(a1: Any, a2: Any, a3: Any, a4: Any, P_u: Any, P_v: Any) -> Any
 
 
 def cusp_count(a1: Any, a2: Any, a3: Any, a4: Any, P_u: Any, P_v: Any) -> Any:
-    """Return the number of cusps of the coupler curve of a linkage, as `cusps` counts.
+    """Return the number of cusps of the coupler curve of a linkage.
 
     Parameters
     ----------

@@ -12,7 +12,7 @@ __all__ = ["flywheel_inertia"]
 
 
 def flywheel_inertia(maps: Any, C_s: Any) -> Any:
-    """Return the moment of inertia that a crank needs for a given coefficient of fluctuation.
+    """Return the moment of inertia for a given coefficient of speed fluctuation.
 
     The greatest swing of the energy, ``T41_fluctuation``, is to change the speed by C_s omega1 in all:
     I = T41_fluctuation/(C_s omega1^2), on the crank. The linkage's own inertia, which varies, is counted on neither

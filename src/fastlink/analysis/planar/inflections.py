@@ -17,13 +17,13 @@ STEPS = 40
 
 
 def _turn(inputs: dict[str, Any], theta1: Any, branch: int) -> Any:
-    """Return the cross product of the first two derivatives of P, whose only poles are those of the rates."""
+    """Return P' x P'', whose only poles are those of the rates."""
     path = evaluate("planar_4r", ["curvature", "P_speed"], branch=branch, theta1=theta1, omega1=1.0, **inputs)
     return path["curvature"] * path["P_speed"] ** 3
 
 
 def _refined(inputs: dict[str, Any], branch: int, low: Any, high: Any, at_low: Any, at_high: Any) -> Any:
-    """Return the zeros between angles of opposite signs by the Illinois variant of the regula falsi."""
+    """Return the zeros between angles of opposite signs by the Illinois algorithm."""
     for _ in range(STEPS):
         middle = high - at_high * ((high - low) / (at_high - at_low))
         at_middle = _turn(inputs, middle, branch)

@@ -15,7 +15,7 @@ __all__ = ["io_coefficients"]
 
 
 def io_coefficients(a1: Any, a2: Any, a3: Any, a4: Any, pair: str = "14") -> Any:
-    """Return the coefficients of an algebraic input-output equation of Hayes et al., eqs. (1) to (6).
+    """Return the coefficients of an input-output equation, eqs. (1) to (6) of Hayes.
 
     With v_i = tan(joint_angle_i/2) for the joint angles of the closed polygon a1, a2, a3, a4 (quantities ``v1``
     ... ``v4``), the equation of joints i and j is::
