@@ -71,8 +71,8 @@ def test_a_sweep_names_all_that_is_wrong_with_it():
             backend="gcc",
             theta1=[0.0, 0.0],
         )
-    places = {one.where for one in caught.value.problems}
-    assert places == {
+    paths = {one.where for one in caught.value.problems}
+    assert paths == {
         ("quantities", 1),
         ("solver",),
         ("design", "a1"),
@@ -102,12 +102,12 @@ def message_of(door):
 
 
 @pytest.mark.parametrize(
-    ("door", "place", "remedy"),
+    ("door", "path", "remedy"),
     [("python", "extrema: ", "extrema='sampled'"), ("study", "cycle.extrema: ", 'extrema = "sampled"')],
 )
-def test_each_door_has_its_own_words(folder, door, place, remedy):
+def test_each_door_has_its_own_words(folder, door, path, remedy):
     line = message_of(door)
-    assert place in line
+    assert path in line
     assert remedy in line
 
 
@@ -121,8 +121,8 @@ def test_each_door_has_its_own_words(folder, door, place, remedy):
 )
 def test_the_command_line_names_its_options(folder, arguments, line):
     written(GOOD)
-    done = CliRunner().invoke(app, ["run", "study.toml", *arguments])
-    assert done.exit_code == 2
-    assert done.stderr.startswith(f"fastlink: {line}")
+    result = CliRunner().invoke(app, ["run", "study.toml", *arguments])
+    assert result.exit_code == 2
+    assert result.stderr.startswith(f"fastlink: {line}")
     if line == "--to: ":
-        assert "--overwrite" in done.stderr
+        assert "--overwrite" in result.stderr

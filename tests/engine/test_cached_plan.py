@@ -70,25 +70,25 @@ def test_whatever_else_is_asked_has_a_part(other):
     assert found is not plan_of()
 
 
-def test_a_kept_plan_is_the_plan():
+def test_a_cached_plan_is_the_plan():
     options = {"given": [*LENGTHS, "omega1"], "branches": (1, 2), "variants": (), "extrema": "refined"}
-    kept = cached_plan(PLANAR, ["omega4_max", "status"], True, angles=360, **options)
-    made = make_plan(PLANAR, ["omega4_max", "status"], angles=360, **options)
-    ours, others = ([kernel_of(program) for program in plan.programs] for plan in (kept, made))
+    cached = cached_plan(PLANAR, ["omega4_max", "status"], True, angles=360, **options)
+    fresh = make_plan(PLANAR, ["omega4_max", "status"], angles=360, **options)
+    ours, others = ([kernel_of(program) for program in plan.programs] for plan in (cached, fresh))
     assert [kernel.text for kernel in ours] == [kernel.text for kernel in others]
     assert [kernel.key for kernel in ours] == [kernel.key for kernel in others]
 
 
 def toy():
-    made = Catalogue("toy", "a toy", {1: "one"}, Input("theta", "rad", "theta", "input"))
-    made.input("a", units="m", symbol="a", meaning="a length")
+    catalogue = Catalogue("toy", "a toy", {1: "one"}, Input("theta", "rad", "theta", "input"))
+    catalogue.input("a", units="m", symbol="a", meaning="a length")
 
     def x(a, theta):
         """A fact."""
         return a * theta
 
-    made.quantity(units="m", symbol="x", source="here")(x)
-    return made
+    catalogue.quantity(units="m", symbol="x", source="here")(x)
+    return catalogue
 
 
 def text_of(catalogue):

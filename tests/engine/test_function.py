@@ -38,11 +38,11 @@ def swept(names, lengths=LENGTHS, branch=(1, 2), **options):
 @pytest.mark.parametrize("branch", [1, (2,), (2, 1)])
 def test_a_function_has_the_bits_of_a_sweep(request_name, branch):
     names, options = REQUESTS[request_name]
-    made = fl.function("planar_4r", ["a2", "a3"], names, branch=branch, **FIXED, **options)
+    function = fl.function("planar_4r", ["a2", "a3"], names, branch=branch, **FIXED, **options)
     maps = swept(names, branch=branch, **options)
-    found = made(LENGTHS.reshape(2, 5, 30))
-    assert found.shape == (len(names), 5, 30, *made.shape)
-    for row, name in zip(found.reshape(len(names), 150, *made.shape), names, strict=True):
+    outputs = function(LENGTHS.reshape(2, 5, 30))
+    assert outputs.shape == (len(names), 5, 30, *function.shape)
+    for row, name in zip(outputs.reshape(len(names), 150, *function.shape), names, strict=True):
         expected = maps[name]
         if "branch" in expected.dims and branch == 1:
             expected = expected.isel(branch=0)
@@ -56,52 +56,56 @@ def test_a_function_has_the_bits_of_a_sweep(request_name, branch):
 @pytest.mark.parametrize("request_name", REQUESTS)
 def test_one_design_has_the_bits_of_many(request_name):
     names, options = REQUESTS[request_name]
-    made = fl.function("planar_4r", ["a2", "a3"], names, **FIXED, **options)
-    whole = made(LENGTHS)
+    function = fl.function("planar_4r", ["a2", "a3"], names, **FIXED, **options)
+    together = function(LENGTHS)
     for k in (0, 1, 2, 149):
-        np.testing.assert_array_equal(made(LENGTHS[:, k]), whole[:, k])
+        np.testing.assert_array_equal(function(LENGTHS[:, k]), together[:, k])
 
 
 def test_more_designs_than_a_block_are_computed():
-    made = fl.function("planar_4r", ["a2", "a3"], ["omega4_max"], **FIXED)
+    function = fl.function("planar_4r", ["a2", "a3"], ["omega4_max"], **FIXED)
     many = np.tile(LENGTHS, 17)
-    np.testing.assert_array_equal(made(many), np.tile(made(LENGTHS), 17))
-    assert made(np.empty((2, 0))).shape == (1, 0)
+    np.testing.assert_array_equal(function(many), np.tile(function(LENGTHS), 17))
+    assert function(np.empty((2, 0))).shape == (1, 0)
 
 
 def test_impossible_values_give_nan_and_change_nothing_else():
     names = ["shaking_force_max", "status"]
-    made = fl.function("planar_4r", ["a2", "a3", "density"], names, links=fl.round_bar(radius=0.01), **FIXED)
+    function = fl.function(
+        "planar_4r", ["a2", "a3", "density"], names, links=fl.round_bar(radius=0.01), **FIXED
+    )
     good = np.array([1.2, 0.8, 7750.0])
     bad = np.tile(good[:, None], 7)
     for k, (row, value) in enumerate([(0, np.nan), (0, -1.0), (1, 0.0), (2, -1.0), (2, np.inf)]):
         bad[row, k] = value
-    found = made(bad)
-    np.testing.assert_array_equal(np.isnan(found[0]), [True] * 5 + [False] * 2)
-    np.testing.assert_array_equal(found[1], [4, 4, 4, 0, 0, 0, 0])
-    assert all(np.isnan(made(bad[:, k])[0]) for k in range(5))
-    np.testing.assert_array_equal(found[:, 5], made(good))
+    outputs = function(bad)
+    np.testing.assert_array_equal(np.isnan(outputs[0]), [True] * 5 + [False] * 2)
+    np.testing.assert_array_equal(outputs[1], [4, 4, 4, 0, 0, 0, 0])
+    assert all(np.isnan(function(bad[:, k])[0]) for k in range(5))
+    np.testing.assert_array_equal(outputs[:, 5], function(good))
 
 
 @pytest.mark.parametrize("backend", ["llvm", "numba"])
 def test_backends_have_the_same_bits(backend):
-    made = fl.function("planar_4r", ["a2", "a3"], ["omega4"], theta1=40, backend=backend, **FIXED)
-    np.testing.assert_array_equal(made(LENGTHS)[0], swept(["omega4"], branch=1, theta1=40).omega4[:, 0])
+    function = fl.function("planar_4r", ["a2", "a3"], ["omega4"], theta1=40, backend=backend, **FIXED)
+    np.testing.assert_array_equal(function(LENGTHS)[0], swept(["omega4"], branch=1, theta1=40).omega4[:, 0])
 
 
 def test_threads_share_nothing():
-    made = fl.function("planar_4r", ["a2", "a3"], ["omega4_max", "transmission_angle_min"], **FIXED)
-    expected = made(LENGTHS)
+    function = fl.function("planar_4r", ["a2", "a3"], ["omega4_max", "transmission_angle_min"], **FIXED)
+    expected = function(LENGTHS)
     with ThreadPoolExecutor(8) as pool:
-        for k, found in enumerate(pool.map(lambda k: made(LENGTHS[:, k % 150]), range(1200))):
-            np.testing.assert_array_equal(found, expected[:, k % 150])
+        for k, outputs in enumerate(pool.map(lambda k: function(LENGTHS[:, k % 150]), range(1200))):
+            np.testing.assert_array_equal(outputs, expected[:, k % 150])
 
 
 def test_a_pickled_function_is_the_same():
-    made = fl.function("planar_4r", ["a2", "a3"], ["shaking_force_max"], links=BAR, branch=(1, 2), **FIXED)
-    again = pickle.loads(pickle.dumps(made))
+    function = fl.function(
+        "planar_4r", ["a2", "a3"], ["shaking_force_max"], links=BAR, branch=(1, 2), **FIXED
+    )
+    again = pickle.loads(pickle.dumps(function))
     assert (again.inputs, again.outputs, again.shape) == (("a2", "a3"), ("shaking_force_max",), (2,))
-    np.testing.assert_array_equal(again(LENGTHS), made(LENGTHS))
+    np.testing.assert_array_equal(again(LENGTHS), function(LENGTHS))
 
 
 @pytest.mark.parametrize(
@@ -137,22 +141,22 @@ def test_a_choice_is_to_be_made():
 
 
 def test_an_argument_of_another_shape_is_refused():
-    made = fl.function("planar_4r", ["a2", "a3"], ["omega4_max"], **FIXED)
+    function = fl.function("planar_4r", ["a2", "a3"], ["omega4_max"], **FIXED)
     for wrong in (1.0, [1.0], np.ones((3, 2))):
         with refused("x", "2 rows: a2, a3"):
-            made(wrong)
+            function(wrong)
 
 
 @pytest.mark.parametrize("vectorized", [False, True])
 def test_differential_evolution_finds_the_best_of_a_grid(vectorized):
-    made = fl.function(
+    function = fl.function(
         "planar_4r", ["a2", "a3"], ["shaking_force_max", "transmission_angle_min"], links=BAR, **FIXED
     )
 
     def force(x):
-        return np.nan_to_num(made(x)[0], nan=np.inf)
+        return np.nan_to_num(function(x)[0], nan=np.inf)
 
-    steep = NonlinearConstraint(lambda x: np.nan_to_num(made(x)[1:]), np.radians(30.0), np.inf)
+    steep = NonlinearConstraint(lambda x: np.nan_to_num(function(x)[1:]), np.radians(30.0), np.inf)
     best = differential_evolution(
         force,
         [(1.0, 1.4), (0.6, 1.0)],
@@ -164,8 +168,8 @@ def test_differential_evolution_finds_the_best_of_a_grid(vectorized):
         updating="deferred",
     )
     a2, a3 = np.meshgrid(np.linspace(1.0, 1.4, 60), np.linspace(0.6, 1.0, 60))
-    forces, angles = made(np.array([a2, a3]))
+    forces, angles = function(np.array([a2, a3]))
     on_grid = forces[angles > np.radians(30.0)].min()
-    assert made(best.x)[1] >= np.radians(30.0)
+    assert function(best.x)[1] >= np.radians(30.0)
     # it stops when the population of 30 agrees to eight digits, the steps of the grid are a hundredth
     assert best.fun <= on_grid

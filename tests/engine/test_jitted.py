@@ -26,28 +26,28 @@ LENGTHS[:, :4] = [[1.0, np.nan, -1.0, 0.0], [0.4, 1.0, 1.0, 1.0]]
     ],
 )
 def test_a_jitted_function_has_the_bits_of_the_function(names, options):
-    made = fl.function("planar_4r", ["a2", "a3"], names, **FIXED, **options)
-    jitted = made.jitted
-    whole = made(LENGTHS)
-    np.testing.assert_array_equal(jitted(LENGTHS), whole)
-    np.testing.assert_array_equal(jitted(LENGTHS[:, 7]), whole[:, 7])
+    function = fl.function("planar_4r", ["a2", "a3"], names, **FIXED, **options)
+    jitted = function.jitted
+    together = function(LENGTHS)
+    np.testing.assert_array_equal(jitted(LENGTHS), together)
+    np.testing.assert_array_equal(jitted(LENGTHS[:, 7]), together[:, 7])
     with ThreadPoolExecutor(4) as pool:
-        for found in pool.map(lambda _: jitted(LENGTHS), range(40)):
-            np.testing.assert_array_equal(found, whole)
+        for result in pool.map(lambda _: jitted(LENGTHS), range(40)):
+            np.testing.assert_array_equal(result, together)
 
 
 def test_choices_are_checked():
-    made = fl.function("focal", ["completion", "b"], ["status"], a=1.0, c=1.1, d=1.4, rho=0.5)
+    function = fl.function("focal", ["completion", "b"], ["status"], a=1.0, c=1.1, d=1.4, rho=0.5)
     speed = fl.function("focal", ["completion", "b"], ["m"], a=1.0, c=1.1, d=1.4, rho=0.5)
     x = np.array([[1.0, 2.0, 9.0, 1.5], [1.3] * 4])
-    for each in (made, speed):
+    for each in (function, speed):
         np.testing.assert_array_equal(each.jitted(x), each(x))
     assert np.isnan(speed(x)[0, 2:]).all()
 
 
 def test_a_design_loop_in_numba():
-    made = fl.function("planar_4r", ["a2", "a3"], ["omega4_max", "transmission_angle_min"], **FIXED)
-    evaluate = made.jitted
+    function = fl.function("planar_4r", ["a2", "a3"], ["omega4_max", "transmission_angle_min"], **FIXED)
+    evaluate = function.jitted
 
     @numba.njit
     def slowest(low, high, steps):
@@ -61,16 +61,16 @@ def test_a_design_loop_in_numba():
         return best
 
     low, high = np.array([1.0, 0.6]), np.array([1.4, 1.0])
-    found = slowest(low, high, 30)
+    result = slowest(low, high, 30)
     axes = [low[k] + (high[k] - low[k]) * np.arange(30) / 29 for k in (0, 1)]
-    omega, angle = made(np.array(np.meshgrid(*axes, indexing="ij")))
-    assert found[0] == omega[angle > np.radians(30.0)].min()
+    omega, angle = function(np.array(np.meshgrid(*axes, indexing="ij")))
+    assert result[0] == omega[angle > np.radians(30.0)].min()
 
 
 def test_another_number_of_rows_is_refused():
-    made = fl.function("planar_4r", ["a2", "a3"], ["omega4_max"], **FIXED)
+    function = fl.function("planar_4r", ["a2", "a3"], ["omega4_max"], **FIXED)
     with pytest.raises(ValueError, match="as many rows"):
-        made.jitted(np.ones(3))
+        function.jitted(np.ones(3))
 
 
 def test_numba_is_imported_where_it_is_used_only():

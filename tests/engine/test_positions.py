@@ -17,15 +17,15 @@ VALUES = [-0.4, 0.1, 0.3]
 
 def request_of(mechanism, input):
     """Return a design that assembles and a quantity that changes over the cycle: nothing of it is written by hand."""
-    found = catalogue(mechanism, input)
-    columns = draw(found.inputs, np.random.default_rng(7), 64)
-    for name, known in found.inputs.items():
+    result = catalogue(mechanism, input)
+    columns = draw(result.inputs, np.random.default_rng(7), 64)
+    for name, known in result.inputs.items():
         if known.choices:
             columns[name][:] = min(known.choices)
     for name in reversed(list(columns)):
-        if any(other in columns for other in found.mutually_exclusive_inputs(name)):
+        if any(other in columns for other in result.mutually_exclusive_inputs(name)):
             del columns[name]
-    quantity = next(name for name, fact in found.public.items() if found.varies(name) and not fact.flags)
+    quantity = next(name for name, fact in result.public.items() if result.varies(name) and not fact.flags)
     values = fl.sweep(mechanism, fl.table(columns), [quantity], input=input, angles=VALUES)[quantity].values
     first = int(np.flatnonzero(np.isfinite(values.reshape(64, -1)).any(axis=1))[0])
     return {name: float(column[first]) for name, column in columns.items()}, quantity
@@ -64,8 +64,8 @@ def test_a_study_takes_positions_by_the_name_of_the_input(folder, mechanism, inp
     text += f'[cycle]\ninput = "{input}"\n'
     maps = []
     for name in ("angles", input):
-        with fl.run_study(written(f"{text}{name} = {{values = {VALUES}}}\n"), to=f"{name}.h5") as found:
-            maps.append(found[quantity].values)
+        with fl.run_study(written(f"{text}{name} = {{values = {VALUES}}}\n"), to=f"{name}.h5") as result:
+            maps.append(result[quantity].values)
     np.testing.assert_array_equal(*maps)
     swept = fl.sweep(mechanism, fl.grid(**design), [quantity], input=input, angles=VALUES)
     np.testing.assert_array_equal(maps[0], swept[quantity])

@@ -15,7 +15,7 @@ from fastlink.symbolic.homogeneity import homogeneity_degrees
 
 PLANAR = catalogue("planar_4r")
 BAR = fl.round_bar(density=7750.0, radius=0.01)
-ASKED = [
+NAMES = [
     "omega4",
     "T41_rms",
     "omega4_max",
@@ -28,7 +28,7 @@ COUPLERS, OUTPUTS = np.linspace(1.0, 1.4, 9), np.linspace(0.6, 1.0, 11)
 SPEEDS = np.array([0.5, 1.0, 8.0])
 
 
-def sweep(quantities=ASKED, mechanism="planar_4r", links=BAR, **given):
+def sweep(quantities=NAMES, mechanism="planar_4r", links=BAR, **given):
     options = {
         key: given.pop(key)
         for key in ("to", "block", "threads", "overwrite", "solver", "verify")
@@ -71,7 +71,7 @@ def test_any_speed_is_within_rounding():
 
 
 @pytest.mark.parametrize(
-    ("given", "asked"),
+    ("given", "names"),
     [
         ({"omega1": [-1.0, 2.0]}, ["omega4_max"]),
         ({"omega1": [0.0, 2.0]}, ["omega4_max"]),
@@ -81,16 +81,16 @@ def test_any_speed_is_within_rounding():
         ({"omega1": 2.0, "P_u": [0.1, 0.2], "P_v": 0.1}, ["P_x_max"]),
     ],
 )
-def test_no_axis_is_used_that_does_more_than_scale(given, asked):
+def test_no_axis_is_used_that_does_more_than_scale(given, names):
     space = fl.grid(**{"a1": 0.4, "a2": 1.1, "a3": 0.8, "a4": 1.0, **given})
-    assert resolve("planar_4r", space, asked, links=BAR).scaling_axis is None
+    assert resolve("planar_4r", space, names, links=BAR).scaling_axis is None
 
 
 def test_density_scales_forces_and_leaves_rates():
-    found = sweep(["omega4_max", "F32_max"], a1=0.4, a2=1.1, a3=0.8, a4=1.0, omega1=9.0, density=[1.0, 4.0])
-    assert found.attrs["scaling_axis"] == "density"
-    assert_array_equal(found.omega4_max[0], found.omega4_max[1])
-    assert_array_equal(found.F32_max[1], 4.0 * found.F32_max[0])
+    result = sweep(["omega4_max", "F32_max"], a1=0.4, a2=1.1, a3=0.8, a4=1.0, omega1=9.0, density=[1.0, 4.0])
+    assert result.attrs["scaling_axis"] == "density"
+    assert_array_equal(result.omega4_max[0], result.omega4_max[1])
+    assert_array_equal(result.F32_max[1], 4.0 * result.F32_max[0])
 
 
 @pytest.mark.parametrize(
@@ -110,8 +110,8 @@ def test_degrees(name, chosen, expected):
     of_bars = PLANAR.variants["round_bar"] if "round_bar" in chosen else {}
     inputs = [key for key in PLANAR.known_inputs(chosen) if key not in of_bars]
     leaves = (*inputs, *PLANAR.tables, *PLANAR.table_low_parts, "branch", "theta1")
-    found = homogeneity_degrees(PLANAR.dependencies(expected, leaves, chosen), name)
-    assert {key: found[key] for key in expected} == expected
+    result = homogeneity_degrees(PLANAR.dependencies(expected, leaves, chosen), name)
+    assert {key: result[key] for key in expected} == expected
 
 
 @pytest.mark.parametrize("inner", [1, 4])
@@ -122,14 +122,14 @@ def test_every_cut_delivers_each_design_once(inner):
     numbers = np.arange(float(slabs * inner))
     whole = np.repeat(numbers.reshape(slabs, 1, inner), length, axis=1).ravel()
     for block in range(1, slabs * inner + 1):
-        found = np.full(whole.size, np.nan)
+        result = np.full(whole.size, np.nan)
 
-        def take(start, stop, arrays, found=found):
-            assert np.isnan(found[start:stop]).all()
-            found[start:stop] = arrays[0]
+        def take(start, stop, arrays, result=result):
+            assert np.isnan(result[start:stop]).all()
+            result[start:stop] = arrays[0]
 
         sink = axis.over(take)
         for start in range(0, numbers.size, block):
             stop = min(start + block, numbers.size)
             sink(start, stop, [numbers[start:stop]])
-        assert_array_equal(found, whole)
+        assert_array_equal(result, whole)

@@ -19,12 +19,12 @@ from fastlink.io.writer import Writer
 COUPLERS, OUTPUTS = np.linspace(1.0, 1.4, 41), np.linspace(0.6, 1.0, 31)
 DESIGNS = {"a1": 0.4, "a2": COUPLERS, "a3": OUTPUTS, "a4": 1.0}
 SPEEDS = {"omega1": np.array([1.0, 5.0, 25.0])}
-ASKED = ["omega4_max", "theta4", "grashof_class"]
+NAMES = ["omega4_max", "theta4", "grashof_class"]
 
 
 def sweep(to, **given):
     options = {"theta1": 8, "block": 64, "threads": 1, "to": to, "verify": 2} | given.pop("options", {})
-    return fl.sweep("planar_4r", fl.grid(**(DESIGNS | {"omega1": 2.0} | given)), ASKED, **options)
+    return fl.sweep("planar_4r", fl.grid(**(DESIGNS | {"omega1": 2.0} | given)), NAMES, **options)
 
 
 def interrupt_after(monkeypatch, records):
@@ -40,55 +40,55 @@ def interrupt_after(monkeypatch, records):
     monkeypatch.setattr(Writer, "record", counted)
 
 
-def assert_same(found, expected):
+def assert_same(resumed, expected):
     for name in expected:
-        assert_array_equal(found[name], expected[name], err_msg=name)
+        assert_array_equal(resumed[name], expected[name], err_msg=name)
     counts = [name for name in expected.attrs if name.startswith("designs_") and name != "designs_per_second"]
     assert len(counts) >= 5
-    assert all(found.attrs[name] == expected.attrs[name] for name in counts)
+    assert all(resumed.attrs[name] == expected.attrs[name] for name in counts)
 
 
 @pytest.mark.parametrize("given", [{}, {"a2": COUPLERS[:20], **SPEEDS}, {**SPEEDS, "a2": COUPLERS[:20]}])
 def test_an_interrupted_sweep_goes_on(tmp_path, monkeypatch, given):
-    place = tmp_path / "map.h5"
+    path = tmp_path / "map.h5"
     with monkeypatch.context() as patched:
         interrupt_after(patched, 5)
         with pytest.raises(KeyboardInterrupt) as caught:
-            sweep(place, **given)
+            sweep(path, **given)
     assert "run the same again" in caught.value.__notes__[0]
-    assert not place.exists()
+    assert not path.exists()
     # the rest with other blocks and threads
     more = {"options": {"block": 40, "threads": 2}}
-    with sweep(place, **given, **more) as found, sweep(tmp_path / "whole.h5", **given) as expected:
-        assert found.attrs["designs_of_earlier_runs"] == 5 * 64 * (3 if "omega1" in given else 1)
+    with sweep(path, **given, **more) as resumed, sweep(tmp_path / "whole.h5", **given) as expected:
+        assert resumed.attrs["designs_of_earlier_runs"] == 5 * 64 * (3 if "omega1" in given else 1)
         assert "designs_of_earlier_runs" not in expected.attrs
-        assert_same(found, expected)
+        assert_same(resumed, expected)
     assert sorted(path.name for path in tmp_path.iterdir()) == ["map.h5", "whole.h5"]
 
 
 @pytest.mark.parametrize("change", [{"omega1": 3.0}, {"options": {"theta1": 9}}, {"a3": OUTPUTS[:-1]}])
 def test_another_sweep_starts_afresh(tmp_path, monkeypatch, change):
-    place = tmp_path / "map.h5"
+    path = tmp_path / "map.h5"
     with monkeypatch.context() as patched:
         interrupt_after(patched, 5)
         with pytest.raises(KeyboardInterrupt):
-            sweep(place)
-    with sweep(place, **change) as found:
-        assert "designs_of_earlier_runs" not in found.attrs
+            sweep(path)
+    with sweep(path, **change) as resumed:
+        assert "designs_of_earlier_runs" not in resumed.attrs
     assert [path.name for path in tmp_path.iterdir()] == ["map.h5"]
 
 
 def test_a_sweep_may_be_interrupted_again_and_again(tmp_path, monkeypatch):
-    place = tmp_path / "map.h5"
+    path = tmp_path / "map.h5"
     for _ in range(3):
         with monkeypatch.context() as patched:
             interrupt_after(patched, 4)
             with pytest.raises(KeyboardInterrupt):
-                sweep(place)
-    with sweep(place) as found, sweep(tmp_path / "whole.h5") as expected:
-        assert found.attrs["designs_of_earlier_runs"] == 12 * 64
-        assert "resumed         768 designs of an earlier run were there" in fl.summary(found)
-        assert_same(found, expected)
+                sweep(path)
+    with sweep(path) as resumed, sweep(tmp_path / "whole.h5") as expected:
+        assert resumed.attrs["designs_of_earlier_runs"] == 12 * 64
+        assert "resumed         768 designs of an earlier run were there" in fl.summary(resumed)
+        assert_same(resumed, expected)
 
 
 KILLED = """
@@ -117,17 +117,17 @@ fl.sweep(
 @pytest.mark.skipif(not hasattr(signal, "SIGKILL"), reason="needs SIGKILL")
 @pytest.mark.parametrize("commits", [1, 2])
 def test_a_killed_run_loses_nothing_that_was_noted(tmp_path, commits):
-    place = tmp_path / "map.h5"
+    path = tmp_path / "map.h5"
     run = subprocess.run(
-        [sys.executable, "-c", KILLED, str(place), str(commits)], check=False, capture_output=True
+        [sys.executable, "-c", KILLED, str(path), str(commits)], check=False, capture_output=True
     )
     assert run.returncode == -signal.SIGKILL, run.stderr.decode()
     noted = journal_of(tmp_path / "map.h5.part").read_bytes().partition(b"\n")[2]
     designs = sum(stop - start for start, stop, _ in RECORD.iter_unpack(noted))
     assert designs > 0
-    with sweep(place) as found, sweep(tmp_path / "whole.h5") as expected:
-        assert found.attrs["designs_of_earlier_runs"] == designs
-        assert_same(found, expected)
+    with sweep(path) as resumed, sweep(tmp_path / "whole.h5") as expected:
+        assert resumed.attrs["designs_of_earlier_runs"] == designs
+        assert_same(resumed, expected)
 
 
 def test_a_torn_record_ends_the_journal(tmp_path):
@@ -138,8 +138,8 @@ def test_a_torn_record_ends_the_journal(tmp_path):
     notes.add(2, 4)
     notes.add(6, 8)
     notes.close(keep=True)
-    about, done = read_journal(part, "f")
-    assert (about["fingerprint"], done, missing(done, 9)) == ("f", [(0, 4), (6, 8)], [(4, 6), (8, 9)])
+    about, written = read_journal(part, "f")
+    assert (about["fingerprint"], written, missing(written, 9)) == ("f", [(0, 4), (6, 8)], [(4, 6), (8, 9)])
     assert read_journal(part, "g") is None
     whole = journal_of(part).read_bytes()
     journal_of(part).write_bytes(whole[:-1])
@@ -152,15 +152,15 @@ def test_a_torn_record_ends_the_journal(tmp_path):
 
 
 def test_without_a_partial_file_a_journal_says_nothing(tmp_path, monkeypatch):
-    place = tmp_path / "map.h5"
+    path = tmp_path / "map.h5"
     with monkeypatch.context() as patched:
         interrupt_after(patched, 5)
         with pytest.raises(KeyboardInterrupt):
-            sweep(place)
+            sweep(path)
     (tmp_path / "map.h5.part").unlink()
-    with sweep(place) as found, sweep(tmp_path / "whole.h5") as expected:
-        assert "designs_of_earlier_runs" not in found.attrs
-        assert_same(found, expected)
+    with sweep(path) as resumed, sweep(tmp_path / "whole.h5") as expected:
+        assert "designs_of_earlier_runs" not in resumed.attrs
+        assert_same(resumed, expected)
 
 
 def test_a_failure_to_synchronise_notes_nothing(tmp_path, monkeypatch):

@@ -20,7 +20,7 @@ def refused(text, **options):
     return [line.removeprefix("study.toml: ") for line in lines]
 
 
-def assert_told(text, key, remedy):
+def assert_problem(text, key, remedy):
     """Assert that one problem of a study is told: at its key, with its remedy."""
     (line,) = refused(text)
     assert line.split(" ")[0].rstrip(":") == key
@@ -147,7 +147,7 @@ def assert_told(text, key, remedy):
 )
 def test_bad_input(folder, old, new, key, remedy):
     assert old in GOOD
-    assert_told(GOOD.replace(old, new, 1), key, remedy)
+    assert_problem(GOOD.replace(old, new, 1), key, remedy)
 
 
 @pytest.mark.parametrize(
@@ -197,7 +197,7 @@ def test_bad_input(folder, old, new, key, remedy):
 )
 def test_bad_designs(folder, design, key, remedy):
     Path("holes.csv").write_text("a1,a2\n1,2\n1,\n")
-    assert_told(BARE + design, key, remedy)
+    assert_problem(BARE + design, key, remedy)
 
 
 def test_links_that_lack_a_value(folder):
@@ -265,7 +265,7 @@ def test_output_that_cannot_be_written(folder):
     assert line.startswith("output.file: ")
     assert line.endswith("there is no folder " + f"{folder / 'no'}; create it or choose another")
     assert of_the_caller(GOOD, to="no/map.h5").where == ("to",)
-    assert_told(GOOD + '[output]\nfile = ""\n', "output.file", "write a text that is not empty")
+    assert_problem(GOOD + '[output]\nfile = ""\n', "output.file", "write a text that is not empty")
 
 
 @pytest.mark.parametrize("name", ["study.toml", "designs.csv"])
