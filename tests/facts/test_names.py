@@ -71,11 +71,13 @@ def trees(catalogue):
         max_leaves=4,
     )
     at = catalogue.position.name
-    places = [(how, place) for how, r in REDUCTIONS.items() for place in ([""] + [at] * r.has_place)]
+    positions = [
+        (how, position) for how, r in REDUCTIONS.items() for position in ([""] + [at] * r.has_position)
+    ]
     parts = [("value", ""), ("value", at), ("count", ""), ("kind", "")]
     return st.one_of(
         pointwise,
-        st.builds(lambda of, way: Reduced(of, *way), pointwise, st.sampled_from(places)),
+        st.builds(lambda of, way: Reduced(of, *way), pointwise, st.sampled_from(positions)),
         st.builds(lambda of, way: ListOfExtrema(of, *way), pointwise, st.sampled_from(parts)),
     )
 
@@ -254,7 +256,7 @@ def test_names_that_only_look_like_others_are_not_refused(toy):
 @pytest.mark.parametrize("how", ["error", "trust", "low", "kind", "count", "extrema", "two_words", "no name"])
 def test_a_reduction_cannot_be_called_what_an_ending_means_already(how):
     with pytest.raises(CatalogueError, match="a reduction cannot be called"):
-        register_reduction(how, has_place=False)
+        register_reduction(how, has_position=False)
 
 
 # -- one module knows the rules ------------------------------------------------------------------------------

@@ -99,7 +99,7 @@ def test_how_names_are_formed_is_said_once_and_is_true():
     listed = fl.quantities("planar_4r")
     for text in (str(listed), listed.markdown()):
         for suffix in REDUCTIONS:
-            assert text.count(f"NAME_{suffix}") == (2 if REDUCTIONS[suffix].has_place else 1)
+            assert text.count(f"NAME_{suffix}") == (2 if REDUCTIONS[suffix].has_position else 1)
         assert text.count("theta1_at_NAME_max") == 1
     space = fl.grid(a1=[0.3, 0.4], a2=1.2, a3=0.8, a4=1.0, omega1=25.0)
     maps = fl.sweep("planar_4r", space, ["omega4_rms", "theta1_at_omega4_max"], theta1=4)

@@ -183,7 +183,7 @@ def test_what_is_taken_over_the_cycle_and_labels():
     assert curve.dims == ("a2", "branch", "theta1")
     assert curve.attrs["units"] == "rad s-1 m-1"
     assert curve.attrs["long_name"] == (
-        "Derivative of angular velocity of the output link by length of the input crank OA"
+        "Derivative of angular velocity of the output link with respect to length of the input crank OA"
     )
     assert "numerics.md#derivatives" in curve.attrs["references"]
 

@@ -62,7 +62,7 @@ class Catalogue(Declarations):
         )
 
     def mutually_exclusive_inputs(self, name: str) -> tuple[str, ...]:
-        """Return the inputs that cannot be given together with this one: one makes the other a result."""
+        """Return the inputs that cannot be given together with this one."""
         replaced = [other for other in self.variants.get(name, {}) if other in self.inputs]
         replacing = [key for key, facts in self.variants.items() if name in facts and name in self.inputs]
         named = [key for key in replacing if key in self.variant_inputs.get(key, {})]
@@ -72,12 +72,12 @@ class Catalogue(Declarations):
     def resolve(
         self, name: str, variants: Iterable[str] = (), given: Iterable[str] = ()
     ) -> Fact | System | None:
-        """Return the fact or system that determines `name`, None for an input, a table or an unknown name.
+        """Return the fact or system that determines `name`, else None.
 
-        The fact of the first selected variant that has one counts, else that of the mechanism itself. A fact of a
-        variant that depends on its own name builds on the fact that it replaces (in a later variant, or in the
-        mechanism), see `fastlink.facts.names.Below`: in this way loads add up in any combination. In derivatives and
-        error bounds, facts among `given` count as inputs.
+        Inputs, tables and unknown names have none. The fact of the first selected variant that has one counts, else
+        that of the mechanism itself. A fact of a variant that depends on its own name builds on the fact that it
+        replaces (in a later variant, or in the mechanism), see `fastlink.facts.names.Below`: in this way loads add up
+        in any combination. In derivatives and error bounds, facts among `given` count as inputs.
         """
         selected = tuple(variants)
         tree = self.parse(name)
@@ -104,14 +104,14 @@ class Catalogue(Declarations):
         if isinstance(tree, ErrorBound):
             return selection.error_bounds.fact(of)
         if isinstance(tree, Trust):
-            return trust_fact(selection.error_bounds.found(of))
+            return trust_fact(selection.error_bounds.bounded_fact(of))
         if isinstance(tree.of, (ErrorBound, Trust)):
             what = f"quantity {str(tree)!r}: {of} is an error bound, which has no derivative"
             raise NoDerivative(what, remedy="leave it out")
         return selection.derivation(tree.by).fact(of)
 
     def _selection(self, variants: tuple[str, ...], given: Iterable[str]) -> Selection:
-        """Return the mechanism with these variants, and with those of its facts that are given."""
+        """Return the mechanism with these variants and given facts."""
         facts = {*self.facts, *(name for variant in variants for name in self.variants.get(variant, {}))}
         key = variants, frozenset(facts.intersection(given))
         if key not in self._selections:
@@ -124,7 +124,7 @@ class Catalogue(Declarations):
 
     @cached_property
     def _varying(self) -> set[str]:
-        """The names of all values that change over the cycle, but for derivatives and error bounds."""
+        """The names of the plain values that change over the cycle."""
         varying = {self.position.name, *self.tables, *self.table_low_parts}
         leaves = {*varying, "branch", *self.known_inputs(self.variant_inputs)}
         names = [name for name in self.facts if not self.is_derivative(name)]
@@ -139,7 +139,7 @@ class Catalogue(Declarations):
         return plain_part(self.parse(name)) in self._varying
 
     def check(self) -> None:
-        """Raise CatalogueError unless every name is declared and no fact depends on itself."""
+        """Raise CatalogueError if a name is not declared, or a fact depends on itself."""
         for variant, steps in self.variants.items():
             for name in set(steps) - set(self.facts) - set(self.inputs):
                 step = steps[name]
@@ -166,7 +166,7 @@ class Catalogue(Declarations):
         return plain_part(self.parse(name)) in self.public
 
     def has_reductions(self, name: str) -> bool:
-        """Tell whether a name is a quantity that changes over the cycle, so that it has reductions."""
+        """Tell whether a name is a quantity that changes over the cycle."""
         return self.is_quantity(name) and self.varies(name)
 
     def public_fact(self, name: str) -> Fact:
@@ -198,9 +198,9 @@ class Catalogue(Declarations):
         wrong, options = name, known
         if isinstance(tree, (ErrorBound, Trust)):
             wrong, options = str(tree.of), self.public
-        elif made := as_derivative(name):
+        elif parts := as_derivative(name):
             wrong, options = (
-                (made[1], self.variables) if self.is_quantity(made[0]) else (made[0], self.public)
+                (parts[1], self.variables) if self.is_quantity(parts[0]) else (parts[0], self.public)
             )
         what = f"quantity {name!r}" if wrong == name else f"quantity {name!r}: {wrong!r}"
         return InputError(f"{what} is unknown to {self.name}", remedy=suggest(wrong, options))
@@ -208,7 +208,7 @@ class Catalogue(Declarations):
     def dependencies(
         self, names: Iterable[str], leaves: Iterable[str], variants: Iterable[str] = ()
     ) -> Iterator[Fact | System]:
-        """Yield the facts and systems that `names` depend on, each after its own dependencies.
+        """Yield the steps that `names` depend on, each after its own dependencies.
 
         Names in `leaves` are given. A missing input is an InputError.
         """

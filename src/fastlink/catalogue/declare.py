@@ -32,7 +32,7 @@ _versions = count()
 
 
 class Declarations:
-    """The declarations of one mechanism; `fastlink.catalogue.catalogue.Catalogue` reads them."""
+    """The declarations of one mechanism, for `fastlink.catalogue.catalogue.Catalogue`."""
 
     def __init__(
         self,
@@ -62,7 +62,7 @@ class Declarations:
 
     @property
     def version(self) -> int:
-        """A number that changes when a declaration changes: part of the key of what is cached.
+        """A number that changes when a declaration changes, for the keys of caches.
 
         All declarations are compared by identity with those of the last call: 8 us for the planar 4R.
         """
@@ -89,10 +89,11 @@ class Declarations:
         default: float | None = None,
         choices: Mapping[int, str] | None = None,
     ) -> None:
-        """Declare a number that the user gives; an input of a `variant` belongs to that variant alone.
+        """Declare a number that the user gives.
 
-        Which inputs select a variant is defined by `Catalogue.variants_selected_by`. The codes of `choices` become a
-        dimension of the result unless the design gives one of them.
+        An input with a `variant` belongs to that variant alone. Which inputs select a variant is defined by
+        `Catalogue.variants_selected_by`. The codes of `choices` become a dimension of the result unless the design
+        gives one of them.
         """
         self._check_name(name, variant)
         declared = Input(name, units, symbol, meaning, rule, default, dict(choices or {}))
@@ -172,17 +173,17 @@ class Declarations:
         variant: str | None = None,
         flags: Mapping[int, str] | None = None,
     ) -> Rows:
-        """Return a function that declares public quantities with common labels, one in each call."""
+        """Return a function that declares public quantities with common labels."""
         return Rows([self], units, source, internal=False, variant=variant, flags=flags)
 
     def steps(self, *, units: str, source: str, variant: str | None = None) -> Rows:
-        """Return a function that declares internal facts with common labels, one in each call."""
+        """Return a function that declares internal facts with common labels."""
         return Rows([self], units, source, internal=True, variant=variant)
 
     def table(self, *, symbol: str, source: str, low: str | None = None) -> Callable[[F], F]:
-        """Declare a function of the input position alone, tabled once per sweep from 40 digits.
+        """Declare a function of the input position alone.
 
-        `low` is the name of a second table, for the low parts.
+        It is tabled once per sweep, from 40 digits. `low` is the name of a second table, for the low parts.
         """
 
         def declare(function: F) -> F:
@@ -217,7 +218,7 @@ class Declarations:
     def derivative(
         self, name: str, by: str, *, given: Mapping[str, str] | None = None, variant: str | None = None
     ) -> Callable[[F], F]:
-        """Declare the derivative of a fact or table with respect to an input or the position.
+        """Declare the derivative of a fact or table with respect to a variable.
 
         Others are generated, see `fastlink.symbolic.derivative`: declare one where a closed form is better. It holds
         for the fact of that `variant`, not for a fact that replaces it.
@@ -239,18 +240,18 @@ class Declarations:
         return declare
 
     def depends_on_solver(self, steps: Iterable[Fact | System]) -> bool:
-        """Tell whether steps include a value that some solver determines, or a derivative of one."""
+        """Tell whether steps include a value of a linear system, or a derivative of one."""
         solved = {name for solver in self.solvers if solver != ELIMINATED for name in self.variants[solver]}
         solved |= {derivative_name(name, by) for name in solved for by in self.variables}
         return any(not solved.isdisjoint(step.names) for step in steps)
 
     def derivatives(self, by: str, *, variant: str | None = None) -> DerivativeRows:
-        """Return a function that declares derivatives with respect to one variable, one in each call."""
+        """Return a function that declares derivatives with respect to one variable."""
         return DerivativeRows(self, by, variant)
 
     @property
     def variables(self) -> dict[str, Input]:
-        """The variables of derivatives: every input that a design may give, and the position."""
+        """The variables of derivatives: every input and the position."""
         sets = self.variant_inputs.values()
         known = {name: given for inputs in (self.inputs, *sets) for name, given in inputs.items()}
         return {**known, self.position.name: self.position}
@@ -289,7 +290,7 @@ class Declarations:
             raise CatalogueError(f"{self.name}: {name} is declared twice")
 
     def _check_name(self, name: str, variant: str | None, public: bool = False) -> None:
-        """Refuse a name that is declared, that reads as made of another one, or that another one reads as made of."""
+        """Refuse a name that is declared, or that is part of another, or made of one."""
         self._check_new(name, variant)
         self.check_reading(name)
         for other, of_cycle in self._formed.get(name, ()):
@@ -303,7 +304,7 @@ class Declarations:
             self._formed.setdefault(root_of(form), []).append((name, of_cycle))
 
     def check_reading(self, name: str) -> None:
-        """Raise CatalogueError if a name reads as made of another one, see `fastlink.facts.names`."""
+        """Raise CatalogueError if a name reads as made of another one."""
         if name not in self.hiding and (tree := reading_of(name, self)):
             raise CatalogueError(f"{self.name}: {name} reads as {tree!r}; call it otherwise")
 
@@ -314,5 +315,5 @@ def _first_line(function: Callable[..., Any]) -> str:
 
 
 def _depends_on(function: Callable[..., Any], given: Mapping[str, str] | None) -> tuple[str, ...]:
-    """Return the names of what a fact depends on: those of its parameters, unless others stand for them."""
+    """Return the names on which a fact depends: its parameters, or their replacements."""
     return tuple((given or {}).get(parameter, parameter) for parameter in parameters(function))

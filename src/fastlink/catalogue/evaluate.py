@@ -20,7 +20,7 @@ __all__ = ["evaluate_step", "read_facts", "steps_of", "tables_at"]
 def read_facts(
     catalogue: Catalogue, names: Iterable[str], values: Mapping[str, Any], variants: Iterable[str] = ()
 ) -> dict[str, Any]:
-    """Evaluate facts on whatever numbers the values are.
+    """Evaluate facts on numbers of any type.
 
     Parameters
     ----------
@@ -31,12 +31,12 @@ def read_facts(
     values : mapping
         Inputs, ``branch``, and the input position or its tables: floats, arrays or mpmath numbers.
     variants : iterable of str
-        Chosen sets of facts.
+        The selected variants.
 
     Returns
     -------
     dict
-        Every value of the closure.
+        The values of all steps.
     """
     known = dict(values)
     position = catalogue.position.name
@@ -51,7 +51,7 @@ def read_facts(
 def steps_of(
     catalogue: Catalogue, names: Iterable[str], given: Iterable[str], variants: Iterable[str] = ()
 ) -> tuple[Fact | System, ...]:
-    """Return what `Catalogue.dependencies` yields, found once."""
+    """Return the steps of `Catalogue.dependencies`, cached."""
     return _steps(catalogue, catalogue.version, tuple(names), frozenset(given), tuple(variants))
 
 
@@ -67,7 +67,7 @@ def _steps(
 
 
 def tables_at(catalogue: Catalogue, theta: Any, names: Iterable[str]) -> dict[str, Any]:
-    """Return functions of the input position by name, of whatever numbers these are: low parts are zero."""
+    """Return the tables at an input position of any type; low parts are zero."""
     return {
         name: catalogue.tables[name].function(theta) if name in catalogue.tables else 0 * theta
         for name in names
@@ -75,7 +75,7 @@ def tables_at(catalogue: Catalogue, theta: Any, names: Iterable[str]) -> dict[st
 
 
 def evaluate_step(step: Fact | System, known: dict[str, Any]) -> None:
-    """Add to the known values what a step of a closure gives."""
+    """Add the values of a step to the known values."""
     if isinstance(step, System):
         rows = step.function(*(known[need] for need in step.depends_on))
         known.update(zip(step.unknowns, _solve(rows), strict=True))

@@ -1,4 +1,4 @@
-"""Declare facts in rows: where one law holds for several quantities, each has a row of plain data."""
+"""Declare facts in rows of plain data, where one law holds for several quantities."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ __all__ = ["DerivativeRows", "Rows"]
 
 @dataclass(frozen=True)
 class Rows:
-    """Facts with common labels, declared by calling it: one call is one row.
+    """Facts with common labels, each declared by a call.
 
     Attributes
     ----------
@@ -23,9 +23,9 @@ class Rows:
     units, source : str
         The labels of all rows but those that have their own.
     internal : bool
-        Whether the facts are steps on the way.
+        Whether users cannot request the facts.
     variant : str or None
-        The set of facts that they belong to.
+        The variant to which they belong.
     flags : mapping of int to str or None
         For quantities that are codes: the meanings of their values.
     """
@@ -55,13 +55,13 @@ class Rows:
         Parameters
         ----------
         law : callable
-            Its text.
+            The function.
         name, symbol, meaning : str
-            What it is called, the paper's symbol, and what it is: unless given, the first line of the law's docstring.
+            The name, the symbol in the paper, and the meaning (by default the first line of the law's docstring).
         units, source, low
             As in `Declarations.quantity`, where they differ from those of the other rows.
         **given : str
-            What stands for the law's parameters; a parameter that is not named here stands for itself.
+            The names that replace parameters of the law.
         """
         for catalogue in self.catalogues:
             catalogue.quantity(
@@ -112,12 +112,12 @@ class Rows:
 
 @dataclass(frozen=True)
 class DerivativeRows:
-    """Derivatives with respect to one input or the position, declared by calling it: one call is one row."""
+    """Derivatives with respect to one variable, each declared by a call."""
 
     catalogue: Declarations
     by: str
     variant: str | None = None
 
     def __call__(self, law: Callable[..., Any], name: str, /, **given: str) -> None:
-        """Declare the derivative of the fact or table `name`; `given` is what stands for the law's parameters."""
+        """Declare the derivative of `name`; `given` names replace parameters of the law."""
         self.catalogue.derivative(name, self.by, given=given, variant=self.variant)(law)

@@ -72,7 +72,7 @@ class Selection:
 
 
 def plain_and_above(tree: Name) -> tuple[str, str]:
-    """Return the name of a fact, and the variant whose fact builds on it, else an empty text."""
+    """Return the name of a fact, and the variant whose fact builds on it, if any."""
     return (str(tree.of), tree.variant) if isinstance(tree, Below) else (str(tree), "")
 
 
@@ -82,12 +82,12 @@ def variants_below(variants: tuple[str, ...], above: str) -> tuple[str, ...]:
 
 
 def name_below(name: str, variant: str) -> str:
-    """Return the name under which the fact of a variant uses the fact that it replaces."""
+    """Return the name by which the fact of a variant uses the fact that it replaces."""
     return str(Below(Quantity(name), variant))
 
 
 def replaced_by(variant: str, fact: Fact) -> Fact:
-    """Return a fact under the names by which the fact of a variant uses it, unchanged if that is empty."""
+    """Return a fact under the names by which the fact of a variant, if any, uses it."""
     return (
         fact.renamed(lambda name: name_below(name, variant) if name in fact.names else name)
         if variant

@@ -1,8 +1,8 @@
-"""The functions of the input position, tabled once per sweep.
+"""Table functions of the input position, once per sweep.
 
-They are evaluated with 40 digits and rounded, so a table is the same on every machine, and what rounding
-lost can be tabled beside it. Sines and cosines come from fixed-point numbers of as many digits, to the same bits;
-mpmath is asked, and imported, where these cannot tell or have no such function.
+They are evaluated with 40 digits and rounded, so a table is the same on every machine, and its low parts can be tabled
+beside it. Sines and cosines come from fixed-point numbers of as many digits, to the same bits; mpmath is used, and
+imported, where a rounding of these is not certain or they lack a function.
 """
 
 from __future__ import annotations
@@ -23,12 +23,12 @@ if TYPE_CHECKING:
 __all__ = ["angle_tables"]
 
 TABLE_DIGITS = 40
-#: So many angles are taken one by one: an array of Python's numbers costs 60 us and then 7 us for each.
+#: Up to so many angles are computed one by one: an array of Python's numbers costs 60 us and then 7 us for each.
 FEW = 6
 
 
 def angle_tables(catalogue: Catalogue, names: Sequence[str], theta: NDArray[Any]) -> NDArray[Any]:
-    """Return an array (names, positions) of the named tables at the given input positions."""
+    """Return an array (names, positions) of tables at the given input positions."""
     theta = np.ascontiguousarray(theta, dtype=np.float64)
     table = np.empty((len(names), theta.size))
     given = theta.tobytes()
@@ -43,22 +43,22 @@ def angle_tables(catalogue: Catalogue, names: Sequence[str], theta: NDArray[Any]
 
 @lru_cache(maxsize=64)
 def _tabled(function: Any, theta: bytes) -> NDArray[Any]:
-    """Return a function at angles, rounded, and what rounding lost."""
+    """Return a function at angles: rounded values, and their low parts."""
     angles = np.frombuffer(theta)
-    found, sure = np.empty((2, angles.size)), np.zeros(angles.size, dtype=bool)
+    words, sure = np.empty((2, angles.size)), np.zeros(angles.size, dtype=bool)
     try:
         for part, x, doubt in _fixed(theta):
-            found[0, part], found[1, part], sure[part] = function(x).doubles(doubt)
+            words[0, part], words[1, part], sure[part] = function(x).doubles(doubt)
     except (TypeError, AttributeError):
         pass  # a function that fixed-point numbers do not have
     if not sure.all():
-        found[:, ~sure] = _by_mpmath(function, angles[~sure])
-    return found
+        words[:, ~sure] = _by_mpmath(function, angles[~sure])
+    return words
 
 
 @lru_cache(maxsize=8)
 def _fixed(theta: bytes) -> list[tuple[Any, Fixed, Any]]:
-    """Return where angles stand, they in fixed point (their sines are kept for the next table), and the doubt."""
+    """Return indices, angles in fixed point with their sines cached, and doubts."""
     angles = np.frombuffer(theta)
     if angles.size <= FEW:
         return [(k, *fixed(angle)) for k, angle in enumerate(angles.tolist())]

@@ -1,4 +1,4 @@
-"""What is declared: inputs, facts and linear systems, and the grammar that the text of facts keeps to.
+"""Inputs, facts and linear systems, and the grammar of the text of facts.
 
 A *fact* is a straight-line function that states one physical statement for one design at one input
 position. Its parameters are the names of the facts and inputs it depends on, its name is the name of the
@@ -33,9 +33,9 @@ class CatalogueError(Exception):
 
 @dataclass(frozen=True)
 class Input:
-    """A number that the user gives for each design; one with a default may be left out.
+    """A number that the user gives for each design; optional if it has a default.
 
-    One with `choices` is a code; where it is left out, every choice of each design is evaluated.
+    An input with `choices` is a code; where it is left out, every choice of each design is evaluated.
     """
 
     name: str
@@ -49,10 +49,10 @@ class Input:
 
 @dataclass(frozen=True)
 class Fact:
-    """One physical statement, with what the file and the documentation say of it.
+    """One physical statement, with its labels in files and documentation.
 
     The function of a fact with a `low` part returns an unevaluated sum of two doubles, which are two values: that of
-    the fact's own name, and what it lost in rounding to double.
+    the fact's own name, and its low part.
     """
 
     name: str
@@ -84,7 +84,7 @@ class Fact:
 
 @dataclass(frozen=True)
 class System:
-    """Unknowns that a linear system determines; `function` returns its rows, then its right-hand side."""
+    """A linear system; `function` returns its rows with the right-hand sides last."""
 
     name: str
     unknowns: tuple[str, ...]
@@ -99,7 +99,7 @@ class System:
 
 @dataclass(frozen=True)
 class GradedRange:
-    """The range in which extremes of a mechanism are searched, with samples that are dense where curves are steep.
+    """The range in which extremes are searched, dense where curves are steep.
 
     Attributes
     ----------
@@ -153,7 +153,7 @@ def parameters(function: Callable[..., Any]) -> tuple[str, ...]:
 
 @cache
 def statements(function: Callable[..., Any]) -> tuple[ast.stmt, ...]:
-    """Return the statements of a fact without its docstring, checked against the grammar.
+    """Return the statements of a fact, checked against the grammar, without docstring.
 
     Raises
     ------

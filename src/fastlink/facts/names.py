@@ -1,4 +1,4 @@
-"""The grammar of names: what a name is made of, and how a name that is made of others is spelt.
+"""The grammar of names: how names are composed and read.
 
 =============================================  =====================================================================
 ``NAME``                                       `Quantity`: what is declared (facts, inputs, tables, the position)
@@ -10,13 +10,13 @@
 ``NAME_extrema_count``, ``NAME_extrema_kind``  `ListOfExtrema`: all extremes, where they are, how many, which
 =============================================  =====================================================================
 
-NAME is itself such a name; what belongs to the cycle as a whole (the last three rows) is outermost. A name is read by
+NAME is itself such a name; a property of the cycle (the last three rows) is outermost. A name is read by
 the first of these rules that holds:
 
-1. ``d_NAME_d_PARAM`` is a derivative where PARAM is an input or the position; the last ``_d_`` is the one that counts.
+1. ``d_NAME_d_PARAM`` is a derivative where PARAM is an input or the position; the last ``_d_`` counts.
    No declared name but that of a declared derivative contains ``_d_``.
 2. A declared name is what it is declared as: the ``AB_error`` of Hart's mechanism is a quantity.
-3. What ends as above is what the ending says, the position told by its prefix first.
+3. A name with an ending as above is what the ending says, after the prefix of the position.
 4. Any other name is a quantity, known or not.
 
 Declarations refuse a name that rules 1 and 3 read otherwise while what it would be made of is declared too, see
@@ -37,7 +37,7 @@ __all__ = [
     "plain_part", "reading_of", "register_reduction", "root_of",
 ]  # fmt: skip
 
-#: What may be taken over the cycle, by the ending of its name, and whether it has a place: see `register_reduction`.
+#: The reductions over the cycle by the ending of names, and whether each has a position: see `register_reduction`.
 _REDUCTIONS: dict[str, bool] = {}
 #: The parts of a list of extremes, by the ending of their names.
 _PARTS = {"_extrema": "value", "_extrema_count": "count", "_extrema_kind": "kind"}
@@ -49,12 +49,12 @@ _RESERVED = frozenset({"error", "trust", "low", "extrema", "count", "kind"})
 
 @dataclass(frozen=True)
 class Name:
-    """What a name says, as a tree; ``str`` spells it."""
+    """A name as a tree; ``str`` spells it."""
 
 
 @dataclass(frozen=True)
 class Quantity(Name):
-    """A name that is not made of others."""
+    """A name that is not composed of others."""
 
     name: str
 
@@ -64,7 +64,7 @@ class Quantity(Name):
 
 @dataclass(frozen=True)
 class Made(Name):
-    """A name that is made of another one, `of`."""
+    """A name composed of another one, `of`."""
 
     of: Name
 
@@ -81,7 +81,7 @@ class Derivative(Made):
 
 @dataclass(frozen=True)
 class ErrorBound(Made):
-    """The bound of the error that rounding makes in a quantity."""
+    """The bound of the rounding error of a quantity."""
 
     def __str__(self) -> str:
         return f"{self.of}{_ERROR}"
@@ -97,7 +97,7 @@ class Trust(Made):
 
 @dataclass(frozen=True)
 class Below(Made):
-    """What the fact of a variant replaces and builds on."""
+    """The fact that the fact of a variant replaces and builds on."""
 
     variant: str
 
@@ -107,24 +107,24 @@ class Below(Made):
 
 @dataclass(frozen=True)
 class Reduced(Made):
-    """What is taken of a quantity over the cycle; `place` is the position's name where that is meant, else empty."""
+    """A reduction of a quantity over the cycle, or the `position` where it is."""
 
     how: str
-    place: str = ""
+    position: str = ""
 
     def __str__(self) -> str:
-        return f"{_at(self.place)}{self.of}_{self.how}"
+        return f"{_at(self.position)}{self.of}_{self.how}"
 
 
 @dataclass(frozen=True)
 class ListOfExtrema(Made):
-    """All extremes of a quantity: the `part` "value", "count" or "kind", or with `place` the positions of them."""
+    """All extremes of a quantity: values, count, kinds, or their positions."""
 
     part: str = "value"
-    place: str = ""
+    position: str = ""
 
     def __str__(self) -> str:
-        return f"{_at(self.place)}{self.of}{_ENDINGS[self.part]}"
+        return f"{_at(self.position)}{self.of}{_ENDINGS[self.part]}"
 
 
 def derivative_name(name: str, by: str) -> str:
@@ -144,30 +144,30 @@ def error_name(name: str) -> str:
 
 
 class Known(Protocol):
-    """What the names of a mechanism are read by: its declarations."""
+    """The declarations of a mechanism, by which its names are read."""
 
     position: Any
 
     @property
     def variables(self) -> Mapping[str, Any]:
-        """What there are derivatives with respect to."""
+        """The variables of derivatives."""
 
     def declares(self, name: str) -> bool:
-        """Tell whether a name is declared: that of a fact, an input, a table, the position."""
+        """Tell whether a name is declared: as a fact, an input, a table or the position."""
 
     def is_public(self, name: str) -> bool:
-        """Tell whether a declared name is that of a quantity that users ask for."""
+        """Tell whether a declared name is the name of a public quantity."""
 
 
 def parse(name: str, known: Known) -> Name:
-    """Return what a name is made of, by the rules above.
+    """Return the tree of a name, by the rules above.
 
     Examples
     --------
     >>> from fastlink.mechanisms import catalogue
     >>> planar_4r = catalogue("planar_4r")
     >>> parse("theta1_at_d_omega4_d_a1_max", planar_4r)
-    Reduced(of=Derivative(of=Quantity(name='omega4'), by='a1'), how='max', place='theta1')
+    Reduced(of=Derivative(of=Quantity(name='omega4'), by='a1'), how='max', position='theta1')
     >>> str(_)
     'theta1_at_d_omega4_d_a1_max'
     """
@@ -177,7 +177,7 @@ def parse(name: str, known: Known) -> Name:
 
 
 def as_derivative(name: str) -> tuple[str, str] | None:
-    """Return NAME and PARAM of d_NAME_d_PARAM, whether they are known or not; None of another name."""
+    """Return NAME and PARAM of d_NAME_d_PARAM, known or not; None for another name."""
     if not name.startswith(_BEFORE):
         return None
     of, sign, by = name[len(_BEFORE) :].rpartition(_BY)
@@ -185,60 +185,60 @@ def as_derivative(name: str) -> tuple[str, str] | None:
 
 
 def plain_part(tree: Name) -> str:
-    """Return the name that derivatives and error bounds are of: it changes with the position where they do."""
+    """Return the name inside derivatives and bounds, which varies where they do."""
     while isinstance(tree, (Derivative, ErrorBound, Trust)):
         tree = tree.of
     return str(tree)
 
 
 def root_of(tree: Name) -> str:
-    """Return the name of the quantity that a name is made of in the end."""
+    """Return the innermost name of a tree."""
     while isinstance(tree, Made):
         tree = tree.of
     return str(tree)
 
 
 def innermost(name: str, known: Known) -> str:
-    """Return what a name is made of in the end, also where its parts cannot stand in each other: x of x_max_error."""
+    """Return the innermost name, also in forms that are not offered: x in x_max_error."""
     root = root_of(parse(name, known))
     return root if root == name else innermost(root, known)
 
 
-def register_reduction(how: str, has_place: bool) -> None:
-    """Let names end in that of a reduction.
+def register_reduction(how: str, has_position: bool) -> None:
+    """Let names end in the name of a reduction.
 
     Raises
     ------
     CatalogueError
-        The ending is one that means something else, or is none that can be told apart.
+        The ending has another meaning, or cannot be separated from a name.
     """
     if how in _RESERVED or not how.isidentifier() or "_" in how:
         raise CatalogueError(
             f"a reduction cannot be called {how!r}: names that end so are others, or no names"
         )
-    _REDUCTIONS[how] = has_place
+    _REDUCTIONS[how] = has_position
 
 
 def forget_reduction(how: str) -> None:
-    """Let names no longer end in that of a reduction."""
+    """Let names no longer end in the name of a reduction."""
     del _REDUCTIONS[how]
 
 
 def form_of(name: str, known: Known) -> Name | None:
-    """Return what a name is made of by its form alone, whether that is declared or not; None of a plain name."""
-    made = _derivative(name, known) or _over_cycle(name, known) or _of_position(name, known)
+    """Return the tree of a name by its form alone; None for a plain name."""
+    tree = _derivative(name, known) or _over_cycle(name, known) or _of_position(name, known)
     reserved = _BY in name or _BELOW in name or name.startswith(_at(known.position.name))
-    return made or (Quantity(name) if reserved else None)
+    return tree or (Quantity(name) if reserved else None)
 
 
 def reading_of(name: str, known: Known) -> Name | None:
-    """Return what a name says by its form, where what it would be made of is declared; else None.
+    """Return the tree of a name by its form if the innermost name is declared.
 
-    A name with such a reading is not to be declared: it would be two things. What is taken over the cycle is taken of
-    quantities that users ask for; ``_d_``, ``__below_`` and ``POSITION_at_`` are never part of a plain name.
+    A name with such a reading cannot be declared: it would have two meanings. Reductions are of public quantities;
+    ``_d_``, ``__below_`` and ``POSITION_at_`` are never part of a plain name.
     """
     tree = form_of(name, known)
-    if isinstance(tree, (Reduced, ListOfExtrema)) and not tree.place:
+    if isinstance(tree, (Reduced, ListOfExtrema)) and not tree.position:
         return tree if known.is_public(root_of(tree)) else None
     if isinstance(tree, (ErrorBound, Trust)):
         return tree if known.declares(root_of(tree)) else None
@@ -255,19 +255,19 @@ def _derivative(name: str, known: Known) -> Name | None:
 
 
 def _declared(name: str, known: Known) -> Name | None:
-    """Return a name that is read whole: a derivative, or what is declared."""
+    """Return the tree of a derivative or of a declared name, else None."""
     if derivative := _derivative(name, known):
         return derivative
     return Quantity(name) if known.declares(name) else None
 
 
 def _within(name: str, known: Known) -> Name:
-    """Return what a name is made of, which is part of another."""
+    """Return the tree of a name that is part of another."""
     return _declared(name, known) or _of_position(name, known) or Quantity(name)
 
 
 def _of_position(name: str, known: Known) -> Name | None:
-    """Return a name by its ending, where a value at a position is meant."""
+    """Return the tree of a name whose ending means a value at a position, else None."""
     if name.endswith(_ERROR) and name != _ERROR:
         return ErrorBound(_within(name.removesuffix(_ERROR), known))
     if name.endswith(_TRUST) and name != _TRUST:
@@ -277,13 +277,13 @@ def _of_position(name: str, known: Known) -> Name | None:
 
 
 def _over_cycle(name: str, known: Known) -> Name | None:
-    """Return a name by its ending, where something of the cycle as a whole is meant."""
+    """Return the tree of a name whose ending means a property of the cycle, else None."""
     inner = name.removeprefix(_at(known.position.name))
-    place = "" if inner == name else known.position.name
+    position = "" if inner == name else known.position.name
     for ending, part in _PARTS.items():
-        if inner.endswith(ending) and inner != ending and (part == "value" or not place):
-            return ListOfExtrema(_within(inner.removesuffix(ending), known), part, place)
+        if inner.endswith(ending) and inner != ending and (part == "value" or not position):
+            return ListOfExtrema(_within(inner.removesuffix(ending), known), part, position)
     of, sign, how = inner.rpartition("_")
-    if sign and of and how in _REDUCTIONS and (_REDUCTIONS[how] or not place):
-        return Reduced(_within(of, known), how, place)
+    if sign and of and how in _REDUCTIONS and (_REDUCTIONS[how] or not position):
+        return Reduced(_within(of, known), how, position)
     return None

@@ -37,7 +37,7 @@ def two_sum(a: Any, b: Any) -> Any:
 
 @inlined
 def two_product(a: Any, b: Any) -> Any:
-    """Return the rounded product and its exact rounding error (no fused multiply-add needed)."""
+    """Return the rounded product and its rounding error, without fused multiply-add."""
     p = a * b
     ca = SPLITTER * a
     a1 = ca - (ca - a)
@@ -74,10 +74,10 @@ def pair_product(a: Any, a_low: Any, b: Any, b_low: Any) -> Any:
 @inlined
 def square_sum(a: Any, f: Any, f_low: Any, b: Any) -> Any:
     """Return a^2 + f b^2 as (high, low), for an unevaluated sum f."""
-    whole, whole_low = two_product(a, a)
-    square, square_low = two_product(b, b)
-    part, part_low = pair_product(f, f_low, square, square_low)
-    return sum_of_four(whole, whole_low, part, part_low)
+    a_square, a_square_low = two_product(a, a)
+    b_square, b_square_low = two_product(b, b)
+    product, product_low = pair_product(f, f_low, b_square, b_square_low)
+    return sum_of_four(a_square, a_square_low, product, product_low)
 
 
 @inlined
@@ -92,15 +92,15 @@ def gap_product_quotient(f: Any, f_low: Any, g: Any, g_low: Any, x: Any, y: Any)
 
 
 @inlined
-def _first_place(x: Any) -> Any:
+def _unit_in_first_place(x: Any) -> Any:
     q = (2.0**52 + 1.0) * x
     return abs(q - (1.0 - UNIT_ROUNDING) * q)
 
 
-@compiled_as(_first_place)
+@compiled_as(_unit_in_first_place)
 def power_of_two_below(x: Any) -> Any:
-    """Return the power of two at or below a positive x (Rump's unit in the first place)."""
+    """Return the greatest power of two up to x > 0: its unit in the first place."""
     context = context_of(x)
     if hasattr(context, "ldexp") and 0 < x < context.inf:
         return context.ldexp(1, context.frexp(x)[1] - 1)
-    return _first_place(x)
+    return _unit_in_first_place(x)

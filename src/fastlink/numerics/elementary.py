@@ -1,7 +1,7 @@
 """The elementary functions of the facts.
 
 Every function here has three readings: compiled (vectorisable, no libm call), NumPy, and mpmath. Arithmetic is strict
-IEEE: a quantity has the same bits whatever else is asked and however a sweep is cut.
+IEEE: a quantity has the same bits whatever else is requested and however a sweep is cut.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ NOT_A_NUMBER = float("nan")
 
 
 def context_of(*values: Any) -> Any:
-    """Return the mpmath context of the first mpmath number among the values, else None."""
+    """Return the mpmath context of the first value that has one, else None."""
     for value in values:
         context = getattr(value, "context", None)
         if context is not None:
@@ -45,7 +45,7 @@ def select(condition: Any, if_true: Any, if_false: Any) -> Any:
     """Return `if_true` where the condition holds, else `if_false`; both are evaluated."""
     if isinstance(condition, np.ndarray):
         return np.where(condition, if_true, if_false)
-    if hasattr(condition, "choose") and not isinstance(condition, np.bool_):  # of numbers that know no value
+    if hasattr(condition, "choose") and not isinstance(condition, np.bool_):  # numbers without a value
         return condition.choose(if_true, if_false)
     return if_true if condition else if_false
 
@@ -61,7 +61,7 @@ def double_of(bits: Any) -> Any:
 
 
 def trailing_zeros(bits: Any) -> Any:
-    """Return how many bits below the lowest one that is set are zero, of an integer that is not zero."""
+    """Return the number of zero bits below the lowest set bit of a nonzero integer."""
     return (int(bits) & -int(bits)).bit_length() - 1
 
 
@@ -71,38 +71,38 @@ def _tabled(name: str, x: Any) -> Any:
 
 
 def sin(x: Any) -> Any:
-    """Sine of an input angle; tabled once per sweep, never called in a kernel."""
+    """Sine of an input angle, for tables: never called in a kernel."""
     return _tabled("sin", x)
 
 
 def cos(x: Any) -> Any:
-    """Cosine of an input angle; tabled once per sweep, never called in a kernel."""
+    """Cosine of an input angle, for tables: never called in a kernel."""
     return _tabled("cos", x)
 
 
 def exp(x: Any) -> Any:
-    """Exponential of an input rapidity; tabled once per sweep, never called in a kernel."""
+    """Exponential of an input rapidity, for tables: never called in a kernel."""
     return _tabled("exp", x)
 
 
 def sinh(x: Any) -> Any:
-    """Hyperbolic sine of an input rapidity; tabled once per sweep, never called in a kernel."""
+    """Hyperbolic sine of an input rapidity, for tables: never called in a kernel."""
     return _tabled("sinh", x)
 
 
 def cosh(x: Any) -> Any:
-    """Hyperbolic cosine of an input rapidity; tabled once per sweep, never called in a kernel."""
+    """Hyperbolic cosine of an input rapidity, for tables: never called in a kernel."""
     return _tabled("cosh", x)
 
 
 def binary_exponent(x: Any) -> Any:
-    """Whole number nearest to x/log(2): how often e^x doubles; tabled once per sweep, never called in a kernel."""
+    """Integer nearest to x/log(2), the binary exponent of e^x, for tables."""
     context = context_of(x)
     return np.rint(x / np.log(2.0)) if context is None else context.nint(x / context.ln2)
 
 
 def ldexp(x: Any, times: Any) -> Any:
-    """Return x times 2 to a whole number; tabled once per sweep, never called in a kernel."""
+    """Return x times an integer power of two, for tables: never called in a kernel."""
     context = context_of(x, times)
     return x * 2.0**times if context is None else context.ldexp(x, int(times))
 
@@ -182,7 +182,7 @@ PI_2_MIDDLE = float.fromhex("0x1.0b4611a600000p-34")
 PI_2_LOW = float.fromhex("0x1.3198a2e037073p-69")
 PER_PI_2 = 0.6366197723675814
 GREATEST_DIRECTION = 1e6
-# Added and taken away again, it rounds to a whole number.
+# Adding and subtracting it rounds to an integer.
 ROUNDING_SHIFT = 1.5 * 2.0**52
 
 
@@ -221,9 +221,9 @@ def _polynomial_sine(x: Any) -> Any:
 
 @compiled_as(_polynomial_cosine)
 def cosine(x: Any) -> Any:
-    """Cosine of a direction that a design gives, within 2 roundings; NaN beyond a million rad.
+    """Cosine of a direction that a design gives, within 2 roundings.
 
-    The same polynomials in every reading, for the same bits on every machine.
+    NaN beyond a million rad. The same polynomials in every reading, for the same bits on every machine.
     """
     context = context_of(x)
     return _polynomial_cos_sin(np.asarray(x, dtype=float))[0][()] if context is None else context.cos(x)

@@ -1,7 +1,7 @@
-"""Numbers of 192 binary places, for tables of the input angle: whole numbers of Python, one or an array of them.
+"""Numbers of 192 binary places for tables of the input angle: Python integers, or arrays of them.
 
 The text of a table runs on them as on numbers of mpmath. Sine and cosine take 6 us instead of 30, one table's cosine
-serves the others, and whether a rounding is certain is known: where it is not, the caller asks mpmath.
+serves the others, and whether a rounding is certain is known: where it is not, the caller uses mpmath.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ PLACES = 192
 ONE = 1 << PLACES
 #: pi / 2 of 256 places, rounded to 192 of them.
 HALF_PI = (0x1921FB54442D18469898CC51701B839A252049C1114CF98E804177D4C76273645 + (1 << 63)) >> 64
-#: What any result may be off, in the last place: 300 of pi by the turns, some dozens by the steps on the way.
+#: The greatest error of a result, in the last place: 300 by the turns times that of pi, some dozens by the operations.
 DOUBT = 1 << 12
 #: Angles beyond have more turns, those below fewer places than the doubt allows for.
 GREATEST_ANGLE, LEAST_ANGLE = 2.0**10, 2.0**-130
@@ -30,7 +30,7 @@ TERMS = 11
 
 
 def _series(first: int) -> list[int]:
-    """Return the coefficients of the cosine (0) or of the sine over x (1) by powers of x^2."""
+    """Return the coefficients in x^2 of the cosine (0) or of the sine over x (1)."""
     return [(-1) ** k * ONE // math.factorial(2 * k + first) for k in range(TERMS)]
 
 
@@ -49,7 +49,7 @@ def _near_zero(x: Any) -> tuple[Any, Any]:
 
 @cache
 def _known() -> tuple[Any, Any]:
-    """Return cosine and sine at the multiples of 2^-STEP from -pi/4 to pi/4, each a step's turn from the last."""
+    """Return cosine and sine at the multiples of 2^-STEP from -pi/4 to pi/4."""
     most = math.ceil(math.pi / 4 * 2**STEP)
     half_cosine, half_sine = _near_zero(1 << (PLACES - STEP - 1))
     cosine_step = ONE - (2 * half_sine * half_sine >> PLACES)
@@ -85,13 +85,13 @@ def _cos_sin(x: Any) -> tuple[Any, Any]:
 
 
 class _Comparison:
-    """What comparing says, for `fastlink.numerics.elementary.select`."""
+    """The result of a comparison, for `fastlink.numerics.elementary.select`."""
 
     def __init__(self, holds: Any) -> None:
         self.holds = holds
 
     def choose(self, if_true: Fixed, if_false: Fixed) -> Fixed:
-        """Return the one or the other."""
+        """Return the first number where the comparison holds, else the second."""
         if isinstance(self.holds, np.ndarray):
             chosen = np.where(self.holds, if_true.value, if_false.value)
             return Fixed(chosen, if_true.lost + if_false.lost)
@@ -111,7 +111,7 @@ class _Functions:
 
 
 class Fixed:
-    """One number, or an array of them; whatever else a text asks of it is a TypeError or an AttributeError."""
+    """Numbers; an operation without a rule is a TypeError or AttributeError."""
 
     __slots__ = ("_cos_sin", "_half", "lost", "value")
     context = _Functions
@@ -124,7 +124,7 @@ class Fixed:
 
     @property
     def cos_sin(self) -> tuple[Any, Any]:
-        """Cosine and sine, found once."""
+        """Cosine and sine, computed once."""
         if self._cos_sin is None:
             self._cos_sin = _cos_sin(self.value)
         return self._cos_sin
@@ -163,17 +163,17 @@ class Fixed:
         return _Comparison(self.value < math.floor(math.ldexp(other, PLACES)))
 
     def doubles(self, doubt: Any) -> tuple[Any, Any, Any]:
-        """Return the nearest doubles, those nearest to what remains, and whether both are certain.
+        """Return the nearest doubles, their low parts, and whether both are certain.
 
         Parameters
         ----------
         doubt : int or array of int
-            What the value may be off, in the last place, before mpmath rounds it.
+            The greatest error of the value, in units of the last place.
         """
         value = self.value
         doubt = doubt + ((abs(value) >> MPMATH_PLACES) + self.lost) * (doubt > 0)
         high, other_high = _double(value - doubt), _double(value + doubt)
-        rest = value - _whole(high)
+        rest = value - _integer(high)
         low, other_low = _double(rest - doubt), _double(rest + doubt)
         sure = (high == other_high) & (low == other_low)
         return np.ldexp(high, -PLACES), np.ldexp(low, -PLACES), sure
@@ -183,14 +183,14 @@ def _double(value: Any) -> Any:
     return float(value) if isinstance(value, int) else value.astype(np.float64)
 
 
-def _whole(value: Any) -> Any:
+def _integer(value: Any) -> Any:
     return int(value) if isinstance(value, float) else np.frompyfunc(int, 1, 1)(value)
 
 
 def fixed(angles: Any) -> tuple[Fixed, Any]:
-    """Return doubles, one or an array, as fixed-point numbers, and the doubt of what is computed with them.
+    """Return doubles as fixed-point numbers, and the doubt of their results.
 
-    Those that are too great or too small count as 0 with a doubt that no rounding survives.
+    Angles out of range count as 0, with a doubt that leaves no rounding certain.
     """
     size = abs(angles)
     fit = (size < GREATEST_ANGLE) & (size > LEAST_ANGLE)

@@ -1,4 +1,4 @@
-"""Logarithms that vectorise: compiled, NumPy, and mpmath readings, as everything of `fastlink.numerics.elementary`.
+"""Logarithms that vectorise, with the three readings of `fastlink.numerics.elementary`.
 
 The compiled reading splits the exponent off by the bits of the number and takes the rest by one division and a
 polynomial, as FDLIBM does; it calls nothing, so a loop around it vectorises.
@@ -38,7 +38,7 @@ LOG_COEFFICIENTS = (
 LN_2_HIGH = float.fromhex("0x1.62e42feep-1")
 LN_2_LOW = float.fromhex("0x1.a39ef35793c76p-33")
 LN_2 = LN_2_HIGH + LN_2_LOW
-# Beyond it sqrt(1 + x x) is x, and x x may overflow.
+# Beyond it sqrt(1 + x x) is x, so that arsinh x is log(2 x), and x x may overflow.
 GREATEST_SQUARED = 2.0**500
 # The bits of 2^-1021, and how far those of 2^1022 are: between them a number is brought near another by its exponent.
 BITS_OF_LEAST, BITS_OF_RANGE = 2 << 52, np.uint64(2043 << 52)
@@ -48,7 +48,7 @@ BITS_OF_ONE, BITS_OF_ROOT_HALF, FRACTION_BITS = 0x3FF0000000000000, 0x3FE6A09E66
 
 @inlined
 def _binary_parts(x: Any) -> Any:
-    """Return k and f for a positive x = 2^k (1 + f) with 1 + f between the roots of 1/2 and 2."""
+    """Return k and f of x = 2^k (1 + f) > 0, 1 + f between the roots of 1/2 and 2."""
     tiny = x < 2.0**-1022
     bits = bits_of(select(tiny, x * 2.0**54, x)) + (BITS_OF_ONE - BITS_OF_ROOT_HALF)
     k = ((bits >> 52) - 1023) * 1.0 - select(tiny, 54.0, 0.0)
@@ -74,12 +74,12 @@ def _log_of_parts(k: Any, f: Any, more: Any) -> Any:
 @inlined
 def _polynomial_log(x: Any) -> Any:
     k, f = _binary_parts(x)
-    found = select(x < INFINITY, _log_of_parts(k, f, 0.0), x)
-    return select(x > 0.0, found, select(x == 0.0, -INFINITY, NOT_A_NUMBER))
+    value = select(x < INFINITY, _log_of_parts(k, f, 0.0), x)
+    return select(x > 0.0, value, select(x == 0.0, -INFINITY, NOT_A_NUMBER))
 
 
 @inlined
-def _have_quotient(x_bits: Any, y_bits: Any) -> Any:
+def _in_range(x_bits: Any, y_bits: Any) -> Any:
     """Tell by the bits of two positive numbers whether both are in range."""
     x_above, y_above = np.uint64(x_bits - BITS_OF_LEAST), np.uint64(y_bits - BITS_OF_LEAST)
     return select(x_above > y_above, x_above, y_above) < BITS_OF_RANGE
@@ -94,14 +94,14 @@ def _polynomial_log_quotient(x: Any, y: Any, twos: Any) -> Any:
     near = double_of(y_bits + (k << 52))
     s = (x - near) / (x + near)
     z = s * s
-    found = (k + twos) * LN_2 + ((s + s) + (s * z) * _series(z))
-    return select(_have_quotient(x_bits, y_bits), found, NOT_A_NUMBER)
+    value = (k + twos) * LN_2 + ((s + s) + (s * z) * _series(z))
+    return select(_in_range(x_bits, y_bits), value, NOT_A_NUMBER)
 
 
 @inlined
 def _signed_quotient(x: Any, y: Any) -> Any:
-    found = _have_quotient(bits_of(abs(x)), bits_of(abs(y)))
-    return select(found, np.copysign(1.0, x) * np.copysign(1.0, y), 0.0)
+    in_range = _in_range(bits_of(abs(x)), bits_of(abs(y)))
+    return select(in_range, np.copysign(1.0, x) * np.copysign(1.0, y), 0.0)
 
 
 @inlined
@@ -111,9 +111,9 @@ def _polynomial_log1p(x: Any) -> Any:
     lost = (1.0 - (y - t)) + (x - t)
     k, f = _binary_parts(y)
     near = k == 0.0
-    found = _log_of_parts(k, select(near, x, f), select(near, 0.0, lost / y))
-    found = select(x == 0.0, x, select(x < INFINITY, found, x))
-    return select(x > -1.0, found, select(x == -1.0, -INFINITY, NOT_A_NUMBER))
+    value = _log_of_parts(k, select(near, x, f), select(near, 0.0, lost / y))
+    value = select(x == 0.0, x, select(x < INFINITY, value, x))
+    return select(x > -1.0, value, select(x == -1.0, -INFINITY, NOT_A_NUMBER))
 
 
 @compiled_as(_polynomial_log)
@@ -129,9 +129,10 @@ def log(x: Any) -> Any:
 
 @compiled_as(_polynomial_log_quotient)
 def log_quotient(x: Any, y: Any, twos: Any) -> Any:
-    """Natural logarithm of abs(x/y) times 2 to a whole number; NaN unless both are between 2^-1021 and 2^1022.
+    """Natural logarithm of abs(x/y) times an integer power of two.
 
-    One division takes the place of two, that of the quotient and that of its logarithm.
+    NaN unless x and y are between 2^-1021 and 2^1022 in magnitude. One division takes the place of two, that of the
+    quotient and that of its logarithm.
     """
     context = context_of(x, y)
     if context is not None:
@@ -163,5 +164,5 @@ def log1p(x: Any) -> Any:
 
 @inlined
 def arsinh(x: Any) -> Any:
-    """Area hyperbolic sine of x >= 0, within 3 units in the last place; beyond 2^500 it is log(2 x)."""
+    """Area hyperbolic sine of x >= 0, within 3 units in the last place."""
     return log1p(x + x * select(x < GREATEST_SQUARED, x / (1.0 + sqrt(1.0 + x * x)), 1.0))

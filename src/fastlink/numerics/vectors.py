@@ -30,7 +30,7 @@ def largest(a: Any, b: Any, c: Any, d: Any) -> Any:
 
 @inlined
 def zero_where(condition: Any, x: Any) -> Any:
-    """Return x, 0 where the condition says that it is zero within rounding; its derivative is that of x."""
+    """Return 0 where x is zero within rounding, else x; the derivative is that of x."""
     return select(condition, 0.0, x)
 
 
@@ -47,7 +47,7 @@ def _scaled_magnitude(x: Any, y: Any) -> Any:
 
 @compiled_as(_scaled_magnitude)
 def magnitude(x: Any, y: Any) -> Any:
-    """Return the length of the vector (x, y), whose squares may lie beyond all doubles."""
+    """Return the length of the vector (x, y), whose squares may overflow or underflow."""
     context = context_of(x, y)
     return _scaled_magnitude(x, y) if context is None else context.sqrt(x * x + y * y)
 

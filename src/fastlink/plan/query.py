@@ -49,7 +49,7 @@ class Request:
     @property
     def can_be_refined(self) -> bool:
         """Whether it is one number of the extrema, which samples only come near."""
-        return self.reduction is not None and self.reduction.has_place
+        return self.reduction is not None and self.reduction.has_position
 
 
 def parse_request(name: str, catalogue: Catalogue) -> Request:
@@ -65,8 +65,8 @@ def parse_request(name: str, catalogue: Catalogue) -> Request:
     tree = catalogue.parse(name)
     if isinstance(tree, (Reduced, ListOfExtrema)) and catalogue.has_reductions(quantity := str(tree.of)):
         if isinstance(tree, Reduced):
-            return Request(name, quantity, REDUCTIONS[tree.how], bool(tree.place))
-        return Request(name, quantity, listed="position" if tree.place else tree.part)
+            return Request(name, quantity, REDUCTIONS[tree.how], bool(tree.position))
+        return Request(name, quantity, listed="position" if tree.position else tree.part)
     known = [*catalogue.public, *reduced_names(catalogue)]
     raise catalogue.unknown_error(name, known)
 
@@ -76,7 +76,7 @@ def reduced_names(catalogue: Catalogue) -> Iterable[str]:
     for quantity in filter(catalogue.varies, catalogue.public):
         for reduction in REDUCTIONS.values():
             yield str(Reduced(Quantity(quantity), reduction.suffix))
-            if reduction.has_place:
+            if reduction.has_position:
                 yield str(Reduced(Quantity(quantity), reduction.suffix, catalogue.position.name))
         yield from list_names(catalogue, quantity)
 
@@ -85,7 +85,7 @@ def list_names(catalogue: Catalogue, quantity: str) -> tuple[str, ...]:
     """Return the names that belong together: a list of extrema, their positions, their number, their kinds."""
     of = Quantity(quantity)
     parts = (ListOfExtrema(of, part) for part in ("count", "kind"))
-    return tuple(map(str, (ListOfExtrema(of), ListOfExtrema(of, place=catalogue.position.name), *parts)))
+    return tuple(map(str, (ListOfExtrema(of), ListOfExtrema(of, position=catalogue.position.name), *parts)))
 
 
 def with_lists(catalogue: Catalogue, names: Iterable[str]) -> list[str]:

@@ -113,7 +113,7 @@ class Reduction:
             )
 
     @property
-    def has_place(self) -> bool:
+    def has_position(self) -> bool:
         """Whether it is the value at one place of the cycle, an extreme."""
         return self.sign != 0
 
@@ -204,7 +204,7 @@ def register(reduction: Reduction) -> None:
     """
     if reduction.suffix in REDUCTIONS:
         raise CatalogueError(f"reduction {reduction.suffix} is declared twice")
-    register_reduction(reduction.suffix, reduction.has_place)
+    register_reduction(reduction.suffix, reduction.has_position)
     REDUCTIONS[reduction.suffix] = reduction
 
 

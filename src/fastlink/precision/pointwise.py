@@ -75,12 +75,12 @@ def sampled(sample: Sample, outputs: Sequence[Output], share: int) -> dict[str, 
     for output in outputs:
         reduction = output.request.reduction
         assert reduction is not None
-        compared = count if reduction.has_place else within(share, sample.positions.size, count)
-        measured = MeasuredErrors(METHODS[reduction.has_place, output.request.is_position])
+        compared = count if reduction.has_position else within(share, sample.positions.size, count)
+        measured = MeasuredErrors(METHODS[reduction.has_position, output.request.is_position])
         for design, curve in enumerate(curves[:compared]):
             value = float(sample.result(output.name, design))
             exact, size = _reduced(reduction, curve)
-            if reduction.has_place and not CONTEXT.isnan(exact):
+            if reduction.has_position and not CONTEXT.isnan(exact):
                 best = int(np.flatnonzero(curve == float(exact))[0])
                 if output.request.is_position:
                     exact, size = _selected_position(value, curve, best, sample.positions), None

@@ -121,11 +121,13 @@ class QuantityList(list[Quantity]):
         unit = "" if position.units == "1" else f" in {position.units}"
         reductions = [f"`{Reduced(NAME, each.suffix)}` ({each.phrase})" for each in REDUCTIONS.values()]
         positions = [
-            f"`{Reduced(NAME, each.suffix, position.name)}`" for each in REDUCTIONS.values() if each.has_place
+            f"`{Reduced(NAME, each.suffix, position.name)}`"
+            for each in REDUCTIONS.values()
+            if each.has_position
         ]
         lists = (
             f"`{ListOfExtrema(NAME)}` lists all extremes over the reachable range by growing {position.name}, along "
-            f"the dimension `extremum`, together with `{ListOfExtrema(NAME, place=position.name)}`, "
+            f"the dimension `extremum`, together with `{ListOfExtrema(NAME, position=position.name)}`, "
             f"`{ListOfExtrema(NAME, 'count')}` and `{ListOfExtrema(NAME, 'kind')}`. "
         )
         return (

@@ -17,16 +17,16 @@ __all__ = ["Asymptotics", "asymptotics"]
 
 @dataclass(frozen=True, eq=False)
 class Asymptotics:
-    """A number of which only growth and symmetry are known.
+    """A number without a value, of which growth and symmetry are known.
 
     Attributes
     ----------
     order : float
-        It grows at a toggle like this power of 1/sigma at most.
+        The power of 1/sigma that bounds its growth at a toggle.
     parity : int
-        1 if the mirror leaves it, -1 if it changes its sign, 0 if neither.
+        1 if the mirror preserves it, -1 if it changes its sign, else 0.
     choice : bool
-        Whether it is chosen by a comparison of values, and may jump.
+        Whether a comparison of values selects it, so that it may jump.
     """
 
     order: float = 0.0
@@ -110,39 +110,39 @@ def _grade(value: Any) -> Asymptotics:
 def asymptotics(
     graded: GradedRange, steps: Iterable[Fact | System], varying: Iterable[str]
 ) -> dict[str, Asymptotics]:
-    """Return the grades of all values of a closure.
+    """Return the asymptotics of all values that steps determine.
 
     Parameters
     ----------
     graded : GradedRange
-        Where the extremes of the mechanism are searched.
+        The range in which the extremes are searched.
     steps : iterable of Fact or System
-        The closure, in order.
+        The steps in order.
     varying : iterable of str
         The given values that change over the cycle or with the branch; all others are of the design.
     """
-    found: dict[str, Any] = {
+    grades: dict[str, Any] = {
         name: Asymptotics(0.0, -1 if name in graded.antisymmetric else 1) for name in varying
     }
-    moving = set(found)
+    moving = set(grades)
     for step in steps:
         if isinstance(step, System):
             continue
         if moving.intersection(step.depends_on):
             moving.update(step.names)
         if step.name == graded.vanishes_at_toggle:
-            found[step.name] = Asymptotics(-1.0, 1)
+            grades[step.name] = Asymptotics(-1.0, 1)
         elif step.name in graded.antisymmetric:
-            found[step.name] = Asymptotics(0.0, -1)
+            grades[step.name] = Asymptotics(0.0, -1)
         else:
             # A mass centre on its link's line is no more than 0.0 across it, whose products are nothing.
-            known = {need: found.get(need, Asymptotics()) for need in step.depends_on}
+            known = {part: grades.get(part, Asymptotics()) for part in step.depends_on}
             try:
-                found |= step.values(known)
+                grades |= step.values(known)
             except (TypeError, AttributeError):
-                # It compares values: of one that moves nothing else is known.
+                # It compares values: only the order of what varies is known.
                 order = max((_grade(value).order for value in known.values()), default=0.0)
-                found |= dict.fromkeys(
+                grades |= dict.fromkeys(
                     step.names, Asymptotics(order, 0, True) if step.name in moving else Asymptotics()
                 )
-    return {name: _grade(value) for name, value in found.items()}
+    return {name: _grade(value) for name, value in grades.items()}

@@ -16,10 +16,10 @@ Lost = Mapping[Node, tuple[float, Node]]
 
 @dataclass(frozen=True)
 class Bound:
-    """The error that a value may have: UNIT_WITH_MARGIN `relative` |value| + `rest`, besides what is `lost`.
+    """An error bound: u `relative` |value| + `rest`, besides what is `lost`.
 
-    `scale` tells that it is 0 or a power of two, up to its sign, with which products are exact; `one` that it is 1,
-    up to its sign (or NaN); `positive` that it is not negative.
+    Here u is UNIT_WITH_MARGIN. `scale` tells that the value is 0 or a power of two, up to its sign, with which products
+    are exact; `one` that it is 1, up to its sign (or NaN); `positive` that it is not negative.
     """
 
     relative: float
@@ -36,7 +36,7 @@ def multiplied(lost: Lost, number: float) -> Lost:
 
 
 def united(first: Lost, second: Lost) -> Lost:
-    """Return what two values lose together: a low word that comes with either sign is lost no more."""
+    """Return what two values lose together; a low word with both signs cancels."""
     sums = dict(first)
     for low, (times, high) in second.items():
         sums[low] = (times + (sums[low][0] if low in sums else 0.0), high)

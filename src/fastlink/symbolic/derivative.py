@@ -1,9 +1,8 @@
-"""Derivatives of facts, written by forward mode from their text.
+"""Differentiate facts by forward mode, from text to text.
 
 A fact is straight-line text, so its derivative is too: each operation has one rule. What is structurally zero is
 left out, numbers are folded (`fastlink.symbolic.expression`). The result is a `Fact` like any other: kernels
-paste it, and it runs
-on floats, arrays and mpmath numbers.
+paste it, and it runs on floats, arrays and mpmath numbers.
 """
 
 from __future__ import annotations
@@ -27,24 +26,24 @@ __all__ = ["Derivation", "NoDerivative", "in_a_sentence", "with_derivative_label
 
 
 class NoDerivative(InputError):
-    """The derivative that was asked for is zero everywhere, or not offered."""
+    """The requested derivative is zero everywhere, or not offered."""
 
 
 def with_derivative_labels(fact: Fact, by: Input) -> Fact:
-    """Return a fact with the labels of its derivative; function and needs are still its own."""
+    """Return a fact with the labels of its derivative, with its own function still."""
     return replace(
         fact,
         name=derivative_name(fact.name, by.name),
         units=_per(fact.units, by.units),
         low=None,
         symbol=f"d {fact.symbol}/d {by.symbol}",
-        meaning=f"Derivative of {in_a_sentence(fact.meaning)} by {by.meaning}",
+        meaning=f"Derivative of {in_a_sentence(fact.meaning)} with respect to {by.meaning}",
         source=f"{fact.source}; docs/numerics.md#derivatives",
     )
 
 
 def in_a_sentence(meaning: str) -> str:
-    """Return what a quantity is, to stand within a sentence.
+    """Return the meaning of a quantity for use within a sentence.
 
     Examples
     --------
@@ -111,8 +110,8 @@ def _of_second(graph: ExpressionGraph, args: Sequence[Node], slopes: Sequence[No
     return slopes[1]
 
 
-#: Functions of `fastlink.numerics` with a rule of their own; all others are read. Of an unevaluated sum (high, low) the
-#: first carries the derivative: the second is what rounding lost.
+#: Functions of `fastlink.numerics` with a rule of their own; the text of all others is read. The derivative of an
+#: unevaluated sum (high, low) is that of its high part: the low part is a rounding error.
 RULES: dict[Any, Rule] = {
     compensated.two_sum: _of_sum,
     compensated.sum_of_four: _of_sum,
@@ -125,14 +124,14 @@ RULES: dict[Any, Rule] = {
 
 
 class Derivation:
-    """The derivatives of a mechanism's facts by one input.
+    """The derivatives of a mechanism's facts with respect to one variable.
 
     Parameters
     ----------
     by : Input
-        The input.
+        The variable.
     find : callable
-        Returns what determines a name, or None for what is given.
+        Returns the fact or system that determines a name, None for a given value.
     declared : callable
         Returns the derivative of a name where one is declared, else None.
     """
@@ -165,39 +164,39 @@ class Derivation:
         if self.slope(name) is self.graph.zero:
             what = f"quantity {derivative!r}: {name} does not depend on {self.by.name} with what is given"
             raise NoDerivative(what, remedy="leave it out")
-        declared, found = self.declared(name), self.find(name)
+        declared, step = self.declared(name), self.find(name)
         if declared is not None:
             return replace(declared, name=derivative)
-        assert isinstance(found, Fact)
-        return self._written(found, *self._values[name])
+        assert isinstance(step, Fact)
+        return self._written(step, *self._values[name])
 
     def slope(self, name: str) -> Node:
-        """Return the derivative of a name: a number, a name, or minus a name."""
+        """Return the derivative of a name as a number, a name, or minus a name."""
         for each in postorder([name], self._parts, self._slopes):
             self._slopes[each] = self._slope(each)
         return self._slopes[name]
 
     def _parts(self, name: str) -> tuple[str, ...]:
-        """Return the names whose derivatives that of a name is made of."""
-        found = None if name == self.by.name or self.declared(name) is not None else self.find(name)
-        return () if found is None or (isinstance(found, Fact) and name == found.low) else found.depends_on
+        """Return the names whose derivatives determine the derivative of a name."""
+        step = None if name == self.by.name or self.declared(name) is not None else self.find(name)
+        return () if step is None or (isinstance(step, Fact) and name == step.low) else step.depends_on
 
     def _slope(self, name: str) -> Node:
         graph = self.graph
         if name == self.by.name:
             return graph.one
-        found, declared = self.find(name), self.declared(name)
+        step, declared = self.find(name), self.declared(name)
         if declared is not None:
             root = graph.read_fact(declared, declared.name)
-        elif found is None or (isinstance(found, Fact) and name == found.low):
+        elif step is None or (isinstance(step, Fact) and name == step.low):
             return graph.zero  # of what rounding lost
-        elif all(self.slope(need) is graph.zero for need in found.depends_on):
+        elif all(self.slope(need) is graph.zero for need in step.depends_on):
             return graph.zero
-        elif isinstance(found, System):
+        elif isinstance(step, System):
             what = f"quantity {derivative_name(name, self.by.name)!r}: a linear system determines {name}"
             raise NoDerivative(what, remedy=("write ", Setting("solver", "eliminated")))
         else:
-            value = graph.read_fact(found, name)
+            value = graph.read_fact(step, name)
             root = self._differentiate(value)
             self._values[name] = root, value
         bare = root.args[0] if root.kind == "neg" else root
@@ -283,11 +282,11 @@ class Derivation:
         ]
         return graph.select(condition, *parts)
 
-    def _written(self, found: Fact, root: Node, value: Node) -> Fact:
-        own = {} if value.kind in ("name", "number", "neg") else {value: found.name}
+    def _written(self, step: Fact, root: Node, value: Node) -> Fact:
+        own = {} if value.kind in ("name", "number", "neg") else {value: step.name}
         function, depends_on = generate_function(
-            derivative_name(found.name, self.by.name), self.graph, root, own
+            derivative_name(step.name, self.by.name), self.graph, root, own
         )
         return replace(
-            with_derivative_labels(found, self.by), function=function, depends_on=depends_on, flags={}
+            with_derivative_labels(step, self.by), function=function, depends_on=depends_on, flags={}
         )

@@ -1,9 +1,8 @@
 """Error bounds of facts: NAME_error, and NAME_trust, which tells where the bound is small against the value.
 
-The text of a bound is written from that of the fact (`fastlink.symbolic.error_propagation`), fact by fact:
-the bound of a fact needs
-the bounds of those facts that it needs, but for those whose relative error is a number known beforehand. It is a
-`Fact` like any other: kernels paste it, and it runs on floats and arrays.
+The text of a bound is written from that of the fact (`fastlink.symbolic.error_propagation`), fact by fact: it depends
+on the bounds of those facts on which the fact depends, unless their relative error is a number known beforehand. It
+is a `Fact` like any other: kernels paste it, and it runs on floats and arrays.
 """
 
 from __future__ import annotations
@@ -33,7 +32,7 @@ NUMERICS = "docs/numerics.md#error-bounds"
 
 
 def with_error_labels(fact: Fact) -> Fact:
-    """Return a fact with the labels of its error bound; function and needs are still its own."""
+    """Return a fact with the labels of its error bound, with its own function still."""
     return replace(
         fact,
         name=error_name(fact.name),
@@ -46,7 +45,7 @@ def with_error_labels(fact: Fact) -> Fact:
 
 
 def trust_fact(fact: Fact) -> Fact:
-    """Return what tells whether the error bound of a fact is small against its value."""
+    """Return the fact that tells whether an error bound is small against the value."""
     return replace(
         fact,
         name=str(Trust(Quantity(fact.name))),
@@ -61,24 +60,24 @@ def trust_fact(fact: Fact) -> Fact:
 
 
 def trust(value: Any, error: Any) -> Any:
-    """Return 0 where the error bound is at most a millionth of the value, 1 where it exceeds it, 2 for no number."""
+    """Return 0 where the bound is at most a millionth of the value, else 1; 2 for NaN."""
     size = abs(value)
     return select(size < INFINITY, select(error <= TRUSTED * size, 0.0, 1.0), 2.0)
 
 
 class ErrorBounds:
-    """The error bounds of a mechanism's facts; what is given has none.
+    """The error bounds of a mechanism's facts; given values have none.
 
     Parameters
     ----------
     find : callable
-        Returns what determines a name, or None for what is given.
+        Returns the fact or system that determines a name, None for a given value.
     inputs : mapping of str to Input
-        What may be given.
+        The inputs that may be given.
     branches : mapping of int to str
         The assembly modes.
     tables, low_parts : mapping
-        The tables of the input position, and of which of them a table is the low word.
+        The tables of the input position, and the table of which each low part is one.
     """
 
     def __init__(
@@ -106,40 +105,37 @@ class ErrorBounds:
             A linear system determines it, or something that it needs.
         """
         if name not in self._facts:
-            found = self.found(name)
-            root, own = self._running(name)
-            made = error_name(name)
-            function, depends_on = generate_function(made, self.graph, root, own)
-            self._facts[name] = replace(
-                with_error_labels(found), name=made, function=function, depends_on=depends_on
-            )
+            fact = self.bounded_fact(name)
+            root, own = self._expression(name)
+            function, depends_on = generate_function(error_name(name), self.graph, root, own)
+            self._facts[name] = replace(with_error_labels(fact), function=function, depends_on=depends_on)
         return self._facts[name]
 
-    def found(self, name: str) -> Fact:
-        """Return a fact; of what a linear system determines there is no bound."""
-        found = self.find(name)
-        if isinstance(found, System):
+    def bounded_fact(self, name: str) -> Fact:
+        """Return the fact of a name; values of a linear system have no bound."""
+        fact = self.find(name)
+        if isinstance(fact, System):
             what = f"quantity {error_name(name)!r}: a linear system determines {name}"
             raise InputError(what, remedy=("write ", Setting("solver", "eliminated")))
-        if found is None:
+        if fact is None:
             what = f"quantity {error_name(name)!r}: {name} is given, which has no error"
             raise InputError(what, remedy="leave it out")
-        return found
+        return fact
 
     def _value(self, name: str) -> Node:
         if name not in self._values:
-            self._values[name] = self.graph.read_fact(self.found(name), name)
+            self._values[name] = self.graph.read_fact(self.bounded_fact(name), name)
         return self._values[name]
 
-    def _running(self, name: str) -> tuple[Node, dict[Node, str]]:
-        """Return the bound by the bounds of what the fact needs, and the fact's value as a name."""
+    def _expression(self, name: str) -> tuple[Node, dict[Node, str]]:
+        """Return the expression of a bound, and the fact's value as a name."""
         value = self._value(name)
         bound = self.rules.bound(value)
         if not self._pair(name, bound):
             bound = self.rules.settled(value, bound)
         # At least a trace of the value: where it is not finite, so is its error.
-        whole = self.rules.error(value, replace(bound, relative=max(bound.relative, UNIT_ROUNDING)))
-        return whole, {} if value.kind in ("name", "number", "neg") else {value: name}
+        error = self.rules.error(value, replace(bound, relative=max(bound.relative, UNIT_ROUNDING)))
+        return error, {} if value.kind in ("name", "number", "neg") else {value: name}
 
     # -- names ---------------------------------------------------------------------------------------------------
 
@@ -150,7 +146,7 @@ class ErrorBounds:
         return self._named[name]
 
     def _parts(self, name: str) -> Iterator[str]:
-        """Yield the names whose bounds go into that of a name."""
+        """Yield the names whose bounds determine the bound of a name."""
         if name in self.low_parts or name in self.tables or self.find(name) is None:
             return
         visited: dict[Node, None] = {}
@@ -168,9 +164,9 @@ class ErrorBounds:
         if self.find(name) is None:
             positive = name in self.inputs and self.inputs[name].rule != "any"
             return replace(self.exact, positive=positive)
-        found = self.found(name)
-        if found.depends_on == ("branch",):
-            values = [found.function(float(number)) for number in self.branches]
+        fact = self.bounded_fact(name)
+        if fact.depends_on == ("branch",):
+            values = [fact.function(float(number)) for number in self.branches]
             if all(map(is_power_of_two, values)):
                 return replace(
                     self.exact, scale=True, one={*map(abs, values)} == {1.0}, positive=min(values) > 0.0
@@ -184,7 +180,7 @@ class ErrorBounds:
         return replace(bound, relative=0.0, rest=graph.name(error_name(name)))
 
     def _of_table(self, name: str) -> Bound:
-        """Return the bound of a table: exact steps, or rounded once, with what that lost in a table of its own."""
+        """Return the bound of a table: exact, or rounded once, perhaps with a low part."""
         table, graph = self.tables[name], self.graph
         bound = self.rules.bound(graph.read_fact(table, name))
         if bound.relative == 0.0:
@@ -196,12 +192,12 @@ class ErrorBounds:
         return replace(self.exact, relative=UNIT_ROUNDING, lost=lost, positive=bound.positive)
 
     def _pair(self, name: str, bound: Bound) -> Lost:
-        """Return what is lost by names, of a fact with a low part: its text must say so of both words."""
-        found, graph = self.found(name), self.graph
-        if found.low is None or len(bound.lost) != 1:
+        """Return what a fact with a low part loses, if both words lose the same."""
+        fact, graph = self.bounded_fact(name), self.graph
+        if fact.low is None or len(bound.lost) != 1:
             return {}
-        low = self._value(found.low)
-        of_both = [word for word in found.names if low in self.rules.bound(self._value(word)).lost]
-        if name not in of_both or found.name not in of_both:
+        low = self._value(fact.low)
+        of_both = [word for word in fact.names if low in self.rules.bound(self._value(word)).lost]
+        if name not in of_both or fact.name not in of_both:
             return {}
-        return {graph.name(found.low): (1.0 if name == found.low else -1.0, graph.name(found.name))}
+        return {graph.name(fact.low): (1.0 if name == fact.low else -1.0, graph.name(fact.name))}

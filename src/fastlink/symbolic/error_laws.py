@@ -1,6 +1,6 @@
-"""What errors of the arguments do to the result of an operation: texts over magnitudes and errors.
+"""Bound the effect of the arguments' errors on the result of an operation, from magnitudes and errors.
 
-They bound the whole effect, not its first order only.
+Each bounds the whole effect, not only its first order.
 """
 
 from __future__ import annotations
@@ -13,22 +13,22 @@ __all__ = ["of_direction", "of_logarithm", "of_product", "of_quotient", "of_root
 
 
 def of_product(x: Any, y: Any, e_x: Any, e_y: Any) -> Any:
-    """Return what errors of x and y do to x y."""
+    """Return the effect of errors of x and y on x y."""
     return x * e_y + (y + e_y) * e_x
 
 
 def of_quotient(quotient: Any, y: Any, e_x: Any, e_y: Any) -> Any:
-    """Return what they do to x/y: infinite where y may be zero."""
+    """Return the effect of errors of x and y on x/y: infinite where y may be zero."""
     return (quotient * e_y + e_x) / select(e_y < y, y - e_y, 0.0)
 
 
 def of_root(x: Any, root: Any, e: Any) -> Any:
-    """Return what an error of x does to its root, which is not negative: e/(2 root), and what a chord has more."""
+    """Return the effect of an error of x >= 0 on its root: by the steepest chord."""
     return select(e < x, 0.5 * (e + e * (e / x)) / root, sqrt(e))
 
 
 def of_direction(y: Any, x: Any, e_y: Any, e_x: Any) -> Any:
-    """Return what errors of a vector do to its direction: pi where it may be any."""
+    """Return the effect of errors of a vector on its direction: at most pi."""
     size = select(x < y, y, x)
     v = y / size
     u = x / size
@@ -38,5 +38,5 @@ def of_direction(y: Any, x: Any, e_y: Any, e_x: Any) -> Any:
 
 
 def of_logarithm(x: Any, e: Any) -> Any:
-    """Return what an error of x does to its logarithm: infinite where x may be zero."""
+    """Return the effect of an error of x on its logarithm: infinite if x may be zero."""
     return e / select(e < x, x - e, 0.0)

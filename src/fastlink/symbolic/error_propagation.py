@@ -1,4 +1,4 @@
-"""How errors pass through one operation after another, and what each adds by its own rounding.
+"""Propagate error bounds through the operations of an expression, each of which adds its own rounding.
 
 Each operation has one rule, as each has one for its derivative. The rules bound the error, not its first order only:
 products and quotients of errors are in them. A bound is u `relative` |value| + `rest`, where u is UNIT_WITH_MARGIN and
@@ -86,7 +86,7 @@ class Rules:
         return self._bounds[node]
 
     def settled(self, node: Node, bound: Bound | None = None) -> Bound:
-        """Return the bound of a value whose low word does not come."""
+        """Return the bound of a value that does not meet its low word."""
         bound = bound or self.bound(node)
         relative, rest = bound.relative, bound.rest
         for times, high in bound.lost.values():
@@ -104,7 +104,7 @@ class Rules:
         return bare if self.bound(bare).positive else self.graph.call(abs, bare)
 
     def error(self, node: Node, bound: Bound) -> Node:
-        """Return the whole bound of a value, but for what is lost."""
+        """Return the bound of a value as one expression, without what is lost."""
         return self.graph.add(bound.rest, self._roundings(bound.relative, node))
 
     def _roundings(self, number: float, node: Node) -> Node:
@@ -147,7 +147,7 @@ class Rules:
         return any(high in (node, bare) and low is not bare for low, (_number, high) in bound.lost.items())
 
     def _of_scaled(self, node: Node) -> Bound | None:
-        """Return the bound of a product or quotient with a power of two, None of others."""
+        """Return the bound of a product or quotient with a power of two, else None."""
         (x, y), graph = node.args, self.graph
         a, b = self.bound(x), self.bound(y)
         operate = graph.mul if node.kind == "*" else graph.div
@@ -178,18 +178,18 @@ class Rules:
         return Bound(a.relative + b.relative + 1.0, rest, positive=positive)
 
     def _product(self, x: Node, y: Node) -> Node:
-        """Return what the rests of two factors do."""
+        """Return the effect of the rests of two factors on their product."""
         e_x, e_y = self.settled(x).rest, self.settled(y).rest
         return self.graph.read(of_product, [self.size(x), self.size(y), e_x, e_y])
 
     def _quotient(self, quotient: Node, y: Node, e_x: Node, e_y: Node) -> Node:
-        """Return what the rests of dividend and divisor do, for the magnitude of the quotient."""
+        """Return the effect of the rests of dividend and divisor on a quotient."""
         if e_y is self.graph.zero:
             return self.graph.div(e_x, self.size(y))
         return self.graph.read(of_quotient, [quotient, self.size(y), e_x, e_y])
 
     def _of_word(self, node: Node) -> Bound:
-        """Return the bound of a word of an unevaluated sum: the first has that of the sum, the second has none."""
+        """Return the bound of a word of an unevaluated sum; the low word has no error."""
         (call,) = node.args
         high, low = (self.graph.node("item", call, value=k) for k in (0, 1))
         if node is low:
@@ -198,7 +198,7 @@ class Rules:
         return Bound(relative + WORDS[call.value], rest, {low: (-1.0, high)})
 
     def _of_words(self, call: Node, high: Node) -> tuple[float, Node]:
-        """Return relative part and rest of what the arguments do to an unevaluated sum."""
+        """Return relative part and rest of the arguments' effect on an unevaluated sum."""
         function, args, graph = call.value, call.args, self.graph
         if function in (two_sum, sum_of_four):
             rest: Node = graph.zero
@@ -249,12 +249,12 @@ class Rules:
         if function is atan2:
             return self._of_direction(node)
         if function is arsinh:  # of x >= 0, where its slope times x is at most its value, and sqrt(2)/(1 + x)
-            rest = self._of_place(graph.add(graph.one, x), graph.mul(graph.number(1.4143), a.rest))
+            rest = self._of_slope(graph.add(graph.one, x), graph.mul(graph.number(1.4143), a.rest))
             return Bound(a.relative + ARSINH, rest, positive=True)
         if function is log1p:
             # of x >= 0 the slope times x is at most the value
             share, rest = (a.relative, a.rest) if a.positive else (0.0, self.error(x, a))
-            rest = self._of_place(graph.add(graph.one, x), rest)
+            rest = self._of_slope(graph.add(graph.one, x), rest)
             return Bound(share + LOGARITHM, rest, positive=a.positive)
         if function is log_quotient:
             return self._of_logarithm(node.args[:2], LOG_QUOTIENT)
@@ -288,21 +288,21 @@ class Rules:
         return Bound(a.relative + b.relative + ARCTANGENT, rest, positive=a.positive)
 
     def _of_logarithm(self, args: Sequence[Node], own: float) -> Bound:
-        """Return the bound of the logarithm of a number or quotient: relative errors are absolute ones there."""
+        """Return the bound of the logarithm of a number or a quotient."""
         rest = self.graph.zero
         for x in args:
             a = self.settled(x)
             constant = self.graph.number(UNIT_WITH_MARGIN * a.relative)
-            rest = self.graph.add(rest, self.graph.add(self._of_place(self.size(x), a.rest), constant))
+            rest = self.graph.add(rest, self.graph.add(self._of_slope(self.size(x), a.rest), constant))
         return Bound(own, rest)
 
-    def _of_place(self, place: Node, error: Node) -> Node:
-        """Return what an error does to a logarithm, whose slope is the reciprocal of a place."""
-        return error if error is self.graph.zero else self.graph.read(of_logarithm, [place, error])
+    def _of_slope(self, argument: Node, error: Node) -> Node:
+        """Return the effect of an error on a logarithm whose slope is 1/`argument`."""
+        return error if error is self.graph.zero else self.graph.read(of_logarithm, [argument, error])
 
 
 def bounded_parts(node: Node) -> tuple[Node, ...]:
-    """Return the values whose errors go into that of a value: not conditions, nor what is tabled or a power of two."""
+    """Return the values whose errors determine that of a value: not its conditions."""
     if node.kind == "item":
         return node.args[0].args
     if node.value is select:

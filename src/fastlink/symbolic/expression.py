@@ -1,6 +1,7 @@
-"""The text of facts as values: each exists once, numbers are folded, signs stand outermost.
+"""Expressions: graphs of values that exist once, with folded numbers and the signs outermost.
 
-`Graph.read` makes values of a fact's text, `Graph.write` makes text of values: a value that is used twice has a name.
+`ExpressionGraph.read` turns a fact's text into values, `ExpressionGraph.write` values into text: a value that is used
+twice has a name.
 """
 
 from __future__ import annotations
@@ -34,7 +35,7 @@ NOT_FINITE = {"inf": "INFINITY", "nan": "NOT_A_NUMBER"}
 
 @dataclass(frozen=True, eq=False)
 class Node:
-    """A value: ``kind`` is name, number, call, tuple, item, neg, or the sign of an operation."""
+    """A value; ``kind`` is name, number, call, tuple, item, neg or an operator."""
 
     kind: str
     args: tuple[Node, ...]
@@ -44,12 +45,12 @@ class Node:
 class ExpressionGraph:
     """Values, each of which exists once.
 
-    `kept` are functions that remain calls; all but the elementary ones are read otherwise.
+    `opaque` functions remain calls, as elementary ones do; the text of others is read.
     """
 
-    def __init__(self, kept: Collection[Any]) -> None:
+    def __init__(self, opaque: Collection[Any]) -> None:
         self._nodes: dict[tuple[Any, ...], Node] = {}
-        self._kept = {sqrt, atan2, cosine, sine, log, log1p, log_quotient, abs, *kept}
+        self._opaque = {sqrt, atan2, cosine, sine, log, log1p, log_quotient, abs, *opaque}
         self.zero, self.one = self.number(0.0), self.number(1.0)
 
     def node(self, kind: str, *args: Node, value: Any = None) -> Node:
@@ -66,7 +67,7 @@ class ExpressionGraph:
         return self.node("number", value=value + 0.0)
 
     def part(self, node: Node, number: int) -> Node:
-        """Return one of the values of a tuple, or of a call that returns several."""
+        """Return one value of a tuple, or of a call that returns several."""
         return node.args[number] if node.kind == "tuple" else self.node("item", node, value=number)
 
     def call(self, function: Any, *args: Node) -> Node:
@@ -126,7 +127,7 @@ class ExpressionGraph:
         return self.node("*", a, b)
 
     def _multiple(self, a: Node, b: Node) -> Node:
-        """Return a number's product: powers of two, with which products are exact, stand outermost and meet."""
+        """Return the product with a number: powers of two are exact, so they go outermost."""
         scale, rest = _scaled(b)
         if scale != 1.0:
             return self.mul(self.number(a.value * scale), rest)
@@ -155,7 +156,7 @@ class ExpressionGraph:
     # -- reading ---------------------------------------------------------------------------------
 
     def read(self, function: Callable[..., Any], args: Sequence[Node]) -> Node:
-        """Return the value of a fact, or of a function of `geometry`, for these arguments."""
+        """Return the value of a straight-line function for these arguments."""
         known = dict(zip(parameters(function), args, strict=True))
 
         def value(node: ast.expr) -> Node:
@@ -182,46 +183,45 @@ class ExpressionGraph:
                     helper = function.__globals__.get(node.func.id, abs)
                     return self.apply(helper, [value(arg) for arg in node.args])
 
-        def bind(target: ast.expr, found: Node) -> None:
+        def bind(target: ast.expr, bound: Node) -> None:
             if isinstance(target, ast.Tuple):
                 for k, part in enumerate(target.elts):
-                    bind(part, self.part(found, k))
+                    bind(part, self.part(bound, k))
             else:
                 assert isinstance(target, ast.Name)
-                known[target.id] = found
+                known[target.id] = bound
 
         *assignments, last = statements(function)
         for assignment in assignments:
             assert isinstance(assignment, ast.Assign)
-            found = value(assignment.value)
             for target in assignment.targets:
-                bind(target, found)
+                bind(target, value(assignment.value))
         assert isinstance(last, ast.Return)
         assert last.value is not None
         return value(last.value)
 
     def operation(self, sign: str, a: Node, b: Node) -> Node:
         """Return the value of an operation with two arguments."""
-        made = {"+": self.add, "-": self.sub, "*": self.mul, "/": self.div}.get(sign)
-        return made(a, b) if made is not None else self.node(sign, a, b)
+        operator = {"+": self.add, "-": self.sub, "*": self.mul, "/": self.div}.get(sign)
+        return operator(a, b) if operator is not None else self.node(sign, a, b)
 
     def apply(self, function: Any, args: Sequence[Node]) -> Node:
         """Return the value of a call; a function without a rule of its own is read."""
         if function is select:
             return self.select(*args)
-        if function in self._kept:
+        if function in self._opaque:
             return self.call(function, *args)
         return self.read(COMPILED_AS.get(function, function), args)
 
     def read_fact(self, fact: Fact, name: str) -> Node:
-        """Return one of the values of a fact by its name, over the names of what the fact needs."""
+        """Return one of the values of a fact as an expression in names."""
         value = self.read(fact.function, [self.name(need) for need in fact.depends_on])
         return value if fact.low is None else self.part(value, fact.names.index(name))
 
     # -- writing ---------------------------------------------------------------------------------
 
     def write(self, root: Node, given: Mapping[Node, str]) -> tuple[tuple[str, ...], list[str]]:
-        """Return the names that a value depends on, and the lines of a function that returns it.
+        """Return the names in an expression, and the lines of a function that returns it.
 
         `given` are values that have a name of their own.
         """

@@ -1,8 +1,8 @@
-"""Which inputs only scale results: read off the facts.
+"""Find the inputs that only scale results, from the facts.
 
-The facts run on `Homogeneity` numbers, which know no value, only by which power of one input they grow: rates grow as
-omega1, forces as its square or as the density, places not at all. What a sum of unlike powers or a comparison with
-anything but zero enters, is not homogeneous.
+The facts run on `Homogeneity` numbers, which have no value, only the power of one input by which they grow: rates
+grow as omega1, forces as its square or as the density, positions not at all. Values that depend on a sum of unlike
+powers, or on a comparison with anything but zero, are not homogeneous.
 """
 
 from __future__ import annotations
@@ -67,7 +67,7 @@ class Homogeneity:
 
 
 class _Condition:
-    """What a comparison says: the same for any positive factor."""
+    """The result of a comparison: the same for any positive factor."""
 
     def __and__(self, other: Any) -> _Condition:
         return self
@@ -75,7 +75,7 @@ class _Condition:
     __rand__ = __or__ = __ror__ = __and__
 
     def __bool__(self) -> bool:
-        """Let `fastlink.numerics.elementary.sqrt` go on, which asks whether its argument is negative."""
+        """Satisfy `sqrt` of `numerics.elementary`, which tests the sign of its argument."""
         return True
 
     def choose(self, if_true: Any, if_false: Any) -> Any:
@@ -111,7 +111,7 @@ def _power(value: Any) -> float:
 
 
 def homogeneity_degrees(steps: Iterable[Fact | System], name: str) -> dict[str, float | None]:
-    """Return by which power of one input each value of a closure grows; None where by none.
+    """Return the power of an input by which each value grows, or None.
 
     Parameters
     ----------
@@ -125,19 +125,19 @@ def homogeneity_degrees(steps: Iterable[Fact | System], name: str) -> dict[str, 
     >>> from fastlink.mechanisms import catalogue
     >>> planar = catalogue("planar_4r")
     >>> leaves = (*planar.inputs, *planar.tables, *planar.table_low_parts, "branch")
-    >>> found = homogeneity_degrees(planar.dependencies(["omega4", "alpha4", "theta4"], leaves), "omega1")
-    >>> [found[asked] for asked in ("omega4", "alpha4", "theta4")]
+    >>> powers = homogeneity_degrees(planar.dependencies(["omega4", "alpha4", "theta4"], leaves), "omega1")
+    >>> [powers[quantity] for quantity in ("omega4", "alpha4", "theta4")]
     [1.0, 2.0, 0.0]
     """
-    found: dict[str, Any] = {name: Homogeneity(1.0)}
+    degrees: dict[str, Any] = {name: Homogeneity(1.0)}
     for step in steps:
-        known = [found.get(need, Homogeneity(0.0)) for need in step.depends_on]
+        known = [degrees.get(part, Homogeneity(0.0)) for part in step.depends_on]
         if isinstance(step, System):
             same = all(isinstance(value, Homogeneity) and value.power == 0.0 for value in known)
-            found |= dict.fromkeys(step.unknowns, Homogeneity(0.0) if same else None)
+            degrees |= dict.fromkeys(step.unknowns, Homogeneity(0.0) if same else None)
         else:
-            found |= zip(step.names, _degrees(step, known), strict=True)
-    return {of: value if value is None else _power(value) for of, value in found.items()}
+            degrees |= zip(step.names, _degrees(step, known), strict=True)
+    return {of: value if value is None else _power(value) for of, value in degrees.items()}
 
 
 def _degrees(fact: Fact, known: list[Any]) -> Sequence[Any]:
