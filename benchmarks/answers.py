@@ -63,7 +63,7 @@ def shortest(call, times):
 
 
 def peak():
-    """Return the greatest memory of this process so far in MiB, and forget it, where the system tells."""
+    """Return the greatest memory of this process so far in MiB, and reset it, where the system reports it."""
     status, clear = Path("/proc/self/status"), Path("/proc/self/clear_refs")
     if not status.exists():
         return None

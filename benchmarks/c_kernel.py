@@ -1,4 +1,4 @@
-"""The C limit kernels: compiled by gcc when first asked for, in a temporary directory, called by ctypes."""
+"""The C limit kernels: compiled by gcc at the first use, in a temporary directory, called by ctypes."""
 
 import ctypes
 import functools

@@ -1,7 +1,7 @@
 """Refined extremes: their time, also against samples and scipy, their error, what is missed.
 
 A fact is (what, value, unit, aim). Times are of the bare kernel, one thread, by design and branch: a quantity with a
-mirror symmetry is searched in both branches whichever are asked for, so that one alone costs as much as both.
+mirror symmetry is searched in both branches whichever are requested, so that one alone costs as much as both.
 """
 
 import math

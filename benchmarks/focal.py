@@ -26,7 +26,7 @@ def joints(letters):
 
 @dataclass(frozen=True)
 class Case:
-    """What is asked of a mechanism: by design, or by design, branch and input."""
+    """A request: quantities of a mechanism by design, or by design, branch and input."""
 
     title: str
     mechanism: str

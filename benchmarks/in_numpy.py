@@ -2,7 +2,7 @@
 
 What the input position alone determines is an array (theta,), what does not depend on the branch (design, 1, theta).
 Pieces of a few designs are evaluated, and what is not needed again is given back at once, so that the intermediate
-arrays stay in the cache. Of curves, what the design alone determines is taken beforehand, outside the time.
+arrays stay in the cache. Of curves, what the design alone determines is computed beforehand, outside the time.
 """
 
 import numpy as np

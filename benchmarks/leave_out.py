@@ -1,7 +1,7 @@
-"""What is not asked for costs nothing: a tenth of a study, maps without the input, an axis that only scales.
+"""Quantities that are not requested cost nothing: a tenth of a study, maps without the input, an axis that only scales.
 
 A tenth of a study needs its share of the study's operations, as `fastlink.explain` counts them, and so its share of
-the time: what it takes over that is told, for the worst of ten tenths. A fact is (what, value, unit, aim).
+the time; the fact is the ratio of the two for the worst of ten tenths. A fact is (what, value, unit, aim).
 """
 
 import time
@@ -36,9 +36,9 @@ MAP = focal.CASES[0].names
 PLAIN = {"threads": 1, "verify": 0}
 
 
-def operations(asked):
+def operations(resolved):
     """Return the operations of a request for each design and input angle, in additions."""
-    (kernel,) = explain_request(asked).kernels
+    (kernel,) = explain_request(resolved).kernels
     loops = [loop.work for loop in kernel.loops if loop.per.startswith("design and")]
     return sum(WORTH.get(kind, 1) * count for work in loops for kind, count in work.items())
 
@@ -50,9 +50,12 @@ def tenths(groups=TENTHS, n=8, K=360, rounds=12):
     space = fl.table(dict(zip(GIVEN, x, strict=True)))
     calls, depends_on = {}, {}
     for names in (everything, *groups):
-        asked = resolve("planar_4r", space, names, angles=K)
-        (plan,) = asked.plan.programs
-        calls[names], depends_on[names] = bind_results(plan, GIVEN, x, asked.positions), operations(asked)
+        resolved = resolve("planar_4r", space, names, angles=K)
+        (plan,) = resolved.plan.programs
+        calls[names], depends_on[names] = (
+            bind_results(plan, GIVEN, x, resolved.positions),
+            operations(resolved),
+        )
     best = race(calls, rounds)
     whole, *alone = [best[names] / depends_on[names] for names in calls]
     worst = max(alone) / whole
@@ -78,7 +81,7 @@ def clock(*calls, rounds):
 
 
 def without_input(side=24, rounds=12):
-    """Take a map of designs with few input angles asked for, and with many: none is looked at."""
+    """Time a map of designs with few input angles and with many: it depends on none of them."""
     a, c, rho = np.linspace(3.0, 6.0, side), np.linspace(1.0, 3.0, side), np.geomspace(0.3, 3.0, side)
     space = fl.grid(a=a, b=a, c=c, d=4.0, rho=rho)
 

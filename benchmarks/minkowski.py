@@ -125,7 +125,7 @@ def bind_c_types(x):
 
 
 def times(n=114, K=400, rounds=12):
-    """The kernel against NumPy and C, both orientations asked; a classification without any theta."""
+    """The kernel against NumPy and C, both orientations; a classification without any theta."""
     x, theta, many = designs(n), np.linspace(-4.0, 4.0, K), designs(64 * n)
     tables = angle_tables(MINKOWSKI, TABLES, theta)
     kernel, _ = bind(PSI, x, theta)

@@ -94,7 +94,7 @@ def dependencies(o, tables):
 
 
 def positions(o, tables, p, sigma, r_gamma, rocker=True):
-    """Return A, the even parts of AB and (if asked) DB, and the odd part that they share, each as x, y."""
+    """Return A, the even parts of AB and (if wanted) DB, and the odd part that they share, each as x, y."""
     cos, sin, Z = tables[:3]
     A_x, A_y = o["a"] * cos, o["a"] * sin
     u_x = (2 * o["a"]) * Z

@@ -91,7 +91,7 @@ def test_run_to_another_file_quietly(folder):
     assert not Path("study.h5").exists()
 
 
-def test_run_replaces_a_file_only_when_told(folder):
+def test_run_replaces_a_file_only_with_overwrite(folder):
     assert called("run", "study.toml").exit_code == 0
     before = Path("study.h5").read_bytes()
     (line,) = refused("run", "study.toml")
@@ -170,7 +170,7 @@ def test_quantities_prints_the_table():
     ]
 
 
-def test_info_tells_what_a_map_holds(folder):
+def test_info_prints_what_a_map_holds(folder):
     called("run", "study.toml", "--quiet")
     done = called("info", "study.h5")
     assert done.exit_code == 0
@@ -185,7 +185,7 @@ def test_info_tells_what_a_map_holds(folder):
         assert line in done.stdout.splitlines()
 
 
-def test_info_of_a_sample_tells_the_ranges(folder):
+def test_info_of_a_sample_prints_the_ranges(folder):
     space = fl.sobol(16, seed=1, a1=(0.2, 0.4), a2=1.2, a3=0.8, a4=1.0)
     fl.sweep("planar_4r", space, ["status"], to="sample.h5").close()
     lines = called("info", "sample.h5").stdout.splitlines()

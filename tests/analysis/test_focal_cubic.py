@@ -71,7 +71,7 @@ def test_every_F_is_on_it():
     sure = np.isfinite(F) & (np.abs(F) < 10.0)
     assert sure.sum() > MANY // 4
     found, size = value(k[sure], F[sure])
-    # F is some roundings off, times what tells it: lambda near 0 is left out by the size of F
+    # F is some roundings off, times its condition: lambda near 0 is left out by the size of F
     assert np.quantile(np.abs(found) / size, 0.99) <= 100 * UNIT_ROUNDING
     assert (np.abs(found) <= 1e-11 * size).all()
 
@@ -181,7 +181,7 @@ def test_it_broadcasts_and_scales():
         ({"a": [1.0, 2.0], "b": [1.0, 2.0, 3.0]}, "shapes do not broadcast"),
     ],
 )
-def test_bad_numbers_are_told(given, message):
+def test_bad_numbers_are_refused(given, message):
     with pytest.raises(InputError, match=message):
         fl.focal.cubic(**{"a": 1.0, "b": 1.0, "c": 1.0, "d": 1.0, "phi": 0.0} | given)
 

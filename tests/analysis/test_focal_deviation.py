@@ -1,4 +1,4 @@
-"""The distance of T from the straight line that fits its path best, taken from maps by either input."""
+"""The distance of T from the straight line that fits its path best, from maps by either input."""
 
 from __future__ import annotations
 

@@ -75,8 +75,8 @@ def test_a_table_of_them_is_swept():
         # kappa = i/j is rounded, its square too: 4 roundings
         np.testing.assert_allclose(maps[name], designs[name].values, rtol=8 * UNIT_ROUNDING)
     codes = dict(zip(maps.status.flag_values, maps.status.flag_meanings.split(), strict=True))
-    told = {codes[code] for code in np.unique(maps.status)}
-    assert told == {"one_segment", "two_segments", "change_point", "rigid"}
+    statuses = {codes[code] for code in np.unique(maps.status)}
+    assert statuses == {"one_segment", "two_segments", "change_point", "rigid"}
     moving = fl.hart.integer_designs(12, movable=True)
     assert int((maps.status != 3).sum()) == moving.sizes["design"]
 

@@ -45,7 +45,7 @@ def traced(design, theta, boost=0.0):
     """Yield the coupler points (X, Y) at an input: the loop's quadratic in q = e^psi, of either sign.
 
     In null coordinates X + Y, X - Y: A = (a p, a/p), C = (g k, g/k), B = C + (b q, b/q), and h^2 is the product of
-    those of AB. Theta is the rapidity of OA, boost that of OC, in whose frame the points are told.
+    those of AB. Theta is the rapidity of OA, boost that of OC, in whose frame the points are given.
     """
     a, b, g, h, x, y = (mp.mpf(float(value)) for value in design)
     p, k = mp.exp(mp.mpf(theta)), mp.exp(mp.mpf(boost))
@@ -132,7 +132,7 @@ def test_the_sextic_vanishes_on_the_points_of_the_mechanism(branch):
     assert np.all(np.abs(found["sextic_residual"][closes]) <= 40 * UNIT_ROUNDING)
 
 
-def test_the_sextic_tells_the_curve_from_its_neighbours():
+def test_the_sextic_separates_the_curve_from_its_neighbours():
     designs = random_designs(52, 6)
     c = sextic(*designs)
     off = []
@@ -258,7 +258,7 @@ def test_designs_broadcast():
     many = sextic([1.0, 2.0], 1.0, 4.0, np.ones((3, 1)), 0.5, [[0.0], [0.5], [1.0]])
     assert many.shape == (3, 2, 7, 7)
     np.testing.assert_array_equal(many[2, 1], sextic(2.0, 1.0, 4.0, 1.0, 0.5, 1.0))
-    # More than are taken at once.
+    # More than one block.
     designs = np.tile(random_designs(65, 3), 40)
     many = sextic(*designs)
     assert many.shape[0] > 2 * BLOCK
@@ -276,7 +276,7 @@ def test_designs_broadcast():
         ({"g": [4.0, 5.0], "y": [0.0, 1.0, 2.0]}, r"do not broadcast: g \(2,\), y \(3,\)"),
     ],
 )
-def test_what_is_of_no_use_is_said_in_one_line(given, message):
+def test_bad_input_is_refused_in_one_line(given, message):
     design = dict(zip(DESIGN, (1.0, 1.0, 4.0, 1.0, 0.5, 0.0), strict=True))
     with pytest.raises(fl.InputError, match=message) as raised:
         sextic(**design | given)

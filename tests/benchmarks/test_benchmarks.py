@@ -109,7 +109,7 @@ def test_c_is_timed(results):
     assert all(row["to_C"] > 0 for row in rows[: len(CASES)])
 
 
-def test_without_a_compiler_the_table_says_so(monkeypatch):
+def test_without_a_compiler_the_table_has_a_note(monkeypatch):
     monkeypatch.setenv("CC", "no-such-compiler")
     about = report.machine()
     row = dict.fromkeys(table.COLUMNS) | {"case": "positions", "ns": 0.3}
@@ -240,7 +240,7 @@ def test_what_other_load_disturbed_is_measured_again(capsys):
     assert "nothing is more than 10 % worse" in capsys.readouterr().out
 
 
-def test_what_is_new_is_said_and_no_failure():
+def test_new_facts_are_listed_and_are_not_failures():
     said = []
     assert check.check(RECORD, {"group": lambda: {"c / C": 5.0}}, said.append) == {}
     assert "not in the record: c / C" in said
@@ -268,7 +268,7 @@ def test_groups_measure_what_is_recorded(monkeypatch, results):
     assert set(groups) >= {f"set-up of {label}" for label in answers.LABELS}
 
 
-def test_too_little_room_is_said_and_nothing_measured(tmp_path, monkeypatch):
+def test_with_too_little_room_nothing_is_measured(tmp_path, monkeypatch):
     said = []
     monkeypatch.setattr(output, "NEED", 1 << 62)
     assert output.measure(tmp_path, said.append) == []

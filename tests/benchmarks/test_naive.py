@@ -19,7 +19,7 @@ def errors():
     return {family: naive.errors(family, 200) for family in naive.FAMILIES}
 
 
-def test_the_page_says_what_comes_out(errors):
+def test_the_page_has_the_measured_errors(errors):
     for quantity in naive.QUANTITIES:
         (row,) = re.findall(rf"^\| {quantity} \| (.*) \|$", PAGE, flags=re.MULTILINE)
         for family, text in zip(naive.FAMILIES, row.split(" | "), strict=True):
@@ -30,7 +30,7 @@ def test_the_page_says_what_comes_out(errors):
             )
 
 
-def test_the_textbook_loses_what_the_distance_says_and_fastlink_nothing(errors):
+def test_the_textbook_loses_digits_with_the_distance_and_fastlink_none(errors):
     """Next to a toggle or a fold the naive forms subtract squares of lengths that agree to the distance."""
     for quantity in naive.QUANTITIES:
         for family in ("gap 1e-8", "gap 1e-15", "toggle 1e-5", "toggle 1e-8"):

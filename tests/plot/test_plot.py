@@ -99,7 +99,7 @@ def test_what_grows_without_bound_is_marked(maps):
     assert WITHOUT_BOUND in [text.get_text() for text in line.axes[0].get_legend().get_texts()]
 
 
-def test_what_has_no_value_though_it_assembles_is_not_said_not_to():
+def test_designs_that_assemble_without_a_value_are_not_called_unassembled():
     space = fl.grid(a1=[0.4, 0.9], a2=[1.1, 1.2], a3=0.8, a4=1.0)
     figure = fl.plot_map(fl.sweep("planar_4r", space, ["time_ratio"]), "time_ratio")
     assert "has no value" in legend(figure)
@@ -130,7 +130,7 @@ def test_the_order_of_an_axis_does_not_matter(maps):
         assert_array_equal(values, finite(maps["omega4_max"].sel(branch=1, a4=0.9).T))
 
 
-def test_the_nearest_value_is_taken(maps):
+def test_a_dimension_is_fixed_at_the_nearest_value(maps):
     figure = fl.plot_map(maps, "omega4_max", branch=1, at={"a4": 0.94})
     assert figure.get_suptitle().endswith("$a_{4}$ = 0.9 m")
 
@@ -273,7 +273,7 @@ def test_designs_of_a_sample_are_points():
 
 
 @pytest.mark.parametrize(("ending", "start"), [("png", b"\x89PNG"), ("svg", b"<?xml"), ("pdf", b"%PDF")])
-def test_the_ending_says_the_kind_of_picture(maps, tmp_path, ending, start):
+def test_the_ending_is_the_kind_of_picture(maps, tmp_path, ending, start):
     place = tmp_path / f"map.{ending}"
     for _ in range(2):  # the second replaces the first
         fl.plot_map(maps, "omega4_max", at={"a4": 1.0}, to=place)
@@ -340,7 +340,7 @@ def test_bad_input(maps, name, options, key, remedy):
         fl.plot_map(maps, name, **options)
 
 
-def test_a_single_number_is_told_instead(curves):
+def test_a_single_number_is_stated_instead_of_drawn(curves):
     with pytest.raises(fl.InputError) as caught:
         fl.plot_map(curves, "omega4_max", branch=1)
     value = float(curves["omega4_max"].sel(branch=1))
@@ -358,7 +358,7 @@ def test_a_picture_that_cannot_be_written(maps, tmp_path):
         fl.plot_map(maps, "omega4_max", at={"a4": 1.0}, to=tmp_path / "map.png")
 
 
-def test_without_matplotlib_the_remedy_is_told(maps, monkeypatch):
+def test_without_matplotlib_the_message_has_the_remedy(maps, monkeypatch):
     for module in [name for name in sys.modules if name.startswith(("matplotlib", "fastlink.plot."))]:
         monkeypatch.delitem(sys.modules, module)
     monkeypatch.delattr(sys.modules["fastlink.plot"], "draw", raising=False)

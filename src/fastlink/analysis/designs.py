@@ -8,7 +8,7 @@ import numpy as np
 
 from fastlink.errors import InputError
 
-__all__ = ["CURVE", "broadcast", "curve_designs"]
+__all__ = ["CURVE", "broadcast", "check_range", "curve_designs"]
 
 #: The inputs of planar_4r that must be lengths, and those that determine a coupler curve.
 LENGTHS = ("a1", "a2", "a3", "a4")
@@ -57,3 +57,13 @@ def broadcast(function: str, **numbers: Any) -> list[Any]:
 def curve_designs(function: str, *numbers: Any) -> list[Any]:
     """Return the numbers of `CURVE`, in that order, as arrays of one shape."""
     return broadcast(function, **dict(zip(CURVE, numbers, strict=True)))
+
+
+def check_range(function: str, name: str, values: Any, limits: tuple[float, float], products: str) -> None:
+    """Refuse lengths whose products, the coefficients of a curve, would overflow or vanish."""
+    least, greatest = limits
+    if not np.all((values >= least) & (values <= greatest)):
+        raise InputError(
+            f"{function}: {name} must be in {least:g} ... {greatest:g}, as coefficients are products of {products}; "
+            "write the design in another unit of length"
+        )

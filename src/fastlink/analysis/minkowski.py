@@ -4,11 +4,8 @@ from __future__ import annotations
 
 from typing import Any
 
-import numpy as np
-
-from fastlink.analysis.designs import broadcast
+from fastlink.analysis.designs import broadcast, check_range
 from fastlink.analysis.sextics import coupler_sextic
-from fastlink.errors import InputError
 
 __all__ = ["sextic"]
 
@@ -67,10 +64,6 @@ def sextic(a: Any, b: Any, g: Any, h: Any, x: Any, y: Any) -> Any:
     numbers = dict(zip("abghxy", broadcast("sextic", a=a, b=b, g=g, h=h, x=x, y=y), strict=True))
     for name, values in numbers.items():
         least = -GREATEST if name in "xy" else 1.0 / GREATEST
-        if not np.all((values >= least) & (values <= GREATEST)):
-            raise InputError(
-                f"sextic: {name} must be in {least:g} ... {GREATEST:g}, as coefficients are products of six "
-                "lengths over h^2; write the design in another unit of length"
-            )
+        check_range("sextic", name, values, (least, GREATEST), "six lengths over h^2")
     a, b, g, h, x, y = numbers.values()
     return coupler_sextic(1, (a, h, b, g), (x, y))

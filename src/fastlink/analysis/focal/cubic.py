@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from fastlink.analysis.designs import broadcast
+from fastlink.analysis.designs import broadcast, check_range
 from fastlink.engine.evaluate import evaluate
 from fastlink.errors import InputError
 from fastlink.numerics.vectors import cross
@@ -155,11 +155,7 @@ def _numbers(function: str, *numbers: Any) -> list[Any]:
     names = ("a", "b", "c", "d", "phi", "branch")
     arrays = broadcast(function, **dict(zip(names, numbers, strict=True)))
     for name, values in zip("abcd", arrays, strict=False):
-        if not np.all((values >= 1.0 / GREATEST) & (values <= GREATEST)):
-            raise InputError(
-                f"{function}: {name} must be in {1.0 / GREATEST:g} ... {GREATEST:g}, as coefficients are "
-                "products of four lengths; write the design in another unit of length"
-            )
+        check_range(function, name, values, (1.0 / GREATEST, GREATEST), "four lengths")
     if not np.all((arrays[-1] == 1) | (arrays[-1] == 2)):
         raise InputError(f"{function}: branch must be 1 or 2")
     return arrays

@@ -32,8 +32,8 @@ def results():
         angles = drawn.pop(position)
         drawn.pop("branch", None)
         names = [row.name for row in fl.quantities(mechanism)]
-        asked = resolve(mechanism, fl.table(drawn), names, angles=angles)
-        labelled = variables(asked.plan, asked.space, asked.positions.size)
+        resolved = resolve(mechanism, fl.table(drawn), names, angles=angles)
+        labelled = variables(resolved.plan, resolved.space, resolved.positions.size)
         found[mechanism] = {variable.name: variable for variable in labelled}
     return found
 
@@ -61,7 +61,7 @@ def test_every_public_quantity_is_listed_once(name):
 
 
 @pytest.mark.parametrize(("mechanism", "row"), LISTED, ids=[row.name for _, row in LISTED])
-def test_a_row_says_what_the_result_says(mechanism, row, results):
+def test_a_row_agrees_with_the_result(mechanism, row, results):
     assert isinstance(row, Quantity)
     found = results[mechanism][row.name]
     assert row.dims == found.dims
@@ -95,7 +95,7 @@ def test_the_inputs_are_a_table_of_their_own():
     assert all(f"\n{name} " in below for name in rows)
 
 
-def test_how_names_are_formed_is_said_once_and_is_true():
+def test_the_rules_of_names_stand_once_and_are_true():
     listed = fl.quantities("planar_4r")
     for text in (str(listed), listed.markdown()):
         for suffix in REDUCTIONS:

@@ -82,7 +82,7 @@ def test_other_inputs_and_mechanisms():
     assert_right(maps, ["joint_angle_3", "joint_omega_4_max"])
 
 
-def test_small_sweeps_are_verified_whole_and_none_unless_asked_in_memory():
+def test_small_sweeps_are_verified_completely_and_sweeps_in_memory_on_request():
     maps = fl.sweep("planar_4r", fl.grid(**CRANK), ["theta4"], theta1=8, verify=64)
     assert maps.verified_designs == 1
     assert maps.theta4.attrs["verified_values"] == 4
@@ -92,7 +92,7 @@ def test_small_sweeps_are_verified_whole_and_none_unless_asked_in_memory():
     ]
 
 
-def test_a_file_says_its_errors_and_the_summary_shows_them(tmp_path):
+def test_a_file_states_its_errors_and_the_summary_shows_them(tmp_path):
     with fl.sweep("planar_4r", fl.grid(**CRANK), ["theta4"], theta1=8, to=tmp_path / "m.h5") as maps:
         assert maps.theta4.attrs["error_max_roundings"] <= ROUNDINGS
         assert maps.attrs["verify_seed"] == 0
@@ -174,7 +174,7 @@ def test_bad_numbers_of_designs(verify):
 
 
 def test_exact_extremes_are_those_of_a_dense_scan():
-    """The reference has another way to extremes than the kernels; here is a third one."""
+    """The reference finds extremes by another method than the kernels; this is a third one."""
     lengths = {"a1": [0.4, 1.0], "a2": [1.2, 1.1], "a3": [0.8, 0.9], "a4": [1.0, 0.7]}
     inputs = {name: np.array(values) for name, values in lengths.items()} | {"omega1": np.array([25.0, 25.0])}
     stationary = Stationary(PLANAR, "omega4", inputs, np.array([2.0, 2.0]))
