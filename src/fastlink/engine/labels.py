@@ -11,8 +11,7 @@ import numpy as np
 
 from fastlink.catalogue.catalogue import Catalogue, Fact, Input
 from fastlink.engine.resolve import ResolvedSweep, axis_lengths
-from fastlink.io.dataset import Variable, assemble, marked, plain_attrs
-from fastlink.io.dataset import coordinates as dataset_coordinates
+from fastlink.io.dataset import Variable, assemble, coordinates, marked, plain_attrs
 from fastlink.plan.plan import Plan
 from fastlink.plan.program import EXTREMUM, Output
 from fastlink.space.design_space import DesignSpace
@@ -22,7 +21,7 @@ if TYPE_CHECKING:
     import xarray as xr
     from numpy.typing import NDArray
 
-__all__ = ["coordinates", "global_attrs", "labelled", "variables"]
+__all__ = ["global_attrs", "labelled", "sweep_coordinates", "variables"]
 
 
 def variables(plan: Plan, space: DesignSpace, positions: int) -> list[Variable]:
@@ -86,7 +85,7 @@ def _of_list(part: str, fact: Fact, position: Input) -> dict[str, Any]:
     }
 
 
-def coordinates(plan: Plan, space: DesignSpace, positions: NDArray[Any]) -> xr.Dataset:
+def sweep_coordinates(plan: Plan, space: DesignSpace, positions: NDArray[Any]) -> xr.Dataset:
     """Return a Dataset with the coordinates of a sweep."""
     catalogue: Catalogue = plan.catalogue
     used = {axis for output in plan.outputs for axis in output.axes}
@@ -102,7 +101,7 @@ def coordinates(plan: Plan, space: DesignSpace, positions: NDArray[Any]) -> xr.D
     if position.name in used:
         further[position.name] = ((position.name,), positions, _describe(position))
     known = catalogue.known_inputs(plan.variants)
-    return dataset_coordinates(space, {name: _describe(known[name]) for name in space.names}, further)
+    return coordinates(space, {name: _describe(known[name]) for name in space.names}, further)
 
 
 def labelled(
@@ -122,7 +121,7 @@ def labelled(
         for variable, array in zip(variables, arrays, strict=True)
     }
     if space.dims:
-        return assemble(coordinates(plan, space, positions), variables, data, attrs)
+        return assemble(sweep_coordinates(plan, space, positions), variables, data, attrs)
     used = any(plan.catalogue.position.name in output.axes for output in plan.outputs)
     kind = tuple(space.constants), tuple(space.attrs.items()), positions.tobytes() if used else b""
     dataset = _blank(plan, *kind).copy(deep=False, data=data)
@@ -143,7 +142,7 @@ def _blank(
     angles = np.frombuffer(positions)
     results = variables(plan, space, angles.size)
     values = {variable.name: np.empty(variable.shape, variable.dtype) for variable in results}
-    return assemble(coordinates(plan, space, angles), results, values, {})
+    return assemble(sweep_coordinates(plan, space, angles), results, values, {})
 
 
 def global_attrs(resolved: ResolvedSweep, threads: int) -> dict[str, Any]:

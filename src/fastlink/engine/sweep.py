@@ -218,7 +218,7 @@ class _Evaluation:
     def to_file(self, path: Path, overwrite: bool, show: Sink, attrs: Mapping[str, Any]) -> None:
         """Evaluate all designs into a file, or the rest of a killed run."""
         resolved, axis = self.resolved, self.resolved.scaling_axis
-        coords = labels.coordinates(resolved.plan, resolved.space, resolved.positions)
+        coords = labels.sweep_coordinates(resolved.plan, resolved.space, resolved.positions)
         key = self._fingerprint(attrs), self.job.size
         with Writer(path, coords, self.variables, attrs, overwrite=overwrite, run=key) as writer:
 
