@@ -7,7 +7,7 @@ from dataclasses import replace
 from itertools import count
 from typing import Any, TypeVar
 
-from fastlink.catalogue.rows import DerivativeRows, Rows
+from fastlink.catalogue.rows import Rows
 from fastlink.facts.fact import CatalogueError, Fact, GradedRange, Input, Rule, System, parameters
 from fastlink.facts.names import (
     Derivative,
@@ -165,20 +165,13 @@ class Declarations:
 
         return declare
 
-    def quantities(
-        self,
-        *,
-        units: str,
-        source: str,
-        variant: str | None = None,
-        flags: Mapping[int, str] | None = None,
-    ) -> Rows:
+    def quantities(self, **labels: Any) -> Rows:
         """Return a function that declares public quantities with common labels."""
-        return Rows([self], units, source, internal=False, variant=variant, flags=flags)
+        return Rows([self], labels)
 
-    def steps(self, *, units: str, source: str, variant: str | None = None) -> Rows:
+    def steps(self, **labels: Any) -> Rows:
         """Return a function that declares internal facts with common labels."""
-        return Rows([self], units, source, internal=True, variant=variant)
+        return Rows([self], {**labels, "internal": True})
 
     def table(self, *, symbol: str, source: str, low: str | None = None) -> Callable[[F], F]:
         """Declare a function of the input position alone.
@@ -245,9 +238,16 @@ class Declarations:
         solved |= {derivative_name(name, by) for name in solved for by in self.variables}
         return any(not solved.isdisjoint(step.names) for step in steps)
 
-    def derivatives(self, by: str, *, variant: str | None = None) -> DerivativeRows:
-        """Return a function that declares derivatives with respect to one variable."""
-        return DerivativeRows(self, by, variant)
+    def derivatives(self, by: str, *, variant: str | None = None) -> Callable[..., None]:
+        """Return a function that declares derivatives with respect to one variable.
+
+        Its arguments are the law, the name of the fact or table, and the names that replace parameters of the law.
+        """
+
+        def declare(law: Callable[..., Any], name: str, /, **given: str) -> None:
+            self.derivative(name, by, given=given, variant=variant)(law)
+
+        return declare
 
     @property
     def variables(self) -> dict[str, Input]:

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from fastlink.catalogue.declare import Declarations
 
-__all__ = ["DerivativeRows", "Rows"]
+__all__ = ["Rows"]
 
 
 @dataclass(frozen=True)
@@ -20,22 +20,12 @@ class Rows:
     ----------
     catalogues : sequence of Declarations
         The mechanisms that the facts belong to: the same one by several inputs, for example.
-    units, source : str
-        The labels of all rows but those that have their own.
-    internal : bool
-        Whether users cannot request the facts.
-    variant : str or None
-        The variant to which they belong.
-    flags : mapping of int to str or None
-        For quantities that are codes: the meanings of their values.
+    labels : mapping
+        Arguments of `Declarations.quantity` that the facts have in common.
     """
 
     catalogues: Sequence[Declarations]
-    units: str
-    source: str
-    internal: bool
-    variant: str | None = None
-    flags: Mapping[int, str] | None = None
+    labels: Mapping[str, Any]
 
     def __call__(
         self,
@@ -59,23 +49,14 @@ class Rows:
         name, symbol, meaning : str
             The name, the symbol in the paper, and the meaning (by default the first line of the law's docstring).
         units, source, low
-            As in `Declarations.quantity`, where they differ from those of the other rows.
+            As in `Declarations.quantity`, where they differ from the common ones.
         **given : str
             The names that replace parameters of the law.
         """
+        own = {"units": units, "source": source, "low": low}
+        labels = {**self.labels, **{label: value for label, value in own.items() if value is not None}}
         for catalogue in self.catalogues:
-            catalogue.quantity(
-                units=units or self.units,
-                symbol=symbol,
-                source=source or self.source,
-                internal=self.internal,
-                flags=self.flags,
-                variant=self.variant,
-                name=name,
-                meaning=meaning,
-                given=given,
-                low=low,
-            )(law)
+            catalogue.quantity(**labels, symbol=symbol, name=name, meaning=meaning, given=given)(law)
 
     def vector(
         self,
@@ -108,16 +89,3 @@ class Rows:
             names = {parameter: other.replace("*", component) for parameter, other in given.items()}
             labels = (name.replace("*", component), symbol.replace("*", component), f"{meaning}, {component}")
             self(own, *labels, units=units, source=source, **names)
-
-
-@dataclass(frozen=True)
-class DerivativeRows:
-    """Derivatives with respect to one variable, each declared by a call."""
-
-    catalogue: Declarations
-    by: str
-    variant: str | None = None
-
-    def __call__(self, law: Callable[..., Any], name: str, /, **given: str) -> None:
-        """Declare the derivative of `name`; `given` names replace parameters of the law."""
-        self.catalogue.derivative(name, self.by, given=given, variant=self.variant)(law)

@@ -102,14 +102,6 @@ def _of_gap_product_quotient(
     return graph.sub(share, graph.mul(value, relative))
 
 
-def _of_constant(graph: ExpressionGraph, args: Sequence[Node], slopes: Sequence[Node], value: Node) -> Node:
-    return graph.zero
-
-
-def _of_second(graph: ExpressionGraph, args: Sequence[Node], slopes: Sequence[Node], value: Node) -> Node:
-    return slopes[1]
-
-
 #: Functions of `fastlink.numerics` with a rule of their own; the text of all others is read. The derivative of an
 #: unevaluated sum (high, low) is that of its high part: the low part is a rounding error.
 RULES: dict[Any, Rule] = {
@@ -118,8 +110,8 @@ RULES: dict[Any, Rule] = {
     compensated.two_product: _of_product,
     compensated.pair_product: _of_pair_product,
     compensated.gap_product_quotient: _of_gap_product_quotient,
-    compensated.power_of_two_below: _of_constant,
-    vectors.zero_where: _of_second,
+    compensated.power_of_two_below: lambda graph, args, slopes, value: graph.zero,
+    vectors.zero_where: lambda graph, args, slopes, value: slopes[1],
 }
 
 

@@ -32,12 +32,12 @@ by_crank.inputs, by_crank.variant_inputs = focal.inputs, focal.variant_inputs
 
 def quantities(*, units: str, source: str) -> Rows:
     """Return rows of quantities that hold for both inputs."""
-    return Rows((focal, by_crank), units, source, internal=False)
+    return Rows((focal, by_crank), {"units": units, "source": source})
 
 
 def steps(*, units: str, source: str) -> Rows:
     """Return rows of internal steps that hold for both inputs."""
-    return Rows((focal, by_crank), units, source, internal=True)
+    return Rows((focal, by_crank), {"units": units, "source": source, "internal": True})
 
 
 def either(**labels: Any) -> Callable[[F], F]:
