@@ -62,7 +62,7 @@ class Compiler:
 
 
 def kept(compiler, load=bytes, key=KEY):
-    return cache.kept(key, compiler, load)
+    return cache.load_or_compile(key, compiler, load)
 
 
 # -- one kernel ------------------------------------------------------------------------------------
@@ -158,7 +158,7 @@ def test_a_cache_folder_that_is_a_file_is_done_without(tmp_path, monkeypatch):
     (tmp_path / "file").write_text("not a folder")
     monkeypatch.setenv("FASTLINK_CACHE_DIR", str(tmp_path / "file"))
     assert kept(Compiler()) == b"code"
-    written = cache.written_file("name.py", "text")
+    written = cache.text_file("name.py", "text")
     assert written.read_text() == "text"
     assert tmp_path not in written.parents
     assert cache.contents().kernels == 0
@@ -188,12 +188,12 @@ def test_a_lock_that_another_holds_for_long_costs_a_second_compilation_only(plac
 
 
 def test_a_file_of_text_is_written_again_where_it_is_damaged(place):
-    path = cache.written_file("name.py", "text")
+    path = cache.text_file("name.py", "text")
     before = path.stat().st_mtime_ns
-    assert cache.written_file("name.py", "text") == path
+    assert cache.text_file("name.py", "text") == path
     assert path.stat().st_mtime_ns == before  # numba compares it
     path.write_text("")
-    assert cache.written_file("name.py", "text").read_text() == "text"
+    assert cache.text_file("name.py", "text").read_text() == "text"
 
 
 def test_damaged_files_of_numba_are_made_again(place):

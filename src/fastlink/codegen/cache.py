@@ -1,6 +1,6 @@
-"""Machine code, kept in the user's cache under a hash of all it depends on.
+"""The user's cache of machine code, under a hash of everything that the code depends on.
 
-The cache only saves time: a file that is damaged is made again, and a folder that cannot be read, written or locked
+The cache only saves time: a damaged file is compiled again, and a folder that cannot be read, written or locked
 costs a compilation. Processes that want the same kernel wait for the one that compiles it.
 """
 
@@ -29,8 +29,8 @@ from fastlink.codegen.notice import notice
 from fastlink.errors import InputError
 
 __all__ = [
-    *("Contents", "alone", "cache_folder", "clear", "contents", "environment", "forget", "kept"),
-    *("limit", "written_file"),
+    *("Contents", "cache_folder", "clear", "contents", "environment", "limit", "load_or_compile", "locked"),
+    *("remove_numba_files", "text_file"),
 ]
 
 T = TypeVar("T")
@@ -71,48 +71,44 @@ def environment() -> bytes:
 # -- one kernel ------------------------------------------------------------------------------------
 
 
-def kept(key: str, compile: Callable[[], bytes], load: Callable[[bytes], T]) -> T:
-    """Return object code, loaded: from the cache, else compiled now and kept there.
+def load_or_compile(key: str, compile: Callable[[], bytes], load: Callable[[bytes], T]) -> T:
+    """Return loaded object code: from the cache, else compiled now and added to it.
 
     Parameters
     ----------
     key : str
-        What tells the object code from all other, in hexadecimal digits.
+        The hash that tells the object code from all other, in hexadecimal digits.
     compile : callable
         Returns the object code.
     load : callable
-        Returns what is made of object code; where it raises an error, what the cache has is made again.
+        Returns object code as something to call; where it raises an error, the code is compiled again.
     """
     path = cache_folder() / f"{key}.o"
-    found = _read(path, load)
-    if found is not None:
-        return found
-    with notice(), alone(key):
-        found = _read(path, load)  # another process has made it meanwhile
-        if found is None:
+    if (loaded := _read(path, load)) is not None:
+        return loaded
+    with notice(), locked(key):
+        loaded = _read(path, load)  # another process may have written it meanwhile
+        if loaded is None:
             code = compile()
-            found = load(code)
+            loaded = load(code)
             with contextlib.suppress(OSError):
                 _write(path, hashlib.sha256(code).digest() + code)
-    return found
+    return loaded
 
 
 def _read(path: Path, load: Callable[[bytes], T]) -> T | None:
-    """Return what a file of the cache holds, loaded; None where it is missing or damaged."""
+    """Return the loaded contents of a file of the cache; None where it is missing or damaged."""
     try:
         data = path.read_bytes()
-    except OSError:
-        return None
-    code = data[DIGEST:]
-    # LLVM crashes on some object code that is cut short, so nothing is tried whose digest is wrong.
-    if not code or hashlib.sha256(code).digest() != data[:DIGEST]:
-        return None
-    try:
-        found = load(code)
-    except (RuntimeError, ValueError):
+        code = data[DIGEST:]
+        # LLVM crashes on some object code that is cut short, so nothing is tried whose digest is wrong.
+        if not code or hashlib.sha256(code).digest() != data[:DIGEST]:
+            return None
+        loaded = load(code)
+    except (OSError, RuntimeError, ValueError):
         return None
     _use(path)
-    return found
+    return loaded
 
 
 def _use(path: Path) -> None:
@@ -122,7 +118,7 @@ def _use(path: Path) -> None:
 
 
 @contextlib.contextmanager
-def alone(key: str) -> Iterator[None]:
+def locked(key: str) -> Iterator[None]:
     """Let other processes that want the same kernel wait; without a lock where none can be had."""
     import filelock  # 15 ms, for nothing where the cache has all
 
@@ -135,7 +131,7 @@ def alone(key: str) -> Iterator[None]:
         yield
 
 
-def written_file(name: str, text: str) -> Path:
+def text_file(name: str, text: str) -> Path:
     """Return a file that holds a text: of the cache, or of this process alone where that cannot be written."""
     for folder in (cache_folder, _private_folder):
         path = folder() / name
@@ -158,8 +154,8 @@ def _private_folder() -> Path:
     return Path(folder)
 
 
-def forget(key: str) -> None:
-    """Remove what numba keeps of a kernel beside its file."""
+def remove_numba_files(key: str) -> None:
+    """Remove the files that numba writes beside that of a kernel."""
     for folder in (cache_folder(), _private_folder()):
         for path in (folder / "__pycache__").glob(f"*{key}*"):
             with contextlib.suppress(OSError):
@@ -226,8 +222,8 @@ def limit() -> int:
 
 
 def _entries() -> dict[str, _Entry]:
-    """Return what the cache holds by kernel; numba has several files for one."""
-    found: dict[str, _Entry] = {}
+    """Return the files of the cache by kernel; numba has several files for one."""
+    entries: dict[str, _Entry] = {}
     for folder, inner, names in os.walk(cache_folder()):
         inner[:] = [name for name in inner if name != "locks"]
         for name in names:
@@ -235,11 +231,11 @@ def _entries() -> dict[str, _Entry]:
             with contextlib.suppress(OSError):  # another process removes files too
                 known = path.lstat()
                 key = KEY.search(name)
-                entry = found.setdefault(key[0] if key else name, _Entry([]))
+                entry = entries.setdefault(key[0] if key else name, _Entry([]))
                 entry.files.append(path)
                 entry.size += known.st_size
                 entry.used = max(entry.used, known.st_atime, known.st_mtime)
-    return found
+    return entries
 
 
 def contents() -> Contents:

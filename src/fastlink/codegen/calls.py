@@ -62,10 +62,10 @@ class Calls(Expressions):
             self.refuse(node, "indices count from the beginning")
         if index.lanes > 1:
             return self.part(of, indices), index
-        found = self.part(of, [*indices, index])
-        if is_lane and found.shape:
+        entry = self.part(of, [*indices, index])
+        if is_lane and entry.shape:
             self.refuse(node, "lanes stand along the last axis")
-        return found, self.module.lanes if is_lane else 1
+        return entry, self.module.lanes if is_lane else 1
 
     def last_index(self, node: ast.expr) -> tuple[Value, bool]:
         """Return an index, and whether it counts lanes: the counter itself, or what is added before it."""
@@ -142,7 +142,7 @@ class Calls(Expressions):
     def paste(self, function: Callable[..., Any], args: Sequence[Any]) -> Any:
         """Translate the text of a function where it is called."""
         node = syntax(function)
-        kept = self.node, self.names, self.scope, self.straight, self.everywhere, self.flags
+        outer = self.node, self.names, self.scope, self.straight, self.everywhere, self.flags
         self.node, self.scope, self.straight, self.everywhere = node, function.__globals__, True, {}
         self.flags = ""
         self.names = {parameter.arg: arg for parameter, arg in zip(node.args.args, args, strict=True)}
@@ -152,7 +152,7 @@ class Calls(Expressions):
         if not isinstance(last, ast.Return) or last.value is None:
             self.refuse(last, "an inlined function returns at its end")
         result = self.value(last.value)
-        self.node, self.names, self.scope, self.straight, self.everywhere, self.flags = kept
+        self.node, self.names, self.scope, self.straight, self.everywhere, self.flags = outer
         return result
 
     def statement_of_pasted(self, node: ast.stmt) -> None:

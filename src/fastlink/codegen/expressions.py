@@ -30,7 +30,7 @@ INTEGER = {
 COMPARISONS = {ast.Lt: "lt", ast.LtE: "le", ast.Gt: "gt", ast.GtE: "ge", ast.Eq: "eq", ast.NotEq: "ne"}
 #: Functions of Python that need no import.
 PYTHON_NAMES = {"abs": abs, "min": min, "max": max, "int": int, "float": float}
-#: What a name stands for: a number, several, an array, a place in memory, the counter of lanes.
+#: The value of a name: a number, several, an array, a place in memory, the counter of lanes.
 Name = Value | Array | Slot | Lane | tuple[Any, ...]
 
 
@@ -243,8 +243,8 @@ class Expressions(Builder, ABC):
         if isinstance(node.value, ast.Name):
             module = self.scope.get(node.value.id)
             if isinstance(module, ModuleType) and hasattr(module, node.attr):
-                found = getattr(module, node.attr)
-                return constant(found) if isinstance(found, float) else found
+                value = getattr(module, node.attr)
+                return constant(value) if isinstance(value, float) else value
         of = self.value(node.value)
         if isinstance(of, Array) and node.attr == "shape":
             return of.shape

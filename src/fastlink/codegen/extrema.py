@@ -290,11 +290,9 @@ class _ExtremaWriter(ExtremaSchedule):
             self.text.call(results.store_best, f"{target}, best, {row}")
         elif request.listed == "count":
             self.text.call(results.store_counts, f"{target}, best")
-        elif request.listed == "kind":
-            self.text.call(results.store_kinds, f"{target}, lists")
         else:
-            row = results.LIST_THETA if request.listed == "position" else results.LIST_VALUE
-            self.text.call(results.store_list, f"{target}, lists, {row}")
+            rows = {"position": results.LIST_THETA, "value": results.LIST_VALUE, "kind": results.LIST_KIND}
+            self.text.call(results.store_list, f"{target}, lists, {rows[request.listed]}")
 
 
 def write_extrema(program: ExtremaProgram) -> Source:

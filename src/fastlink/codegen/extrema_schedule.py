@@ -70,7 +70,7 @@ class ExtremaSchedule:
 
     @property
     def halves(self) -> int:
-        """How many halves of the range are searched: branches and sides of the ground line."""
+        """Number of halves of the range that are searched: branches and sides of the ground line."""
         return len(self.program.searched_branches) * self.program.sides
 
     def half_beyond(self, half: int) -> int:

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from fastlink.codegen.cache import alone, environment, forget, kept
+from fastlink.codegen.cache import environment, load_or_compile, locked, remove_numba_files
 from fastlink.codegen.extrema import write_extrema
 from fastlink.codegen.machine import Loaded, compile_object, host, lanes_of_host, version
 from fastlink.codegen.notice import notice
@@ -124,16 +124,18 @@ def load_kernel(source: Source, backend: str = BACKENDS[0]) -> Callable[..., Non
 def _load(source: Source, key: str, backend: str) -> Callable[..., None]:
     if backend == "llvm":
         try:
-            return kept(key, lambda: compile_object(llvm_text(source)), partial(MachineCode, source))
+            return load_or_compile(
+                key, lambda: compile_object(llvm_text(source)), partial(MachineCode, source)
+            )
         except Refused:
             pass
     from fastlink.codegen.numba_backend import compile_by_numba
 
-    with notice(), alone(key):
+    with notice(), locked(key):
         try:
             return compile_by_numba(source, key)
         except Exception:  # of all kinds, where a file of numba's cache is damaged
-            forget(key)
+            remove_numba_files(key)
             return compile_by_numba(source, key)
 
 

@@ -10,7 +10,7 @@ from contextlib import contextmanager, suppress
 
 __all__ = ["notice"]
 
-#: Seconds after which it is said that something compiles.
+#: Seconds after which the line appears that something compiles.
 PATIENCE = 0.5
 #: Seconds between two kernels that count as one wait.
 PAUSE = 0.1
@@ -22,7 +22,7 @@ _began = _ended = float("-inf")
 
 @contextmanager
 def notice() -> Iterator[None]:
-    """Say that something compiles once it takes long, and wipe that out when it is done; on a terminal only."""
+    """Show a line while something compiles for long, and wipe it out when that is done; on a terminal only."""
     global _began, _ended
     stream = sys.stderr
     if stream is None or not stream.isatty():
@@ -31,15 +31,15 @@ def notice() -> Iterator[None]:
     now = time.monotonic()
     if now - _ended > PAUSE:
         _began = now
-    said = threading.Event()
+    shown = threading.Event()
 
-    def say() -> None:
+    def show() -> None:
         with suppress(OSError, ValueError):  # the stream may be closed
             stream.write(f"\r{TEXT}")
             stream.flush()
-            said.set()
+            shown.set()
 
-    timer = threading.Timer(max(_began + PATIENCE - now, 0.0), say)
+    timer = threading.Timer(max(_began + PATIENCE - now, 0.0), show)
     timer.daemon = True
     timer.start()
     try:
@@ -47,7 +47,7 @@ def notice() -> Iterator[None]:
     finally:
         timer.cancel()
         timer.join()
-        if said.is_set():
+        if shown.is_set():
             stream.write(f"\r{' ' * len(TEXT)}\r")
             stream.flush()
         _ended = time.monotonic()

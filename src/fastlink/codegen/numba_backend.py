@@ -15,7 +15,7 @@ import numpy as np
 from numba.core.compiler import Compiler
 from numba.extending import overload, register_jitable
 
-from fastlink.codegen.cache import written_file
+from fastlink.codegen.cache import text_file
 from fastlink.numerics import elementary
 from fastlink.numerics.compiler import COMPILED_AS, INLINED, OUTLINED
 
@@ -49,12 +49,12 @@ OPERATIONS: dict[Callable[..., Any], Callable[..., Any]] = {
 }
 
 
-#: The functions that numba was told of.
+#: The functions that are declared to numba.
 _declared: set[Callable[..., Any]] = set()
 
 
 def declare() -> None:
-    """Tell numba of every function that kernels call; of those that were marked since, when called again."""
+    """Declare every function that kernels call to numba; when called again, those that were marked since."""
 
     def reading(text: Callable[..., Any]) -> Callable[..., Any]:
         return lambda *types: text
@@ -92,7 +92,7 @@ def _module(text: str, key: str) -> ModuleType:
     name = f"fastlink_kernel_{key}"
     if name in sys.modules:
         return sys.modules[name]
-    spec = importlib.util.spec_from_file_location(name, written_file(f"{name}.py", text))
+    spec = importlib.util.spec_from_file_location(name, text_file(f"{name}.py", text))
     assert spec is not None
     assert spec.loader is not None
     module = importlib.util.module_from_spec(spec)

@@ -1,4 +1,4 @@
-"""Which loop of a kernel a value stands in, and where it is kept.
+"""The loop of a kernel that each value stands in, and the row that keeps it.
 
 A value that the design alone determines stands in the loop over designs, one that the input position alone determines
 in the loop over positions, all others in the lanes. Lane values that one loop leaves to the next are rows of a

@@ -36,7 +36,7 @@ RUNTIME = "fastlink.codegen.runtime"
 
 @dataclass(frozen=True)
 class Loop:
-    """What a loop of a kernel computes in each of its passes.
+    """The work of a loop of a kernel in each of its passes.
 
     Attributes
     ----------
@@ -105,7 +105,7 @@ class Source:
 
     @property
     def arguments(self) -> list[tuple[str, tuple[int | None, ...]]]:
-        """The dtype of each argument and its lengths, None for those that are known at run time only."""
+        """The dtype of each argument and its lengths; None for a length that is known at run time only."""
         designs, angles = ("float64", (self.inputs, None)), ("float64", (self.tables, None))
         count: tuple[str, tuple[int | None, ...]] = ("int64", ())
         arrays = (

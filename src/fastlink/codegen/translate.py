@@ -92,12 +92,13 @@ class _Function(Calls):
     # -- statements --------------------------------------------------------------------------------
 
     def block(self, body: Sequence[ast.stmt]) -> None:
-        """Translate statements; what they bind to values that have no place in memory ends with them."""
+        """Translate statements; names bound in them end with them, unless their values have a place in memory."""
         before = dict(self.names)
         for statement in body:
             self.statement(statement)
-        kept = {name: value for name, value in self.names.items() if isinstance(value, Slot)}
-        self.names = kept | before if not self.straight else self.names
+        if not self.straight:
+            slots = {name: value for name, value in self.names.items() if isinstance(value, Slot)}
+            self.names = slots | before
 
     def statement(self, node: ast.stmt) -> None:
         """Translate one statement."""
@@ -232,12 +233,12 @@ class _Function(Calls):
             if overlaps:
                 last = self.integer("sub", stop, width)
                 counter = self.select(self.compare("lt", counter, last), counter, last)
-            kept = dict(self.names), self.straight, self.width, self.everywhere
+            outer = dict(self.names), self.straight, self.width, self.everywhere
             self.straight, self.width, self.everywhere = True, self.module.lanes, {}
             self.names[name] = Lane(counter)
             for statement in node.body:
                 self.statement(statement)
-            self.names, self.straight, self.width, self.everywhere = kept
+            self.names, self.straight, self.width, self.everywhere = outer
 
         self.counted(constant(0), stop, width, body)
 
@@ -309,18 +310,18 @@ def translate(
         The text is not of the grammar.
     """
     tree = ast.parse(text)
-    module, args, places = Module(lanes, "".join(f" {flag}" for flag in fast_math)), [], []
+    module, args, types = Module(lanes, "".join(f" {flag}" for flag in fast_math)), [], []
     for kind, lengths in arguments:
-        places += [*(["ptr"] if lengths else ["i64"]), *("i64" for length in lengths if length is None)]
+        types += ["ptr" if lengths else "i64", *("i64" for length in lengths if length is None)]
         shape = (Value("", "i") if length is None else constant(length) for length in lengths)
         args.append(Array("", kind, tuple(shape)) if lengths else Value("", kind))
     scope = scope_of(tree)
     name, _ = translate_function(module, scope["kernel"], scope, args, noalias=True)
     lines, given = [], []
-    for place, kind in enumerate(places):
-        lines.append(f"  %a{place} = getelementptr inbounds i64, ptr %table, i64 {place}")
-        lines.append(f"  %x{place} = load {kind}, ptr %a{place}")
-        given.append(f"{kind} %x{place}")
+    for k, llvm_type in enumerate(types):
+        lines.append(f"  %a{k} = getelementptr inbounds i64, ptr %table, i64 {k}")
+        lines.append(f"  %x{k} = load {llvm_type}, ptr %a{k}")
+        given.append(f"{llvm_type} %x{k}")
     call = f"  call void @{name}({', '.join(given)})"
     module.text += ["define void @kernel(ptr %table) #0 {", *lines, call, "  ret void", "}"]
     return f"{module}\n"

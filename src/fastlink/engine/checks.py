@@ -19,8 +19,8 @@ from fastlink.plan.validate import (
     check_model,
     check_positions,
     check_turn,
-    chosen_sets,
     given_angles,
+    selected_variants,
 )
 
 if TYPE_CHECKING:
@@ -122,7 +122,7 @@ def check(
         names = names if "status" in names or not companions else (*names, "status")
     with problems.at():
         check_model(catalogue, links, solver)
-    variants = chosen_sets(catalogue, links, solver, () if space is None else space.names)
+    variants = selected_variants(catalogue, links, solver, () if space is None else space.names)
     if space is not None:
         with problems.at():
             check_inputs(catalogue, space, variants, allow_invalid)

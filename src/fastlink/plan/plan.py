@@ -11,9 +11,9 @@ from fastlink.catalogue.catalogue import Catalogue
 from fastlink.errors import InputError
 from fastlink.facts.names import Quantity, Reduced
 from fastlink.plan.extrema import extrema_programs, find_extremum_search
-from fastlink.plan.pointwise import output_of, parse_requests, pointwise_programs
+from fastlink.plan.pointwise import output_of, pointwise_programs
 from fastlink.plan.program import ExtremumSearch, Output, Program
-from fastlink.plan.query import Extrema, Request
+from fastlink.plan.query import Extrema, Request, parse_request
 
 __all__ = ["Plan", "make_plan"]
 
@@ -86,9 +86,9 @@ def make_plan(
     Raises
     ------
     InputError
-        A name is unknown or stands twice, an input is not given, or a quantity cannot be refined.
+        A name is unknown, an input is not given, or a quantity cannot be refined.
     """
-    requests = parse_requests(names, catalogue)
+    requests = [parse_request(name, catalogue) for name in names]
     for request in requests:
         if request.name in given:
             what = f"quantity {request.name!r} is given, and a coordinate of the result"

@@ -10,11 +10,10 @@ from collections.abc import Iterable, Sequence
 from typing import Any
 
 from fastlink.catalogue.catalogue import Catalogue, System
-from fastlink.errors import InputError
 from fastlink.plan.program import EXTREMUM, Lanes, Output, Program
 from fastlink.plan.query import Request, parse_request
 
-__all__ = ["ANGLES_FOR_LANES", "make_program", "output_of", "parse_requests", "pointwise_programs"]
+__all__ = ["ANGLES_FOR_LANES", "make_program", "output_of", "pointwise_programs"]
 
 # Fewer angles than this leave vector lanes idle when lanes are angles.
 ANGLES_FOR_LANES = 32
@@ -52,9 +51,9 @@ def make_program(
     Raises
     ------
     InputError
-        A name is unknown or stands twice, or an input that a fact depends on is not given.
+        A name is unknown, or an input that a fact depends on is not given.
     """
-    requests = parse_requests(names, catalogue)
+    requests = [parse_request(name, catalogue) for name in names]
     position = catalogue.position.name
     tables = (position, *catalogue.tables, *catalogue.table_low_parts)
     leaves = (*given, *tables, "branch")
@@ -103,15 +102,6 @@ def pointwise_programs(
         make_program(catalogue, part, given=program.inputs, angles=angles, **options)
         for part in (curves, others)
     ]
-
-
-def parse_requests(names: Iterable[str], catalogue: Catalogue) -> list[Request]:
-    """Read requested names, each of which is there once."""
-    requests = [parse_request(name, catalogue) for name in names]
-    for i, request in enumerate(requests):
-        if any(other.name == request.name for other in requests[:i]):
-            raise InputError(f"quantity {request.name!r} is asked for twice", remedy="name it once")
-    return requests
 
 
 def output_of(request: Request, catalogue: Catalogue, *, refined: bool = False) -> Output:

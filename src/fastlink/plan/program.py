@@ -72,7 +72,7 @@ class Program:
 
     @property
     def coordinates(self) -> tuple[str, ...]:
-        """What is given at each input position."""
+        """The values that are given at each input position."""
         return self.tables
 
     @cached_property
@@ -145,7 +145,7 @@ class ExtremaProgram(Program):
 
     @property
     def coordinates(self) -> tuple[str, ...]:
-        """What is given at each position of the graded range."""
+        """The values that are given at each position of the graded range."""
         return self.graded.coordinates
 
     @property
@@ -160,5 +160,5 @@ class ExtremaProgram(Program):
 
     @property
     def sides(self) -> int:
-        """How many sides of the ground line are searched."""
+        """Number of sides of the ground line that are searched."""
         return 1 if self.mirrored else 2

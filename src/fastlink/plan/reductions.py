@@ -52,7 +52,7 @@ class Reduction:
     finish : str
         Kernel text of the result, over accumulators.
     sign : int
-        1 for the greatest value, -1 for the least: these are searched exactly, and have a place. 0 for all others.
+        1 for the greatest value, -1 for the least: these are searched exactly, and have a position. 0 for all others.
     power : int or None
         A quantity times a positive factor gives the result times this power of it; units follow. None where there is no
         such power, so that no axis of a sweep only scales the result.
@@ -114,12 +114,12 @@ class Reduction:
 
     @property
     def has_position(self) -> bool:
-        """Whether it is the value at one place of the cycle, an extreme."""
+        """Whether it is the value at one position of the cycle, an extremum."""
         return self.sign != 0
 
     @property
     def better(self) -> str:
-        """Kernel text: whether the value at a place replaces the extreme so far."""
+        """Kernel text: whether the value at a position replaces the extremum so far."""
         return {0: "", 1: "{value} > {best}", -1: "{value} < {best}"}[self.sign]
 
     def units_of(self, units: str) -> str:
@@ -179,13 +179,13 @@ def _fluctuation(samples: Sequence[Any]) -> tuple[Any, Any]:
 
 def _extreme(sign: int, suffix: str, phrase: str, reference: Callable[..., Any]) -> Reduction:
     initial = "-inf" if sign > 0 else "inf"
-    found = "{best} > -inf" if sign > 0 else "{best} < inf"
+    has_value = "{best} > -inf" if sign > 0 else "{best} < inf"
     return Reduction(
         suffix=suffix,
         phrase=phrase,
         reference=reference,
         accumulators={"best": (initial, "select({better}, {value}, {best})")},
-        finish=f"select({found}, {{best}}, nan)",
+        finish=f"select({has_value}, {{best}}, nan)",
         sign=sign,
     )
 

@@ -1,4 +1,4 @@
-"""What a sweep was asked for, checked at the door: inputs, branches, input positions, options."""
+"""Checks of a request: inputs, branches, input positions, options."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from fastlink.errors import InputError, KeyPath, Problem, Problems, Samples, Set
 from fastlink.mechanisms import NAMES, inputs_of
 from fastlink.plan.query import Extrema, parse_request
 from fastlink.space.links import Links
-from fastlink.space.values import short_repr
+from fastlink.space.values import first_invalid, short_repr
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
@@ -33,9 +33,9 @@ __all__ = [
     "check_model",
     "check_positions",
     "check_turn",
-    "chosen_sets",
     "constants_of",
     "given_angles",
+    "selected_variants",
     "variants_of",
 ]
 
@@ -47,9 +47,9 @@ RULES = {"positive": "greater than 0", "non-negative": "at least 0"}
 def variants_of(
     catalogue: Catalogue, links: Links | None, solver: str, given: Iterable[str] = ()
 ) -> tuple[str, ...]:
-    """Return the chosen sets of facts, what replaces before what is replaced.
+    """Return the selected variants, each before the variants that it replaces facts of.
 
-    Giving an input of a load (see `Catalogue.variants_selected_by`) chooses its facts.
+    Giving an input of a load selects its variant, see `Catalogue.variants_selected_by`.
 
     Raises
     ------
@@ -57,7 +57,7 @@ def variants_of(
         The mechanism has no such solver, or nothing depends on links.
     """
     check_model(catalogue, links, solver)
-    return chosen_sets(catalogue, links, solver, given)
+    return selected_variants(catalogue, links, solver, given)
 
 
 def check_model(catalogue: Catalogue, links: Links | None, solver: str) -> None:
@@ -79,16 +79,16 @@ def check_model(catalogue: Catalogue, links: Links | None, solver: str) -> None:
     problems.stop()
 
 
-def chosen_sets(
+def selected_variants(
     catalogue: Catalogue, links: Links | None, solver: str, given: Iterable[str]
 ) -> tuple[str, ...]:
-    """Return what `variants_of` does of what was checked already."""
+    """Return the selected variants where solver and links are checked already, see `variants_of`."""
     solved = () if solver == ELIMINATED else (solver,)
     return (*solved, *catalogue.variants_selected_by(given), *(() if links is None else (links.model,)))
 
 
 def constants_of(catalogue: Catalogue, links: Links | None, variants: Iterable[str]) -> dict[str, float]:
-    """Return the inputs that a design need not give: those of the links, and the defaults of the chosen sets."""
+    """Return the inputs that a design need not give: those of the links, and the defaults of the variants."""
     inputs = catalogue.known_inputs(variants).values()
     defaults = {known.name: known.default for known in inputs if known.default is not None}
     return defaults | dict(links.values if links is not None else {})
@@ -105,12 +105,12 @@ def all_choices(
 def check_inputs(
     catalogue: Catalogue, space: DesignSpace, variants: Sequence[str], allow_invalid: bool
 ) -> None:
-    """Refuse an unknown input, and values that no such thing can have.
+    """Refuse an unknown input, and values that an input cannot have.
 
     Raises
     ------
     InputError
-        With the input, the first bad value, where it stands and what is allowed.
+        With the input, the first bad value, its index and the values allowed.
     """
     known = catalogue.known_inputs(variants)
     problems = Problems()
@@ -137,7 +137,7 @@ def _exclusive(catalogue: Catalogue, version: int, names: tuple[str, ...]) -> li
 
 
 def allowed(declared: Input, value: Any) -> Any:
-    """Tell whether an input may have a value, or of each of an array whether it may."""
+    """Tell whether an input may have a value; for an array, each of its values."""
     finite = abs(value) < math.inf
     if declared.choices:
         return finite & reduce(operator.or_, (value == code for code in declared.choices))
@@ -226,7 +226,7 @@ def given_angles(catalogue: Catalogue, angles: Any, positions: Mapping[str, Any]
     Raises
     ------
     InputError
-        They are given as `angles` and by the name of the input.
+        They are given both as `angles` and by the name of the input.
     """
     name = catalogue.position.name
     values = positions.get(name)
@@ -240,12 +240,12 @@ def given_angles(catalogue: Catalogue, angles: Any, positions: Mapping[str, Any]
 
 
 def check_extrema(extrema: str | None, catalogue: Catalogue, angles: Any) -> Extrema:
-    """Return how extremes are found: refined over a whole turn, unless the angles themselves are given.
+    """Return the search for extrema: refined over a whole turn, unless the angles themselves are given.
 
     Raises
     ------
     InputError
-        The way is unknown, or does not go with an array of angles.
+        The search is unknown, or does not go with an array of angles.
     """
     chosen = np.ndim(angles) > 0
     if extrema is None:
@@ -262,12 +262,12 @@ def check_extrema(extrema: str | None, catalogue: Catalogue, angles: Any) -> Ext
 
 
 def check_turn(catalogue: Catalogue, names: Iterable[str], angles: Any) -> None:
-    """Refuse angles of their own for what needs equal steps over a whole turn.
+    """Refuse an array of angles for a reduction that needs equal steps over a whole turn.
 
     Raises
     ------
     InputError
-        With the name that needs it.
+        With the name of the reduction.
     """
     if np.ndim(angles) == 0:
         return
@@ -288,7 +288,7 @@ def check_positions(catalogue: Catalogue, given: int | ArrayLike, key: str = "an
     catalogue : Catalogue
         The mechanism.
     given : int or array_like
-        What was given.
+        A number of positions, or these.
     key : str
         The name by which it was given.
 
@@ -317,10 +317,8 @@ def check_positions(catalogue: Catalogue, given: int | ArrayLike, key: str = "an
         raise InputError(f"is {short_repr(given)}", where=(key,), remedy=remedy)
     if values.size == 0:
         raise InputError("the array of input positions is empty", where=(key,), remedy="give at least one")
-    bad = np.flatnonzero(~np.isfinite(values))
-    if bad.size:
-        where = (key, int(bad[0]))
-        raise InputError(f"is {values[bad[0]]}", where=where, remedy=f"write finite {noun}")
+    if (bad := first_invalid(values)) is not None:
+        raise InputError(f"is {values[bad]}", where=(key, bad), remedy=f"write finite {noun}")
     order = np.argsort(values, kind="stable")
     twice = np.flatnonzero(np.diff(values[order]) == 0.0)
     if twice.size:

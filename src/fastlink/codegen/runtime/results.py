@@ -40,7 +40,7 @@ from fastlink.numerics.elementary import ANGLE_ROUNDING, INFINITY, NOT_A_NUMBER,
 
 __all__ = [
     *("clear", "collect_ends", "end_values", "extrema_at_zeros", "mirror_image"),
-    *("store_best", "store_counts", "store_extrema", "store_kinds", "store_list"),
+    *("store_best", "store_counts", "store_extrema", "store_list"),
 ]
 
 # Rows of the lists: an extremum's position, value and kind.
@@ -56,7 +56,7 @@ def clear(lists: Any, best: Any) -> None:
     for r in range(lists.shape[0]):
         for column in range(lists.shape[1]):
             for k in range(lists.shape[2]):
-                lists[r, column, k] = NOT_A_NUMBER
+                lists[r, column, k] = NOT_A_NUMBER if r < LIST_KIND else 0.0
     for i in lanes(best.shape[1]):
         best[GREATEST, i] = -INFINITY
         best[LEAST, i] = INFINITY
@@ -193,22 +193,13 @@ def collect_ends(w: Any, count: int, table: Any, search: Any, best: Any, ends: A
 
 @outlined
 def store_list(result: Any, first: int, count: int, base: int, lists: Any, row: int) -> None:
-    """Copy a list of each design and branch."""
+    """Copy a list of each design and branch; beyond the last extremum stands NaN, and 0 as a kind."""
+    beyond = NOT_A_NUMBER if row < LIST_KIND else 0.0
     for i in range(count):
         for branch in range(result.shape[1]):
             for k in range(result.shape[2]):
-                value = lists[row, base + branch * LANES + i, k] if k < lists.shape[2] else NOT_A_NUMBER
+                value = lists[row, base + branch * LANES + i, k] if k < lists.shape[2] else beyond
                 result[first + i, branch, k] = value
-
-
-@outlined
-def store_kinds(result: Any, first: int, count: int, base: int, lists: Any) -> None:
-    """Copy the kinds: 1 for a maximum, -1 for a minimum, 0 beyond the last extremum."""
-    for i in range(count):
-        for branch in range(result.shape[1]):
-            for k in range(result.shape[2]):
-                kind = lists[LIST_KIND, base + branch * LANES + i, k] if k < lists.shape[2] else NOT_A_NUMBER
-                result[first + i, branch, k] = int(kind) if kind == kind else 0
 
 
 @outlined

@@ -41,7 +41,7 @@ __all__ = [
 # 2 units in the last place of a position, and 2^-56 of the cell where the zero is at 0.
 RELATIVE = 2.0**-51
 ABSOLUTE = 2.0**-56
-# A minimum is found to half the digits; closer pairs of zeros are not told from none.
+# A minimum is found to half the digits; closer pairs of zeros are not seen.
 VALLEY_RELATIVE = 2.0**-26
 # After this many steps a parabola is trusted that stays above half of the least magnitude.
 TRUSTED_STEPS = 4
@@ -110,15 +110,15 @@ def place_ends(s: Any, count: int) -> None:
 def _still_open(s: Any, vectors: Any, n: int, flags: Any) -> int:
     """Keep the vectors with an open item; return how many."""
     words = flags.view(np.int64)
-    kept = 0
+    n_open = 0
     for v in range(n):
         at = vectors[v]
         for i in lanes(MOST_LANES):
             flags[at + i] = 1 if s[OPEN, at + i] > 0.0 else 0
         if words[at >> 3] != 0:
-            vectors[kept] = at
-            kept += 1
-    return kept
+            vectors[n_open] = at
+            n_open += 1
+    return n_open
 
 
 @outlined
