@@ -65,7 +65,8 @@ def check_target(path: str | Path, nbytes_needed: int, overwrite: bool) -> Path:
             raise _refused(f"{target} is a device or a pipe", "choose another name")
         if target.exists() and not overwrite:
             raise _refused(f"{target}: the file exists", EXISTS)
-        _refuse_when_held(part_of(target))
+        if (fd := reopened(part_of(target))) is not None:
+            os.close(fd)
         with tempfile.TemporaryFile(dir=target.parent):
             pass
     except InputError:
@@ -100,8 +101,10 @@ def claimed(part: Path) -> Iterator[None]:
         part.unlink(missing_ok=True)  # refused by the system while another process has it open
         yield
         return
-    fd = _claim(part)
+    while (fd := _hold(part, os.O_CREAT)) is None:
+        pass
     try:
+        os.ftruncate(fd, 0)
         yield
     except BaseException:
         part.unlink(missing_ok=True)
@@ -131,20 +134,9 @@ def reopened(part: Path) -> int | None:
     Refused when a live process writes it.
     """
     try:
-        fd = _open(part)
+        return _hold(part)
     except FileNotFoundError:
         return None
-    try:
-        _lock(fd, part)
-        if os.path.samestat(os.fstat(fd), os.stat(part)):
-            return fd
-    except FileNotFoundError:
-        pass
-    except BaseException:
-        os.close(fd)
-        raise
-    os.close(fd)
-    return None
 
 
 def make_sure_of_room(path: Path, nbytes: int) -> None:
@@ -239,27 +231,20 @@ def _flock(fd: int, operation: int) -> None:
             raise
 
 
-def _claim(part: Path) -> int:
-    while True:
-        fd = _open(part, os.O_CREAT)
-        try:
-            _lock(fd, part)
-            if part.exists() and os.path.samestat(os.fstat(fd), os.stat(part)):
-                os.ftruncate(fd, 0)
-                return fd
-        except BaseException:
-            os.close(fd)
-            raise
-        os.close(fd)  # its holder gave it its final name meanwhile
-
-
-def _refuse_when_held(part: Path) -> None:
-    with contextlib.suppress(FileNotFoundError):
-        fd = _open(part)
-        try:
-            _lock(fd, part)
-        finally:
-            os.close(fd)
+def _hold(part: Path, flags: int = 0) -> int | None:
+    """Lock a partial file, and return its file number; None if its name has changed."""
+    fd = _open(part, flags)
+    try:
+        _lock(fd, part)
+        if os.path.samestat(os.fstat(fd), os.stat(part)):
+            return fd
+    except FileNotFoundError:  # its holder gave it its final name meanwhile
+        pass
+    except BaseException:
+        os.close(fd)
+        raise
+    os.close(fd)
+    return None
 
 
 def _rename(part: Path, final: Path, overwrite: bool) -> None:
