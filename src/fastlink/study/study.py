@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import tomllib
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -191,16 +191,14 @@ def read_study(path: str | Path) -> Study:
     with problems.at():
         space = _space_of(path, design)
         problems.wording = _Keys(path, tables, space)
-    mechanism, quantities = tables["mechanism"], tables["quantities"]
+    examine: Callable[..., object] = check if problems.noted else resolve
     with problems.at():
-        check(mechanism, space, quantities, positions=positions, options=KEYS["cycle"], **options)
+        named = {"positions": positions, "options": KEYS["cycle"]}
+        examine(tables["mechanism"], space, tables["quantities"], **named, **options)
     problems.stop()
     assert space is not None
     if positions:
         (options["angles"],) = positions.values()
-    with problems.at():
-        resolve(mechanism, space, quantities, **options)
-    problems.stop()
     sources = (path, *([path.parent / design["table"]] if "table" in design else ()))
     return Study(path, text, tables, space, options, sources)
 
