@@ -1,4 +1,4 @@
 """The catalogue of a mechanism: its declared facts, their dependencies, their evaluation without a kernel.
 
-No mechanism is known here by name; those are declared in `fastlink.mechanisms`.
+Nothing here depends on a mechanism; mechanisms are declared in `fastlink.mechanisms`.
 """

@@ -145,7 +145,7 @@ class Catalogue(Declarations):
                 step = steps[name]
                 if isinstance(step, System) or not step.internal:
                     raise CatalogueError(
-                        f"{self.name}: {variant} gives {name}, which is no quantity or input"
+                        f"{self.name}: {variant} gives {name}, which is not a quantity or input"
                     )
         derivatives = {name for name in self.facts if self.is_derivative(name)}
         for name in set(self.facts) - derivatives:

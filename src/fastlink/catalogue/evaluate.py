@@ -77,7 +77,7 @@ def tables_at(catalogue: Catalogue, theta: Any, names: Iterable[str]) -> dict[st
 def evaluate_step(step: Fact | System, known: dict[str, Any]) -> None:
     """Add the values of a step to the known values."""
     if isinstance(step, System):
-        rows = step.function(*(known[need] for need in step.depends_on))
+        rows = step.function(*(known[name] for name in step.depends_on))
         known.update(zip(step.unknowns, _solve(rows), strict=True))
     else:
         known.update(step.values(known))

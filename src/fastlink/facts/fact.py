@@ -72,8 +72,8 @@ class Fact:
         return (self.name,) if self.low is None else (self.name, self.low)
 
     def values(self, known: Mapping[str, Any]) -> dict[str, Any]:
-        """Evaluate the fact on known values of what it needs."""
-        value = self.function(*(known[need] for need in self.depends_on))
+        """Evaluate the fact on known values."""
+        value = self.function(*(known[name] for name in self.depends_on))
         return {self.name: value} if self.low is None else dict(zip(self.names, value, strict=True))
 
     def renamed(self, rename: Callable[[str], str]) -> Fact:
@@ -104,7 +104,7 @@ class GradedRange:
     Attributes
     ----------
     name : str
-        The set of facts that give the input position from the coordinates of a place in the range.
+        The variant that gives the input position from coordinates in the range.
     ends : tuple of (scale, start, toggle)
         For the lower and the upper end the facts of the design that grade the samples: with rho the ratio of the
         distances to both ends, samples stand at ``sqrt(rho) = scale sinh(j h)``, the first one at ``start``;
@@ -121,7 +121,7 @@ class GradedRange:
         For some quantities half the number of cells that find every extreme, a power of two, and how many
         extremes there are at most; `cells_otherwise` and `max_extrema_otherwise` for all others.
     not_differentiable : tuple of str
-        The quantities that no derivative describes: residuals, and those with poles.
+        The quantities that are not described by a derivative: residuals, and quantities with poles.
     wraps_at : mapping of str to str
         For an angle the fact that vanishes where the angle passes pi, and where it passes 0.
     axis : float

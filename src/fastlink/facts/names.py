@@ -1,10 +1,10 @@
 """The grammar of names: how names are composed and read.
 
 =============================================  =====================================================================
-``NAME``                                       `Quantity`: what is declared (facts, inputs, tables, the position)
+``NAME``                                       `Quantity`: a declared name (facts, inputs, tables, the position)
 ``d_NAME_d_PARAM``                             `Derivative` of NAME with respect to an input or the position
 ``NAME_error``, ``NAME_trust``                 `ErrorBound` of NAME, and `Trust`: whether it is small against NAME
-``NAME__below_VARIANT``                        `Below`: what the fact NAME of that variant replaces
+``NAME__below_VARIANT``                        `Below`: the fact that the fact NAME of that variant replaces
 ``NAME_max``, ``POSITION_at_NAME_max``, ...    `Reduced` over the cycle, and the position where that is
 ``NAME_extrema``, ``POSITION_at_NAME_extrema``,
 ``NAME_extrema_count``, ``NAME_extrema_kind``  `ListOfExtrema`: all extremes, where they are, how many, which
@@ -15,11 +15,11 @@ the first of these rules that holds:
 
 1. ``d_NAME_d_PARAM`` is a derivative where PARAM is an input or the position; the last ``_d_`` counts.
    No declared name but that of a declared derivative contains ``_d_``.
-2. A declared name is what it is declared as: the ``AB_error`` of Hart's mechanism is a quantity.
+2. A declared name is its declaration: the ``AB_error`` of Hart's mechanism is a quantity.
 3. A name with an ending as above is what the ending says, after the prefix of the position.
 4. Any other name is a quantity, known or not.
 
-Declarations refuse a name that rules 1 and 3 read otherwise while what it would be made of is declared too, see
+Declarations refuse a name that rules 1 and 3 read otherwise if its innermost name is declared too, see
 `reading_of`; so each name has one reading, and ``parse(str(tree), known) == tree``.
 """
 

@@ -74,7 +74,7 @@ def outlined(function: F) -> F:
 
 
 def merged(function: F) -> F:
-    """Mark a short function with branches; a call of it costs more than what it does."""
+    """Mark a short function with branches; a call of it costs more than its body."""
     MERGED.add(function)
     return outlined(function)
 

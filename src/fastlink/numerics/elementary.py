@@ -192,7 +192,7 @@ def _polynomial_cos_sin(x: Any) -> Any:
     r = ((x - quarters * PI_2_HIGH) - quarters * PI_2_MIDDLE) - quarters * PI_2_LOW
     r = select(abs(x) <= GREATEST_DIRECTION, r, NOT_A_NUMBER)
     z = r * r
-    # Taylor's series for |r| <= pi/4: what is left out is below 2^-57 of the value.
+    # Taylor's series for |r| <= pi/4: the remainder is below 2^-57 of the value.
     odd = -1.0 / 1307674368000.0 * z + 1.0 / 6227020800.0
     odd = ((odd * z - 1.0 / 39916800.0) * z + 1.0 / 362880.0) * z - 1.0 / 5040.0
     sine = r + r * (z * ((odd * z + 1.0 / 120.0) * z - 1.0 / 6.0))

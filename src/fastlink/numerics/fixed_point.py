@@ -20,7 +20,7 @@ ONE = 1 << PLACES
 HALF_PI = (0x1921FB54442D18469898CC51701B839A252049C1114CF98E804177D4C76273645 + (1 << 63)) >> 64
 #: The greatest error of a result, in the last place: 300 by the turns times that of pi, some dozens by the operations.
 DOUBT = 1 << 12
-#: Angles beyond have more turns, those below fewer places than the doubt allows for.
+#: Greater angles have more turns, lesser ones fewer places than the doubt allows for.
 GREATEST_ANGLE, LEAST_ANGLE = 2.0**10, 2.0**-130
 #: By this many places the 40 digits of mpmath are rounded, a few times each.
 MPMATH_PLACES = 130
@@ -99,7 +99,7 @@ class _Comparison:
 
 
 class _Functions:
-    """The functions of angles, where a text looks for those of mpmath."""
+    """The functions of angles, in place of those of mpmath."""
 
     @staticmethod
     def cos(x: Fixed) -> Fixed:

@@ -40,7 +40,7 @@ LN_2_LOW = float.fromhex("0x1.a39ef35793c76p-33")
 LN_2 = LN_2_HIGH + LN_2_LOW
 # Beyond it sqrt(1 + x x) is x, so that arsinh x is log(2 x), and x x may overflow.
 GREATEST_SQUARED = 2.0**500
-# The bits of 2^-1021, and how far those of 2^1022 are: between them a number is brought near another by its exponent.
+# The bits of 2^-1021, and the distance to those of 2^1022: between them a change of exponent brings two numbers close.
 BITS_OF_LEAST, BITS_OF_RANGE = 2 << 52, np.uint64(2043 << 52)
 HALF_AN_EXPONENT = 1 << 51
 BITS_OF_ONE, BITS_OF_ROOT_HALF, FRACTION_BITS = 0x3FF0000000000000, 0x3FE6A09E667F3BCD, 0x000FFFFFFFFFFFFF

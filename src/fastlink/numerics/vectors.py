@@ -10,7 +10,7 @@ from fastlink.numerics.elementary import context_of, select, sqrt
 
 __all__ = ["cross", "largest", "magnitude", "sign", "turn_rate", "zero_where"]
 
-# `power_of_two_below` overflows from 2^971 on; what underflows instead is as small as LEAST_SIZE.
+# `power_of_two_below` overflows from 2^971 on; a size that underflows counts as LEAST_SIZE.
 SCALE_UP, SCALE_DOWN, LEAST_SIZE = 2.0**60, 2.0**-60, 2.0**-1000
 
 

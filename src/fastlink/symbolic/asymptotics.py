@@ -41,25 +41,25 @@ class Asymptotics:
     def _sum(self, other: Any) -> Asymptotics:
         if isinstance(other, float) and other == 0.0:
             return self
-        right = _grade(other)
+        right = _asymptotics_of(other)
         parity = self.parity if self.parity == right.parity else 0
         return Asymptotics(max(self.order, right.order), parity, self.choice or right.choice)
 
     def _product(self, other: Any) -> Any:
         if isinstance(other, float) and other == 0.0:
             return 0.0
-        right = _grade(other)
+        right = _asymptotics_of(other)
         return Asymptotics(self.order + right.order, self.parity * right.parity, self.choice or right.choice)
 
     __add__ = __radd__ = __sub__ = __rsub__ = _sum
     __mul__ = __rmul__ = _product
 
     def __truediv__(self, other: Any) -> Asymptotics:
-        right = _grade(other)
+        right = _asymptotics_of(other)
         return Asymptotics(self.order - right.order, self.parity * right.parity, self.choice or right.choice)
 
     def __rtruediv__(self, other: Any) -> Any:
-        return 0.0 if isinstance(other, float) and other == 0.0 else _grade(other) / self
+        return 0.0 if isinstance(other, float) and other == 0.0 else _asymptotics_of(other) / self
 
     def __neg__(self) -> Asymptotics:
         return self
@@ -68,19 +68,19 @@ class Asymptotics:
         return Asymptotics(self.order, abs(self.parity), self.choice)
 
     def __ge__(self, other: Any) -> bool:
-        # `fastlink.numerics.elementary.sqrt` asks whether its argument is negative.
+        # `fastlink.numerics.elementary.sqrt` tests the sign of its argument.
         if isinstance(other, Asymptotics) or other != 0:
-            raise TypeError("a grade has no value to compare")
+            raise TypeError("asymptotics have no value to compare")
         return True
 
     def __eq__(self, other: object) -> bool:
-        raise TypeError("a grade has no value to compare")
+        raise TypeError("asymptotics have no value to compare")
 
     __hash__ = None  # type: ignore[assignment]
 
 
 class _Functions:
-    """Elementary functions of grades."""
+    """Elementary functions of such numbers."""
 
     nan = Asymptotics()
 
@@ -99,11 +99,11 @@ class _Functions:
     log = exp
 
     def atan2(self, y: Any, x: Any) -> Asymptotics:
-        above, beside = _grade(y), _grade(x)
+        above, beside = _asymptotics_of(y), _asymptotics_of(x)
         return Asymptotics(0.0, above.parity if beside.parity == 1 else 0, above.choice or beside.choice)
 
 
-def _grade(value: Any) -> Asymptotics:
+def _asymptotics_of(value: Any) -> Asymptotics:
     return value if isinstance(value, Asymptotics) else Asymptotics()
 
 
@@ -121,28 +121,28 @@ def asymptotics(
     varying : iterable of str
         The given values that change over the cycle or with the branch; all others are of the design.
     """
-    grades: dict[str, Any] = {
+    orders: dict[str, Any] = {
         name: Asymptotics(0.0, -1 if name in graded.antisymmetric else 1) for name in varying
     }
-    moving = set(grades)
+    moving = set(orders)
     for step in steps:
         if isinstance(step, System):
             continue
         if moving.intersection(step.depends_on):
             moving.update(step.names)
         if step.name == graded.vanishes_at_toggle:
-            grades[step.name] = Asymptotics(-1.0, 1)
+            orders[step.name] = Asymptotics(-1.0, 1)
         elif step.name in graded.antisymmetric:
-            grades[step.name] = Asymptotics(0.0, -1)
+            orders[step.name] = Asymptotics(0.0, -1)
         else:
-            # A mass centre on its link's line is no more than 0.0 across it, whose products are nothing.
-            known = {part: grades.get(part, Asymptotics()) for part in step.depends_on}
+            # A mass centre on its link's line is 0.0 across it, and products with 0.0 vanish.
+            known = {part: orders.get(part, Asymptotics()) for part in step.depends_on}
             try:
-                grades |= step.values(known)
+                orders |= step.values(known)
             except (TypeError, AttributeError):
                 # It compares values: only the order of what varies is known.
-                order = max((_grade(value).order for value in known.values()), default=0.0)
-                grades |= dict.fromkeys(
+                order = max((_asymptotics_of(value).order for value in known.values()), default=0.0)
+                orders |= dict.fromkeys(
                     step.names, Asymptotics(order, 0, True) if step.name in moving else Asymptotics()
                 )
-    return {name: _grade(value) for name, value in grades.items()}
+    return {name: _asymptotics_of(value) for name, value in orders.items()}

@@ -1,4 +1,4 @@
-"""The error bound of one value: a relative part known beforehand, an expression, and what a low word keeps."""
+"""The error bound of one value: a relative part known beforehand, an expression, and low words."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ class Bound:
 
 
 def multiplied(lost: Lost, number: float) -> Lost:
-    """Return a multiple of what is lost."""
+    """Return a multiple of the lost low words."""
     return {low: (number * times, high) for low, (times, high) in lost.items()}
 
 

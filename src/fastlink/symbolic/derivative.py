@@ -181,8 +181,8 @@ class Derivation:
         if declared is not None:
             root = graph.read_fact(declared, declared.name)
         elif step is None or (isinstance(step, Fact) and name == step.low):
-            return graph.zero  # of what rounding lost
-        elif all(self.slope(need) is graph.zero for need in step.depends_on):
+            return graph.zero  # given, or a rounding error
+        elif all(self._slopes[part] is graph.zero for part in step.depends_on):
             return graph.zero
         elif isinstance(step, System):
             what = f"quantity {derivative_name(name, self.by.name)!r}: a linear system determines {name}"
@@ -224,7 +224,7 @@ class Derivation:
                 return slopes[0] if node.value == 0 else graph.zero
             case "call":
                 return self._of_call(node, slopes)
-        return graph.zero  # of a comparison: what it selects is differentiated where it is selected
+        return graph.zero  # comparisons: the selected values are differentiated in `select`
 
     def _of_power(self, node: Node, slopes: Sequence[Node]) -> Node | None:
         """Return the derivative of x x or x x x, None of another product."""
@@ -266,11 +266,11 @@ class Derivation:
         if function is abs:
             negative = graph.node("<", args[0], graph.zero)
             return graph.select(negative, graph.neg(slopes[0]), slopes[0])
-        condition, *chosen = args
-        # What is not a number here has no derivative here.
+        condition, *values = args
+        # Where the value is NaN, so is the derivative.
         parts = [
             x if x.kind == "number" and x.value != x.value else d
-            for x, d in zip(chosen, slopes[1:], strict=True)
+            for x, d in zip(values, slopes[1:], strict=True)
         ]
         return graph.select(condition, *parts)
 

@@ -102,7 +102,7 @@ class ErrorBounds:
         Raises
         ------
         InputError
-            A linear system determines it, or something that it needs.
+            A linear system determines the fact, or one of its dependencies.
         """
         if name not in self._facts:
             fact = self.bounded_fact(name)

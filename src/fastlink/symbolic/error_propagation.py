@@ -56,7 +56,7 @@ WORDS = {
 }
 #: Elementary functions: two (arsinh, log_quotient: three) units in the last place are four (six) roundings.
 ARCTANGENT, LOGARITHM, LOG_QUOTIENT, ARSINH, COSINE = 4.0, 4.0, 6.0, 6.0, 4.0
-#: Near its zeros what reduces a direction to a quarter turn is left: multiples of 2^-104.
+#: The reduction of a direction to a quarter turn leaves multiples of 2^-104, which count near zeros.
 REDUCTION = 2.0**-103
 #: Tabled with 40 digits and rounded once.
 TABLED = (sin, cos, exp, sinh, cosh)

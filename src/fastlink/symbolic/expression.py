@@ -215,7 +215,7 @@ class ExpressionGraph:
 
     def read_fact(self, fact: Fact, name: str) -> Node:
         """Return one of the values of a fact as an expression in names."""
-        value = self.read(fact.function, [self.name(need) for need in fact.depends_on])
+        value = self.read(fact.function, [self.name(part) for part in fact.depends_on])
         return value if fact.low is None else self.part(value, fact.names.index(name))
 
     # -- writing ---------------------------------------------------------------------------------

@@ -44,7 +44,7 @@ def generate_function(
     depends_on, lines = graph.write(root, given)
     source = "\n    ".join([f"def {name}({', '.join(depends_on)}):", *lines]) + "\n"
     file = f"<generated {name} {next(_serial)}>"
-    # inspect reads the text there, and kernels are made of what inspect reads
+    # inspect reads the text there, and kernels read it by inspect
     linecache.cache[file] = (len(source), None, source.splitlines(keepends=True), file)
     namespace = dict(NAMESPACE)
     exec(compile(source, file, "exec"), namespace)

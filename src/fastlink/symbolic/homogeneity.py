@@ -79,14 +79,14 @@ class _Condition:
         return True
 
     def choose(self, if_true: Any, if_false: Any) -> Any:
-        """Return what `fastlink.numerics.elementary.select` gives."""
+        """Return the power of both values of `fastlink.numerics.elementary.select`."""
         if isinstance(if_true, Homogeneity):
             return if_true + if_false
         return if_false + if_true if isinstance(if_false, Homogeneity) else Homogeneity(0.0)
 
 
 class _Functions:
-    """Elementary functions of degrees."""
+    """Elementary functions of such numbers."""
 
     nan = float("nan")
 
@@ -116,7 +116,7 @@ def homogeneity_degrees(steps: Iterable[Fact | System], name: str) -> dict[str, 
     Parameters
     ----------
     steps : iterable of Fact or System
-        The closure, in order.
+        The steps in order.
     name : str
         The input, of positive values.
 
@@ -132,23 +132,21 @@ def homogeneity_degrees(steps: Iterable[Fact | System], name: str) -> dict[str, 
     degrees: dict[str, Any] = {name: Homogeneity(1.0)}
     for step in steps:
         known = [degrees.get(part, Homogeneity(0.0)) for part in step.depends_on]
-        if isinstance(step, System):
-            same = all(isinstance(value, Homogeneity) and value.power == 0.0 for value in known)
-            degrees |= dict.fromkeys(step.unknowns, Homogeneity(0.0) if same else None)
-        else:
-            degrees |= zip(step.names, _degrees(step, known), strict=True)
+        degrees |= zip(step.names, _degrees(step, known), strict=True)
     return {of: value if value is None else _power(value) for of, value in degrees.items()}
 
 
-def _degrees(fact: Fact, known: list[Any]) -> Sequence[Any]:
-    """Return the degrees of the values of a fact."""
-    count = len(fact.names)
+def _degrees(step: Fact | System, known: Sequence[Any]) -> Sequence[Any]:
+    """Return the degrees of the values of a step."""
+    unknown = [None] * len(step.names)
     if any(value is None for value in known):
-        return [None] * count
+        return unknown
     if all(_power(value) == 0.0 for value in known):
-        return [Homogeneity(0.0)] * count
+        return [Homogeneity(0.0)] * len(step.names)
+    if isinstance(step, System):
+        return unknown
     try:
-        value = fact.function(*known)
+        value = step.function(*known)
     except (_NotHomogeneous, TypeError, AttributeError):
-        return [None] * count
-    return [value] if fact.low is None else value
+        return unknown
+    return [value] if step.low is None else value
