@@ -23,33 +23,33 @@ def angles(theta1):
     return np.arange(theta1) * (2 * np.pi / theta1) if np.ndim(theta1) == 0 else np.asarray(theta1)
 
 
-def plan_of(case, K=360, *, further=(), variants=()):
-    """Return the plan of ``CASES[case]`` and further names, of designs that give every input."""
+def program_of(case, K=360, *, further=(), variants=()):
+    """Return the program of ``CASES[case]`` and further names, of designs that give every input."""
     names = (*CASES[case], *further)
     return make_program(catalogue("planar_4r"), names, given=INPUTS, variants=variants, angles=K)
 
 
-def rows_of(plan, x):
-    """Return the rows of the design array that the plan's kernel reads, padded to whole lanes."""
-    rows = x[[INPUTS.index(name) for name in plan.inputs]]
+def rows_of(program, x):
+    """Return the rows of the design array that the program's kernel reads, padded to whole lanes."""
+    rows = x[[INPUTS.index(name) for name in program.inputs]]
     return aligned_copy(np.pad(rows, ((0, 0), (0, -x.shape[1] % LANES)), mode="edge"))
 
 
-def scratch_of(plan, K):
+def scratch_of(program, K):
     """Return the arrays that a kernel works in."""
-    return [aligned(array.lengths(K), array.dtype) for array in kernel_of(plan).source.scratch]
+    return [aligned(array.lengths(K), array.dtype) for array in kernel_of(program).source.scratch]
 
 
-def shapes(plan, K):
-    lengths = {"branch": len(plan.branches), "theta1": K}
-    return [tuple(lengths[axis] for axis in output.axes) for output in plan.outputs]
+def shapes(program, K):
+    lengths = {"branch": len(program.branches), "theta1": K}
+    return [tuple(lengths[axis] for axis in output.axes) for output in program.outputs]
 
 
 @dataclass(frozen=True)
 class Bound:
     """A kernel bound to its arguments; calling it evaluates into ``arrays``."""
 
-    plan: Program
+    program: Program
     arguments: tuple
     arrays: list
 
@@ -60,7 +60,7 @@ class Bound:
     @cached_property
     def call(self):
         """What evaluates. The table of arguments is filled once, as ctypes has those of the C kernels."""
-        kernel = kernel_of(self.plan).compiled()
+        kernel = kernel_of(self.program).compiled()
         if not hasattr(kernel, "table"):  # numba's
             return partial(kernel, *self.arguments)
         table = kernel.table(*self.arguments)
@@ -71,34 +71,36 @@ class Bound:
 def bind(case, x, theta1, **options):
     """Return the kernel of a case bound to designs and angles; compiles it."""
     theta = angles(theta1)
-    return bind_plan(plan_of(case, theta.size, **options), x, theta)
+    return bind_program(program_of(case, theta.size, **options), x, theta)
 
 
-def bind_plan(plan, x, theta=()):
+def bind_program(program, x, theta=()):
     """Return a kernel whose results are alike in shape, bound to designs and angles; compiles it."""
-    n, tables = x.shape[1], aligned_copy(plan.angle_tables(np.asarray(theta)))
-    scratch = scratch_of(plan, len(theta))
-    shape = shapes(plan, len(theta))[0]
-    whole = aligned((len(plan.outputs), n, *shape), plan.outputs[0].dtype)  # as the C kernel has it
-    bound = Bound(plan, (rows_of(plan, x), tables, n, len(theta), *scratch, *whole), list(whole))
+    n, tables = x.shape[1], aligned_copy(program.angle_tables(np.asarray(theta)))
+    scratch = scratch_of(program, len(theta))
+    shape = shapes(program, len(theta))[0]
+    whole = aligned((len(program.outputs), n, *shape), program.outputs[0].dtype)  # as the C kernel has it
+    bound = Bound(program, (rows_of(program, x), tables, n, len(theta), *scratch, *whole), list(whole))
     bound()
     return bound
 
 
-def job_of(plan, size, K, pool=BLOCK_DESIGNS):
+def job_of(program, size, K, pool=BLOCK_DESIGNS):
     """Return a job of ``size`` designs, which repeat those of a pool; no result is kept."""
-    rows = np.tile(rows_of(plan, designs(pool)), 2)  # a block is a slice, wherever it begins
+    rows = np.tile(rows_of(program, designs(pool)), 2)  # a block is a slice, wherever it begins
 
     def fill(start, stop, x):
         first = start % pool
         x[:, : stop - start] = rows[:, first : first + stop - start]
 
-    outputs = [(shape, output.dtype) for shape, output in zip(shapes(plan, K), plan.outputs, strict=True)]
-    kernel = kernel_of(plan)
+    outputs = [
+        (shape, output.dtype) for shape, output in zip(shapes(program, K), program.outputs, strict=True)
+    ]
+    kernel = kernel_of(program)
     task = KernelTask(
         kernel,
         kernel.compiled(),
-        plan.angle_tables(angles(K)),
+        program.angle_tables(angles(K)),
         tuple(range(len(outputs))),
         fill,
     )
@@ -107,11 +109,11 @@ def job_of(plan, size, K, pool=BLOCK_DESIGNS):
 
 def threads(case, seconds=1.2, repeats=3, K=360):
     """Return the run time in s through `fastlink.engine.executor` with one thread and with two, and configurations."""
-    plan = plan_of(case, K)
+    program = program_of(case, K)
     size = 4096
 
     def clock(count):
-        job = job_of(plan, size, K)
+        job = job_of(program, size, K)
         start = time.perf_counter()
         run(job, threads=count)
         return time.perf_counter() - start
@@ -124,20 +126,21 @@ def threads(case, seconds=1.2, repeats=3, K=360):
     return best[1], best[2], size * 2 * K
 
 
-def bind_results(plan, names, x, theta=()):
+def bind_results(program, names, x, theta=()):
     """Return a kernel with an array for each result, bound to designs and angles; compiles it.
 
     ``names`` are those of the rows of ``x``.
     """
     n, K = x.shape[1], len(theta)
-    rows = x[[names.index(name) for name in plan.inputs]]
+    rows = x[[names.index(name) for name in program.inputs]]
     rows = aligned_copy(np.pad(rows, ((0, 0), (0, -n % LANES)), mode="edge"))
-    lengths = {"branch": len(plan.branches)}
+    lengths = {"branch": len(program.branches)}
     arrays = [
-        aligned((n, *(lengths.get(axis, K) for axis in output.axes)), output.dtype) for output in plan.outputs
+        aligned((n, *(lengths.get(axis, K) for axis in output.axes)), output.dtype)
+        for output in program.outputs
     ]
-    scratch = scratch_of(plan, K)
-    tables = aligned_copy(plan.angle_tables(np.asarray(theta)))
-    bound = Bound(plan, (rows, tables, n, K, *scratch, *arrays), arrays)
+    scratch = scratch_of(program, K)
+    tables = aligned_copy(program.angle_tables(np.asarray(theta)))
+    bound = Bound(program, (rows, tables, n, K, *scratch, *arrays), arrays)
     bound()
     return bound

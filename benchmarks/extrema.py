@@ -37,8 +37,8 @@ def extremes(quantities):
     return [f"{quantity}_{kind}" for quantity in quantities for kind in ("max", "min")]
 
 
-def plans(names, **options):
-    """Return the plans of names, of designs that give every input."""
+def programs(names, **options):
+    """Return the programs of names, of designs that give every input."""
     return make_plan(PLANAR, names, given=INPUTS, **options).programs
 
 
@@ -49,7 +49,7 @@ def draw(family, n, seed=0):
 
 def bind(names, x, **options):
     """Return the bound kernels of names."""
-    return [engine.bind_plan(part, x) for part in plans(names, **options)]
+    return [engine.bind_program(part, x) for part in programs(names, **options)]
 
 
 def together(kernels):
@@ -111,8 +111,8 @@ def error(n=40, K=360, quantities=("omega4", "alpha4")):
     for quantity in quantities:
         name = f"{quantity}_max"
         (refined,) = bind([name, f"theta1_at_{name}"], x)
-        (sampling,) = plans([name], angles=K, extrema="sampled")
-        sampled = engine.bind_plan(sampling, x, engine.angles(K))
+        (sampling,) = programs([name], angles=K, extrema="sampled")
+        sampled = engine.bind_program(sampling, x, engine.angles(K))
         worst = {"refined": 0.0, f"of {K} samples": 0.0}
         with mpmath.workdps(DIGITS):
             for i in range(n):
@@ -129,20 +129,21 @@ def error(n=40, K=360, quantities=("omega4", "alpha4")):
 # ---- what is missed ----
 
 
-def with_cells(plan, times):
-    """Return a plan that searches so many times as many cells."""
-    return replace(plan, searches=tuple(replace(s, cells=int(times * s.cells)) for s in plan.searches))
+def with_cells(program, times):
+    """Return a program that searches so many times as many cells."""
+    return replace(program, searches=tuple(replace(s, cells=int(times * s.cells)) for s in program.searches))
 
 
 def missed(n=100_000, families=FAMILIES, quantities=RATES, finer=8):
     """Designs whose number of extremes is another in a search that is so many times as fine."""
     facts = []
-    counts = plans([f"{quantity}_extrema_count" for quantity in quantities])
+    counts = programs([f"{quantity}_extrema_count" for quantity in quantities])
     for family in families:
         x, differ = draw(family, n, seed=1), np.zeros(n, dtype=bool)
-        for plan in counts:
+        for program in counts:
             found = zip(
-                *(engine.bind_plan(p, x).arrays for p in (plan, with_cells(plan, finer))), strict=True
+                *(engine.bind_program(p, x).arrays for p in (program, with_cells(program, finer))),
+                strict=True,
             )
             for one, other in found:
                 differ |= np.any(one != other, axis=1)
@@ -194,7 +195,10 @@ def derivative(n=64, K=360, rounds=12):
     """The derivative of a curve against the curve."""
     x, theta = engine.designs(n), engine.angles(K)
     best = race(
-        {name: engine.bind_plan(plans([name], angles=K)[0], x, theta) for name in ("T41", "d_T41_d_theta1")},
+        {
+            name: engine.bind_program(programs([name], angles=K)[0], x, theta)
+            for name in ("T41", "d_T41_d_theta1")
+        },
         rounds,
     )
     return [("d_T41_d_theta1 / T41, curves", best["d_T41_d_theta1"] / best["T41"], "", "")]

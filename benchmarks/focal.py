@@ -10,7 +10,7 @@ from functools import partial
 import numpy as np
 
 from benchmarks import c_kernel, in_c, in_numpy, inputs, numpy_baseline
-from benchmarks.engine import angles, bind_results, plan_of
+from benchmarks.engine import angles, bind_results, program_of
 from benchmarks.inputs import aligned_copy, race
 from benchmarks.report import fact_table
 from fastlink.mechanisms import catalogue
@@ -82,8 +82,8 @@ def bind(case, n, K):
     """Return the bare kernel of a case, with the arrays that it fills; compiles it."""
     x, given = (harts(n), HART) if case.mechanism == "hart" else (four_bars(n), FOUR_BAR)
     K = K if case.curves else 0
-    plan = make_program(catalogue(case.mechanism, case.input), case.names, given=given, angles=K or 1)
-    return bind_results(plan, given, x, np.arange(K) * (2 * np.pi / K) if K else ())
+    program = make_program(catalogue(case.mechanism, case.input), case.names, given=given, angles=K or 1)
+    return bind_results(program, given, x, np.arange(K) * (2 * np.pi / K) if K else ())
 
 
 def facts_of(case, n, K, rounds):
@@ -110,7 +110,7 @@ def facts_of(case, n, K, rounds):
 def by_hand(n, K, rounds, case="rates"):
     """Tell what C and NumPy take that were written by hand, next to those of the text."""
     x, tables = inputs.designs(n), inputs.angle_tables(K)
-    bound = bind_results(plan_of(case, K), inputs.INPUTS, x, angles(K))
+    bound = bind_results(program_of(case, K), inputs.INPUTS, x, angles(K))
     out = inputs.outputs(case, n, K)
     calls = {
         "NumPy": in_numpy.bind(bound)[0],

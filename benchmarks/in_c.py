@@ -191,9 +191,9 @@ class _Function:
 class _Module:
     """A kernel with the functions that it calls."""
 
-    def __init__(self, plan):
-        self.plan, self.functions = plan, {}
-        source = kernel_of(plan).source
+    def __init__(self, program):
+        self.program, self.functions = program, {}
+        source = kernel_of(program).source
         self.arrays = {array.name: array for array in (*source.scratch, *source.results)}
 
     def lengths(self, array):
@@ -238,7 +238,7 @@ class _Module:
 
     def write(self):
         """Return the text of the C file."""
-        tree = ast.parse(kernel_of(self.plan).text)
+        tree = ast.parse(kernel_of(self.program).text)
         known = {"inf": math.inf, "nan": math.nan}
         for node in tree.body:
             if isinstance(node, ast.ImportFrom) and node.module != "numpy":
@@ -268,16 +268,16 @@ def _globals(function):
     return _compiled(function).__globals__
 
 
-def write(plan):
-    """Return a plan's kernel as a C file."""
-    return _Module(plan).write()
+def write(program):
+    """Return a program's kernel as a C file."""
+    return _Module(program).write()
 
 
 def bind(bound):
     """Return a call of a bound kernel (`engine.Bound`) in C and the arrays that it fills."""
     with tempfile.TemporaryDirectory() as folder:
         source = Path(folder, "kernel.c")
-        source.write_text(write(bound.plan))
+        source.write_text(write(bound.program))
         kernel = c_kernel.build([source], *FLAGS).kernel
     kernel.restype = None
     inputs, arrays = bound.arguments[: -len(bound.arrays)], [aligned(a.shape, a.dtype) for a in bound.arrays]

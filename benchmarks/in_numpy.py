@@ -24,17 +24,17 @@ def last_uses(steps, kept):
 
 def bind(bound):
     """Return a call of a bound kernel (`engine.Bound`) in NumPy, and the arrays that it fills."""
-    plan, (rows, tables, n, K, *_) = bound.plan, bound.arguments
+    program, (rows, tables, n, K, *_) = bound.program, bound.arguments
     arrays, results = (
         [aligned(a.shape, a.dtype) for a in bound.arrays],
-        [o.request.quantity for o in plan.outputs],
+        [o.request.quantity for o in program.outputs],
     )
-    shared = dict(zip(plan.tables, tables, strict=True))
-    shared["branch"] = np.array(plan.branches, dtype=float)[:, None]
-    columns = dict(zip(plan.inputs, rows[:, :n, None, None] if K else rows[:, :n], strict=True))
-    steps = list(plan.steps)
+    shared = dict(zip(program.tables, tables, strict=True))
+    shared["branch"] = np.array(program.branches, dtype=float)[:, None]
+    columns = dict(zip(program.inputs, rows[:, :n, None, None] if K else rows[:, :n], strict=True))
+    steps = list(program.steps)
     if K:
-        for step in [step for step in steps if plan.axes[step.name] == {"design"}]:
+        for step in [step for step in steps if program.axes[step.name] == {"design"}]:
             with np.errstate(all="ignore"):
                 evaluate_step(step, columns)
             steps.remove(step)

@@ -51,9 +51,9 @@ def tenths(groups=TENTHS, n=8, K=360, rounds=12):
     calls, depends_on = {}, {}
     for names in (everything, *groups):
         resolved = resolve("planar_4r", space, names, angles=K)
-        (plan,) = resolved.plan.programs
+        (program,) = resolved.plan.programs
         calls[names], depends_on[names] = (
-            bind_results(plan, GIVEN, x, resolved.positions),
+            bind_results(program, GIVEN, x, resolved.positions),
             operations(resolved),
         )
     best = race(calls, rounds)

@@ -105,8 +105,8 @@ def eq3(x, theta):
 
 def bind(names, x, theta=()):
     """Return one call of the bare kernel and the arrays that it fills."""
-    plan = make_program(MINKOWSKI, names, given=LENGTHS, angles=len(theta) or 1)
-    bound = bind_results(plan, LENGTHS, x, theta)
+    program = make_program(MINKOWSKI, names, given=LENGTHS, angles=len(theta) or 1)
+    bound = bind_results(program, LENGTHS, x, theta)
     return bound, bound.arrays
 
 

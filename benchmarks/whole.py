@@ -45,8 +45,8 @@ def in_turns(calls, rounds):
 
 def sampled_in_c(x):
     """Return a call of C for five extremes over samples."""
-    plan = engine.make_program(extrema.PLANAR, FIVE, given=INPUTS, angles=K)
-    return in_c.bind(engine.bind_results(plan, INPUTS, x, engine.angles(K)))[0]
+    program = engine.make_program(extrema.PLANAR, FIVE, given=INPUTS, angles=K)
+    return in_c.bind(engine.bind_results(program, INPUTS, x, engine.angles(K)))[0]
 
 
 def end_to_end(n=200_000, rounds=4, count=3):
@@ -71,7 +71,7 @@ def end_to_end(n=200_000, rounds=4, count=3):
 
 def bound(names, x, way, branches=(1, 2)):
     """Return one call of the bare kernels of extremes."""
-    parts = extrema.plans(names, angles=K, extrema=way, branches=branches)
+    parts = extrema.programs(names, angles=K, extrema=way, branches=branches)
     theta = engine.angles(K) if way == "sampled" else ()
     return extrema.together([engine.bind_results(part, INPUTS, x, theta) for part in parts])
 

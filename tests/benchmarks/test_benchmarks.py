@@ -91,7 +91,7 @@ def test_c_finds_the_same_extremes(family):
     call, found = c_kernel.bind_extrema(x)
     call()
     (ours,) = extrema.bind(extrema.extremes(["omega4"]), x)
-    assert [search.cells for search in ours.plan.searches] == [c_kernel.extrema_cells()]
+    assert [search.cells for search in ours.program.searches] == [c_kernel.extrema_cells()]
     # The same arithmetic, strict IEEE in both: C follows the engine, or their times do not compare.
     for theirs, refined in zip(found, ours.arrays, strict=True):
         np.testing.assert_array_equal(theirs, refined)

@@ -28,8 +28,8 @@ def test_the_same_bits(case, other):
 def test_curves_and_extremes_have_the_same_bits_in_c(case):
     if not c_kernel.available():
         pytest.skip("the C kernels need gcc, which is not here")
-    plan = engine.plan_of(case, K)
-    bound = engine.bind_results(plan, inputs.INPUTS, inputs.designs(N), engine.angles(K))
+    program = engine.program_of(case, K)
+    bound = engine.bind_results(program, inputs.INPUTS, inputs.designs(N), engine.angles(K))
     call, arrays = in_c.bind(bound)
     call()
     for ours, theirs in zip(bound.arrays, arrays, strict=True):

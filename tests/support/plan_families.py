@@ -102,38 +102,38 @@ def kernels(request: Any) -> list[tuple[Any, list[Any]]]:
     space = request.space if request.scaling_axis is None else request.scaling_axis.space
     size = space.size
     for kernel in request.kernels:
-        plan = kernel.program
-        designs = np.empty((len(plan.inputs), -(-size // LANES) * LANES))
-        space.fill(plan.inputs, 0, size, designs)
+        program = kernel.program
+        designs = np.empty((len(program.inputs), -(-size // LANES) * LANES))
+        space.fill(program.inputs, 0, size, designs)
         designs[:, size:] = designs[:, size - 1 : size]
-        angles = plan.angle_tables(request.positions)
+        angles = program.angle_tables(request.positions)
         n_angles = angles.shape[1]
         lengths = {
-            "branch": len(plan.branches),
+            "branch": len(program.branches),
             request.catalogue.position.name: n_angles,
             EXTREMUM: request.plan.extrema_kept,
         }
         # What scratch holds from before, and what results hold, is nothing that a kernel may read.
         scratch = [np.full(a.lengths(n_angles), 77, a.dtype) for a in kernel.source.scratch]
-        results = [np.full((size, *(lengths[axis] for axis in o.axes)), 55, o.dtype) for o in plan.outputs]
+        results = [np.full((size, *(lengths[axis] for axis in o.axes)), 55, o.dtype) for o in program.outputs]
         found.append((kernel, [designs, np.ascontiguousarray(angles), size, n_angles, *scratch, *results]))
     return found
 
 
-def run_as_python(plan: Any, arguments: Sequence[Any]) -> list[np.ndarray]:
+def run_as_python(kernel: Any, arguments: Sequence[Any]) -> list[np.ndarray]:
     """Return the results of the text as it is."""
     namespace: dict[str, Any] = {}
-    exec(compile(plan.text, "<kernel>", "exec"), namespace)
+    exec(compile(kernel.text, "<kernel>", "exec"), namespace)
     with np.errstate(all="ignore"):
-        return _run(namespace["kernel"], plan, arguments)
+        return _run(namespace["kernel"], kernel, arguments)
 
 
-def run_compiled(plan: Any, arguments: Sequence[Any], backend: str = "llvm") -> list[np.ndarray]:
+def run_compiled(kernel: Any, arguments: Sequence[Any], backend: str = "llvm") -> list[np.ndarray]:
     """Return the results of machine code."""
-    return _run(load_kernel(plan.source, backend), plan, arguments)
+    return _run(load_kernel(kernel.source, backend), kernel, arguments)
 
 
-def _run(kernel: Any, plan: Any, arguments: Sequence[Any]) -> list[np.ndarray]:
+def _run(function: Any, kernel: Any, arguments: Sequence[Any]) -> list[np.ndarray]:
     own = [a.copy() if isinstance(a, np.ndarray) else a for a in arguments]
-    kernel(*own)
-    return own[len(own) - len(plan.program.outputs) :]
+    function(*own)
+    return own[len(own) - len(kernel.program.outputs) :]

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from typing import TYPE_CHECKING
 
+from fastlink.codegen.schedule import needed_steps
 from fastlink.facts.fact import Fact
 
 if TYPE_CHECKING:
@@ -35,13 +36,7 @@ class ExtremaSchedule:
 
     def needed_for(self, names: Iterable[str]) -> list[Fact]:
         """Return the lane steps that these values need, branch signs among them."""
-        needed: set[str] = set(names)
-        steps: list[Fact] = []
-        for step in reversed(self.lane_steps):
-            if needed.intersection(step.names):
-                needed.update(step.depends_on)
-                steps.insert(0, step)
-        return steps
+        return needed_steps(self.lane_steps, names)
 
     def design_needs(self, steps: Sequence[Fact]) -> list[str]:
         """Return the values of the design that a loop over lanes reads."""

@@ -11,7 +11,7 @@ import ast
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeVar
 
 from fastlink.facts.fact import Fact, System, statements
 from fastlink.facts.names import Quantity, Reduced
@@ -21,9 +21,10 @@ if TYPE_CHECKING:
     from fastlink.plan.program import Output, Program
     from fastlink.plan.reductions import Reduction
 
-__all__ = ["CycleValue", "Schedule", "Step"]
+__all__ = ["CycleValue", "Schedule", "Step", "needed_steps"]
 
 Step = Fact | System
+S = TypeVar("S", Fact, Step)
 
 # A lane loop of fewer facts than this is short enough for the processor to look past its roots and divisions.
 FEW_STEPS = 24
@@ -190,13 +191,7 @@ class Schedule:
 
     def needed_for(self, wanted: Sequence[Step]) -> list[Step]:
         """Return the lane steps that `wanted` need, and themselves."""
-        needed = _computed(wanted)
-        steps: list[Step] = []
-        for step in reversed(self.lane_steps):
-            if needed.intersection(step.names):
-                needed.update(step.depends_on)
-                steps.insert(0, step)
-        return steps
+        return needed_steps(self.lane_steps, _computed(wanted))
 
     def carried(self, stages: Sequence[Sequence[Step]], number: int) -> set[str]:
         """Return the values of a stage that later ones read."""
@@ -212,6 +207,16 @@ class Schedule:
             needs |= dict.fromkeys(self.varying)
         earlier = set(self.lane_needs).union(*(self.carried(stages, k) for k in range(len(stages))))
         return [name for name in self.copies(n for n in needs if n not in computed) if name in earlier]
+
+
+def needed_steps(steps: Sequence[S], names: Iterable[str]) -> list[S]:
+    """Return the steps that values need, in order."""
+    needed, result = set(names), []
+    for step in reversed(steps):
+        if needed.intersection(step.names):
+            needed.update(step.depends_on)
+            result.append(step)
+    return result[::-1]
 
 
 def _computed(steps: Iterable[Step]) -> set[str]:
