@@ -24,7 +24,7 @@ from fastlink.errors import InputError
 __all__ = ["integer_designs"]
 
 #: The list grows with the cube; at this size it has 4.7 million designs (0.4 GB).
-GREATEST = 500
+GREATEST_SIZE = 500
 LENGTHS = {
     "m": "length of MP",
     "n": "length of NQ",
@@ -78,8 +78,8 @@ def integer_designs(max_size: int, *, movable: bool = False) -> xr.Dataset:
     """
     if isinstance(max_size, bool) or not isinstance(max_size, (int, np.integer)):
         raise InputError(f"integer_designs: max_size is {max_size!r}; write a whole number")
-    if not 1 <= max_size <= GREATEST:
-        raise InputError(f"integer_designs: max_size is {max_size}; write 1 to {GREATEST}")
+    if not 1 <= max_size <= GREATEST_SIZE:
+        raise InputError(f"integer_designs: max_size is {max_size}; write 1 to {GREATEST_SIZE}")
     size = int(max_size)
     none = (np.zeros((5, 0), dtype=np.int64),)
     columns = np.concatenate((*none, *(_with_kappa(i, j, size, movable) for i, j in _kappas(size))), axis=1)

@@ -10,7 +10,7 @@ from fastlink.analysis.sextics import coupler_sextic
 __all__ = ["sextic"]
 
 #: Lengths are at most this, and links at least its inverse: no coefficient overflows.
-GREATEST = 1e25
+GREATEST_LENGTH = 1e25
 
 
 def sextic(a: Any, b: Any, g: Any, h: Any, x: Any, y: Any) -> Any:
@@ -63,7 +63,7 @@ def sextic(a: Any, b: Any, g: Any, h: Any, x: Any, y: Any) -> Any:
     """
     numbers = dict(zip("abghxy", broadcast("sextic", a=a, b=b, g=g, h=h, x=x, y=y), strict=True))
     for name, values in numbers.items():
-        least = -GREATEST if name in "xy" else 1.0 / GREATEST
-        check_range("sextic", name, values, (least, GREATEST), "six lengths over h^2")
+        least = -GREATEST_LENGTH if name in "xy" else 1.0 / GREATEST_LENGTH
+        check_range("sextic", name, values, (least, GREATEST_LENGTH), "six lengths over h^2")
     a, b, g, h, x, y = numbers.values()
     return coupler_sextic(1, (a, h, b, g), (x, y))

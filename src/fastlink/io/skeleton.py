@@ -13,7 +13,7 @@ import xarray as xr
 from fastlink.io.dataset import Variable, plain_attrs
 from fastlink.io.partial_file import released
 
-PAGE = 4096
+PAGE_BYTES = 4096
 
 
 def lay_out(
@@ -25,7 +25,7 @@ def lay_out(
     labelled.to_netcdf(
         path, engine="h5netcdf", encoding={name: {"_FillValue": None} for name in coords.coords}
     )
-    with h5py.File(path, "r+", alignment_threshold=PAGE, alignment_interval=PAGE) as file:
+    with h5py.File(path, "r+", alignment_threshold=PAGE_BYTES, alignment_interval=PAGE_BYTES) as file:
         return {variable.name: _create(file, coords, variable) for variable in variables}
 
 

@@ -23,7 +23,7 @@ __all__ = ["outermost", "refined"]
 TURN = 2 * CONTEXT.pi
 METHOD = "extremes refined with 50 digits"
 #: Extremes whose values differ by less may change order: a search in doubles cannot tell them apart.
-TIE = 1e-12
+TIED_EXTREMA = 1e-12
 #: The cost of finding an extreme in evaluations, without its condition.
 EVALUATIONS = 12
 
@@ -49,16 +49,18 @@ def outermost(stationary: Stationary, design: int, sign: int, *, near: float | N
         return Extreme(sign * CONTEXT.pi, CONTEXT.zero, CONTEXT.nan, CONTEXT.zero)
     inner = [candidate for candidate in candidates if candidate.kind == sign]
     best = max((sign * candidate.value for candidate in inner), default=-np.inf)
-    tied = [c for c in inner if sign * c.value >= best - TIE * abs(best)]
+    tied = [c for c in inner if sign * c.value >= best - TIED_EXTREMA * abs(best)]
     tied = tied[:1] if near is None else tied
     extremes = [stationary.extreme(design, c, positions=near is not None) for c in tied]
     extremes += [end for end in ends if not CONTEXT.isnan(end.value)]
     greatest = max((sign * extreme.value for extreme in extremes), default=-CONTEXT.inf)
     sample, size = stationary.largest_sample(design, sign), stationary.size(design)
-    if not extremes or sign * sample > greatest + TIE * size:
+    if not extremes or sign * sample > greatest + TIED_EXTREMA * size:
         # a constant, an extreme that no slope shows, or no value at all
         return Extreme(CONTEXT.mpf(sample), CONTEXT.mpf(size), CONTEXT.nan, CONTEXT.zero)
-    equal = [e for e in extremes if sign * e.value >= greatest - TIE * size or sign * e.value == greatest]
+    equal = [
+        e for e in extremes if sign * e.value >= greatest - TIED_EXTREMA * size or sign * e.value == greatest
+    ]
     return equal[0] if near is None else min(equal, key=lambda e: _distance(near, e.position))
 
 

@@ -26,7 +26,7 @@ __all__ = ["sampled", "values"]
 #: Configurations of each design, if the budget allows.
 ANGLES = 4
 #: Samples that differ by less may change order.
-TIE = 64 * UNIT_ROUNDING
+TIED_SAMPLES = 64 * UNIT_ROUNDING
 FACTS = "the facts with 50 digits"
 #: The reference of a reduction, by whether it is an extreme, and whether its position is compared.
 METHODS = {
@@ -109,6 +109,6 @@ def _exact_sample(sample: Sample, facts: HighPrecision, design: int, index: int)
 def _selected_position(value: float, curve: NDArray[Any], best: int, positions: NDArray[Any]) -> Any:
     """Return a position if its sample is the best up to rounding, else the best one's."""
     selected = np.flatnonzero(positions == value)
-    if selected.size and abs(curve[selected[0]] - curve[best]) <= TIE * abs(curve[best]):
+    if selected.size and abs(curve[selected[0]] - curve[best]) <= TIED_SAMPLES * abs(curve[best]):
         return CONTEXT.mpf(value)
     return CONTEXT.mpf(positions[best])

@@ -17,7 +17,7 @@ from fastlink.numerics.vectors import cross
 __all__ = ["cubic", "cubic_points"]
 
 #: Lengths are at most this, and at least its inverse: products of four neither overflow nor vanish.
-GREATEST = 1e70
+GREATEST_LENGTH = 1e70
 #: Between the four directions in which both points of a line through M meet.
 ARCS = 4
 
@@ -155,7 +155,7 @@ def _numbers(function: str, *numbers: Any) -> list[Any]:
     names = ("a", "b", "c", "d", "phi", "branch")
     arrays = broadcast(function, **dict(zip(names, numbers, strict=True)))
     for name, values in zip("abcd", arrays, strict=False):
-        check_range(function, name, values, (1.0 / GREATEST, GREATEST), "four lengths")
+        check_range(function, name, values, (1.0 / GREATEST_LENGTH, GREATEST_LENGTH), "four lengths")
     if not np.all((arrays[-1] == 1) | (arrays[-1] == 2)):
         raise InputError(f"{function}: branch must be 1 or 2")
     return arrays
