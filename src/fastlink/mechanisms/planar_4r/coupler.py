@@ -86,10 +86,8 @@ def P_ddy(A_y: Any, coupler_ratio_squared: Any, coupler_slope: Any, AP_x: Any, A
 
 velocity = planar_4r.quantities(units="m s-1", source=AT_P)
 velocity.vector(product, "P_v*", "v_P*", "Velocity of the coupler point", x="omega1", y="P_d*")
-acceleration = planar_4r.quantities(units="m s-2", source=AT_P)
-acceleration.vector(
-    product, "P_a*", "a_P*", "Acceleration of the coupler point", x="omega1_squared", y="P_dd*"
-)
+second = planar_4r.quantities(units="m s-2", source=AT_P)
+second.vector(product, "P_a*", "a_P*", "Acceleration of the coupler point", x="omega1_squared", y="P_dd*")
 
 
 @planar_4r.quantity(units="1", symbol="|P'|", source=COUPLER, internal=True)

@@ -85,9 +85,8 @@ def on_ground(x: Any, y: Any) -> Any:
 
 
 force = planar_4r.quantities(units="N", source=SHAKING, variant="dense")
-force.vector(
-    on_ground, "shaking_force_*", "F_*", "Shaking force F14 + F34 on the ground", x="F41_*", y="F43_*"
-)
+_SHAKING = "Shaking force F14 + F34 on the ground"
+force.vector(on_ground, "shaking_force_*", "F_*", _SHAKING, x="F41_*", y="F43_*")
 
 
 @planar_4r.quantity(units="N m", symbol="M_O", source=SHAKING, variant="dense")

@@ -14,6 +14,7 @@ from fastlink.mechanisms._shared.laws import (
     norm,
     opposite_product,
     product,
+    quotient,
     square,
     total,
     turned,
@@ -25,34 +26,16 @@ REACTIONS = f"{HAYES}, eq. (9)"
 CENTRES = f"{HAYES}, Fig. 2"
 
 
-@planar_4r.quantity(units="rad2 s-2", symbol="omega_1^2", source=REACTIONS, internal=True)
-def omega1_squared(omega1: Any) -> Any:
-    """Square of the input speed."""
-    return omega1 * omega1
-
-
-@planar_4r.quantity(units="1", symbol="G_2u/a_2", source=CENTRES, internal=True)
-def G2_along(G2_u: Any, a2: Any) -> Any:
-    """Mass centre of the coupler along its axis, over its length."""
-    return G2_u / a2
-
-
-@planar_4r.quantity(units="1", symbol="G_2v/a_2", source=CENTRES, internal=True)
-def G2_across(G2_v: Any, a2: Any) -> Any:
-    """Mass centre of the coupler across its axis, over its length."""
-    return G2_v / a2
-
-
-@planar_4r.quantity(units="1", symbol="G_3u/a_3", source=CENTRES, internal=True)
-def G3_along(G3_u: Any, a3: Any) -> Any:
-    """Mass centre of the output link along its axis, over its length."""
-    return G3_u / a3
-
-
-@planar_4r.quantity(units="1", symbol="G_3v/a_3", source=CENTRES, internal=True)
-def G3_across(G3_v: Any, a3: Any) -> Any:
-    """Mass centre of the output link across its axis, over its length."""
-    return G3_v / a3
+_AXIS = "its axis, over its length"
+step = planar_4r.steps(units="1", source=CENTRES)
+step(quotient, "G2_along", "G_2u/a_2", f"Mass centre of the coupler along {_AXIS}", x="G2_u", y="a2")
+step(quotient, "G2_across", "G_2v/a_2", f"Mass centre of the coupler across {_AXIS}", x="G2_v", y="a2")
+step(quotient, "G3_along", "G_3u/a_3", f"Mass centre of the output link along {_AXIS}", x="G3_u", y="a3")
+step(quotient, "G3_across", "G_3v/a_3", f"Mass centre of the output link across {_AXIS}", x="G3_v", y="a3")
+step = planar_4r.steps(units="rad2 s-2", source=REACTIONS)
+step(square, "omega1_squared", "omega_1^2", "Square of the input speed", x="omega1")
+step(square, "omega2_squared", "omega_2^2", "Square of the coupler's angular velocity", x="omega2")
+step(square, "omega4_squared", "omega_4^2", "Square of the output link's angular velocity", x="omega4")
 
 
 def crank_force(m1: Any, omega1_squared: Any, centre: Any) -> Any:
@@ -62,22 +45,16 @@ def crank_force(m1: Any, omega1_squared: Any, centre: Any) -> Any:
 
 THETA1 = {"x": "cos_theta1", "y": "sin_theta1"}
 AB, DB = {"x": "AB_x", "y": "AB_y"}, {"x": "DB_x", "y": "DB_y"}
-_ALONG, _ACROSS = (
-    "Rate of momentum of the crank, along its axis",
-    "Rate of momentum of the crank, across its axis",
-)
+_RATE = "Rate of momentum of the crank"
+_P1 = {"u": "crank_force_along", "v": "crank_force_across", **THETA1}
 step = planar_4r.steps(units="N", source=REACTIONS)
-step(crank_force, "crank_force_along", "-m_1 omega_1^2 G_1u", _ALONG, centre="G1_u")
-step(crank_force, "crank_force_across", "-m_1 omega_1^2 G_1v", _ACROSS, centre="G1_v")
-_CRANK = {"u": "crank_force_along", "v": "crank_force_across", **THETA1}
-step.vector(turned, "p1_*", "m_1 a_CG1*", "Rate of momentum of the crank", **_CRANK)
+step(crank_force, "crank_force_along", "-m_1 omega_1^2 G_1u", f"{_RATE}, along its axis", centre="G1_u")
+step(crank_force, "crank_force_across", "-m_1 omega_1^2 G_1v", f"{_RATE}, across its axis", centre="G1_v")
+step.vector(turned, "p1_*", "m_1 a_CG1*", _RATE, **_P1)
 centre = planar_4r.steps(units="m", source=CENTRES)
 centre.vector(turned, "AG_*", "AG_2*", "Mass centre of the coupler from A", u="G2_along", v="G2_across", **AB)
 step = planar_4r.steps(units="m s-2", source=REACTIONS)
 step.vector(opposite_product, "a_A*", "a_A*", "Acceleration of A", x="omega1_squared", y="A_*")
-step = planar_4r.steps(units="rad2 s-2", source=REACTIONS)
-step(square, "omega2_squared", "omega_2^2", "Square of the coupler's angular velocity", x="omega2")
-step(square, "omega4_squared", "omega_4^2", "Square of the output link's angular velocity", x="omega4")
 
 
 @planar_4r.quantity(units="N", symbol="m_2 a_CG2x", source=REACTIONS, internal=True)
@@ -92,15 +69,12 @@ def p2_y(m2: Any, a_Ay: Any, alpha2: Any, omega2_squared: Any, AG_x: Any, AG_y: 
     return m2 * (a_Ay + alpha2 * AG_x - omega2_squared * AG_y)
 
 
-_ALONG = "Mass times centre of the output link along its axis, over its length"
-_ACROSS = "Mass times centre of the output link across its axis, over its length"
-step = planar_4r.steps(units="kg", source=CENTRES)
-step(product, "m3_G3_along", "m_3 G_3/a_3", _ALONG, x="m3", y="G3_along")
-step(product, "m3_G3_across", "m_3 G_3/a_3", _ACROSS, x="m3", y="G3_across")
+_CENTRE = "Mass times centre of the output link"
 _G3 = {"u": "m3_G3_along", "v": "m3_G3_across", **DB}
-step.vector(
-    turned, "m3_DG_*", "m_3 DG_3*", "Mass times centre of the output link from D", **_G3, units="kg m"
-)
+step = planar_4r.steps(units="kg", source=CENTRES)
+step(product, "m3_G3_along", "m_3 G_3/a_3", f"{_CENTRE} along {_AXIS}", x="m3", y="G3_along")
+step(product, "m3_G3_across", "m_3 G_3/a_3", f"{_CENTRE} across {_AXIS}", x="m3", y="G3_across")
+step.vector(turned, "m3_DG_*", "m_3 DG_3*", f"{_CENTRE} from D", **_G3, units="kg m")
 
 
 @planar_4r.quantity(units="N", symbol="m_3 a_CG3x", source=REACTIONS, internal=True)
@@ -150,10 +124,9 @@ def pull(moment: Any, per_2_a1_a4: Any, per_sigma: Any, branch_sign: Any) -> Any
     return moment * (branch_sign * (per_2_a1_a4 * per_sigma))
 
 
-_DB = "Force in the joint B along DB that balances the coupler's moment, for a length of that power of two"
-_AB = (
-    "Force in the joint B along AB that balances the output link's moment, for a length of that power of two"
-)
+_LENGTH = "for a length of that power of two"
+_DB = f"Force in the joint B along DB that balances the coupler's moment, {_LENGTH}"
+_AB = f"Force in the joint B along AB that balances the output link's moment, {_LENGTH}"
 _M2 = {"moment": "moment2_A", "per_2_a1_a4": "unit_per_2_a1_a4"}
 _M3 = {"moment": "alpha4", "per_2_a1_a4": "I3_D_per_2_a1_a4"}
 step = planar_4r.steps(units="N", source=REACTIONS)

@@ -165,14 +165,6 @@ rate(backwards, "joint_alpha_4", "d2 theta_4/dt2 (eqs. 1-6)", _FOURTH, x="alpha4
 # -- for the residuals (factors.py) ------------------------------------------------------------------
 
 
-step = planar_4r.steps(units="1", source=JOINTS)
-step(same, "joint_S1", "sin^2(theta_1/2)", "Squared sine of half the first joint angle", x="C")
-step(same, "joint_C1", "cos^2(theta_1/2)", "Squared cosine of half the first joint angle", x="Z")
-
-
-step(opposite, "joint_Y1", "sin(theta_1)/2", "Half the sine of the first joint angle", x="half_sine")
-
-
 @planar_4r.quantity(units="1", symbol="a_1 a_4/(a_2 a_3)", source=JOINTS, internal=True)
 def per_p_plus_q(s1: Any, s2: Any, s3: Any, s4: Any) -> Any:
     """a1 a4/(a2 a3), which is 1/(p + q)."""
@@ -182,19 +174,6 @@ def per_p_plus_q(s1: Any, s2: Any, s3: Any, s4: Any) -> Any:
 def squared_root(root: Any, per_p_plus_q: Any) -> Any:
     """Return the square of a root of p or q, over p + q."""
     return root * root * per_p_plus_q
-
-
-step = planar_4r.steps(units="1", source=JOINTS)
-step(
-    squared_root, "joint_S3", "sin^2(theta_3/2)", "Squared sine of half the third joint angle", root="root_q"
-)
-step(
-    squared_root,
-    "joint_C3",
-    "cos^2(theta_3/2)",
-    "Squared cosine of half the third joint angle",
-    root="root_p",
-)
 
 
 @planar_4r.quantity(units="1", symbol="sin(theta_3)/2", source=JOINTS, internal=True)
@@ -223,10 +202,16 @@ def minus_half_of_sine(y: Any, length: Any) -> Any:
     return -0.5 * (y / length)
 
 
+_1, _3 = "half the first joint angle", "half the third joint angle"
 step = planar_4r.steps(units="1", source=JOINTS)
+step(same, "joint_S1", "sin^2(theta_1/2)", f"Squared sine of {_1}", x="C")
+step(same, "joint_C1", "cos^2(theta_1/2)", f"Squared cosine of {_1}", x="Z")
+step(opposite, "joint_Y1", "sin(theta_1)/2", "Half the sine of the first joint angle", x="half_sine")
 step(squared_half_sine, "joint_S2", "sin^2(theta_2/2)", x="AB_u", length="a2")
 step(squared_half_cosine, "joint_C2", "cos^2(theta_2/2)", x="AB_u", length="a2")
 step(half_of_sine, "joint_Y2", "sin(theta_2)/2", y="AB_v", length="a2")
+step(squared_root, "joint_S3", "sin^2(theta_3/2)", f"Squared sine of {_3}", root="root_q")
+step(squared_root, "joint_C3", "cos^2(theta_3/2)", f"Squared cosine of {_3}", root="root_p")
 step(squared_half_sine, "joint_S4", "sin^2(theta_4/2)", x="DB_x", length="a3")
 step(squared_half_cosine, "joint_C4", "cos^2(theta_4/2)", x="DB_x", length="a3")
 step(minus_half_of_sine, "joint_Y4", "sin(theta_4)/2", y="DB_y", length="a3")

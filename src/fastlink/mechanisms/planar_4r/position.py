@@ -124,12 +124,10 @@ step.vector(turned, "AP_*", "AP_*", "Vector from A to the coupler point", u="P_a
 point.vector(total, "P_*", "P_*", "Coupler point P", x="A_*", y="AP_*")
 
 
+direction = planar_4r.quantities(units="rad", source=f"{HAYES}, eq. (2)")
+_DB = "Direction of the output link DB in the ground frame"
+direction(angle, "theta2", "theta_2", "Direction of the coupler AB in the ground frame", **AB)
 direction = planar_4r.quantities(units="rad", source=f"{HAYES}, eq. (1)")
-_AB, _DB = (
-    "Direction of the coupler AB in the ground frame",
-    "Direction of the output link DB in the ground frame",
-)
-direction(angle, "theta2", "theta_2", _AB, x="AB_x", y="AB_y", source=f"{HAYES}, eq. (2)")
 direction(angle, "theta4", "theta_4", _DB, x="DB_x", y="DB_y")
 
 
@@ -146,10 +144,9 @@ def scaled_norm(x: Any, y: Any, lift: Any, unit: Any) -> Any:
     return sqrt(u * u + v * v)
 
 
-step(
-    scaled_norm, "coupler_length", "|AB|", "Length of the computed coupler vector, scaled", x="AB_x", y="AB_y"
-)
-step(scaled_norm, "output_length", "|DB|", "Length of the computed output vector, scaled", x="DB_x", y="DB_y")
+_COMPUTED = "Length of the computed {} vector, scaled"
+step(scaled_norm, "coupler_length", "|AB|", _COMPUTED.format("coupler"), x="AB_x", y="AB_y")
+step(scaled_norm, "output_length", "|DB|", _COMPUTED.format("output"), x="DB_x", y="DB_y")
 
 
 @planar_4r.quantity(units="1", symbol="e_x", source=POSITION, internal=True)

@@ -27,7 +27,11 @@ def per_sigma(sigma: Any) -> Any:
 
 step = planar_4r.steps(units="1", source=RATES)
 step(half, "half_sine", "sin(theta_1)/2", "Derivative of gamma by the input angle", x="sin_theta1")
-step(half, "half_omega1", "omega_1/2", "Half the input speed", x="omega1", units="rad s-1")
+step(product, "H", "H", "Part of the ratios that changes sign with the branch", x="half_sine", y="per_sigma")
+step(product, "kappa_per_gamma", "kappa/gamma", "(a2^2 - a3^2)/|AD|^2", x="kappa", y="per_gamma")
+step = planar_4r.steps(units="rad s-1", source=RATES)
+step(half, "half_omega1", "omega_1/2", "Half the input speed", x="omega1")
+step(product, "odd_rate", "omega_1 H/2", "H times half the input speed", x="half_omega1", y="H")
 
 
 @planar_4r.quantity(units="rad2 s-2", symbol="omega_1^2/2", source=RATES, internal=True)
@@ -40,18 +44,6 @@ def half_omega1_squared(omega1: Any) -> Any:
 def mean_rate(half_omega1: Any, crank_excess: Any, Z: Any, per_gamma: Any) -> Any:
     """Mean of the angular velocity over both branches."""
     return half_omega1 * ((crank_excess + Z) * per_gamma)
-
-
-step(product, "H", "H", "Part of the ratios that changes sign with the branch", x="half_sine", y="per_sigma")
-
-
-@planar_4r.quantity(units="rad s-1", symbol="omega_1 H/2", source=RATES, internal=True)
-def odd_rate(half_omega1: Any, H: Any) -> Any:
-    """H times half the input speed."""
-    return half_omega1 * H
-
-
-step(product, "kappa_per_gamma", "kappa/gamma", "(a2^2 - a3^2)/|AD|^2", x="kappa", y="per_gamma")
 
 
 @planar_4r.quantity(units="1", symbol="1 + kappa/gamma", source=RATES, internal=True)
