@@ -47,19 +47,16 @@ _SINE = {"at_0": "sine_at_0", "at_pi": "sine_at_pi"}
 _COSINE = {"at_0": "cosine_at_0", "at_pi": "cosine_at_pi"}
 step(mixed, "squared_half_sine", "sine^2(omega/2)", "Squared sine of omega/2", **_SINE)
 step(mixed, "squared_half_cosine", "cosine^2(omega/2)", "Squared cosine of omega/2", **_COSINE)
-
-
 step = by_crank.steps(units="1", source=f"{WUNDERLICH}, eq. (1.5)")
 step(difference, "w_x", "cos omega", "Cosine of omega", x="squared_half_cosine", y="squared_half_sine")
+step(twice, "size_of_sine", "|sin omega|", "Sine of omega without its sign", x="half_sine_omega")
+step(product, "w_y", "sin omega", "Sine of omega", x="omega_sign", y="size_of_sine")
 
 
 @by_crank.quantity(units="1", symbol="|sin omega|/2", source=f"{WUNDERLICH}, eq. (1.5)", internal=True)
 def half_sine_omega(squared_half_sine: Any, squared_half_cosine: Any) -> Any:
     """Half the sine of omega without its sign; NaN where the dyads do not close."""
     return sqrt(squared_half_sine * squared_half_cosine)
-
-
-step(twice, "size_of_sine", "|sin omega|", "Sine of omega without its sign", x="half_sine_omega")
 
 
 @by_crank.quantity(units="1", symbol="2/|sin omega|", source=f"{WUNDERLICH}, eq. (1.5)", internal=True)
@@ -72,9 +69,6 @@ def per_half_sine(half_sine_omega: Any) -> Any:
 def omega_sign(branch: Any) -> Any:
     """Sign of omega: 1 in branch 1, -1 in branch 2."""
     return 3.0 - 2.0 * branch
-
-
-step(product, "w_y", "sin omega", "Sine of omega", x="omega_sign", y="size_of_sine")
 
 
 # -- u, v, e ------------------------------------------------------------------------------------------------------
@@ -106,18 +100,12 @@ step(swing, "swing_M", "(m - p w)_x", of_sine="M_of_sine", of_cosine="M_of_cosin
 step(swing, "swing_N", "(n + q w)_x", of_sine="N_of_sine", of_cosine="N_of_cosine")
 step(total, "dyad_M_x", "(m - p w)_x", "F seen from M, scaled, along MP", x="straight_M", y="swing_M")
 step(total, "dyad_N_x", "(n + q w)_x", "F seen from N, scaled, along NQ", x="straight_N", y="swing_N")
-
-
-@by_crank.quantity(units="1", symbol="(m - p w)_y", source=f"{WUNDERLICH}, eq. (1.3)", internal=True)
-def dyad_M_y(s_p: Any, w_y: Any) -> Any:
-    """F seen from M and MP, scaled, across MP."""
-    return -(s_p * w_y)
-
-
-@by_crank.quantity(units="1", symbol="(n + q w)_y", source=f"{WUNDERLICH}, eq. (1.4)", internal=True)
-def dyad_N_y(s_q: Any, w_y: Any) -> Any:
-    """F seen from N and NQ, scaled, across NQ."""
-    return s_q * w_y
+across = by_crank.steps(units="1", source=f"{WUNDERLICH}, eq. (1.3)")
+across(
+    opposite_product, "dyad_M_y", "(m - p w)_y", "F seen from M and MP, scaled, across MP", x="s_p", y="w_y"
+)
+across = by_crank.steps(units="1", source=f"{WUNDERLICH}, eq. (1.4)")
+across(product, "dyad_N_y", "(n + q w)_y", "F seen from N and NQ, scaled, across NQ", x="s_q", y="w_y")
 
 
 def per_lengths(x: Any, y: Any, dyad_x: Any, bar: Any, size_of_sine: Any) -> Any:

@@ -79,7 +79,6 @@ def crank_sign(rho_plus_1: Any, lambda_sign: Any) -> Any:
     return select(rho_plus_1 < 0.0, -lambda_sign, lambda_sign)
 
 
-step = focal.steps(units="1", source=DYAD)
 step(opposite, "minus_lambda_sign", "k", "The opposite sign", x="lambda_sign")
 step(opposite, "minus_crank_sign", "k", "The opposite sign", x="crank_sign")
 
@@ -121,7 +120,6 @@ def of_half_angle(
 
 
 _FACTORS = {factor.removeprefix("factor_"): f"{PREFIX}{factor}" for factor in FACTORS}
-step = focal.steps(units="1", source=DYAD)
 
 
 def declare_dyad(name: str, what: str, side: str, spin: str) -> None:

@@ -66,7 +66,6 @@ def weighted(weight: Any, u: Any, s_a: Any, v: Any) -> Any:
     return weight * u + s_a * v
 
 
-step = focal.steps(units="1", source=POSITION)
 step(weighted, "bars_x", "(rho b u + a v)_x", u="u_x", v="v_x")
 step(weighted, "bars_y", "(rho b u + a v)_y", u="u_y", v="v_y")
 

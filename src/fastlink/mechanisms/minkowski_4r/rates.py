@@ -22,7 +22,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from fastlink.mechanisms._shared.laws import same
+from fastlink.mechanisms._shared.laws import opposite_product, product, same, square_difference, twice_product
 from fastlink.mechanisms.minkowski_4r import coupler, position  # noqa: F401 (whose rates these are)
 from fastlink.mechanisms.minkowski_4r.inputs import NUMERICS, minkowski_4r
 from fastlink.numerics.compensated import sum_of_four
@@ -53,28 +53,20 @@ def diagonal(alpha_r: Any, beta: Any, a_one: Any) -> Any:
     return select(product == 0.0, NOT_A_NUMBER, product)
 
 
-@minkowski_4r.quantity(units="1", symbol="n", source=RATES, internal=True)
-def coupler_sum(AB_half: Any, product_one: Any) -> Any:
-    """(AC)^2 + h^2 - b^2, times r."""
-    return 2.0 * (product_one * AB_half)
-
-
-@minkowski_4r.quantity(units="1", symbol="g^2 - a^2", source=RATES, internal=True)
-def ground_excess(s_a: Any, s_g: Any) -> Any:
-    """Square of the ground link less that of the input crank."""
-    return (s_g - s_a) * (s_g + s_a)
-
-
-@minkowski_4r.quantity(units="1", symbol="h^2 - b^2", source=RATES, internal=True)
-def coupler_excess(s_b: Any, s_h: Any) -> Any:
-    """Square of the coupler less that of the output crank."""
-    return (s_h - s_b) * (s_h + s_b)
-
-
-@minkowski_4r.quantity(units="1", symbol="2 a g", source=RATES, internal=True)
-def twice_s_a_s_g(s_a: Any, s_g: Any) -> Any:
-    """Twice the product of input crank and ground link."""
-    return 2.0 * (s_a * s_g)
+step = minkowski_4r.steps(units="1", source=RATES)
+step(twice_product, "coupler_sum", "n", "(AC)^2 + h^2 - b^2, times r", x="product_one", y="AB_half")
+_GROUND = "Square of the ground link less that of the input crank"
+step(square_difference, "ground_excess", "g^2 - a^2", _GROUND, x="s_g", y="s_a")
+_COUPLER = "Square of the coupler less that of the output crank"
+step(square_difference, "coupler_excess", "h^2 - b^2", _COUPLER, x="s_h", y="s_b")
+step(
+    twice_product,
+    "twice_s_a_s_g",
+    "2 a g",
+    "Twice the product of input crank and ground link",
+    x="s_a",
+    y="s_g",
+)
 
 
 @minkowski_4r.quantity(units="1", symbol="1 + S_1", source=RATES, internal=True)
@@ -180,16 +172,6 @@ def constant() -> Any:
     return 0.0
 
 
-def growing(x: Any, side: Any) -> Any:
-    """Derivative of a value that grows like e^abs(theta)."""
-    return side * x
-
-
-def shrinking(x: Any, side: Any) -> Any:
-    """Derivative of a value that shrinks like e^-abs(theta)."""
-    return -(side * x)
-
-
 def half_sinh(sinh_r: Any, side: Any) -> Any:
     """Derivative of sinh^2(theta/2)."""
     return 0.5 * (side * sinh_r)
@@ -220,8 +202,8 @@ derivative = minkowski_4r.derivatives("theta")
 derivative(constant, "side")
 derivative(constant, "twos")
 derivative(constant, "r")
-derivative(growing, "p_r", x="p_r")
-derivative(shrinking, "per_p", x="per_p")
+derivative(product, "p_r", x="side", y="p_r")
+derivative(opposite_product, "per_p", x="side", y="per_p")
 derivative(half_sinh, "S_r")
 derivative(cosh_part, "sinh_r")
 derivative(same, "cosh_theta", x="sinh_theta")

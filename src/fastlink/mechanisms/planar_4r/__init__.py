@@ -17,7 +17,6 @@ from fastlink.mechanisms.planar_4r import (  # noqa: F401 (they declare its fact
     loads,
     position,
     rates,
-    ratios,
     residuals,
     scaling,
     shaking,
