@@ -52,6 +52,28 @@ def test_a_duplicate_is_rejected(catalogue, name):
         declare(catalogue, name, ["a"])
 
 
+def scaled(length, factor):
+    return length * factor
+
+
+def reversed_sign(length, factor):
+    return -(length * factor)
+
+
+def test_a_row_of_a_vector_declares_both_of_its_components(catalogue):
+    step = catalogue.steps(units="m", source="here")
+    step.vector((scaled, reversed_sign), "P_*", "P_*", "Point P", length="Q_*", factor="a", units="1")
+    x, y = catalogue.facts["P_x"], catalogue.facts["P_y"]
+    assert (x.function, y.function) == (scaled, reversed_sign)
+    assert (x.depends_on, y.depends_on) == (("Q_x", "a"), ("Q_y", "a"))
+    assert (x.symbol, y.symbol, x.meaning, y.meaning) == ("P_x", "P_y", "Point P, x", "Point P, y")
+    assert (x.units, x.source, x.internal) == ("1", "here", True)
+    quantity = catalogue.quantities(units="m", source="here")
+    quantity.vector(scaled, "R_*", "R", "Point R", length="P_*", factor="a")
+    assert catalogue.facts["R_x"].function is catalogue.facts["R_y"].function is scaled
+    assert catalogue.facts["R_y"].depends_on == ("P_y", "a")
+
+
 def test_a_circle_is_rejected(catalogue):
     declare(catalogue, "b", ["c"])
     declare(catalogue, "c", ["b"])

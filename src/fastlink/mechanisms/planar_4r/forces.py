@@ -20,6 +20,7 @@ from fastlink.mechanisms._shared.laws import (
     turned,
 )
 from fastlink.mechanisms.planar_4r.inputs import HAYES, planar_4r
+from fastlink.mechanisms.planar_4r.position import AB, DB
 from fastlink.numerics.vectors import cross
 
 REACTIONS = f"{HAYES}, eq. (9)"
@@ -44,7 +45,6 @@ def crank_force(m1: Any, omega1_squared: Any, centre: Any) -> Any:
 
 
 THETA1 = {"x": "cos_theta1", "y": "sin_theta1"}
-AB, DB = {"x": "AB_x", "y": "AB_y"}, {"x": "DB_x", "y": "DB_y"}
 _RATE = "Rate of momentum of the crank"
 _P1 = {"u": "crank_force_along", "v": "crank_force_across", **THETA1}
 step = planar_4r.steps(units="N", source=REACTIONS)

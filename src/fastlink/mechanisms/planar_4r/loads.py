@@ -49,8 +49,6 @@ step(same, "mass1", "m_1", "whole mass of the crank", x="m1", units="kg")
 step(same, "mass3", "m_3", "whole mass of the output link", x="m3", units="kg")
 step(product, "m1_G1_u", "m_1 G_1u", "mass times centre of the crank, along", x="m1", y="G1_u")
 step(product, "m1_G1_v", "m_1 G_1v", "mass times centre of the crank, across", x="m1", y="G1_v")
-
-
 _G1 = {"u": "m1_G1_u", "v": "m1_G1_v", **forces.THETA1}
 step.vector(turned, "m1_OG_*", "m_1 OG_1*", "Mass times centre of the crank from O", **_G1)
 

@@ -117,7 +117,7 @@ step.vector(total, "foot_*", "F_*", "Foot of B on AD, the same in both branches"
 point.vector(beside, "B_*", "B_*", "Moving pivot B", foot="foot_*", across="across_*")
 
 
-AB = {"x": "AB_x", "y": "AB_y"}
+AB, DB = {"x": "AB_x", "y": "AB_y"}, {"x": "DB_x", "y": "DB_y"}
 step(quotient, "P_along", "P_u/a_2", "Coupler point along AB, over its length", x="P_u", y="a2", units="1")
 step(quotient, "P_across", "P_v/a_2", "Coupler point across AB, over its length", x="P_v", y="a2", units="1")
 step.vector(turned, "AP_*", "AP_*", "Vector from A to the coupler point", u="P_along", v="P_across", **AB)
@@ -128,7 +128,7 @@ direction = planar_4r.quantities(units="rad", source=f"{HAYES}, eq. (2)")
 _DB = "Direction of the output link DB in the ground frame"
 direction(angle, "theta2", "theta_2", "Direction of the coupler AB in the ground frame", **AB)
 direction = planar_4r.quantities(units="rad", source=f"{HAYES}, eq. (1)")
-direction(angle, "theta4", "theta_4", _DB, x="DB_x", y="DB_y")
+direction(angle, "theta4", "theta_4", _DB, **DB)
 
 
 @planar_4r.quantity(units="rad", symbol="mu", source=POSITION)
@@ -145,8 +145,8 @@ def scaled_norm(x: Any, y: Any, lift: Any, unit: Any) -> Any:
 
 
 _COMPUTED = "Length of the computed {} vector, scaled"
-step(scaled_norm, "coupler_length", "|AB|", _COMPUTED.format("coupler"), x="AB_x", y="AB_y")
-step(scaled_norm, "output_length", "|DB|", _COMPUTED.format("output"), x="DB_x", y="DB_y")
+step(scaled_norm, "coupler_length", "|AB|", _COMPUTED.format("coupler"), **AB)
+step(scaled_norm, "output_length", "|DB|", _COMPUTED.format("output"), **DB)
 
 
 @planar_4r.quantity(units="1", symbol="e_x", source=POSITION, internal=True)

@@ -8,8 +8,9 @@ from __future__ import annotations
 from typing import Any
 
 from fastlink.mechanisms._shared.laws import norm, turned
-from fastlink.mechanisms.planar_4r.forces import CENTRES, DB
+from fastlink.mechanisms.planar_4r.forces import CENTRES
 from fastlink.mechanisms.planar_4r.inputs import HAYES, planar_4r
+from fastlink.mechanisms.planar_4r.position import DB
 from fastlink.numerics.vectors import cross
 
 SHAKING = f"{HAYES}, section 5"
