@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from fastlink.mechanisms._shared.laws import same
+from fastlink.mechanisms._shared.laws import product, same
 from fastlink.mechanisms._shared.reuse import borrow
 from fastlink.mechanisms.focal.inputs import DESIGN, GIVEN_S, LINKS, WUNDERLICH, focal
 from fastlink.mechanisms.planar_4r import planar_4r
@@ -83,17 +83,13 @@ def s_s(s_d: Any, T_share: Any) -> Any:
     return s_d * T_share
 
 
-@focal.quantity(
-    units="1",
-    symbol="AT/AB",
-    source=f"{WUNDERLICH}, eq. (3.2)",
-    internal=True,
-    variant=GIVEN_S,
-    name="T_share",
-)
 def share_of_support(s: Any, d: Any, valid: Any) -> Any:
     """Share s/d of MS in MN, and of AT in AB."""
     return select(valid == 1.0, s / d, NOT_A_NUMBER)
+
+
+by_support = focal.steps(units="1", source=f"{WUNDERLICH}, eq. (3.2)", variant=GIVEN_S)
+by_support(share_of_support, "T_share", "AT/AB")
 
 
 # -- quantities ----------------------------------------------------------------------------------------------
@@ -123,19 +119,8 @@ length(length_of, "FT", "FT", "Length FT", scaled="s_FT")
 length = focal.quantities(units="m", source=f"{WUNDERLICH}, eqs. (1.8) corrected, (1.9)")
 length(length_of, "s", "s", "Crank support S on MN, from M towards N", scaled="s_s")
 length(same, "S_x", "S_x", "Crank support S, x", x="s")
-
-
-@focal.quantity(
-    units="m",
-    symbol="S_x",
-    source=f"{WUNDERLICH}, eq. (1.9)",
-    variant=GIVEN_S,
-    name="S_x",
-    meaning="Crank support S, x",
-)
-def place_of_support(s_s: Any, scale: Any) -> Any:
-    """Crank support S of a four-bar that has one, x."""
-    return s_s * scale
+by_support = focal.quantities(units="m", source=f"{WUNDERLICH}, eq. (1.9)", variant=GIVEN_S)
+by_support(product, "S_x", "S_x", "Crank support S, x", x="s_s", y="scale")
 
 
 @focal.quantity(units="1", symbol="AT/AB", source=f"{WUNDERLICH}, eq. (3.2)")
