@@ -39,6 +39,7 @@ def test_a_sweep_takes_positions_by_the_name_of_the_input(mechanism, input):
         for name in ("angles", input)
     )
     np.testing.assert_array_equal(other[input], VALUES)
+    assert other.mechanism == mechanism  # a name that `fl.sweep` takes, whatever drives
     assert np.isfinite(one[quantity]).any()
     np.testing.assert_array_equal(one[quantity], other[quantity])
 

@@ -39,6 +39,8 @@ class ResolvedSweep:
 
     Attributes
     ----------
+    mechanism : str
+        The name of the mechanism, whatever input drives it.
     space : DesignSpace
         The designs, with every constant and choice.
     plan : Plan
@@ -53,6 +55,7 @@ class ResolvedSweep:
         What compiles the kernels.
     """
 
+    mechanism: str
     space: DesignSpace
     plan: Plan
     positions: NDArray[Any]
@@ -64,11 +67,6 @@ class ResolvedSweep:
     def catalogue(self) -> Catalogue:
         """The mechanism, as driven by the input."""
         return self.plan.catalogue
-
-    @property
-    def mechanism(self) -> str:
-        """The name of the mechanism."""
-        return self.plan.catalogue.name
 
     @property
     def branches(self) -> tuple[int, ...]:
@@ -176,7 +174,7 @@ def resolve(
         raise (_problem_of_each(checked, planning, parameter) or error) from None
     axis = find_scaling_axis(plan, space)
     solver = checked.solver if plan.depends_on_solver else ""
-    return ResolvedSweep(space, plan, checked.positions, solver, axis, checked.backend)
+    return ResolvedSweep(mechanism, space, plan, checked.positions, solver, axis, checked.backend)
 
 
 def _missing_inputs(
