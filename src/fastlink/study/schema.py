@@ -1,236 +1,171 @@
-"""The keys of a study file and the values that they may have.
-
-A reader takes a value of the file and its place, and returns the value as a sweep takes it, or raises InputError.
-"""
+"""The keys of a study file and the values that they may have, as models of pydantic."""
 
 from __future__ import annotations
 
-import math
-from collections.abc import Callable, Mapping
-from typing import TYPE_CHECKING, Any, TypeAlias
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Annotated, Any, Self
 
 import numpy as np
+from pydantic import BaseModel, Discriminator, Field, Tag, ValidationError, model_validator
+from pydantic_core import PydanticCustomError, core_schema
 
-from fastlink.errors import InputError, KeyPath, Problems, suggest
+from fastlink.errors import InputError, Problem, suggest
 from fastlink.space.values import short_repr
-
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
 
 __all__ = ["KEYS", "SAMPLES", "read_tables"]
 
-LONGEST_AXIS = 10_000_000  # 80 MB: axes are held in memory
-
-Reader: TypeAlias = Callable[[Any, KeyPath], Any]
+LONGEST = 10_000_000  # values of an axis: 80 MB in memory
 
 
-def _value(allowed: str, convert: Callable[[Any], Any]) -> Reader:
-    """Return the reader of a value that `convert` returns, or refuses by ValueError."""
+@dataclass(frozen=True)
+class Write:
+    """The remedy for a value that is refused, whatever is wrong with it; entries of a list have their own."""
 
-    def read(value: Any, where: KeyPath) -> Any:
-        try:
-            return convert(value)
-        except (ValueError, TypeError, OverflowError):
-            raise InputError(f"is {short_repr(value)}", where=where, remedy=f"write {allowed}") from None
+    allowed: str
 
-    return read
-
-
-def _list(allowed: str, entry: Reader) -> Reader:
-    """Return the reader of a list of one or more entries, which have a reader."""
-
-    def read(value: Any, where: KeyPath) -> list[Any]:
-        if not isinstance(value, list) or not value:
-            raise InputError(f"is {short_repr(value)}", where=where, remedy=f"write {allowed}")
-        problems, entries = Problems(), []
-        for k, one in enumerate(value):
-            with problems.at():
-                entries.append(entry(one, (*where, k)))
-        problems.stop()
-        return entries
-
-    return read
+    def __get_pydantic_core_schema__(self, source: Any, handler: Any) -> core_schema.CoreSchema:
+        schema = handler(source)
+        checked = core_schema.list_schema(min_length=1) if schema["type"] == "list" else schema
+        worded = core_schema.custom_error_schema(
+            checked, custom_error_type="write", custom_error_message=self.allowed
+        )
+        return worded if checked is schema else core_schema.chain_schema([worded, schema])
 
 
-def _table(
-    keys: Mapping[str, Reader], other: Reader | None = None, required: Mapping[str, str] | None = None
-) -> Reader:
-    """Return the reader of a table.
-
-    Parameters
-    ----------
-    keys : mapping of str to reader
-        Its keys.
-    other : reader, optional
-        The reader of all other keys, which are refused without it.
-    required : mapping of str to str, optional
-        The keys that must stand in it, with examples.
-    """
-
-    def read(value: Any, where: KeyPath) -> dict[str, Any]:
-        if not isinstance(value, dict):
-            remedy = f"write a table of keys, such as [{where[-1]}]"
-            raise InputError(f"is {short_repr(value)}", where=where, remedy=remedy)
-        problems, misspelt, values = Problems(), [], {}
-        for name, given in value.items():
-            reader = keys.get(name, other)
-            if reader is None:
-                misspelt.append(suggest(name, keys))
-                problems.add("is no key here", (*where, name), misspelt[-1])
-                continue
-            with problems.at():
-                values[name] = reader(given, (*where, name))
-        for name, example in (required or {}).items():
-            if name not in value and f"did you mean {name!r}?" not in misspelt:
-                problems.add("is missing", (*where, name), f"write {example}")
-        problems.stop()
-        return values
-
-    return read
+String = Annotated[str, Field(strict=True)]
+Whole = Annotated[int, Field(strict=True)]
+Count = Annotated[Whole, Field(ge=1, le=LONGEST)]
+Finite = Annotated[float, Field(strict=True, allow_inf_nan=False)]
+Positive = Annotated[Finite, Field(gt=0)]
+Negative = Annotated[Finite, Field(lt=0)]
+Text = Annotated[String, Field(min_length=1), Write("a text that is not empty")]
+Name = Annotated[String, Write("the name of a quantity as text")]
+Entry = Annotated[Finite, Write("a finite number")]
+LinkInput = Annotated[Finite, Write("one finite number; to sweep it, make it an axis in [design]")]
+Range = Annotated[tuple[Finite, Finite] | Finite, Write("[lo, hi] with finite lo < hi, or one finite number")]
+Verified = Annotated[Whole, Field(ge=0), Write("how many designs to compute again with 50 digits, or 0")]
+LINSPACE = f"[lo, hi, n] with finite lo and hi and a whole number n from 1 to {LONGEST}"
+GEOMSPACE = LINSPACE.replace("and hi", "and hi of one sign, neither 0,")
+Linspace = Annotated[tuple[Finite, Finite, Count], Write(LINSPACE)]
+OfOneSign = tuple[Positive, Positive, Count] | tuple[Negative, Negative, Count]
 
 
-def _either(number: Reader, table: Reader) -> Reader:
-    """Return the reader of a value that is a number or a table."""
-    return lambda value, where: (table if isinstance(value, dict) else number)(value, where)
+class Angles(BaseModel, extra="forbid"):
+    """An axis of input angles in rad: exactly one key."""
+
+    linspace: Linspace | None = None
+    values: Annotated[list[Entry], Write("a list of one or more finite numbers")] | None = None
+
+    @model_validator(mode="after")
+    def _has_one_key(self) -> Self:
+        if len(self.model_fields_set) != 1:
+            keys = ", ".join(sorted(type(self).model_fields))
+            raise PydanticCustomError("write", "exactly one of {keys}", {"keys": keys})
+        return self
 
 
-def _is(condition: bool, value: Any) -> Any:
-    """Return a value that fulfils a condition."""
-    if not condition:
-        raise ValueError
-    return value
+class Axis(Angles):
+    """An axis of an input: exactly one key."""
+
+    geomspace: Annotated[OfOneSign, Write(GEOMSPACE)] | None = None
 
 
-def _finite(value: Any) -> float:
-    number = isinstance(value, (int, float)) and not isinstance(value, bool)
-    return float(_is(number and math.isfinite(value), value))
+def _kind(value: Any) -> str:
+    return "axis" if isinstance(value, dict) else "number"
 
 
-def _whole(value: Any, least: float = -math.inf, most: float = math.inf) -> int:
-    return int(_is(type(value) is int and least <= value <= most, value))
+def _kind_in_design(value: Any) -> str:
+    return "sample" if isinstance(value, dict) and "n" in value else _kind(value)
 
 
-def _count(value: Any) -> int:
-    return _whole(value, 1, LONGEST_AXIS)
+ANGLES = f"a number of angles from 1 to {LONGEST}, {{linspace = [lo, hi, n]}} or {{values = [...]}} in rad"
+INPUT = "a finite number, or {linspace = [lo, hi, n]}, {geomspace = [lo, hi, n]} or {values = [...]}"
+Positions = Annotated[
+    Annotated[Count, Write(ANGLES), Tag("number")] | Annotated[Angles, Tag("axis")], Discriminator(_kind)
+]
+DesignInput = Annotated[
+    Annotated[Finite, Write(INPUT), Tag("number")] | Annotated[Axis, Tag("axis")],
+    Discriminator(_kind_in_design),
+]
 
 
-def _text(value: Any) -> str:
-    return str(_is(isinstance(value, str), value))
+class Sample(BaseModel, extra="allow"):
+    """A space-filling sample: the number of designs, a seed, and a range or a number for each input."""
+
+    __pydantic_extra__: dict[str, Range]
+    n: Annotated[Whole, Write("a whole number of designs of at least 1")]
+    seed: Annotated[Whole, Write("a whole number of at least 0")] | None = None
 
 
-def _filled(value: Any) -> str:
-    return str(_is(bool(_text(value)), value))
+class Design(BaseModel, extra="allow"):
+    """The table [design]: inputs, and the keys that are not inputs."""
+
+    __pydantic_extra__: dict[str, DesignInput]
+    sobol: Sample | None = None
+    latin_hypercube: Sample | None = None
+    table: Annotated[Text, Write('the path of a CSV file, such as "designs.csv"')] | None = None
 
 
-def _samples(value: Any) -> tuple[float, float, int]:
-    low, high, count = value
-    return _finite(low), _finite(high), _count(count)
+class Links(BaseModel, extra="allow"):
+    """The table [links]: a model of the links, and its inputs."""
+
+    __pydantic_extra__: dict[str, LinkInput]
+    model: Text
 
 
-def _samples_of_one_sign(value: Any) -> tuple[float, float, int]:
-    low, high, count = _samples(value)
-    return _is(low != 0.0 != high and (low > 0.0) == (high > 0.0), (low, high, count))  # type: ignore[no-any-return]
+class Cycle(BaseModel, extra="allow"):
+    """The table [cycle]: options, and input positions by the name of the input."""
+
+    __pydantic_extra__: dict[str, Positions]
+    input: Text | None = None
+    angles: Positions | None = None
+    branch: Annotated[Whole | list[Whole], Write("assembly modes, such as [1, 2]")] | None = None
+    solver: Annotated[String, Write('"eliminated" or "dense"')] | None = None
+    extrema: Annotated[String, Write('"refined" or "sampled"')] | None = None
 
 
-def _range(value: Any) -> float | tuple[float, float]:
-    if not isinstance(value, list):
-        return _finite(value)
-    low, high = value
-    return _finite(low), _finite(high)
+class Run(BaseModel, extra="forbid"):
+    """The table [run]."""
+
+    backend: Annotated[String, Write('"llvm" or "numba"')] | None = None
 
 
-def _branches(value: Any) -> int | list[int]:
-    return [_whole(one) for one in value] if isinstance(value, list) else _whole(value)
+class Output(BaseModel, extra="forbid"):
+    """The table [output]."""
+
+    file: Text | None = None
+    overwrite: Annotated[bool, Field(strict=True), Write("true or false")] | None = None
+    verify: Verified | None = None
 
 
-COUNT = f"a whole number n from 1 to {LONGEST_AXIS}"
-#: The keys of an axis.
-LINSPACE: dict[str, Reader] = {
-    "linspace": _value(f"[lo, hi, n] with finite lo and hi and {COUNT}", _samples),
-    "values": _list("a list of one or more finite numbers", _value("a finite number", _finite)),
-}
-AXIS: dict[str, Reader] = LINSPACE | {
-    "geomspace": _value(
-        f"[lo, hi, n] with finite lo and hi of one sign, neither 0, and {COUNT}", _samples_of_one_sign
-    )
-}
+class StudyFile(BaseModel, extra="forbid"):
+    """A study file."""
+
+    mechanism: Text
+    title: Text | None = None
+    quantities: Annotated[list[Name], Write('a list of names, such as ["omega4_max"]')]
+    design: Design
+    links: Links | None = None
+    cycle: Cycle | None = None
+    run: Run | None = None
+    output: Output | None = None
 
 
-def _axis(keys: Mapping[str, Reader]) -> Reader:
-    """Return the reader of an axis, which has exactly one of some keys."""
-    table = _table(keys)
-
-    def read(value: Any, where: KeyPath) -> NDArray[Any]:
-        given = table(value, where)
-        if len(given) != 1:
-            remedy = f"write exactly one of {', '.join(sorted(keys))}"
-            raise InputError(f"has {' and '.join(given) or 'no key'}", where=where, remedy=remedy)
-        ((kind, numbers),) = given.items()
-        if kind == "values":
-            return np.array(numbers)
-        with np.errstate(
-            all="ignore"
-        ):  # a value that overflows is refused with its index, as any infinite one
-            return (np.linspace if kind == "linspace" else np.geomspace)(*numbers)
-
-    return read
-
-
-TEXT = _value("a text that is not empty", _filled)
-ANGLES = _either(
-    _value(
-        f"a number of angles from 1 to {LONGEST_AXIS}, {{linspace = [lo, hi, n]}} or {{values = [...]}} in rad",
-        _count,
-    ),
-    _axis(LINSPACE),
-)
 #: The tables of options, and their keys.
-KEYS: dict[str, dict[str, Reader]] = {
-    "cycle": {
-        "input": TEXT,
-        "angles": ANGLES,
-        "branch": _value("assembly modes, such as [1, 2]", _branches),
-        "solver": _value('"eliminated" or "dense"', _text),
-        "extrema": _value('"refined" or "sampled"', _text),
-    },
-    "run": {"backend": _value('"llvm" or "numba"', _text)},
-    "output": {
-        "file": TEXT,
-        "overwrite": _value("true or false", lambda value: _is(isinstance(value, bool), value)),
-        "verify": _value(
-            "how many designs to compute again with 50 digits, 0 for none", lambda value: _whole(value, 0)
-        ),
-    },
-}
-_SAMPLE = _table(
-    {
-        "n": _value("a whole number of designs of at least 1", _whole),
-        "seed": _value("a whole number of at least 0", _whole),
-    },
-    _value("[lo, hi] with finite lo < hi, or one finite number", _range),
-    {"n": "n = 1024, the number of designs"},
-)
+KEYS = {"cycle": Cycle.model_fields, "run": Run.model_fields, "output": Output.model_fields}
 #: The keys of [design] that are not inputs.
-SAMPLES: dict[str, Reader] = {
-    "sobol": _SAMPLE,
-    "latin_hypercube": _SAMPLE,
-    "table": _value('the path of a CSV file, such as "designs.csv"', _filled),
+SAMPLES = Design.model_fields
+#: The keys of tables without other keys, by the table of the study that they are in.
+KNOWN = KEYS | {"design": Axis.model_fields, "cycle": Angles.model_fields}
+#: Examples of required keys.
+EXAMPLES = {
+    "mechanism": 'mechanism = "planar_4r"',
+    "quantities": 'quantities = ["omega4_max"]',
+    "design": "a table [design] with a number or an axis for each input",
+    "n": "n = 1024, the number of designs",
+    "model": 'model = "round_bar"',
 }
-_ENTRY = _either(
-    _value(
-        "a finite number, or {linspace = [lo, hi, n]}, {geomspace = [lo, hi, n]} or {values = [...]}", _finite
-    ),
-    _axis(AXIS),
-)
-_NUMBER_OF_LINKS = _value("one finite number; to sweep it, make it an axis in [design]", _finite)
-
-
-def _entry(value: Any, where: KeyPath) -> Any:
-    """Return the number or the axis of an input."""
-    if isinstance(value, dict) and "n" in value:  # a sample under another name
-        remedy = suggest(str(where[-1]), ["sobol", "latin_hypercube"])
-        raise InputError("is no key here", where=where, remedy=remedy)
-    return _ENTRY(value, where)
 
 
 def read_tables(raw: Mapping[str, Any], position: str) -> dict[str, Any]:
@@ -241,32 +176,55 @@ def read_tables(raw: Mapping[str, Any], position: str) -> dict[str, Any]:
     raw : mapping
         The contents of the file.
     position : str
-        The name of the input; other keys of [cycle] that are unknown are kept as None, for a check of their names.
+        The name of the input; values of other unknown keys of [cycle] are left to a check of their names.
 
     Raises
     ------
     InputError
         With every key that is unknown or missing, and every value of another type.
     """
+    try:
+        return {"cycle": {}, "run": {}, "output": {}, **_plain(StudyFile.model_validate(raw))}
+    except ValidationError as error:
+        raise InputError.of(_problems(error, position)) from None
 
-    def cycle(value: Any, where: KeyPath) -> Any:
-        return ANGLES(value, where) if where[-1] == position else None
 
-    names = _list('a list of names, such as ["omega4_max"]', _value("the name of a quantity as text", _text))
-    examples = {
-        "mechanism": 'mechanism = "planar_4r"',
-        "quantities": 'quantities = ["omega4_max"]',
-        "design": "a table [design] with a number or an axis for each input",
-    }
-    keys: dict[str, Reader] = {
-        "mechanism": TEXT,
-        "title": TEXT,
-        "quantities": names,
-        "design": _table(SAMPLES, _entry),
-        "links": _table({"model": TEXT}, _NUMBER_OF_LINKS, {"model": 'model = "round_bar"'}),
-        "cycle": _table(KEYS["cycle"], cycle),
-        "run": _table(KEYS["run"]),
-        "output": _table(KEYS["output"]),
-    }
-    tables: dict[str, Any] = _table(keys, required=examples)(raw, ())
-    return {"cycle": {}, "run": {}, "output": {}, **tables}
+def _plain(value: Any) -> Any:
+    """Return a table as a dictionary of its given keys, an axis as an array, other values as they are."""
+    if not isinstance(value, BaseModel):
+        return value
+    given = {name: _plain(entry) for name, entry in value if name in value.model_fields_set}
+    if not isinstance(value, Angles):
+        return given
+    ((kind, numbers),) = given.items()
+    if kind == "values":
+        return np.array(numbers)
+    with np.errstate(all="ignore"):  # a value that overflows is refused with its index, as any infinite one
+        return (np.linspace if kind == "linspace" else np.geomspace)(*numbers)
+
+
+def _problems(error: ValidationError, position: str) -> list[Problem]:
+    """Return the errors of pydantic as problems; a misspelt key stands for the one that is missing."""
+    problems, misspelt = [], set()
+    for entry in reversed(error.errors(include_url=False)):  # unknown keys come after missing ones
+        path, kind = entry["loc"], entry["type"]
+        if path[0] == "cycle" and path[1:] and path[1] not in (*KEYS["cycle"], position):
+            continue
+        # The third part of a path is the tag of a number or an axis, except in a sample.
+        where = path if SAMPLES.keys() & path[1:2] else (*path[:2], *path[3:])
+        what, name = f"is {short_repr(entry['input'])}", str(path[-1])
+        if kind == "write":
+            remedy = f"write {entry['msg']}"
+        elif kind == "missing":
+            what, remedy = "is missing", f"write {EXAMPLES[name]}"
+        elif kind == "union_tag_invalid":
+            what, remedy = "is no key here", suggest(name, ["sobol", "latin_hypercube"])
+        elif kind == "extra_forbidden":
+            known = KNOWN[str(path[0])] if path[1:] else StudyFile.model_fields
+            what, remedy = "is no key here", suggest(name, known)
+            misspelt.add((*where[:-1], remedy))
+        else:
+            remedy = f"write a table of keys, such as [{name}]"
+        if kind != "missing" or (*where[:-1], f"did you mean {name!r}?") not in misspelt:
+            problems.append(Problem(what, where, remedy))
+    return problems[::-1]
