@@ -13,10 +13,19 @@ from fastlink.catalogue.catalogue import Catalogue, Fact, System
 from fastlink.catalogue.declare import ELIMINATED
 from fastlink.catalogue.evaluate import evaluate_step
 from fastlink.catalogue.tables import angle_tables
-from fastlink.errors import InputError
+from fastlink.errors import InputError, Problems
+from fastlink.mechanisms import NAMES, inputs_of
 from fastlink.mechanisms import catalogue as find_catalogue
-from fastlink.plan.validate import all_choices, constants_of, variants_of
+from fastlink.plan.validate import (
+    all_choices,
+    check_branches,
+    check_keywords,
+    constants_of,
+    unknown_input,
+    variants_of,
+)
 from fastlink.space.links import Links
+from fastlink.space.values import short_repr
 
 __all__ = ["evaluate"]
 
@@ -61,7 +70,7 @@ def evaluate(
     Raises
     ------
     InputError
-        A name is unknown or missing.
+        A name is unknown or missing, or a branch is not an assembly mode.
 
     Examples
     --------
@@ -75,14 +84,16 @@ def evaluate(
     recipe = _recipe(
         catalogue,
         names,
+        mechanism=mechanism,
         version=catalogue.version,
         solver=solver,
         model=None if links is None else links.model,
         of_links=tuple(of_links),
         inputs=tuple(inputs),
     )
-    values = recipe.defaults | of_links | inputs | {"branch": branch}
-    template, arrays = _to_arrays(values)
+    template, arrays = _to_arrays(recipe.defaults | of_links | inputs | {"branch": branch})
+    if not np.all(sum(arrays["branch"] == mode for mode in catalogue.branches)):
+        check_branches(catalogue, np.unique(branch))
     theta = arrays.pop(catalogue.position.name)
     tabled = angle_tables(catalogue, recipe.tables, np.ravel(theta))
     tabled = tabled.reshape(len(recipe.tables), *np.shape(theta))
@@ -123,6 +134,7 @@ def _recipe(
     catalogue: Catalogue,
     names: tuple[str, ...],
     *,
+    mechanism: str,
     version: int,
     solver: str,
     model: str | None,
@@ -133,6 +145,7 @@ def _recipe(
     variants = variants_of(catalogue, links, solver, inputs)
     for name in names:
         catalogue.public_fact(name)
+    _check_names(mechanism, catalogue, inputs, variants)
     codes = all_choices(catalogue, inputs, variants)
     defaults = constants_of(catalogue, links, variants) | {name: of[0] for name, of in codes.items()}
     position = catalogue.position.name
@@ -148,12 +161,28 @@ def _recipe(
     return _Recipe(defaults, tuple(name for name in tables if name in read), steps)
 
 
+def _check_names(
+    mechanism: str, catalogue: Catalogue, inputs: Iterable[str], variants: Iterable[str]
+) -> None:
+    """Refuse a keyword that is not an input, of which nothing would depend."""
+    known, problems = catalogue.known_inputs(variants), Problems()
+    for name in inputs:
+        if name in (catalogue.position.name, *known):
+            continue
+        if any(name in inputs_of(other) for other in NAMES):
+            with problems.at():
+                check_keywords(mechanism, catalogue, [name], ())
+        else:
+            problems.noted.append(unknown_input(catalogue, name, known, ("evaluate",)))
+    problems.stop()
+
+
 def _to_arrays(values: Mapping[str, Any]) -> tuple[Any, dict[str, Any]]:
     """Return a DataArray of the broadcast shape, or None, and plain arrays."""
     labelled = {name: value for name, value in values.items() if hasattr(value, "dims")}
     if not labelled:
         # doubles of NumPy where there is one: twice as fast as arrays without axes
-        return None, {name: np.asarray(value, dtype=float)[()] for name, value in values.items()}
+        return None, {name: _doubles(name, value)[()] for name, value in values.items()}
     import xarray as xr
 
     wrapped = {name: value if name in labelled else xr.DataArray(value) for name, value in values.items()}
@@ -161,3 +190,11 @@ def _to_arrays(values: Mapping[str, Any]) -> tuple[Any, dict[str, Any]]:
     template = next(iter(arrays.values())).astype(float)
     template.attrs = {}
     return template, {name: np.asarray(value.data, dtype=float) for name, value in arrays.items()}
+
+
+def _doubles(name: str, value: Any) -> Any:
+    try:
+        return np.asarray(value, dtype=float)
+    except (TypeError, ValueError):
+        what = f"is {short_repr(value)}"
+        raise InputError(what, where=("evaluate", name), remedy="write numbers") from None

@@ -36,6 +36,7 @@ __all__ = [
     "constants_of",
     "given_angles",
     "selected_variants",
+    "unknown_input",
     "variants_of",
 ]
 
@@ -119,7 +120,7 @@ def check_inputs(
     for name in space.names:
         value = space.constants.get(name)
         if name not in known:
-            problems.noted.append(_unknown_input(catalogue, name, known))
+            problems.noted.append(unknown_input(catalogue, name, known))
         elif not allow_invalid and (value is None or not allowed(known[name], value)):
             problems.noted += _bad_values(known[name], space)
     problems.stop()
@@ -146,13 +147,16 @@ def allowed(declared: Input, value: Any) -> Any:
     return finite & (value >= 0) if declared.rule == "non-negative" else finite
 
 
-def _unknown_input(catalogue: Catalogue, name: str, known: dict[str, Input]) -> Problem:
-    where: KeyPath = ("design", name)
+def unknown_input(
+    catalogue: Catalogue, name: str, known: Iterable[str], where: KeyPath = ("design",)
+) -> Problem:
+    """Return the problem of a name that is not among the known inputs."""
+    where = (*where, name)
     for model, inputs in catalogue.variant_inputs.items():
         if name in inputs:
             remedy = "choose that model, or leave it out"
             return Problem(f"belongs to links of model {model!r}", where, remedy)
-    others = [key for key, inputs in catalogue.variant_inputs.items() if key in inputs]
+    others = [key for inputs in catalogue.variant_inputs.values() for key in inputs]
     return Problem(f"is unknown to {catalogue.name}", where, suggest(name, [*known, *others]))
 
 

@@ -1,0 +1,63 @@
+"""`fl.evaluate` refuses what a sweep refuses: inputs, branches and positions that nothing would depend on."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import fastlink as fl
+
+DESIGN = {"a1": 0.4, "a2": 1.2, "a3": 0.8, "a4": 1.0, "omega1": 1.0}
+BAR = fl.round_bar(density=7850.0, radius=0.01)
+
+
+def refused(*expected, mechanism="planar_4r", names=("T41",), **inputs):
+    with pytest.raises(fl.InputError) as error:
+        fl.evaluate(mechanism, names, **inputs)
+    for part in expected:
+        assert part in str(error.value)
+
+
+def test_a_misspelt_input_is_refused():
+    """It changed nothing: T41 was that without gravity."""
+    refused(
+        "gravty_y is unknown", "did you mean 'gravity_y'?", gravty_y=-9.8, theta1=1.0, links=BAR, **DESIGN
+    )
+    refused("foo is unknown", "known: ", foo=3.0, theta1=1.0, links=BAR, **DESIGN)
+
+
+def test_a_misspelt_load_of_a_sweep_has_the_right_one_beside():
+    with pytest.raises(fl.InputError, match="did you mean 'gravity_y'"):
+        fl.sweep("planar_4r", fl.grid(gravty_y=-9.8, **DESIGN), ["T41_max"], links=BAR)
+
+
+@pytest.mark.parametrize("branch", [3, 0, -1, 1.5, np.nan, [1, 2, 3]])
+def test_a_branch_that_is_not_there_is_refused(branch):
+    """It gave numbers of no assembly mode."""
+    refused("branch", "write some of 1, 2", names=["theta4"], theta1=1.0, branch=branch, **DESIGN)
+
+
+def test_branches_may_be_arrays():
+    values = fl.evaluate("planar_4r", ["theta4"], theta1=1.0, branch=[1, 2, 1], **DESIGN)["theta4"]
+    one, other = (
+        fl.evaluate("planar_4r", ["theta4"], theta1=1.0, branch=k, **DESIGN)["theta4"] for k in (1, 2)
+    )
+    assert values.tolist() == [one, other, one]
+
+
+def test_text_is_not_a_number():
+    refused("theta1 is '1 rad'", "write numbers", names=["theta4"], theta1="1 rad", **DESIGN)
+    refused("branch is 'left'", "write numbers", names=["theta4"], theta1=1.0, branch="left", **DESIGN)
+
+
+def test_the_position_of_another_input_names_the_right_one():
+    design = {"m": 1.0, "n": 1.1, "d": 1.2, "kappa": 0.5}
+    refused("F_y: the input is phi", "input='F_y'", mechanism="hart", names=["F_x"], F_y=1.0, **design)
+    slider = {"r": 0.1, "l": 0.4, "e": 0.0}
+    refused(
+        "theta1: the input is theta",
+        mechanism="slider_crank",
+        names=["slider_position"],
+        theta1=1.0,
+        **slider,
+    )
