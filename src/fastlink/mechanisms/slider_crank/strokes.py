@@ -123,14 +123,14 @@ length(
 
 @slider_crank.quantity(units="1", symbol="S", source=DEAD_CENTRES, internal=True)
 def s_stroke(s_r: Any, s_l: Any, s_outer: Any, s_inner: Any, sure_less_up: Any, sure_less_down: Any) -> Any:
-    """Way of the slider in one circuit, scaled."""
+    """Distance between the slider's dead centres in one circuit, scaled."""
     # The squares of both distances differ by 4 r l: the difference of the distances does not cancel.
     between = 4.0 * (s_r * s_l) / (s_outer + s_inner)
     return select(sure_less_up * sure_less_down < 0.0, 2.0 * s_outer, between)
 
 
 length(
-    *(in_metres, "stroke", "S", "Stroke: way of the slider between its dead centres in one circuit"),
+    *(in_metres, "stroke", "S", "Stroke: distance between the slider's dead centres in one circuit"),
     scaled="s_stroke",
 )
 
