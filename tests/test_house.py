@@ -1,4 +1,4 @@
-"""The house: small files, small functions.
+"""The house: small files, small functions, docstrings that begin well.
 
 The layers stand in pyproject.toml, as contracts of import-linter; `lint-imports` checks them.
 """
@@ -16,6 +16,9 @@ SOURCE = Path(__file__).parents[1] / "src" / "fastlink"
 FILES = sorted(SOURCE.rglob("*.py"))
 MOST_LINES = 330
 MOST_LINES_OF_A_FUNCTION = 60
+MOST_POSITIONAL = 6
+#: The parameters of a fact are the names of what it depends on.
+FACTS = SOURCE / "mechanisms"
 
 
 def functions(path):
@@ -38,6 +41,23 @@ def test_files_and_functions_stay_small(path):
     assert len(path.read_text().splitlines()) <= MOST_LINES
     long = {f.name: length(f) for f in functions(path) if length(f) > MOST_LINES_OF_A_FUNCTION}
     assert long == {}
+
+
+@each([path for path in FILES if FACTS not in path.parents])
+def test_functions_take_few_arguments_by_position(path):
+    given = {
+        f.name: [a.arg for a in (*f.args.posonlyargs, *f.args.args) if a.arg not in ("self", "cls")]
+        for f in functions(path)
+    }
+    assert {name: names for name, names in given.items() if len(names) > MOST_POSITIONAL} == {}
+
+
+@each(FILES)
+def test_docstrings_say_what_is_done(path):
+    tree = ast.parse(path.read_text())
+    documented = (ast.Module, ast.ClassDef, ast.FunctionDef)
+    texts = (ast.get_docstring(node) or "" for node in ast.walk(tree) if isinstance(node, documented))
+    assert [text.partition("\n")[0] for text in texts if text.startswith("What ")] == []
 
 
 def test_numba_is_imported_only_where_it_is_asked_for():

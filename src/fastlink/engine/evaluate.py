@@ -173,7 +173,7 @@ def _check_names(
             with problems.at():
                 check_keywords(mechanism, catalogue, [name], ())
         else:
-            problems.noted.append(unknown_input(catalogue, name, known, ("evaluate",)))
+            problems.noted.append(unknown_input(catalogue, name, known, "evaluate"))
     problems.stop()
 
 

@@ -12,7 +12,7 @@ import numpy as np
 
 from fastlink.catalogue.catalogue import Catalogue, Input
 from fastlink.catalogue.declare import ELIMINATED
-from fastlink.errors import InputError, KeyPath, Problem, Problems, Samples, Setting, suggest
+from fastlink.errors import InputError, Problem, Problems, Samples, Setting, suggest
 from fastlink.mechanisms import NAMES, inputs_of
 from fastlink.plan.query import Extrema, parse_request
 from fastlink.space.links import Links
@@ -92,15 +92,15 @@ def constants_of(catalogue: Catalogue, links: Links | None, variants: Iterable[s
     """Return the inputs that a design need not give: those of the links, and the defaults of the variants."""
     inputs = catalogue.known_inputs(variants).values()
     defaults = {known.name: known.default for known in inputs if known.default is not None}
-    return defaults | dict(links.values if links is not None else {})
+    return defaults if links is None else defaults | dict(links.values)
 
 
 def all_choices(
     catalogue: Catalogue, given: Iterable[str], variants: Iterable[str]
 ) -> dict[str, tuple[int, ...]]:
     """Return the codes of each input that has choices and is not given."""
-    inputs = catalogue.known_inputs(variants).values()
-    return {i.name: tuple(i.choices) for i in inputs if i.choices and i.name not in given}
+    inputs = catalogue.known_inputs(variants)
+    return {name: tuple(i.choices) for name, i in inputs.items() if i.choices and name not in given}
 
 
 def check_inputs(
@@ -147,17 +147,14 @@ def allowed(declared: Input, value: Any) -> Any:
     return finite & (value >= 0) if declared.rule == "non-negative" else finite
 
 
-def unknown_input(
-    catalogue: Catalogue, name: str, known: Iterable[str], where: KeyPath = ("design",)
-) -> Problem:
+def unknown_input(catalogue: Catalogue, name: str, known: Iterable[str], parent: str = "design") -> Problem:
     """Return the problem of a name that is not among the known inputs."""
-    where = (*where, name)
     for model, inputs in catalogue.variant_inputs.items():
         if name in inputs:
             remedy = "choose that model, or leave it out"
-            return Problem(f"belongs to links of model {model!r}", where, remedy)
+            return Problem(f"belongs to links of model {model!r}", (parent, name), remedy)
     others = [key for inputs in catalogue.variant_inputs.values() for key in inputs]
-    return Problem(f"is unknown to {catalogue.name}", where, suggest(name, [*known, *others]))
+    return Problem(f"is unknown to {catalogue.name}", (parent, name), suggest(name, [*known, *others]))
 
 
 def _bad_values(declared: Input, space: DesignSpace) -> list[Problem]:

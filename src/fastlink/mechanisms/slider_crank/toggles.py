@@ -49,7 +49,7 @@ step(lengths.scaled, "s_e", "s_e", "scaled offset", length="e")
 
 @slider_crank.quantity(units="1", symbol="u P", source=STATUS, internal=True)
 def gap_rounding(s_r: Any, s_l: Any, s_e: Any) -> Any:
-    """What half a unit in the last place of each length may do to a sum of them: less is zero."""
+    """Effect of half a unit in the last place of each length on a sum of them: less is zero."""
     return UNIT_ROUNDING * (s_r + s_l + abs(s_e))
 
 
