@@ -163,7 +163,7 @@ class Catalogue(Declarations):
 
     def is_quantity(self, name: str) -> bool:
         """Tell whether a name is a public fact, or a derivative or error bound of one."""
-        return plain_part(self.parse(name)) in self.public
+        return self.is_public(plain_part(self.parse(name)))
 
     def has_reductions(self, name: str) -> bool:
         """Tell whether a name is a quantity that changes over the cycle."""

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 from fastlink.codegen.kernel import Kernel, kernel_of
 from fastlink.engine.binding import KernelTask
-from fastlink.engine.checks import CheckedRequest, check
+from fastlink.engine.checks import CheckedRequest, all_declared, check
 from fastlink.engine.executor import Job, Shapes
 from fastlink.engine.scaling import ScalingAxis, find_scaling_axis
 from fastlink.errors import InputError, Problem, Problems
@@ -18,7 +18,6 @@ from fastlink.plan.plan import Plan, make_plan
 from fastlink.plan.pointwise import ANGLES_FOR_LANES
 from fastlink.plan.program import EXTREMUM
 from fastlink.plan.query import Extrema, parse_request, with_lists
-from fastlink.plan.reductions import REDUCTIONS
 from fastlink.plan.validate import all_choices, constants_of
 from fastlink.space.links import MODELS
 
@@ -169,7 +168,7 @@ def resolve(
         "extrema": checked.extrema,
     }
     try:
-        plan = cached_plan(catalogue, checked.names, companions, **planning)
+        plan = cached_plan(catalogue, checked.names, companions, declared=checked.declared, **planning)
     except InputError as error:
         raise (_problem_of_each(checked, planning, parameter) or error) from None
     axis = find_scaling_axis(plan, space)
@@ -220,11 +219,12 @@ def cached_plan(
     variants: tuple[str, ...],
     angles: int,
     extrema: Extrema,
+    declared: tuple[Any, ...] | None = None,
 ) -> Plan:
     """Return the plan that `make_plan` makes, once; `companions` as in `resolve`."""
     return _plan(
         catalogue,
-        (catalogue.version, *REDUCTIONS.values()),
+        declared or all_declared(catalogue),
         tuple(names),
         companions,
         given=tuple(sorted(given)),
