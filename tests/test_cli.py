@@ -195,8 +195,11 @@ def test_info_of_a_sample_prints_the_ranges(folder):
 
 def test_info_of_something_else(folder):
     assert refused("info", "no.h5") == ["no.h5: there is no such file; give the path of a written map"]
-    (line,) = refused("info", "study.toml")
-    assert line.startswith("study.toml: cannot be read as HDF5")
+    remedy = "`fastlink run study.toml` makes its map"
+    assert refused("info", "study.toml") == [f"study.toml: is a study, not a map; {remedy}"]
+    Path("map.txt").write_text("no map")
+    (line,) = refused("info", "map.txt")
+    assert line.startswith("map.txt: cannot be read as HDF5")
 
 
 @pytest.mark.parametrize("mechanism", NAMES)

@@ -53,6 +53,12 @@ def test_examples_are_fenced(document):
     assert not re.findall(r"^>>> .*", text, flags=re.MULTILINE)
 
 
+@pytest.mark.parametrize("name", ["", "planar", "minkowski", "focal", "hart"])
+def test_completion_shows_public_names_alone(name):
+    package = getattr(fastlink, name) if name else fastlink
+    assert dir(package) == sorted(package.__all__)
+
+
 def test_the_public_functions_have_examples():
     for name in fastlink.__all__:
         thing = getattr(fastlink, name)

@@ -150,7 +150,7 @@ class InputError(ValueError):
         chosen = self.wording or wording or Wording()
         shown = list(self.problems[:MOST_LINES])
         if more := len(self.problems) - len(shown):
-            shown.append(Problem(f"and {more} more problems"))
+            shown.append(Problem(f"and {more} more problem{'s' if more > 1 else ''}"))
         return [chosen.line(problem) for problem in shown]
 
     def __str__(self) -> str:

@@ -158,6 +158,15 @@ def test_a_bad_coefficient_of_fluctuation_is_refused(given):
         fl.planar.flywheel_inertia({"T41_fluctuation": 1.0, "omega1": 25.0}, given)
 
 
+def test_the_flywheel_of_a_slider_crank():
+    crank = fl.grid(r=0.1, l=0.4, e=0.0, omega=[5.0, 25.0], m3=1.0)
+    maps = fl.sweep("slider_crank", crank, ["T41_fluctuation"], links=BARS)
+    inertia = fl.planar.flywheel_inertia(maps, C_s=0.02)
+    assert (inertia > 0.0).all()
+    # Torques grow with the square of the speed: the flywheel is the same, to some roundings of the torques (1e-13).
+    np.testing.assert_allclose(inertia.sel(omega=5.0), inertia.sel(omega=25.0), rtol=1e-11)
+
+
 def test_a_flywheel_needs_the_fluctuation():
     with pytest.raises(fl.InputError, match="'T41_fluctuation' is missing"):
         fl.planar.flywheel_inertia({"omega1": 25.0}, 0.02)

@@ -92,7 +92,7 @@ def test_a_method_on_the_front_is_beaten_by_none():
             "ns_per_design": (("way", "quantity"), [[1.0], [2.0], [3.0], [5.0], [4.0], [np.nan]]),
         }
     )
-    # the last digit is no difference
+    # the last digit is not a difference
     assert front(one)[:, 0].tolist() == [1, 0, 1, 0, 1, 0]
 
 

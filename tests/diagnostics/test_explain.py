@@ -29,6 +29,11 @@ def asked(names, mechanism="planar_4r", angles=36, **inputs):
     )
 
 
+def test_one_of_a_thing_is_in_the_singular():
+    request = resolve("planar_4r", fl.grid(**LENGTHS), ["theta4"], angles=[0.5], branch=1)
+    assert "1 design, 1 assembly mode, 1 value of theta1" in str(explain_request(request))
+
+
 class Tally(float):
     """A number that counts what is done with it."""
 

@@ -65,7 +65,7 @@ def test_values_have_no_part_in_a_plan(other):
 def test_whatever_else_is_asked_has_a_part(other):
     try:
         found = plan_of(**other)
-    except fl.InputError:  # omega1 is no input of a joint
+    except fl.InputError:  # omega1 is not an input of a joint
         found = None
     assert found is not plan_of()
 

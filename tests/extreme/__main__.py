@@ -32,7 +32,7 @@ def lines(mechanism: Mechanism, cases: list[Case]) -> Iterator[str]:
 
 
 def condition_number(mechanism: Mechanism, case: Case, branch: int, result: dict) -> str:
-    """Return the greatest one of the quantities that have a value and are no residuals."""
+    """Return the greatest one of the quantities that have a value and are not residuals."""
     names = tuple(
         name for name, outcome in result.items() if outcome.what == "value" and "residual" not in name
     )

@@ -23,7 +23,7 @@ exact_facts = lru_cache(maxsize=32)(HighPrecision)
 
 
 def alone(values: Mapping[str, Any]) -> Any:
-    """Return the size of what is no difference."""
+    """Return the size of what is not a difference."""
     return 0
 
 

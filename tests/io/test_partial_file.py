@@ -62,7 +62,7 @@ def test_what_a_killed_run_left_is_replaced(tmp_path, other_process):
     other_process(path, killed=True)
     (tmp_path / "m.h5.part.new").write_text("of a run killed earlier still")
     assert left_in(tmp_path) == ["m.h5.part", "m.h5.part.new"]
-    with pytest.raises(InputError, match="is no finished map"):
+    with pytest.raises(InputError, match="is not a finished map"):
         open_map(tmp_path / "m.h5.part")
     sample = Sample(seed=1)
     sample.save(path)

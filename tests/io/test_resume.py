@@ -87,7 +87,7 @@ def test_a_sweep_may_be_interrupted_again_and_again(tmp_path, monkeypatch):
                 sweep(path)
     with sweep(path) as resumed, sweep(tmp_path / "whole.h5") as expected:
         assert resumed.attrs["designs_of_earlier_runs"] == 12 * 64
-        assert "resumed         768 designs of an earlier run were there" in fl.summary(resumed)
+        assert "resumed         768 designs from an earlier run" in fl.summary(resumed)
         assert_same(resumed, expected)
 
 

@@ -235,9 +235,15 @@ BLOCKS = {
     "other type": ("omega4_max", 0, np.zeros(2, "f4"), TypeError, "block is float32, the variable float64"),
     "other byte order": ("omega4_max", 0, np.zeros(2, ">f8"), TypeError, "block is >f8"),
     "strided": ("omega4_max", 0, np.zeros(4)[::2], ValueError, "block is not C-contiguous"),
-    "other rows": ("B_x", 0, np.zeros((2, 2, 4)), ValueError, r"a block of shape \(2, 2, 4\) is no rows of"),
-    "scalar": ("omega4_max", 0, np.float64(1.0)[()], ValueError, "is no rows of"),
-    "too many dimensions": ("omega4_max", 0, np.zeros((1, 1, 1, 1)), ValueError, "is no rows of"),
+    "other rows": (
+        "B_x",
+        0,
+        np.zeros((2, 2, 4)),
+        ValueError,
+        r"a block of shape \(2, 2, 4\) does not hold rows of",
+    ),
+    "scalar": ("omega4_max", 0, np.float64(1.0)[()], ValueError, "does not hold rows of"),
+    "too many dimensions": ("omega4_max", 0, np.zeros((1, 1, 1, 1)), ValueError, "does not hold rows of"),
     "before the first": ("omega4_max", -1, np.zeros(2), ValueError, "designs -1 to 1 of 9"),
     "beyond the last": ("omega4_max", 8, np.zeros(2), ValueError, "designs 8 to 10 of 9"),
 }
@@ -297,7 +303,7 @@ def test_files_that_cannot_be_opened(tmp_path):
     assert message(path).startswith(f"{path}: cannot be read as HDF5 (")
     xr.Dataset({"x": 1.0}).to_netcdf(tmp_path / "other.nc", engine="h5netcdf")
     assert message(tmp_path / "other.nc") == (
-        f"{tmp_path / 'other.nc'}: is no finished map (it has no attribute 'fastlink_map'); "
+        f"{tmp_path / 'other.nc'}: is not a finished map (it has no attribute 'fastlink_map'); "
         "other files open with xarray.open_dataset"
     )
     with h5py.File(tmp_path / "whole.h5", "r+") as file:

@@ -27,7 +27,7 @@ def differences(facts, names, true, by, step):
 
 
 def assert_limits_of_differences(entry, kind, n):
-    """Compare the facts of derivatives with differences of two steps; return how many are no zero."""
+    """Compare the facts of derivatives with differences of two steps; return how many are not zero."""
     inputs, names, tested = in_every_mode(entry, entry.drawn(kind, 11, n)), numbers_of(entry), 0
     variables, variants = given_by(entry)
     for by in variables:

@@ -229,7 +229,7 @@ def test_fluctuations_are_verified(solver):
 
 
 def test_means_and_places_of_codes_are_numbers():
-    """They are no codes: an int8 would cut a mean, or an input position."""
+    """They are not codes: an int8 would cut a mean, or an input position."""
     positions = np.linspace(-2.0, 2.0, 9) + 0.25
     space = fl.grid(a=[1.0, 2.0], b=2.0, g=3.0, h=1.5)
     names = ["configuration_status", "configuration_status_mean", "configuration_status_max"]

@@ -233,8 +233,8 @@ def test_very_many_problems_are_counted(folder):
 @pytest.mark.parametrize(
     ("text", "message"),
     [
-        (GOOD.replace("a1 = 0.4", "a1 = "), "is no TOML: Invalid value (at line 5, column 6)"),
-        (GOOD + "a1\n", "is no TOML: Expected '=' after a key in a key/value pair (at line 12, column 3)"),
+        (GOOD.replace("a1 = 0.4", "a1 = "), "is not TOML: Invalid value (at line 5, column 6)"),
+        (GOOD + "a1\n", "is not TOML: Expected '=' after a key in a key/value pair (at line 12, column 3)"),
     ],
 )
 def test_toml_faults_have_their_line(folder, text, message):
@@ -249,8 +249,25 @@ def test_files_that_cannot_be_read(folder):
     with pytest.raises(fl.InputError, match=r"cannot be read .*; give the path of a study file"):
         run_study(folder)
     Path("latin.toml").write_bytes("# Länge".encode("latin-1"))
-    with pytest.raises(fl.InputError, match=r"^latin\.toml: is no UTF-8 text .* at byte 3"):
+    with pytest.raises(fl.InputError, match=r"^latin\.toml: is not UTF-8 text .* at byte 3"):
         run_study("latin.toml")
+
+
+def test_a_map_is_not_a_study(folder):
+    fl.sweep("planar_4r", fl.grid(a1=0.4, a2=1.2, a3=0.8, a4=1.0), ["grashof_class"], to="map.h5").close()
+    with pytest.raises(
+        fl.InputError, match=r"^map\.h5: is a map, not a study; `fastlink info map\.h5` shows it$"
+    ):
+        run_study("map.h5")
+
+
+def test_an_unknown_key_is_refused_with_its_table(folder):
+    (line,) = refused(GOOD + "[output]\nfolder = 'x'\n")
+    assert "output.folder is not a key of [output]" in line
+    (line,) = refused("titel = 'x'\n" + GOOD)
+    assert "titel is not a key of a study" in line
+    (line,) = refused(GOOD.replace("linspace", "linspce"))
+    assert "design.a2.linspce is not a key of [design.a2]" in line
 
 
 def of_the_caller(text, **options):

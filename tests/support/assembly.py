@@ -71,7 +71,7 @@ def inner_loops(text: str) -> list[Loop]:
 
 
 def called(text: str) -> set[str]:
-    """Return the functions that are called, or gone on to, and are no part of the text."""
+    """Return the functions that are called, or gone on to, and are not part of the text."""
     lines = text.splitlines()
     own = {found[1] for line in lines if (found := LABEL.match(line))}
     return {found[1] for line in lines if (found := CALL.match(line))} - own

@@ -60,7 +60,7 @@ class Compiled:
 
 
 def assert_same_bits(found, expected):
-    """Compare arrays bit by bit; the sign and the payload of a NaN are no part of a result."""
+    """Compare arrays bit by bit; the sign and the payload of a NaN are not part of a result."""
     for one, other in zip(found, expected, strict=True):
         np.testing.assert_array_equal(one, other)  # NaN equals NaN here, and 0 equals -0
         if one.dtype == np.float64:

@@ -10,7 +10,7 @@ SLIDER_CRANK = catalogue("slider_crank")
 LENGTHS = ("r", "l", "e")
 #: A pump of a crank of 50 mm.
 PUMP = {"r": 0.05, "l": 0.17, "e": 0.02, "omega": 100.0}
-#: Masses of links that are no bars, centres anywhere.
+#: Masses of links that are not bars, centres anywhere.
 MASSES = {
     "m1": 0.4,
     "I1": 3e-4,

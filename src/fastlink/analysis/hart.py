@@ -23,6 +23,11 @@ from fastlink.errors import InputError
 
 __all__ = ["integer_designs"]
 
+
+def __dir__() -> list[str]:
+    return __all__
+
+
 #: The list grows with the cube; at this size it has 4.7 million designs (0.4 GB).
 GREATEST_SIZE = 500
 LENGTHS = {

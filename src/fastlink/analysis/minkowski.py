@@ -9,6 +9,11 @@ from fastlink.analysis.sextics import coupler_sextic
 
 __all__ = ["sextic"]
 
+
+def __dir__() -> list[str]:
+    return __all__
+
+
 #: Lengths are at most this, and links at least its inverse: no coefficient overflows.
 GREATEST_LENGTH = 1e25
 

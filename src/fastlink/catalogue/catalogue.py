@@ -194,6 +194,9 @@ class Catalogue(Declarations):
 
     def unknown_error(self, name: str, known: Iterable[str]) -> InputError:
         """Return the error for a name that is not among the known ones."""
+        if name == self.position.name:
+            what = f"quantity {name!r} is the input position, a coordinate of the result"
+            return InputError(what, remedy="leave it out")
         tree = self.parse(name)
         wrong, options = name, known
         if isinstance(tree, (ErrorBound, Trust)):

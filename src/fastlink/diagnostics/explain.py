@@ -11,7 +11,7 @@ from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
-from fastlink._text import aligned
+from fastlink._text import aligned, counted
 from fastlink.codegen.kernel import llvm_text
 from fastlink.codegen.machine import assembly
 from fastlink.codegen.runtime import results, sampling
@@ -194,13 +194,13 @@ def explain_request(request: ResolvedSweep) -> Explanation:
     plan, catalogue, axis = request.plan, request.catalogue, request.scaling_axis
     computed = {name for program in plan.programs for step in program.steps for name in step.names}
     requested = {output.request.quantity for output in plan.outputs}
-    sizes = [f"{request.space.size:,} designs", f"{len(request.branches)} assembly modes"]
+    sizes = [counted(request.space.size, "design"), counted(len(request.branches), "assembly mode")]
     if plan.uses_position:
-        sizes.append(f"{request.positions.size:,} values of {catalogue.position.name}")
+        sizes.append(f"{counted(request.positions.size, 'value')} of {catalogue.position.name}")
     return Explanation(
         f"{request.mechanism}: {', '.join(sizes)}",
         tuple(output.name for output in plan.outputs),
-        "" if axis is None else f"{axis.name} ({axis.length:,} values)",
+        "" if axis is None else f"{axis.name} ({counted(axis.length, 'value')})",
         tuple(map(_kernel_work, request.kernels)),
         tuple(name for name in catalogue.public if name not in computed | requested),
         sum(name not in computed for name in catalogue.facts),

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from fastlink._text import counted
 from fastlink.catalogue.declare import ELIMINATED
 from fastlink.engine.binding import VECTOR, BoundKernel, aligned
 from fastlink.engine.checks import check_names
@@ -275,7 +276,8 @@ def _constants(fixed: Mapping[str, Any]) -> dict[str, float]:
     space = grid(**fixed)
     if space.dims:
         name = space.dims[0]
-        what, remedy = f"is given {space.shape[0]} values", "write one number, or name it among the inputs"
+        what = f"is given {counted(space.shape[0], 'value')}"
+        remedy = "write one number, or name it among the inputs"
         raise InputError(what, where=("function", name), remedy=remedy)
     return space.constants
 

@@ -69,18 +69,21 @@ def sweep(
     quantities : sequence of str
         Names of quantities, or of their reductions over the cycle: ``NAME_max``, ``NAME_min``, ``NAME_rms``,
         ``NAME_mean``, ``NAME_fluctuation``,
-        ``theta1_at_NAME_max``, ``theta1_at_NAME_min``; or ``NAME_extrema``, all extremes by growing theta1 along the
-        dimension ``extremum``, with their ``theta1_at_NAME_extrema``, ``NAME_extrema_kind`` and
-        ``NAME_extrema_count``. `fastlink.quantities` lists them. ``status`` comes along.
+        ``INPUT_at_NAME_max``, ``INPUT_at_NAME_min``, with the input that drives, such as theta1, for INPUT; or
+        ``NAME_extrema``, all extremes by growing input position along the dimension ``extremum``, with their
+        ``INPUT_at_NAME_extrema``, ``NAME_extrema_kind`` and ``NAME_extrema_count``.
+        `fastlink.quantities` lists them. ``status`` comes along.
     links : Links, optional
         The model of the links that gives their mass data, such as ``fastlink.round_bar(density=7750.0, radius=0.01)``.
     input : str, optional
-        The joint that drives: ``"theta1"`` unless given, or one of ``"joint_angle_1"`` ... ``"joint_angle_4"`` of the
-        planar 4R (see docs/conventions.md); ``fastlink.quantities(mechanism, input=...)`` lists its quantities.
-        The input replaces theta1: as dimension, in ``INPUT_at_NAME_max``, in the design its rate.
+        The input that drives the mechanism; its first unless given, such as theta1 of the planar 4R, theta of the
+        slider-crank. Others are ``"joint_angle_1"`` ... ``"joint_angle_4"`` of the planar 4R (see
+        docs/conventions.md), ``"sigma"`` of the focal mechanism and ``"F_y"`` of Hart's linkage;
+        ``fastlink.quantities(mechanism, input=...)`` lists the quantities. The input is a dimension of the result.
     angles : int or array_like, default 360
-        Number of equally spaced input angles over one turn, or the angles themselves in rad. An input without bounds
-        takes an array; unless given, theta of ``"minkowski_4r"`` is ``numpy.linspace(-4, 4, 401)``.
+        The input positions: a number of equally spaced angles over one turn, or an array of positions (angles in rad,
+        ``F_y`` in m). An input that does not turn takes an array; unless given, theta of ``"minkowski_4r"`` is
+        ``numpy.linspace(-4, 4, 401)``.
     branch : int or sequence of int, default (1, 2)
         Assembly modes.
     solver : {"eliminated", "dense"}

@@ -11,7 +11,15 @@ from fastlink.errors import InputError
 from fastlink.io.dataset import FORMAT, FORMAT_VERSION
 from fastlink.io.partial_file import part_of, reason
 
-__all__ = ["open_map"]
+__all__ = ["is_hdf5", "open_map"]
+
+SIGNATURE = b"\x89HDF\r\n\x1a\n"
+
+
+def is_hdf5(path: Path) -> bool:
+    """Tell whether a file begins as HDF5 does."""
+    with path.open("rb") as file:
+        return file.read(len(SIGNATURE)) == SIGNATURE
 
 
 def open_map(path: str | Path) -> xr.Dataset:
@@ -52,6 +60,9 @@ def open_map(path: str | Path) -> xr.Dataset:
     try:
         dataset = xr.open_dataset(path, engine="h5netcdf")
     except (OSError, ValueError, KeyError, RuntimeError) as error:
+        if path.suffix == ".toml" and not is_hdf5(path):
+            what = f"{path}: is a study, not a map"
+            raise InputError(what, remedy=f"`fastlink run {path}` makes its map") from error
         what = f"{path}: cannot be read as HDF5 ({reason(error)})"
         raise InputError(what, remedy="give a map that a sweep has written") from error
     version = dataset.attrs.get(FORMAT)
@@ -59,7 +70,7 @@ def open_map(path: str | Path) -> xr.Dataset:
         return dataset
     dataset.close()
     if version is None:
-        what = f"{path}: is no finished map (it has no attribute {FORMAT!r})"
+        what = f"{path}: is not a finished map (it has no attribute {FORMAT!r})"
         raise InputError(what, remedy="other files open with xarray.open_dataset")
     what = f"{path}: has format {version}, this version reads up to {FORMAT_VERSION}"
     raise InputError(what, remedy="update fastlink")

@@ -243,7 +243,7 @@ class Writer:
             raise ValueError(f"{name}: block is not C-contiguous")
         swept = len(variable.shape) - (block.ndim - 1)
         if block.ndim == 0 or swept < 0 or block.shape[1:] != variable.shape[swept:]:
-            raise ValueError(f"{name}: a block of shape {block.shape} is no rows of {variable.shape}")
+            raise ValueError(f"{name}: a block of shape {block.shape} does not hold rows of {variable.shape}")
         designs = math.prod(variable.shape[:swept])
         if not 0 <= start <= start + len(block) <= designs:
             raise ValueError(f"{name}: designs {start} to {start + len(block)} of {designs}")

@@ -44,7 +44,7 @@ class Reduction:
         Its meaning, to follow that of the quantity in a long name.
     reference : callable
         ``reference(samples)`` returns the exact value over at least one sample, and the size of the terms that it is
-        the sum of (its absolute value where it is no sum): errors are counted in roundings of that. Samples are
+        the sum of (its absolute value where it is not a sum): errors are counted in roundings of that. Samples are
         numbers of 50 digits without NaN, in the order of the input positions; it works with floats too.
     accumulators : mapping of str to (str, str)
         For each accumulator its first value and the kernel text that updates it at each input position; all updates see

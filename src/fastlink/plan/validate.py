@@ -71,7 +71,7 @@ def check_model(catalogue: Catalogue, links: Links | None, solver: str) -> None:
     """
     problems = Problems()
     if solver not in catalogue.solvers and catalogue.solvers == (ELIMINATED,):
-        what = f"{solver!r} is no solver of {catalogue.name}, which has no linear system"
+        what = f"{solver!r} is not a solver of {catalogue.name}, which has no linear system"
         problems.add(what, ("solver",), "leave solver out")
     elif solver not in catalogue.solvers:
         problems.add(f"{solver!r} is unknown", ("solver",), suggest(str(solver), catalogue.solvers))
@@ -188,7 +188,8 @@ def check_branches(catalogue: Catalogue, branch: Any) -> tuple[int, ...]:
     given = np.atleast_1d(np.asarray(branch, dtype=object)).tolist()
     for k, value in enumerate(given):
         if isinstance(value, bool) or value not in catalogue.branches:
-            raise InputError(f"{value!r} is no assembly mode of {catalogue.name}", where=where, remedy=remedy)
+            what = f"{value!r} is not an assembly mode of {catalogue.name}"
+            raise InputError(what, where=where, remedy=remedy)
         if value in given[:k]:
             raise InputError(f"{value!r} is given twice", where=where, remedy="write each once")
     if not given:
@@ -213,11 +214,11 @@ def check_keywords(
         if name == position:
             continue
         if any(name in inputs_of(other) for other in NAMES):
-            too = (", or ", Setting("input", name), " too") if name in inputs_of(mechanism) else ()
-            problems.add(f"the input is {position}", (name,), (f"write its positions as {position}", too))
+            own = name in inputs_of(mechanism)
+            other = (f", or, to drive {name}, write ", Setting("input", name)) if own else ()
+            problems.add(f"the input is {position}", (name,), (f"write its positions as {position}", other))
         else:
-            what = f"is no option, and the input is {position}"
-            problems.add(what, (name,), suggest(name, {*options, position}))
+            problems.add("is not an option", (name,), suggest(name, {*options, position}))
     problems.stop()
 
 
@@ -300,7 +301,7 @@ def check_positions(catalogue: Catalogue, given: int | ArrayLike, key: str = "an
     """
     name, noun = catalogue.position.name, "angles in rad" if catalogue.positions is None else "numbers"
     if catalogue.positions is not None and np.ndim(given) == 0:
-        what = f"{given!r} is no array, and {name} has no bounds"
+        what = f"{given!r} is not an array, and {name} has no bounds"
         raise InputError(
             what, where=(key,), remedy=("write them all, such as ", Samples(*catalogue.positions))
         )

@@ -49,9 +49,8 @@ def summary(dataset: xr.Dataset) -> str:
     if "configurations" in attrs:
         rows.append(("configurations", f"{int(attrs['configurations']):,}"))
     if "designs_of_earlier_runs" in attrs:
-        rows.append(
-            ("resumed", f"{int(attrs['designs_of_earlier_runs']):,} designs of an earlier run were there")
-        )
+        earlier = counted(int(attrs["designs_of_earlier_runs"]), "design")
+        rows.append(("resumed", f"{earlier} from an earlier run"))
     if "run_time_s" in attrs:
         text = duration(float(attrs["run_time_s"]))
         if "set_up_time_s" in attrs:

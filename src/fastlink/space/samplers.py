@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
+from fastlink._text import counted
 from fastlink.errors import InputError, Pair, Problems
 from fastlink.space.design_space import DesignSpace, sampled
 from fastlink.space.table import table
@@ -174,7 +175,7 @@ def _sample(
 def _range(kind: str, name: str, values: Floats) -> tuple[float, float]:
     if len(values) != 2:
         remedy = ("write ", Pair(), ", or a number for a constant")
-        raise InputError(f"holds {len(values)} values", where=(kind, name), remedy=remedy)
+        raise InputError(f"holds {counted(len(values), 'value')}", where=(kind, name), remedy=remedy)
     low, high = float(values[0]), float(values[1])
     if not math.isfinite(high - low):
         raise InputError(f"runs from {low} to {high}", where=(kind, name), remedy="write finite ends")
@@ -210,7 +211,7 @@ def _engine(name: str, dimensions: int, seed: int) -> Any:
 def _sobol_chunks(n: int, dimensions: int, seed: int) -> Iterator[Floats]:
     """Yield the first n points piece by piece, so that scipy does not hold them all."""
     engine = _engine("Sobol", dimensions, seed)
-    # scipy warns of any first piece that is no power of two; the points do not depend on how they are cut
+    # scipy warns of any first piece that is not a power of two; the points do not depend on how they are cut
     chunk = min(SOBOL_CHUNK, 1 << (n - 1).bit_length())
     for start in range(0, n, chunk):
         yield engine.random(chunk)[: n - start]

@@ -12,6 +12,7 @@ from typing import Any
 
 import numpy as np
 
+from fastlink._text import counted
 from fastlink.errors import InputError, Remedy, Setting
 from fastlink.space.design_space import DesignSpace, sampled
 from fastlink.space.values import Floats, constant, first_invalid, numbers_of, short_repr
@@ -24,7 +25,7 @@ def table(source: Any, *, allow_invalid: bool = False) -> DesignSpace:
     ----------
     source : mapping, xarray.Dataset, pandas.DataFrame, str or path
         A mapping of names to columns of equal length, where a number is a constant; a Dataset, of which the
-        1-D variables along one common dimension (and 1-D float coordinates that are no index) are columns and
+        1-D variables along one common dimension (and 1-D float coordinates that are not an index) are columns and
         0-d ones are constants; a DataFrame; or the path of a comma-separated UTF-8 file with the names in
         line 1.
     allow_invalid : bool, default False
@@ -71,7 +72,7 @@ def _table_entries(source: Any) -> Iterator[tuple[str, Any]]:
         _check_names(list(source))
         return iter(source.items())
     remedy = "give a mapping, an xarray.Dataset, a pandas.DataFrame or the path of a CSV file"
-    raise _refused(f"{short_repr(source)} is no table", remedy)
+    raise _refused(f"{short_repr(source)} is not a table", remedy)
 
 
 def _dataset_entries(dataset: Any) -> Iterator[tuple[str, Any]]:
@@ -116,7 +117,7 @@ def _column(name: str, values: Floats, others: Mapping[str, Floats], allow_inval
         raise _refused(f"column {name} is empty", "give at least one row")
     for other, known in others.items():
         if len(known) != len(values):
-            what = f"column {name} has {len(values)} values but {other} has {len(known)}"
+            what = f"column {name} has {counted(len(values), 'value')} but {other} has {len(known)}"
             raise _refused(what, "give one per design")
     bad = None if allow_invalid else first_invalid(values)
     if bad is not None:
@@ -136,7 +137,7 @@ def _read_csv(path: Path, allow_invalid: bool) -> dict[str, Floats]:
     except OSError as error:
         raise _refused(f"cannot read {path}: {error.strerror}", "give the path of a CSV file") from error
     except (UnicodeDecodeError, csv.Error) as error:
-        raise _refused(f"{path} is no CSV text ({error})", "save it as comma-separated UTF-8") from error
+        raise _refused(f"{path} is not CSV text ({error})", "save it as comma-separated UTF-8") from error
 
 
 def _parse_csv(file: str, reader: Any, allow_invalid: bool) -> dict[str, Floats]:
@@ -146,7 +147,8 @@ def _parse_csv(file: str, reader: Any, allow_invalid: bool) -> dict[str, Floats]
     columns = [array("d") for _ in names]
     for number, row in enumerate(rows):
         if len(row) != len(names):
-            what = f"{file} line {reader.line_num} has {len(row)} cells but the header has {len(names)}"
+            cells = counted(len(row), "cell")
+            what = f"{file} line {reader.line_num} has {cells} but the header has {len(names)}"
             raise _refused(what, "write one cell per column")
         for name, column, text in zip(names, columns, row, strict=True):
             value = _number(text)

@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from fastlink._text import counted
 from fastlink.errors import InputError, KeyPath
 
 Floats = NDArray[np.float64]
@@ -61,7 +62,9 @@ def constant(where: str, name: str, given: Any) -> float:
     """Return the number given for one input, or refuse it."""
     value = numbers_of(where, name, given)
     if value.ndim:
-        raise InputError(f"holds {len(value)} values", where=(where, name), remedy="write one number")
+        raise InputError(
+            f"holds {counted(len(value), 'value')}", where=(where, name), remedy="write one number"
+        )
     if not np.isfinite(value):
         raise InputError(f"is {value}", where=(where, name), remedy="write a finite number")
     return float(value)

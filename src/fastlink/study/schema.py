@@ -10,7 +10,7 @@ import numpy as np
 from pydantic import BaseModel, Discriminator, Field, Tag, ValidationError, model_validator
 from pydantic_core import PydanticCustomError, core_schema
 
-from fastlink.errors import InputError, Problem, suggest
+from fastlink.errors import InputError, KeyPath, Problem, path_text, suggest
 from fastlink.space.values import short_repr
 
 __all__ = ["KEYS", "SAMPLES", "read_tables"]
@@ -79,7 +79,7 @@ def _kind_in_design(value: Any) -> str:
     return "sample" if isinstance(value, dict) and "n" in value else _kind(value)
 
 
-ANGLES = f"a number of angles from 1 to {LONGEST}, {{linspace = [lo, hi, n]}} or {{values = [...]}} in rad"
+ANGLES = f"a number of angles from 1 to {LONGEST}, {{linspace = [lo, hi, n]}} or {{values = [...]}}"
 INPUT = "a finite number, or {linspace = [lo, hi, n]}, {geomspace = [lo, hi, n]} or {values = [...]}"
 Positions = Annotated[
     Annotated[Count, Write(ANGLES), Tag("number")] | Annotated[Angles, Tag("axis")], Discriminator(_kind)
@@ -203,6 +203,11 @@ def _plain(value: Any) -> Any:
         return (np.linspace if kind == "linspace" else np.geomspace)(*numbers)
 
 
+def _table(where: KeyPath) -> str:
+    """Return the table that holds a key, as its author writes it."""
+    return f"[{path_text(where[:-1])}]" if where[1:] else "a study"
+
+
 def _problems(error: ValidationError, position: str) -> list[Problem]:
     """Return the errors of pydantic as problems; a misspelt key stands for the one that is missing."""
     problems, misspelt = [], set()
@@ -218,10 +223,10 @@ def _problems(error: ValidationError, position: str) -> list[Problem]:
         elif kind == "missing":
             what, remedy = "is missing", f"write {EXAMPLES[name]}"
         elif kind == "union_tag_invalid":
-            what, remedy = "is no key here", suggest(name, ["sobol", "latin_hypercube"])
+            what, remedy = f"is not a key of {_table(where)}", suggest(name, ["sobol", "latin_hypercube"])
         elif kind == "extra_forbidden":
             known = KNOWN[str(path[0])] if path[1:] else StudyFile.model_fields
-            what, remedy = "is no key here", suggest(name, known)
+            what, remedy = f"is not a key of {_table(where)}", suggest(name, known)
             misspelt.add((*where[:-1], remedy))
         else:
             remedy = f"write a table of keys, such as [{name}]"

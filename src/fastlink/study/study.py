@@ -25,6 +25,7 @@ from fastlink.errors import (
     path_text,
 )
 from fastlink.io.partial_file import check_target
+from fastlink.io.reader import is_hdf5
 from fastlink.mechanisms import catalogue as find_catalogue
 from fastlink.plan.validate import check_keywords
 from fastlink.space.design_space import DesignSpace
@@ -207,7 +208,11 @@ def _text_of(path: Path) -> str:
     try:
         return path.read_text(encoding="utf-8-sig")
     except UnicodeDecodeError as error:
-        raise InputError(f"{path}: is no UTF-8 text ({error.reason} at byte {error.start})") from None
+        if is_hdf5(path):
+            raise InputError(
+                f"{path}: is a map, not a study", remedy=f"`fastlink info {path}` shows it"
+            ) from None
+        raise InputError(f"{path}: is not UTF-8 text ({error.reason} at byte {error.start})") from None
     except (OSError, ValueError) as error:  # ValueError: a NUL in the path
         why = getattr(error, "strerror", None) or str(error)
         raise InputError(f"{path}: cannot be read ({why})", remedy="give the path of a study file") from None
@@ -218,7 +223,7 @@ def _tables_of(path: Path, text: str) -> dict[str, Any]:
     try:
         raw = tomllib.loads(text)
     except (tomllib.TOMLDecodeError, RecursionError) as error:
-        raise InputError.of([Problem(f"is no TOML: {error}")], _Keys(path)) from None
+        raise InputError.of([Problem(f"is not TOML: {error}")], _Keys(path)) from None
     mechanism, cycle = raw.get("mechanism"), raw.get("cycle")
     cycle = cycle if isinstance(cycle, dict) else {}
     input, position, names = cycle.get("input"), "", Problems()

@@ -95,7 +95,7 @@ def test_what_is_not_there_is_no_number(meaning, design):
     if meaning == "F_on_a_straight_line":
         assert not any(there[name] for name in ("s", "S_x", "T_ratio"))
     if meaning == "invalid_input" and completion != 3.0 and not np.isnan(design.get("rho", 0.0)):
-        # the sum of the lengths alone is told of what is no linkage
+        # the sum of the lengths alone says of what is not a linkage
         assert not any(there[name] for name in NUMBERS if name != "lambda_")
 
 

@@ -73,7 +73,7 @@ def test_kernels_have_the_bits_of_the_facts(drive):
         (
             "sigma",
             {"input": "sigma"},
-            "quantity 'sigma' is given, and a coordinate of the result; leave it out",
+            "quantity 'sigma' is the input position, a coordinate of the result; leave it out",
         ),
         (
             "dsigma_dphi",
@@ -82,7 +82,7 @@ def test_kernels_have_the_bits_of_the_facts(drive):
         ),
         ("F_x", {"input": "psi"}, "input: 'psi' is unknown to focal"),
         ("F_x", {"sigma": 36}, "sigma: the input is phi; write its positions as phi"),
-        ("F_x", {"branch": 3}, "branch: 3 is no assembly mode of focal; write some of 1, 2"),
+        ("F_x", {"branch": 3}, "branch: 3 is not an assembly mode of focal; write some of 1, 2"),
     ],
 )
 def test_what_the_other_drive_has_is_told(name, options, message):

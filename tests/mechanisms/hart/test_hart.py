@@ -307,6 +307,8 @@ def test_bad_designs_are_refused(changes, key, remedy):
 def test_what_is_missing_or_misnamed_is_told():
     with refused("kappa"):
         fl.sweep("hart", fl.grid(m=4.0, n=8.0, d=6.0), ["stroke"])
+    with refused("'phi' is the input position", "leave it out"):
+        fl.sweep("hart", fl.grid(**WUNDERLICH), ["phi"])
     with refused("'strok'", "did you mean 'stroke'?"):
         fl.sweep("hart", fl.grid(**WUNDERLICH), ["strok"])
     with refused("branch"):

@@ -113,7 +113,7 @@ def test_the_examples_assemble_where_the_paper_says(number):
     lengths = {"a": a, "b": b, "g": g, "h": h, "theta": theta}
     status = fl.evaluate("minkowski_4r", ["configuration_status"], **lengths)["configuration_status"]
     gap = (theta > np.arccosh(inner or 1.0)) & (theta < np.arccosh(outer or 1.0))
-    # The limits themselves are no samples, but theta = 0 of examples 2 and 3 is a limit.
+    # The limits themselves are not samples, but theta = 0 of examples 2 and 3 is a limit.
     assert ((status == OPEN) == gap)[1:].all()
 
 
@@ -279,6 +279,6 @@ def test_a_study_gives_theta_by_its_name(tmp_path):
         np.testing.assert_array_equal(found.theta, [-1.0, -0.5, 0.0, 0.5, 1.0])
     study.write_text(text + "theta = 5\n")
     with pytest.raises(
-        InputError, match=r"cycle\.theta: 5 is no array.*such as \{linspace = \[-4, 4, 401\]\}"
+        InputError, match=r"cycle\.theta: 5 is not an array.*such as \{linspace = \[-4, 4, 401\]\}"
     ):
         fl.run_study(study, to=tmp_path / "more.h5")

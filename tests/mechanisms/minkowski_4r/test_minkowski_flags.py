@@ -14,7 +14,7 @@ from fastlink.numerics.compensated import UNIT_ROUNDING
 
 MINKOWSKI = catalogue("minkowski_4r")
 ALL = [name for name in MINKOWSKI.public if MINKOWSKI.varies(name)]
-#: What tells why a quantity is no finite number, if it is not `configuration_status`.
+#: What tells why a quantity is not a finite number, if it is not `configuration_status`.
 FLAGS = {
     **dict.fromkeys(("X_x", "X_y", "sextic_residual"), "coupler_point_status"),
     **dict.fromkeys(("dpsi_dtheta", "d2psi_dtheta2"), "rates_status"),

@@ -277,7 +277,7 @@ def test_input_power_is_the_rate_of_kinetic_energy():
 @settings(max_examples=60, deadline=None)
 @given(
     st.tuples(*[st.floats(0.1, 10.0)] * 4),
-    # Below it the square of the angle times its roundings, and their products, are no normal numbers any more.
+    # Below it the square of the angle times its roundings, and their products, are not normal numbers any more.
     st.floats(-3.1, 3.1).filter(lambda theta: theta == 0.0 or abs(theta) > 1e-60),
     st.integers(-300, 300),
 )

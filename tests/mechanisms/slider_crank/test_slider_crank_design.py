@@ -37,7 +37,7 @@ def exact_class(r, l, e):
 
 def test_classes_are_those_of_exact_arithmetic():
     seen = set()
-    # Tenths are no doubles: a gap that is zero for the lengths meant is zero here.
+    # Tenths are not doubles: a gap that is zero for the lengths meant is zero here.
     for r, l, e in product(range(1, 8), range(1, 8), range(-15, 16)):
         if abs(e) == r + l:  # assembles at one angle, or at none for the next doubles
             continue

@@ -18,7 +18,7 @@ def test_the_study_of_quick_return(folder):
     with run_study(path) as maps:
         maps = maps.load()
     assert maps.sizes["l"] == maps.sizes["e"] == 7
-    turns = maps.l > 0.1 + maps.e + 1e-12  # tenths are no doubles
+    turns = maps.l > 0.1 + maps.e + 1e-12  # tenths are not doubles
     np.testing.assert_array_equal(np.isfinite(maps.time_ratio), turns)
     np.testing.assert_array_equal(maps.time_ratio.sel(e=0.0), 1.0)
     # The farther the line is off, the quicker the return and the worse the transmission.

@@ -100,7 +100,7 @@ def T_deviation(maps: Any) -> Any:
     Raises
     ------
     InputError
-        A name is missing, or the positions of T are no curve.
+        A name is missing, or the positions of T are not a curve.
 
     Examples
     --------

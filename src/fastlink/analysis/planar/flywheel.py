@@ -15,13 +15,14 @@ def flywheel_inertia(maps: Any, C_s: Any) -> Any:
     """Return the moment of inertia for a given coefficient of speed fluctuation.
 
     The greatest swing of the energy, ``T41_fluctuation``, is to change the speed by C_s omega1 in all:
-    I = T41_fluctuation/(C_s omega1^2), on the crank. The linkage's own inertia, which varies, is counted on neither
-    side; the torque is that at constant speed.
+    I = T41_fluctuation/(C_s omega1^2), on the crank; omega of a slider-crank stands for omega1. The linkage's own
+    inertia, which varies, is counted on neither side; the torque is that at constant speed.
 
     Parameters
     ----------
     maps : xarray.Dataset
-        A sweep with ``T41_fluctuation`` and the speed ``omega1`` (or any mapping with both names).
+        A sweep with ``T41_fluctuation`` and the speed of the crank, ``omega1`` or ``omega`` (or any mapping with both
+        names).
     C_s : float or array_like
         Coefficient of fluctuation: greatest less least speed over the mean speed, positive.
 
@@ -48,7 +49,8 @@ def flywheel_inertia(maps: Any, C_s: Any) -> Any:
     >>> round(float(fl.planar.flywheel_inertia(maps, C_s=0.02).squeeze()), 2)
     26.34
     """
-    for name in ("T41_fluctuation", "omega1"):
+    crank_speed = "omega" if "omega" in maps else "omega1"
+    for name in ("T41_fluctuation", crank_speed):
         if name not in maps:
             raise InputError(
                 f"flywheel_inertia: {name!r} is missing; sweep {name!r} and give the whole result"
@@ -56,7 +58,7 @@ def flywheel_inertia(maps: Any, C_s: Any) -> Any:
     bounds = np.asarray(getattr(C_s, "values", C_s), dtype=float)
     if not np.all((bounds > 0.0) & np.isfinite(bounds)):
         raise InputError(f"flywheel_inertia: C_s is {C_s!r}; write a positive number, such as 0.02")
-    speed = maps["omega1"]
+    speed = maps[crank_speed]
     inertia = maps["T41_fluctuation"] / (C_s * (speed * speed))
     if hasattr(inertia, "attrs"):
         inertia.attrs = {"units": "kg m2", "long_name": "Moment of inertia of the flywheel", "symbol": "I_S"}

@@ -39,10 +39,10 @@ class ByOtherInput(Catalogue):
 
     def unknown_error(self, name: str, known: Iterable[str]) -> InputError:
         """Return the error of a name that is none of the known ones."""
-        if name in (self.position.name, *self.inputs):
+        if name in self.inputs:
             what = f"quantity {name!r} is given, and a coordinate of the result"
             return InputError(what, remedy="leave it out")
-        if innermost(name, self.first) in self.first.public:
+        if name != self.position.name and innermost(name, self.first) in self.first.public:
             what = f"quantity {name!r} is defined for input {self.first.position.name!r} alone"
             here = ("with ", Setting("input", self.position.name), " ")
             instead = ", ".join(map(repr, self.instead))

@@ -58,13 +58,13 @@ def declare(catalogue: Catalogue, bars: Mapping[int, tuple[str, str]]) -> None:
     bar = catalogue.quantities(units="m", source=SOURCE, variant=ROUND_BAR)
     for name, units, symbol, meaning in (
         ("density", "kg m-3", "rho", "density of the round bars"),
-        ("radius", "m", "r", "radius of the round bars"),
+        ("radius", "m", "r_b", "radius of the round bars"),
     ):
         catalogue.input(
             name, units=units, symbol=symbol, meaning=meaning, rule="non-negative", variant=ROUND_BAR
         )
-    step(bar_mass_per_length, "bar_mass_per_length", "rho pi r^2", units="kg m-1")
-    step(bar_section, "bar_section", "r^2/4")
+    step(bar_mass_per_length, "bar_mass_per_length", "rho pi r_b^2", units="kg m-1")
+    step(bar_section, "bar_section", "r_b^2/4")
     for i, (link, a) in bars.items():
         about = f"moment of inertia of the {link} about its centre"
         bar(bar_mass, f"m{i}", f"m_{i}", f"mass of the {link}", length=a, units="kg")

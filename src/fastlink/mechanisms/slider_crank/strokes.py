@@ -137,7 +137,7 @@ length(
 
 @slider_crank.quantity(units="1", symbol="crank turns", source=STATUS, internal=True)
 def crank_turns(sure_less_up: Any, sure_less_down: Any, assembles: Any) -> Any:
-    """1 where the crank turns fully and this is no change point, else 0."""
+    """1 where the crank turns fully and this is not a change point, else 0."""
     turns = (sure_less_up > 0.0) & (sure_less_down > 0.0) & (assembles == 1.0)
     return select(turns, 1.0, 0.0)
 
