@@ -263,3 +263,12 @@ def test_rates_are_the_derivatives_of_positions_by_complex_step(branch):
         assert slope["alpha4"] == pytest.approx(real["jerk4"], rel=1e-8, abs=1e-8)
         tested += 1
     assert tested > 20
+
+
+@pytest.mark.parametrize("mechanism", NAMES)
+def test_symbols_of_inputs_differ(mechanism):
+    """A picture shows an input by its symbol alone."""
+    declared = find_catalogue(mechanism)
+    inputs = declared.known_inputs(declared.variant_inputs).values()
+    symbols = [given.symbol for given in inputs]
+    assert len(set(symbols)) == len(symbols)

@@ -10,7 +10,7 @@ from fastlink.catalogue.declare import Declarations
 from fastlink.catalogue.selection import Selection, name_below, plain_and_above, replaced_by, variants_below
 from fastlink.errors import InputError, Problem, suggest
 from fastlink.facts.fact import CatalogueError, Fact, GradedRange, Input, System, parameters
-from fastlink.facts.names import Derivative, ErrorBound, Made, Trust, as_derivative, plain_part
+from fastlink.facts.names import Derivative, ErrorBound, Made, Trust, as_derivative, innermost, plain_part
 from fastlink.symbolic.derivative import NoDerivative, with_derivative_labels
 from fastlink.symbolic.error_bound import trust_fact, with_error_labels
 from fastlink.symbolic.postorder import CircularError, postorder
@@ -192,10 +192,15 @@ class Catalogue(Declarations):
             return with_derivative_labels(of, self.variables[tree.by])
         return with_error_labels(of) if isinstance(tree, ErrorBound) else trust_fact(of)
 
+    def is_of_position(self, name: str) -> bool:
+        """Tell whether a name is the input position, or a form of it such as its maximum."""
+        return self.position.name in (innermost(name, self), name.rpartition("_")[0])
+
     def unknown_error(self, name: str, known: Iterable[str]) -> InputError:
         """Return the error for a name that is not among the known ones."""
-        if name == self.position.name:
-            what = f"quantity {name!r} is the input position, a coordinate of the result"
+        if self.is_of_position(name):
+            of = "" if name == self.position.name else f": {self.position.name}"
+            what = f"quantity {name!r}{of} is the input position, a coordinate of the result"
             return InputError(what, remedy="leave it out")
         tree = self.parse(name)
         wrong, options = name, known

@@ -302,20 +302,20 @@ def check_positions(catalogue: Catalogue, given: int | ArrayLike, key: str = "an
     name, noun = catalogue.position.name, "angles in rad" if catalogue.positions is None else "numbers"
     if catalogue.positions is not None and np.ndim(given) == 0:
         what = f"{given!r} is not an array, and {name} has no bounds"
-        raise InputError(
-            what, where=(key,), remedy=("write them all, such as ", Samples(*catalogue.positions))
-        )
+        remedies = ("write them all, such as ", Samples(*catalogue.positions))
+        raise InputError(what, where=(key,), remedy=remedies)
     if isinstance(given, (int, np.integer)) and not isinstance(given, bool):
         if given < 1:
-            remedy = "write a number of at least 1, or an array in rad"
-            raise InputError(f"{given} input angles", where=(key,), remedy=remedy)
+            what, remedy = f"{given} input angles", "write a number of at least 1, or an array in rad"
+            raise InputError(what, where=(key,), remedy=remedy)
         return np.arange(int(given)) * (2.0 * np.pi / int(given))
     try:
         values = np.asarray(given, dtype=np.float64)
     except (TypeError, ValueError):
         values = np.empty((0, 0))
     if values.ndim != 1 or isinstance(given, (bool, str)):
-        remedy = f"write a number of angles, or a flat array of {noun}"
+        turning = "a number of angles, or " if catalogue.positions is None else ""
+        remedy = f"write {turning}a flat array of {noun}"
         raise InputError(f"is {short_repr(given)}", where=(key,), remedy=remedy)
     if values.size == 0:
         raise InputError("the array of input positions is empty", where=(key,), remedy="give at least one")

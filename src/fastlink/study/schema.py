@@ -52,7 +52,7 @@ OfOneSign = tuple[Positive, Positive, Count] | tuple[Negative, Negative, Count]
 
 
 class Angles(BaseModel, extra="forbid"):
-    """An axis of input angles in rad: exactly one key."""
+    """An axis of input positions: exactly one key."""
 
     linspace: Linspace | None = None
     values: Annotated[list[Entry], Write("a list of one or more finite numbers")] | None = None

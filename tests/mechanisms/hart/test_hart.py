@@ -309,6 +309,9 @@ def test_what_is_missing_or_misnamed_is_told():
         fl.sweep("hart", fl.grid(m=4.0, n=8.0, d=6.0), ["stroke"])
     with refused("'phi' is the input position", "leave it out"):
         fl.sweep("hart", fl.grid(**WUNDERLICH), ["phi"])
+    for name in ("phi_max", "phi_error", "d_phi_d_m"):
+        with refused(f"'{name}': phi is the input position", "leave it out"):
+            fl.sweep("hart", fl.grid(**WUNDERLICH), [name])
     with refused("'strok'", "did you mean 'stroke'?"):
         fl.sweep("hart", fl.grid(**WUNDERLICH), ["strok"])
     with refused("branch"):

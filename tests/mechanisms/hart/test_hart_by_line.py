@@ -70,6 +70,8 @@ def test_it_assembles_along_the_stroke_alone(design):
 def test_what_it_does_not_tell_is_said():
     with refused("'dF_y_dphi'", "'dphi_dF_y'"):
         fl.sweep("hart", fl.grid(**WUNDERLICH), ["dF_y_dphi"], input="F_y")
+    with refused("F_y", "write a flat array of numbers"):
+        fl.sweep("hart", fl.grid(**WUNDERLICH), ["phi"], input="F_y", F_y=[[0.1]])
     with refused("input", "did you mean 'F_y'?"):
         fl.sweep("hart", fl.grid(**WUNDERLICH), ["psi"], input="F_x")
     with refused("angles", "numpy.linspace"):

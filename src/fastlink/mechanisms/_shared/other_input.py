@@ -42,7 +42,7 @@ class ByOtherInput(Catalogue):
         if name in self.inputs:
             what = f"quantity {name!r} is given, and a coordinate of the result"
             return InputError(what, remedy="leave it out")
-        if name != self.position.name and innermost(name, self.first) in self.first.public:
+        if not self.is_of_position(name) and innermost(name, self.first) in self.first.public:
             what = f"quantity {name!r} is defined for input {self.first.position.name!r} alone"
             here = ("with ", Setting("input", self.position.name), " ")
             instead = ", ".join(map(repr, self.instead))
