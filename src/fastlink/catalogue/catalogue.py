@@ -194,7 +194,7 @@ class Catalogue(Declarations):
 
     def is_of_position(self, name: str) -> bool:
         """Tell whether a name is the input position, or a form of it such as its maximum."""
-        return self.position.name in (innermost(name, self), name.rpartition("_")[0])
+        return innermost(name, self) == self.position.name
 
     def unknown_error(self, name: str, known: Iterable[str]) -> InputError:
         """Return the error for a name that is not among the known ones."""
