@@ -13,7 +13,7 @@ from tests.extreme.case import Case, evaluated, outcomes
 from tests.extreme.mechanisms import MECHANISMS
 from tests.extreme.planar import MASSES, POINTS
 
-FEW, MANY = 50, 10_000
+FEW, MANY = 25, 10_000
 
 
 def examples(number: int) -> settings:
