@@ -97,7 +97,7 @@ class System:
         return self.unknowns
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class GradedRange:
     """The range in which extremes are searched, dense where curves are steep.
 
@@ -128,9 +128,12 @@ class GradedRange:
         The input position that the mirror leaves: it exchanges `axis` + x and `axis` - x.
     """
 
-    name: str
-    ends: tuple[tuple[str, str, str], tuple[str, str, str]]
-    coordinates: tuple[str, str, str]
+    name: str = "graded"
+    ends: tuple[tuple[str, str, str], tuple[str, str, str]] = (
+        ("scale_low", "start_low", "toggle_low"),
+        ("scale_high", "start_high", "toggle_high"),
+    )
+    coordinates: tuple[str, str, str] = ("from_low", "from_high", "side")
     antisymmetric: tuple[str, ...]
     vanishes_at_toggle: str
     reciprocal: str

@@ -9,7 +9,7 @@ from typing import Any
 from fastlink.catalogue.catalogue import Catalogue, Fact
 from fastlink.facts.names import Derivative, Quantity
 
-__all__ = ["borrow", "borrow_range", "borrow_tables", "facts_of", "renaming", "with_derivatives"]
+__all__ = ["borrow", "borrow_range", "borrow_tables", "build_on", "facts_of", "renaming", "with_derivatives"]
 
 Renaming = Callable[[str], str]
 
@@ -139,3 +139,26 @@ def borrow_range(
         bounded_factor=rename(graded.bounded_factor),
         **fields,
     )
+
+
+def build_on(
+    catalogue: Catalogue,
+    variant: str,
+    name: str,
+    law: Callable[..., Any],
+    *,
+    source: str | None = None,
+    **given: str,
+) -> None:
+    """Declare a fact of a variant that builds on the one it replaces, the law's parameter `replaced`."""
+    base = catalogue.facts[name]
+    catalogue.quantity(
+        units=base.units,
+        symbol=base.symbol,
+        source=source or base.source,
+        internal=True,
+        variant=variant,
+        name=name,
+        meaning=base.meaning,
+        given={"replaced": name, **given},
+    )(law)

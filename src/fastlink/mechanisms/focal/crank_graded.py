@@ -92,9 +92,6 @@ step(graded.is_toggle, "toggle_low", "toggle_low", limit="Z0")
 step(graded.is_toggle, "toggle_high", "toggle_high", limit="C0")
 
 by_crank.graded = GradedRange(
-    name="graded",
-    ends=(("scale_low", "start_low", "toggle_low"), ("scale_high", "start_high", "toggle_high")),
-    coordinates=("from_low", "from_high", "side"),
     antisymmetric=("side", "omega_sign"),
     vanishes_at_toggle="half_sine_omega",
     reciprocal="per_half_sine",

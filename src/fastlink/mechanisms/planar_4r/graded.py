@@ -107,9 +107,6 @@ declare_end("low", "lower", "Z0", first_place_low)
 declare_end("high", "upper", "C0", first_place)
 
 planar_4r.graded = GradedRange(
-    name="graded",
-    ends=(("scale_low", "start_low", "toggle_low"), ("scale_high", "start_high", "toggle_high")),
-    coordinates=("from_low", "from_high", "side"),
     antisymmetric=("side", "branch_sign"),
     vanishes_at_toggle="sigma",
     reciprocal="per_sigma",

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from functools import partial
 from typing import Any
 
 from fastlink.catalogue.catalogue import Catalogue, Input
+from fastlink.mechanisms._shared.reuse import build_on as _build_on
 
 HAYES = "Hayes, Hninn, Irani"
 NUMERICS = "docs/numerics.md"
@@ -55,19 +55,7 @@ declare_link(2, LINKS[2], "from A along AB")
 declare_link(3, LINKS[3], "from D along DB")
 
 
-def build_on(chosen: str, name: str, law: Callable[..., Any], **given: str) -> None:
-    """Declare a fact of a variant that builds on the one it replaces, the law's parameter `replaced`."""
-    base = planar_4r.facts[name]
-    planar_4r.quantity(
-        units=base.units,
-        symbol=base.symbol,
-        source=base.source,
-        internal=True,
-        variant=chosen,
-        name=name,
-        meaning=base.meaning,
-        given={"replaced": name, **given},
-    )(law)
+build_on = partial(_build_on, planar_4r)
 
 
 def plus(replaced: Any, further: Any) -> Any:

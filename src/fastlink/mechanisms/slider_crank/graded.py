@@ -54,9 +54,6 @@ declare_end("low", "Z0", "Z", "p")
 declare_end("high", "C0", "C", "q")
 
 slider_crank.graded = GradedRange(
-    name="graded",
-    ends=(("scale_low", "start_low", "toggle_low"), ("scale_high", "start_high", "toggle_high")),
-    coordinates=("from_low", "from_high", "side"),
     antisymmetric=("side", "branch_sign"),
     vanishes_at_toggle="sigma",
     reciprocal="per_sigma",

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+from functools import partial
 from typing import Any
 
+from fastlink.mechanisms._shared.reuse import build_on
 from fastlink.mechanisms.slider_crank import shaking  # noqa: F401 (declare what is replaced)
 from fastlink.mechanisms.slider_crank.inputs import PAGE, slider_crank
 
@@ -34,20 +36,8 @@ def less_load_torque(replaced: Any, F_load: Any, x_slope: Any) -> Any:
     return replaced - F_load * x_slope
 
 
-for _name, _law in (
-    ("F32_x", plus_load),
-    ("T41", less_load_torque),
-    ("shaking_force_x", plus_load),
-    ("shaking_moment", less_load_moment),
-):
-    _fact = slider_crank.facts[_name]
-    slider_crank.quantity(
-        units=_fact.units,
-        symbol=_fact.symbol,
-        source=f"{PAGE}#load",
-        internal=True,
-        variant=LOAD,
-        name=_name,
-        meaning=_fact.meaning,
-        given={"replaced": _name},
-    )(_law)
+build = partial(build_on, slider_crank, LOAD, source=f"{PAGE}#load")
+build("F32_x", plus_load)
+build("T41", less_load_torque)
+build("shaking_force_x", plus_load)
+build("shaking_moment", less_load_moment)
