@@ -11,19 +11,10 @@ from fastlink.catalogue.declare import ELIMINATED
 from fastlink.codegen.kernel import backend_of
 from fastlink.errors import InputError, Problems
 from fastlink.mechanisms import catalogue as find_catalogue
+from fastlink.plan.positions import check_extrema, check_keywords, check_positions, check_turn, given_angles
 from fastlink.plan.query import Extrema, parse_request
 from fastlink.plan.reductions import REDUCTIONS
-from fastlink.plan.validate import (
-    check_branches,
-    check_extrema,
-    check_inputs,
-    check_keywords,
-    check_model,
-    check_positions,
-    check_turn,
-    given_angles,
-    selected_variants,
-)
+from fastlink.plan.validate import check_branches, check_inputs, check_model, selected_variants
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping

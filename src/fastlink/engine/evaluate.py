@@ -16,10 +16,10 @@ from fastlink.catalogue.tables import angle_tables
 from fastlink.errors import InputError, Problems
 from fastlink.mechanisms import NAMES, inputs_of
 from fastlink.mechanisms import catalogue as find_catalogue
+from fastlink.plan.positions import check_keywords
 from fastlink.plan.validate import (
     all_choices,
     check_branches,
-    check_keywords,
     constants_of,
     unknown_input,
     variants_of,

@@ -27,7 +27,7 @@ from fastlink.errors import (
 from fastlink.io.partial_file import check_target
 from fastlink.io.reader import is_hdf5
 from fastlink.mechanisms import catalogue as find_catalogue
-from fastlink.plan.validate import check_keywords
+from fastlink.plan.positions import check_keywords
 from fastlink.space.design_space import DesignSpace
 from fastlink.space.links import links_from
 from fastlink.space.samplers import grid, latin_hypercube, sobol, table

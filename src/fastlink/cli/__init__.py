@@ -1,0 +1,29 @@
+"""The command line: one function for each command, in the module of what the command is about.
+
+Everything heavy is imported inside the commands, so that help comes at once.
+"""
+
+from __future__ import annotations
+
+from fastlink.cli import maps, mechanisms, studies
+from fastlink.cli.app import app
+
+__all__ = ["app", "main"]
+
+# in the order of the help: from a first look at a mechanism to its maps
+for function in (
+    mechanisms.new,
+    mechanisms.quantities,
+    studies.explain,
+    studies.run,
+    maps.info,
+    maps.plot,
+    studies.accuracy,
+    mechanisms.cache,
+):
+    app.command()(function)
+
+
+def main() -> None:
+    """Run the command line of this process."""
+    app(prog_name="fastlink")

@@ -1,0 +1,5 @@
+"""Run the command line by ``python -m fastlink.cli``."""
+
+from fastlink.cli import main
+
+main()

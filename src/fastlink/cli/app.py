@@ -1,0 +1,105 @@
+"""The application, and what all its commands share: their wording of problems, their options."""
+
+from __future__ import annotations
+
+import functools
+from collections.abc import Callable
+from pathlib import Path
+from typing import Annotated, Any, TypeVar, get_type_hints
+
+import typer
+
+from fastlink.errors import InputError, KeyPath, Piece, Setting, Wording
+
+__all__ = ["MapFile", "MechanismName", "Overwrite", "StudyFile", "app", "command"]
+
+BAD_INPUT, INTERRUPTED = 2, 130
+C = TypeVar("C", bound=Callable[..., Any])
+
+StudyFile = Annotated[Path, typer.Argument(metavar="STUDY.toml", help="The study file.", show_default=False)]
+MapFile = Annotated[Path, typer.Argument(metavar="FILE", help="A map.", show_default=False)]
+MechanismName = Annotated[
+    str, typer.Argument(metavar="MECHANISM", help="Such as planar_4r.", show_default=False)
+]
+Overwrite = Annotated[bool, typer.Option("--overwrite", help="Replace an existing file.")]
+
+app = typer.Typer(
+    add_completion=False,
+    no_args_is_help=True,
+    rich_markup_mode=None,
+    pretty_exceptions_enable=False,
+    context_settings={"help_option_names": ["-h", "--help"]},
+)
+
+
+class _Options(Wording):
+    """Words problems in terms of a command's options and arguments.
+
+    Parameters
+    ----------
+    function : callable
+        The command.
+    """
+
+    def __init__(self, function: Callable[..., Any]) -> None:
+        self.names: dict[str, str] = {}
+        for name, hint in get_type_hints(function, include_extras=True).items():
+            for declared in getattr(hint, "__metadata__", ()):
+                # typer takes the first name of an option for its default until the command runs
+                spelt = (declared.default, *(getattr(declared, "param_decls", None) or ()), declared.metavar)
+                self.names[name] = next((one for one in spelt if isinstance(one, str)), name)
+
+    def path(self, where: KeyPath) -> str:
+        if not where or where[0] not in self.names:
+            return super().path(where)
+        return " ".join([self.names[str(where[0])], *map(str, where[1:])])
+
+    def piece(self, piece: Piece) -> str | None:
+        if not isinstance(piece, Setting):
+            return super().piece(piece)
+        option = self.names.get(piece.name)
+        if option is None or piece.value is True:
+            return option
+        values = piece.value.items() if isinstance(piece.value, dict) else None
+        texts = [str(piece.value)] if values is None else [f"{key}={value}" for key, value in values]
+        return " ".join([option, *texts])
+
+
+def command(function: C) -> C:
+    """Return a command that prints a line for each problem, never a traceback."""
+
+    @functools.wraps(function)
+    def guarded(*args: Any, **options: Any) -> None:
+        try:
+            function(*args, **options)
+        except InputError as error:
+            for line in error.lines(_Options(function)):
+                typer.echo(f"fastlink: {line}", err=True)
+            raise typer.Exit(BAD_INPUT) from None
+        except KeyboardInterrupt as error:
+            for note in ("interrupted", *getattr(error, "__notes__", ())):
+                typer.echo(f"fastlink: {note}", err=True)
+            raise typer.Exit(INTERRUPTED) from None
+
+    return guarded  # type: ignore[return-value]
+
+
+def _print_version(wanted: bool) -> None:
+    if wanted:
+        from importlib.metadata import PackageNotFoundError, version
+
+        try:
+            typer.echo(f"fastlink {version('fastlink-linkages')}")
+        except PackageNotFoundError:  # run from a source tree that is not installed
+            typer.echo("fastlink, not installed")
+        raise typer.Exit
+
+
+@app.callback()
+def options(
+    version: Annotated[
+        bool,
+        typer.Option("--version", help="Print the version.", callback=_print_version, is_eager=True),
+    ] = False,
+) -> None:
+    """Planar linkages by the million: a design space in, one labelled HDF5 map out."""

@@ -1,0 +1,85 @@
+"""The commands on studies: run, explain, accuracy."""
+
+from __future__ import annotations
+
+import functools
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+
+from fastlink.cli.app import Overwrite, StudyFile, command
+
+__all__ = ["accuracy", "explain", "run"]
+
+
+@command
+def run(
+    study: StudyFile,
+    to: Annotated[
+        Path | None,
+        typer.Option("--to", metavar="FILE", help="The HDF5 file to write, instead of the study's."),
+    ] = None,
+    threads: Annotated[
+        int | None,
+        typer.Option("--threads", metavar="N", help="Number of threads; one per processor if left out."),
+    ] = None,
+    overwrite: Overwrite = False,
+    verify: Annotated[
+        int | None,
+        typer.Option(
+            "--verify",
+            metavar="N",
+            help="Designs to verify with 50 digits; 64 if left out, 0 for none.",
+        ),
+    ] = None,
+    quiet: Annotated[bool, typer.Option("--quiet", help="Print neither progress nor summary.")] = False,
+) -> None:
+    """Run a study, and write its map."""
+    from fastlink.report.summary import summary
+    from fastlink.study.study import run_study
+
+    progress = False if quiet else None
+    maps = run_study(study, to=to, threads=threads, overwrite=overwrite, progress=progress, verify=verify)
+    with maps:
+        if not quiet:
+            typer.echo(summary(maps))
+
+
+@command
+def explain(
+    study: StudyFile,
+    text: Annotated[bool, typer.Option("--text", help="Print the text of the kernels too.")] = False,
+    ir: Annotated[bool, typer.Option("--ir", help="Print their LLVM text too.")] = False,
+    asm: Annotated[
+        bool, typer.Option("--asm", help="Print their assembly language for this processor too.")
+    ] = False,
+) -> None:
+    """Explain what a study computes and what it leaves out; nothing is run."""
+    from fastlink.diagnostics.explain import explain as explain_study
+
+    typer.echo(explain_study(study).text(kernels=text, ir=ir, asm=asm))
+
+
+@command
+def accuracy(
+    study: StudyFile,
+    designs: Annotated[int, typer.Option("--designs", metavar="N", help="Number of sampled designs.")] = 64,
+    outside: Annotated[
+        bool, typer.Option("--outside", help="Add NumPy without any kernel, which takes longer.")
+    ] = False,
+    to: Annotated[Path | None, typer.Option("--to", metavar="FILE", help="An HDF5 file to write.")] = None,
+    picture: Annotated[
+        Path | None,
+        typer.Option("--picture", metavar="PICTURE", help="Error over time: png, svg or pdf by its ending."),
+    ] = None,
+    overwrite: Overwrite = False,
+) -> None:
+    """Measure error and run time of a study by every method that the engine offers."""
+    from fastlink.diagnostics import accuracy as measure
+    from fastlink.diagnostics import accuracy_table
+
+    options: dict[str, Any] = {"to": to, "picture": picture, "overwrite": overwrite}
+    announce = functools.partial(typer.echo, err=True)
+    measured = measure(study, designs=designs, outside=outside, announce=announce, **options)
+    typer.echo(accuracy_table(measured))

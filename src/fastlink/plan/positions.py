@@ -1,0 +1,155 @@
+"""Checks of a request: input positions, by whatever name they are given, and the search for extrema."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from fastlink.catalogue.catalogue import Catalogue
+from fastlink.errors import InputError, Problems, Samples, Setting, suggest
+from fastlink.mechanisms import NAMES, inputs_of
+from fastlink.plan.query import Extrema, parse_request
+from fastlink.space.values import first_invalid, short_repr
+
+if TYPE_CHECKING:
+    from numpy.typing import ArrayLike, NDArray
+
+__all__ = ["check_extrema", "check_keywords", "check_positions", "check_turn", "given_angles"]
+
+EXTREMA: tuple[Extrema, ...] = ("refined", "sampled")
+ANGLES = 360
+
+
+def check_keywords(
+    mechanism: str, catalogue: Catalogue, names: Iterable[str], options: Iterable[str]
+) -> None:
+    """Refuse a keyword that is neither an option nor the name of the input that drives the mechanism.
+
+    `names` are the keywords that are not options, `options` those that are, for a hint.
+
+    Raises
+    ------
+    InputError
+        With the name of the input, or the nearest option.
+    """
+    position, problems = catalogue.position.name, Problems()
+    for name in names:
+        if name == position:
+            continue
+        if any(name in inputs_of(other) for other in NAMES):
+            own = name in inputs_of(mechanism)
+            other = (f", or, to drive {name}, write ", Setting("input", name)) if own else ()
+            problems.add(f"the input is {position}", (name,), (f"write its positions as {position}", other))
+        else:
+            problems.add("is not an option", (name,), suggest(name, {*options, position}))
+    problems.stop()
+
+
+def given_angles(catalogue: Catalogue, angles: Any, positions: Mapping[str, Any]) -> tuple[str, Any]:
+    """Return the input positions that were given, and by which name; else the usual ones.
+
+    Raises
+    ------
+    InputError
+        They are given both as `angles` and by the name of the input.
+    """
+    name = catalogue.position.name
+    values = positions.get(name)
+    if values is not None:
+        if angles is not None:
+            raise InputError("angles are given too", where=(name,), remedy="write one of them")
+        return name, values
+    if angles is not None:
+        return "angles", angles
+    return name, ANGLES if catalogue.positions is None else np.linspace(*catalogue.positions)
+
+
+def check_extrema(extrema: str | None, catalogue: Catalogue, angles: Any) -> Extrema:
+    """Return the search for extrema: refined over a whole turn, unless the angles themselves are given.
+
+    Raises
+    ------
+    InputError
+        The search is unknown, or does not go with an array of angles.
+    """
+    chosen = np.ndim(angles) > 0
+    if extrema is None:
+        return "sampled" if chosen else "refined"
+    if extrema not in EXTREMA:
+        raise InputError(f"{extrema!r} is unknown", where=("extrema",), remedy=suggest(str(extrema), EXTREMA))
+    if chosen and extrema == "refined":
+        name = catalogue.position.name
+        what = f"'refined' is over the whole turn of {name}, but {name} is an array"
+        other = ", or a number of angles" if catalogue.positions is None else ""
+        remedy = ("write ", Setting("extrema", "sampled"), other)
+        raise InputError(what, where=("extrema",), remedy=remedy)
+    return "refined" if extrema == "refined" else "sampled"
+
+
+def check_turn(catalogue: Catalogue, names: Iterable[str], angles: Any) -> None:
+    """Refuse an array of angles for a reduction that needs equal steps over a whole turn.
+
+    Raises
+    ------
+    InputError
+        With the name of the reduction.
+    """
+    if np.ndim(angles) == 0:
+        return
+    problems = Problems()
+    for k, request in enumerate(parse_request(name, catalogue) for name in names):
+        if request.reduction is not None and request.reduction.whole:
+            what = f"{request.name!r} is over a whole turn, but {catalogue.position.name} is an array"
+            remedy = "write a number of angles" if catalogue.positions is None else "leave it out"
+            problems.add(what, ("quantities", k), remedy)
+    problems.stop()
+
+
+def check_positions(catalogue: Catalogue, given: int | ArrayLike, key: str = "angles") -> NDArray[Any]:
+    """Return the input positions: a number of equal steps over one turn, or the positions themselves.
+
+    Parameters
+    ----------
+    catalogue : Catalogue
+        The mechanism.
+    given : int or array_like
+        A number of positions, or these.
+    key : str
+        The name by which it was given.
+
+    Raises
+    ------
+    InputError
+        The number is not positive, or a position is not finite or repeated.
+    """
+    name, noun = catalogue.position.name, "angles in rad" if catalogue.positions is None else "numbers"
+    if catalogue.positions is not None and np.ndim(given) == 0:
+        what = f"{given!r} is not an array, and {name} has no bounds"
+        remedies = ("write them all, such as ", Samples(*catalogue.positions))
+        raise InputError(what, where=(key,), remedy=remedies)
+    if isinstance(given, (int, np.integer)) and not isinstance(given, bool):
+        if given < 1:
+            what, remedy = f"{given} input angles", "write a number of at least 1, or an array in rad"
+            raise InputError(what, where=(key,), remedy=remedy)
+        return np.arange(int(given)) * (2.0 * np.pi / int(given))
+    try:
+        values = np.asarray(given, dtype=np.float64)
+    except (TypeError, ValueError):
+        values = np.empty((0, 0))
+    if values.ndim != 1 or isinstance(given, (bool, str)):
+        turning = "a number of angles, or " if catalogue.positions is None else ""
+        remedy = f"write {turning}a flat array of {noun}"
+        raise InputError(f"is {short_repr(given)}", where=(key,), remedy=remedy)
+    if values.size == 0:
+        raise InputError("the array of input positions is empty", where=(key,), remedy="give at least one")
+    if (bad := first_invalid(values)) is not None:
+        raise InputError(f"is {values[bad]}", where=(key, bad), remedy=f"write finite {noun}")
+    order = np.argsort(values, kind="stable")
+    twice = np.flatnonzero(np.diff(values[order]) == 0.0)
+    if twice.size:
+        first, second = sorted(order[twice[0] : twice[0] + 2].tolist())
+        what = f"{values[first]} stands twice (at {first} and {second})"
+        raise InputError(what, where=(key,), remedy="give each position once")
+    return np.array(values)
