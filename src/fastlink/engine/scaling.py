@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from fastlink.engine.executor import Sink
+from fastlink.engine.executor import BLOCK_BYTES, Sink
 from fastlink.facts.names import ErrorBound, Trust
 from fastlink.symbolic.homogeneity import homogeneity_degrees
 
@@ -60,8 +60,7 @@ class ScalingAxis:
             for first, last, in_slabs in self._pieces(start, stop):
                 pieces = [array[first - start : last - start] for array in arrays]
                 if in_slabs:
-                    slabs = [self._scaled(*pair) for pair in zip(pieces, self.factors, strict=True)]
-                    sink(first * self.length, last * self.length, slabs)
+                    self._pass_slabs(sink, first, last, pieces)
                     continue
                 for k, begin in enumerate(self._starts(first)):
                     scaled = [
@@ -71,6 +70,23 @@ class ScalingAxis:
                     sink(begin, begin + last - first, scaled)
 
         return scale
+
+    def _pass_slabs(self, sink: Sink, first: int, last: int, arrays: list[NDArray[Any]]) -> None:
+        """Pass on the results that follow from whole slabs, so many at once as fit the cache."""
+        nbytes = sum(array.nbytes for array in arrays)
+        slabs = (last - first) // self.inner
+        if nbytes * self.length <= BLOCK_BYTES:
+            slabs_at_once, step = slabs, self.length
+        else:
+            slabs_at_once, step = 1, max(1, BLOCK_BYTES * slabs // nbytes)
+        for begin in range(first, last, slabs_at_once * self.inner):
+            end = begin + slabs_at_once * self.inner
+            pieces = [array[begin - first : end - first] for array in arrays]
+            for k in range(0, self.length, step):
+                values = slice(k, min(k + step, self.length))
+                scaled = [self._scaled(*pair, values) for pair in zip(pieces, self.factors, strict=True)]
+                start = begin * self.length + k * self.inner
+                sink(start, start + slabs_at_once * self.inner * (values.stop - k), scaled)
 
     def ranges(self, start: int, stop: int) -> Iterator[tuple[int, int]]:
         """Yield the ranges of all designs that follow from a range of evaluated ones."""
@@ -94,13 +110,13 @@ class ScalingAxis:
         pieces = [(start, first, False), (first, last, True), (last, stop, False)]
         return [piece for piece in pieces if piece[0] < piece[1]]
 
-    def _scaled(self, piece: NDArray[Any], factor: NDArray[Any] | None) -> NDArray[Any]:
-        """Return whole slabs at every value of the axis, in the order of all designs."""
+    def _scaled(self, piece: NDArray[Any], factor: NDArray[Any] | None, values: slice) -> NDArray[Any]:
+        """Return whole slabs at some values of the axis, in the order of all designs."""
         slabs = piece.reshape(-1, 1, self.inner, *piece.shape[1:])
         if factor is None:
-            scaled = np.repeat(slabs, self.length, axis=1)
+            scaled = np.repeat(slabs, values.stop - values.start, axis=1)
         else:
-            scaled = slabs * factor.reshape(-1, *[1] * (slabs.ndim - 2))
+            scaled = slabs * factor[values].reshape(-1, *[1] * (slabs.ndim - 2))
         return scaled.reshape(-1, *piece.shape[1:])
 
 

@@ -10,11 +10,10 @@ from inspect import signature
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-
 from fastlink.catalogue.declare import ELIMINATED
 from fastlink.engine import labels
-from fastlink.engine.executor import Sink, block_length, default_threads, run
+from fastlink.engine.executor import BLOCK_BYTES, Sink, default_threads, row_bytes, run
+from fastlink.engine.needs import allocated, check_needs, designs_per_block
 from fastlink.engine.resolve import ResolvedSweep, resolve
 from fastlink.engine.sinks import ProgressBar, StatusCounts, into, tee
 from fastlink.io.partial_file import check_target
@@ -158,7 +157,7 @@ def sweep(
         backend=backend,
     )
     threads = default_threads() if threads is None else check_whole(("threads",), threads, 1)
-    evaluation = _Evaluation(resolved, threads, block, check_verify(verify, to is not None))
+    evaluation = _Evaluation(resolved, threads, block, check_verify(verify, to is not None), to is None)
     before = labels.global_attrs(resolved, threads) | dict(attrs or {})
     path = None if to is None else check_target(to, evaluation.nbytes, overwrite)
     evaluation.load(started)
@@ -186,28 +185,32 @@ class _Evaluation:
         Designs per block.
     verify : int
         How many designs are computed again.
+    in_memory : bool
+        Whether the results stay in memory.
     """
 
-    def __init__(self, resolved: ResolvedSweep, threads: int, block: int | None, verify: int) -> None:
+    def __init__(
+        self, resolved: ResolvedSweep, threads: int, block: int | None, verify: int, in_memory: bool
+    ) -> None:
         self.resolved, self.threads, self.block = resolved, threads, block
         plan, space, positions = resolved.plan, resolved.space, resolved.positions
         self.variables = labels.variables(plan, space, positions.size)
         self.nbytes = sum(variable.nbytes for variable in self.variables)
+        check_needs(resolved, threads, block, verify, self.nbytes if in_memory else 0)
         self.counts = StatusCounts(plan)
         self.verification = Verification(plan, space, positions, verify) if verify else None
 
     def load(self, started: float) -> None:
         """Compile or load the kernels, and note the time since the sweep has started."""
         self.job = self.resolved.job()
-        axis = self.resolved.scaling_axis
-        if axis is not None and self.block is None:
-            self.block = max(1, block_length(self.job, self.threads) // axis.length)
+        if self.resolved.scaling_axis is not None:
+            self.block = designs_per_block(self.resolved, self.threads, self.block)
         self.loaded = time.perf_counter()
         self.set_up_time = self.loaded - started
 
     def in_memory(self, show: Sink, attrs: Mapping[str, Any]) -> xr.Dataset:
         """Evaluate all designs, and return the labelled results."""
-        arrays = [np.empty((self.resolved.space.size, *shape), dtype) for shape, dtype in self.job.shapes]
+        arrays = allocated(self.resolved)
         sink, axis = self._sink(show), self.resolved.scaling_axis
         if axis is None:
             run(self.job, targets=arrays, sink=sink, threads=self.threads, block=self.block)
@@ -280,11 +283,12 @@ class _Evaluation:
     def _replay(self, writer: Writer, sink: Sink) -> int:
         """Pass on the results of a killed run, and return the number of its designs."""
         axis, count = self.resolved.scaling_axis, 0
+        step = max(1, min(REPLAYED, BLOCK_BYTES // row_bytes(self.job.shapes)))
         for start, stop in writer.written:
             for first, last in axis.ranges(start, stop) if axis else [(start, stop)]:
                 count += last - first
-                for k in range(first, last, REPLAYED):
-                    end = min(k + REPLAYED, last)
+                for k in range(first, last, step):
+                    end = min(k + step, last)
                     rows = zip(self.variables, self.job.shapes, strict=True)
                     sink(k, end, [writer.read(variable.name, k, end, shape) for variable, (shape, _) in rows])
         return count

@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike
 
 from fastlink._text import counted
 from fastlink.errors import InputError, Pair, Problems
+from fastlink.memory import check_memory
 from fastlink.space.design_space import DesignSpace, sampled
 from fastlink.space.table import table
 from fastlink.space.values import Floats, check_whole, constant, first_invalid, frozen, numbers_of
@@ -20,6 +21,9 @@ __all__ = ["DesignSpace", "grid", "latin_hypercube", "sobol", "table"]
 MOST_DESIGNS = 2**62  # flat design numbers are int64
 MOST_SAMPLES = 2**30  # scipy's Sobol points have 30 bits
 SOBOL_CHUNK = 2**16
+#: How often a sample is held in memory at most while it is made, by scipy and here (measured 1.2 and 4.0).
+COPIES = {"sobol": 2, "latin_hypercube": 5}
+FEWER = "ask for fewer designs"
 
 
 def grid(**axes: ArrayLike) -> DesignSpace:
@@ -161,6 +165,8 @@ def _sample(
         remedy = ("write ", Pair(), " for at least one, or use a grid")
         problems.add("no input has a range", (kind,), remedy)
     problems.stop()
+    copies = COPIES[kind]
+    check_memory(8 * n * len(bounds) * copies, "a sample of that size", where=(kind, "n"), remedy=FEWER)
     columns = {name: np.empty(n) for name in bounds}
     start = 0
     for points in chunks(n, len(bounds), seed):

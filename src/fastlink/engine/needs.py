@@ -1,0 +1,153 @@
+"""The memory that a sweep needs, counted before anything of it is allocated."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from fastlink._text import size as human_size
+from fastlink.codegen.runtime.cells import LANES
+from fastlink.engine.executor import BLOCK_BYTES, block_length, row_bytes
+from fastlink.errors import InputError, Remedy, Setting
+from fastlink.memory import ALWAYS_FITS, check_memory
+from fastlink.space.design_space import DESIGN
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from fastlink.codegen.kernel import Kernel
+    from fastlink.engine.resolve import ResolvedSweep
+
+__all__ = ["Needs", "allocated", "check_needs", "designs_per_block", "needs_of"]
+
+#: The size of the buffers of one block is known without a look at the kernels, up to this many positions.
+FEW = 100_000
+#: The remedy for a result that does not fit memory.
+TO_FILE: Remedy = (
+    *("write it to a file with ", Setting("to", "maps.h5")),
+    ", or ask for fewer quantities, designs or positions",
+)
+
+
+@dataclass(frozen=True)
+class Needs:
+    """The bytes that a sweep takes at most, besides those of its design space.
+
+    Attributes
+    ----------
+    values : int
+        All results.
+    buffers : int
+        Results of the blocks under way, scratch of the kernels and tables of the input position, for all threads.
+    labels : int
+        Coordinates that the design space does not hold already.
+    verification : int
+        The designs that are computed again, and their results.
+    """
+
+    values: int
+    buffers: int
+    labels: int
+    verification: int
+
+    @property
+    def in_memory(self) -> int:
+        """All of it, for a result that stays in memory."""
+        return self.values + self.to_file
+
+    @property
+    def to_file(self) -> int:
+        """All but the results, which a file holds."""
+        return self.buffers + self.labels + self.verification
+
+
+def designs_per_block(resolved: ResolvedSweep, threads: int, block: int | None = None) -> int:
+    """Return how many designs are evaluated at once: the given number, else as many as fit the cache."""
+    axis = resolved.scaling_axis
+    size = resolved.space.size if axis is None else axis.space.size
+    if block is not None:
+        return max(1, min(block, size))
+    length = block_length(resolved.shapes, size, threads)
+    return length if axis is None else max(1, length // axis.length)
+
+
+def needs_of(resolved: ResolvedSweep, threads: int, block: int | None = None, verify: int = 0) -> Needs:
+    """Return the memory that a sweep takes.
+
+    Parameters
+    ----------
+    resolved : ResolvedSweep
+        The request.
+    threads : int
+        Number of threads.
+    block : int, optional
+        Designs per block.
+    verify : int
+        How many designs are computed again.
+    """
+    space, row = resolved.space, row_bytes(resolved.shapes)
+    length = designs_per_block(resolved, threads, block)
+    evaluated = space.size if resolved.scaling_axis is None else resolved.scaling_axis.space.size
+    threads = max(1, min(threads, -(-evaluated // length)))
+    of_block = sum(_buffer_bytes(kernel, length, resolved.positions.size) for kernel in resolved.kernels)
+    of_block += length * row
+    shared = sum(len(kernel.program.tables) for kernel in resolved.kernels) * resolved.positions.nbytes
+    if resolved.scaling_axis is not None:
+        of_block += max(BLOCK_BYTES, length * row)  # a piece of the results at several values of the axis
+        shared += sum(factor.nbytes for factor in resolved.scaling_axis.factors if factor is not None)
+    sample = min(verify, space.size) * (2 * row + 8 * len(space.names))
+    numbers = 8 * space.size if DESIGN in space.dims else 0
+    return Needs(row * space.size, threads * of_block + shared, numbers + resolved.positions.nbytes, sample)
+
+
+def _buffer_bytes(kernel: Kernel, length: int, positions: int) -> int:
+    """Return the bytes of a kernel's designs, its table of angles and its scratch, of one thread."""
+    doubles = (
+        len(kernel.program.inputs) * -(-length // LANES) * LANES + len(kernel.program.tables) * positions
+    )
+    scratch = (
+        math.prod(array.lengths(positions)) * np.dtype(array.dtype).itemsize
+        for array in kernel.source.scratch
+    )
+    return 8 * doubles + sum(scratch)
+
+
+def check_needs(resolved: ResolvedSweep, threads: int, block: int | None, verify: int, values: int) -> None:
+    """Refuse a sweep that needs more memory than there is, before it runs; a small one is not looked at (1 us).
+
+    Parameters
+    ----------
+    resolved, threads, block, verify
+        As in `needs_of`.
+    values : int
+        The bytes of all results that stay in memory; 0 where they go to a file.
+
+    Raises
+    ------
+    InputError
+        With ``to=`` as the remedy where a file would do.
+    """
+    few = resolved.positions.size < FEW and verify < FEW and (block is None or block < FEW)
+    if few and values < ALWAYS_FITS // 2:
+        return
+    needs = needs_of(resolved, threads, block, verify)
+    check_memory(
+        needs.to_file,
+        "a sweep of so many input positions, designs per block or verified designs",
+        remedy="ask for fewer, or for fewer threads",
+    )
+    if values:
+        check_memory(needs.in_memory, "the result", remedy=TO_FILE)
+
+
+def allocated(resolved: ResolvedSweep) -> list[NDArray[Any]]:
+    """Return an array for each result of all designs, or refuse them where the system does."""
+    try:
+        return [np.empty((resolved.space.size, *shape), dtype) for shape, dtype in resolved.shapes]
+    except (MemoryError, ValueError):  # ValueError: more bytes than an address has
+        nbytes = row_bytes(resolved.shapes) * resolved.space.size
+        what = f"the result needs {human_size(nbytes)} of memory, which this system refuses"
+        raise InputError(what, remedy=TO_FILE) from None
