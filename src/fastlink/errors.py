@@ -6,7 +6,7 @@ import contextlib
 import difflib
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
-from typing import TypeAlias
+from typing import Self, TypeAlias
 
 __all__ = [
     "InputError",
@@ -18,6 +18,7 @@ __all__ = [
     "Samples",
     "Setting",
     "Wording",
+    "nearest",
     "path_text",
     "suggest",
 ]
@@ -25,7 +26,7 @@ __all__ = [
 #: Known names in a suggestion, and problems with a line each; the others are counted.
 MOST_SHOWN, MOST_LINES = 12, 20
 #: Begin texts that read on after the path of a problem; a sentence of its own follows a colon.
-PREDICATES = ("is ", "has ", "holds ", "runs ", "belongs ", "gives ")
+PREDICATES = ("is ", "has ", "holds ", "runs ", "belongs ", "gives ", "takes ")
 
 #: The path to a problem, from the parameter of a function: ``("design", "a2", 3)``, ``("branch",)``.
 KeyPath: TypeAlias = tuple[str | int, ...]
@@ -123,7 +124,7 @@ class InputError(ValueError):
         self.wording: Wording | None = None
 
     @classmethod
-    def of(cls, problems: Iterable[Problem], wording: Wording | None = None) -> InputError:
+    def of(cls, problems: Iterable[Problem], wording: Wording | None = None) -> Self:
         """Return the error of several problems, in the wording of a door."""
         error = cls("")
         error.problems, error.wording = tuple(problems), wording
@@ -193,6 +194,19 @@ def path_text(where: KeyPath) -> str:
     return "".join(f"[{part}]" if isinstance(part, int) else f".{part}" for part in where).removeprefix(".")
 
 
+def nearest(name: str, known: Iterable[str]) -> str | None:
+    """Return the known name that is nearest to a name by its letters, small or large, if one is near.
+
+    Examples
+    --------
+    >>> nearest("A1", ["a1", "a2"]), nearest("thread", ["to", "threads"]), nearest("x", ["to"])
+    ('a1', 'threads', None)
+    """
+    folded = {one.casefold(): one for one in sorted(known, reverse=True)}
+    near = difflib.get_close_matches(name.casefold(), list(folded), n=1, cutoff=0.5)
+    return folded[near[0]] if near else None
+
+
 def suggest(name: str, known: Iterable[str]) -> str:
     """Return the remedy for an unknown name: the nearest known name, or all of them.
 
@@ -202,8 +216,7 @@ def suggest(name: str, known: Iterable[str]) -> str:
     "did you mean 'omega4'?"
     """
     options = sorted(known)
-    near = difflib.get_close_matches(name, options, n=1, cutoff=0.5)
-    if near:
-        return f"did you mean {near[0]!r}?"
+    if (near := nearest(name, options)) is not None:
+        return f"did you mean {near!r}?"
     more = f", ... ({len(options)} in all)" if len(options) > MOST_SHOWN else ""
     return f"known: {', '.join(options[:MOST_SHOWN])}{more}"

@@ -19,6 +19,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
+from fastlink.doors import door
 from fastlink.errors import InputError
 
 __all__ = ["integer_designs"]
@@ -42,6 +43,7 @@ LENGTHS = {
 }
 
 
+@door
 def integer_designs(max_size: int, *, movable: bool = False) -> xr.Dataset:
     """Return every Hart linkage whose sizes m, n, p, q, a, b, c, d are whole and limited.
 

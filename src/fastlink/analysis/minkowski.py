@@ -6,6 +6,7 @@ from typing import Any
 
 from fastlink.analysis.designs import broadcast, check_range
 from fastlink.analysis.sextics import coupler_sextic
+from fastlink.doors import door
 
 __all__ = ["sextic"]
 
@@ -18,6 +19,7 @@ def __dir__() -> list[str]:
 GREATEST_LENGTH = 1e25
 
 
+@door
 def sextic(a: Any, b: Any, g: Any, h: Any, x: Any, y: Any) -> Any:
     r"""Return the sextic that every coupler point of a Minkowskian planar 4R satisfies.
 

@@ -16,11 +16,12 @@ from fastlink.codegen.kernel import llvm_text
 from fastlink.codegen.machine import assembly
 from fastlink.codegen.runtime import results, sampling
 from fastlink.codegen.translate import Refused
+from fastlink.doors import door
 from fastlink.engine.resolve import ResolvedSweep, resolve
 from fastlink.numerics import compensated, vectors
 from fastlink.numerics.compiler import COMPILED_AS, INLINED, syntax
 from fastlink.plan.program import ExtremaProgram
-from fastlink.study.study import read_study
+from fastlink.study.study import A_STUDY, read_study
 
 if TYPE_CHECKING:
     from fastlink.codegen.kernel import Kernel
@@ -120,6 +121,7 @@ class Explanation:
     facts_known: int
     tables: tuple[str, ...]
 
+    @door
     def text(self, *, kernels: bool = False, ir: bool = False, asm: bool = False) -> str:
         """Return the explanation, with the kernels' text, its translation for LLVM, its assembly language if wanted."""
         lines = [self.title, _folded("asked for", self.results)]
@@ -152,6 +154,7 @@ class Explanation:
     __repr__ = __str__
 
 
+@door(hint=A_STUDY)
 def explain(study: str | Path) -> Explanation:
     """Return the work of a study and what it leaves out; nothing is compiled or run.
 

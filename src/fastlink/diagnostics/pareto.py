@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from fastlink._text import aligned
+from fastlink.doors import door
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -37,6 +38,7 @@ def front(measured: xr.Dataset) -> NDArray[np.int8]:
     return best
 
 
+@door
 def accuracy_table(measured: xr.Dataset) -> str:
     """Return the result of `fastlink.accuracy` as lines of text, the fastest method first.
 

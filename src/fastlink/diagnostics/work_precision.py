@@ -14,6 +14,7 @@ from fastlink.catalogue.declare import ELIMINATED
 from fastlink.diagnostics.methods import SECONDS_PER_DESIGN, SECONDS_PER_METHOD, Subject, methods_for, race
 from fastlink.diagnostics.pareto import draw, front
 from fastlink.diagnostics.truth import truth_of
+from fastlink.doors import door
 from fastlink.engine.resolve import resolve
 from fastlink.errors import InputError
 from fastlink.io.dataset import plain_attrs
@@ -21,7 +22,7 @@ from fastlink.io.partial_file import check_target
 from fastlink.plot.picture import check_picture, save
 from fastlink.space.design_space import sampled
 from fastlink.space.values import check_whole
-from fastlink.study.study import read_study
+from fastlink.study.study import A_STUDY, read_study
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -46,6 +47,7 @@ LABELS = {
 MISSED = 0.01
 
 
+@door(hint=A_STUDY)
 def accuracy(
     study: str | Path,
     *,

@@ -13,6 +13,7 @@ from fastlink.catalogue.catalogue import Catalogue, Fact, System
 from fastlink.catalogue.declare import ELIMINATED
 from fastlink.catalogue.evaluate import evaluate_step
 from fastlink.catalogue.tables import angle_tables
+from fastlink.doors import door
 from fastlink.errors import InputError, Problems
 from fastlink.mechanisms import NAMES, inputs_of
 from fastlink.mechanisms import catalogue as find_catalogue
@@ -30,6 +31,7 @@ from fastlink.space.values import short_repr
 __all__ = ["evaluate"]
 
 
+@door
 def evaluate(
     mechanism: str,
     quantities: Iterable[str],

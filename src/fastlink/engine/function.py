@@ -14,6 +14,7 @@ import numpy as np
 
 from fastlink._text import counted
 from fastlink.catalogue.declare import ELIMINATED
+from fastlink.doors import door
 from fastlink.engine.binding import VECTOR, BoundKernel, aligned
 from fastlink.engine.checks import check_names
 from fastlink.engine.resolve import ResolvedSweep, resolve
@@ -35,6 +36,7 @@ __all__ = ["Function", "function"]
 BLOCK, BLOCK_BYTES = 1024, 1 << 20
 
 
+@door
 def function(
     mechanism: str,
     inputs: Sequence[str],

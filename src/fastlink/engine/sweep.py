@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from fastlink.catalogue.declare import ELIMINATED
+from fastlink.doors import door
 from fastlink.engine import labels
 from fastlink.engine.executor import BLOCK_BYTES, Sink, default_threads, row_bytes, run
 from fastlink.engine.needs import allocated, check_needs, designs_per_block
@@ -35,6 +36,7 @@ __all__ = ["sweep"]
 REPLAYED = 4096
 
 
+@door
 def sweep(
     mechanism: str,
     space: DesignSpace,

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import xarray as xr
 
+from fastlink.doors import door
 from fastlink.errors import InputError
 from fastlink.io.dataset import FORMAT, FORMAT_VERSION
 from fastlink.io.partial_file import part_of, reason
@@ -22,6 +23,7 @@ def is_hdf5(path: Path) -> bool:
         return file.read(len(SIGNATURE)) == SIGNATURE
 
 
+@door(name="open")
 def open_map(path: str | Path) -> xr.Dataset:
     """Open a map that a sweep has written; values are read when they are used.
 

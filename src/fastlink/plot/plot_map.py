@@ -8,6 +8,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from fastlink.doors import door
 from fastlink.errors import InputError, Remedy, Setting, suggest
 from fastlink.plot.picture import check_picture, require_matplotlib, save
 
@@ -20,6 +21,7 @@ __all__ = ["plot_map"]
 BRANCH = "branch"
 
 
+@door
 def plot_map(
     dataset: xr.Dataset,
     name: str,

@@ -13,6 +13,7 @@ from dataclasses import astuple, dataclass, fields
 
 from fastlink._text import aligned
 from fastlink.catalogue.catalogue import Catalogue, Fact, Input
+from fastlink.doors import door
 from fastlink.facts.names import Derivative, ErrorBound, ListOfExtrema, Reduced, Trust
 from fastlink.facts.names import Quantity as Plain
 from fastlink.mechanisms import NAMES
@@ -142,6 +143,7 @@ class QuantityList(list[Quantity]):
         )
 
 
+@door
 def quantities(mechanism: str, internal: bool = False, input: str | None = None) -> QuantityList:
     """List the quantities and inputs of a mechanism.
 

@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from fastlink._text import aligned, counted, duration, scaled, size
+from fastlink.doors import door
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -15,6 +16,7 @@ __all__ = ["contents", "summary"]
 MULTIPLES = ("", " thousand", " million", " billion")
 
 
+@door
 def summary(dataset: xr.Dataset) -> str:
     """Return what a sweep did as lines of text, from the attributes of its result.
 

@@ -9,11 +9,13 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from fastlink.doors import door
 from fastlink.errors import InputError, suggest
 from fastlink.space.values import Floats, constant, frozen
 
 #: The dimension of designs that span no grid.
 DESIGN = "design"
+MAKERS = "grid, table, sobol and latin_hypercube make design spaces"
 
 
 @dataclass(frozen=True, eq=False)
@@ -60,6 +62,7 @@ class DesignSpace:
         """Every input that has a value: swept ones first, then constants."""
         return (*self.axes, *self.columns, *self.constants)
 
+    @door
     def values(self, name: str) -> Floats:
         """Return the values of an input, 1-D: its axis, its column or its constant."""
         if name in self.constants:
@@ -70,6 +73,7 @@ class DesignSpace:
             return self.columns[name]
         raise InputError(f"{name!r} has no value", where=("design",), remedy=suggest(name, self.names))
 
+    @door
     def fill(self, names: Sequence[str], start: int, stop: int, out: Floats) -> None:
         """Write inputs of designs ``start`` to ``stop - 1`` into rows; thread-safe.
 
@@ -96,12 +100,14 @@ class DesignSpace:
             else:
                 target[:] = self.values(name)[start:stop]
 
+    @door
     def some(self, count: int, rng: np.random.Generator) -> NDArray[np.int64]:
         """Return the numbers of random designs in order; no list of all, perhaps 10^9."""
         if count >= self.size:
             return np.arange(self.size)
         return np.sort(rng.choice(self.size, count, replace=False))
 
+    @door
     def at(self, designs: NDArray[np.int64]) -> dict[str, Floats]:
         """Return every input of the designs with these numbers."""
         rows = np.empty((len(self.names), designs.size))
@@ -109,6 +115,7 @@ class DesignSpace:
             self.fill(self.names, design, design + 1, rows[:, k : k + 1])
         return dict(zip(self.names, rows, strict=True))
 
+    @door
     def with_constants(self, extra: Mapping[str, float]) -> DesignSpace:
         """Return this space with further constants; inputs with values keep theirs."""
         given = set(self.names)
@@ -117,6 +124,7 @@ class DesignSpace:
         }
         return replace(self, constants={**self.constants, **added})
 
+    @door
     def with_axis(self, name: str, values: Sequence[float]) -> DesignSpace:
         """Return every design at each value of one more input, the fastest dimension."""
         axis = frozen(np.array(values, dtype=np.float64))
@@ -133,6 +141,9 @@ class DesignSpace:
             indices[name] = rest - outer * length
             rest = outer
         return indices
+
+
+DesignSpace.__init__ = door(hint=MAKERS, name="DesignSpace")(DesignSpace.__init__)  # type: ignore[method-assign]
 
 
 def sampled(

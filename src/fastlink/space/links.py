@@ -7,6 +7,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from numbers import Real
 
+from fastlink.doors import door
 from fastlink.errors import InputError, Problems, suggest
 
 __all__ = ["Links", "links_from", "round_bar"]
@@ -22,6 +23,7 @@ class Links:
     values: Mapping[str, float]
 
 
+@door
 def round_bar(density: float | None = None, radius: float | None = None) -> Links:
     """Links made of solid round bars.
 

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from fastlink._text import counted
+from fastlink.doors import door
 from fastlink.errors import InputError, Pair, Problems
 from fastlink.memory import check_memory
 from fastlink.space.design_space import DesignSpace, sampled
@@ -26,6 +27,7 @@ COPIES = {"sobol": 2, "latin_hypercube": 5}
 FEWER = "ask for fewer designs"
 
 
+@door
 def grid(**axes: ArrayLike) -> DesignSpace:
     """Sweep every combination of the values given.
 
@@ -66,6 +68,7 @@ def grid(**axes: ArrayLike) -> DesignSpace:
     return DesignSpace("grid", tuple(swept), shape, constants, axes=swept, attrs={"design_kind": "grid"})
 
 
+@door
 def sobol(n: int, *, seed: int = 0, **ranges: ArrayLike) -> DesignSpace:
     """Sample inputs by a scrambled Sobol sequence, along the dimension ``design``.
 
@@ -95,6 +98,7 @@ def sobol(n: int, *, seed: int = 0, **ranges: ArrayLike) -> DesignSpace:
     return _sample("sobol", n, seed, ranges, _sobol_chunks)
 
 
+@door
 def latin_hypercube(n: int, *, seed: int = 0, **ranges: ArrayLike) -> DesignSpace:
     """Sample the inputs by a Latin hypercube, along the dimension ``design``.
 

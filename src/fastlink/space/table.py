@@ -13,11 +13,13 @@ from typing import Any
 import numpy as np
 
 from fastlink._text import counted
+from fastlink.doors import door
 from fastlink.errors import InputError, Remedy, Setting
 from fastlink.space.design_space import DesignSpace, sampled
 from fastlink.space.values import Floats, constant, first_invalid, numbers_of, short_repr
 
 
+@door
 def table(source: Any, *, allow_invalid: bool = False) -> DesignSpace:
     """Take one design per row of a table, along the dimension ``design``.
 

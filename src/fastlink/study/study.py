@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from fastlink.doors import door
 from fastlink.engine.checks import check
 from fastlink.engine.resolve import resolve
 from fastlink.engine.sweep import sweep
@@ -36,10 +37,15 @@ from fastlink.study.schema import KEYS, SAMPLES, read_tables
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["Study", "read_study", "run_study"]
+__all__ = ["A_STUDY", "Study", "read_study", "run_study"]
 
 #: Parameters of `fastlink.sweep` with another name in a study.
 PARAMETERS = {"to": "file"}
+#: What a study is, for those who have none yet.
+A_STUDY = (
+    "a study is a TOML file that names mechanism, designs and quantities: "
+    "`fastlink new planar_4r > study.toml` writes one"
+)
 
 
 @dataclass(frozen=True, eq=False)
@@ -85,6 +91,7 @@ class Study:
         return dict(self.tables["output"])
 
 
+@door(hint=A_STUDY)
 def run_study(
     path: str | Path,
     to: str | Path | None = None,
@@ -215,7 +222,8 @@ def _text_of(path: Path) -> str:
         raise InputError(f"{path}: is not UTF-8 text ({error.reason} at byte {error.start})") from None
     except (OSError, ValueError) as error:  # ValueError: a NUL in the path
         why = getattr(error, "strerror", None) or str(error)
-        raise InputError(f"{path}: cannot be read ({why})", remedy="give the path of a study file") from None
+        remedy = f"give the path of a study file; {A_STUDY}"
+        raise InputError(f"{path}: cannot be read ({why})", remedy=remedy) from None
 
 
 def _tables_of(path: Path, text: str) -> dict[str, Any]:

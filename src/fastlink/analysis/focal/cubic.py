@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from fastlink.analysis.designs import broadcast, check_range
+from fastlink.doors import door
 from fastlink.engine.evaluate import evaluate
 from fastlink.errors import InputError
 from fastlink.numerics.vectors import cross
@@ -22,6 +23,7 @@ GREATEST_LENGTH = 1e70
 ARCS = 4
 
 
+@door
 def cubic(a: Any, b: Any, c: Any, d: Any, phi: Any, branch: Any = 1) -> Any:
     r"""Return the equation of the focal cubic of a position of the four-bar MABN.
 
@@ -89,6 +91,7 @@ def cubic(a: Any, b: Any, c: Any, d: Any, phi: Any, branch: Any = 1) -> Any:
     return k
 
 
+@door
 def cubic_points(a: Any, b: Any, c: Any, d: Any, phi: Any, branch: Any = 1, *, samples: int = 100) -> Any:
     """Return points of the focal cubic of a position, in the order of its branches.
 

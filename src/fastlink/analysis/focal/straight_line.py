@@ -7,6 +7,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from fastlink.analysis.designs import broadcast
+from fastlink.doors import door
 from fastlink.errors import InputError
 
 __all__ = ["StraightLine", "T_deviation", "straight_line"]
@@ -48,6 +49,7 @@ def _fitted_line(x: Any, y: Any) -> StraightLine:
     return StraightLine(middle_x, middle_y, direction, deviation)
 
 
+@door
 def straight_line(x: Any, y: Any) -> StraightLine:
     """Return the straight line whose sum of squared distances from points is least.
 
@@ -83,6 +85,7 @@ def straight_line(x: Any, y: Any) -> StraightLine:
     return _fitted_line(*broadcast("straight_line", x=x, y=y))
 
 
+@door
 def T_deviation(maps: Any) -> Any:
     """Return the distance of T from the straight line that fits its path best.
 

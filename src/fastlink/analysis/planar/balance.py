@@ -16,6 +16,7 @@ import numpy as np
 
 from fastlink.analysis.designs import broadcast
 from fastlink.catalogue.evaluate import read_facts
+from fastlink.doors import door
 from fastlink.errors import InputError
 from fastlink.mechanisms import catalogue
 from fastlink.plan.validate import constants_of, variants_of
@@ -28,6 +29,7 @@ __all__ = ["force_balance"]
 NEEDED = ("a1", "a2", "a3", "m1", "G1_u", "G1_v", "m2", "G2_u", "G2_v", "m3", "G3_u", "G3_v")
 
 
+@door
 def force_balance(
     design: Mapping[str, Any],
     *,

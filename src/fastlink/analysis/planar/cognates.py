@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from fastlink.analysis.designs import CURVE, broadcast, curve_designs
+from fastlink.doors import door
 from fastlink.errors import InputError
 
 __all__ = ["Cognate", "cognates"]
@@ -62,6 +63,7 @@ class Cognate:
         return self.O_x + (cosine * x - sine * y), self.O_y + (sine * x + cosine * y)
 
 
+@door
 def cognates(design: Mapping[str, Any]) -> tuple[Cognate, Cognate, Cognate]:
     """Return the three linkages that trace one coupler curve (Roberts, Chebyshev).
 

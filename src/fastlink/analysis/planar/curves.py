@@ -13,6 +13,7 @@ from scipy.spatial import ConvexHull, QhullError
 
 from fastlink.analysis.designs import CURVE, broadcast, curve_designs
 from fastlink.analysis.sextics import coupler_sextic
+from fastlink.doors import door
 from fastlink.engine.evaluate import evaluate
 from fastlink.errors import InputError
 from fastlink.numerics.vectors import cross
@@ -20,6 +21,7 @@ from fastlink.numerics.vectors import cross
 __all__ = ["curve_area", "curve_length", "curve_straightness", "sextic", "straightness"]
 
 
+@door
 def sextic(a1: Any, a2: Any, a3: Any, a4: Any, P_u: Any, P_v: Any) -> Any:
     r"""Return the tricircular sextic that every coupler point of a linkage satisfies.
 
@@ -89,6 +91,7 @@ def one_turn(samples: int) -> Any:
     return (np.arange(samples) + 0.5) * (2.0 * np.pi / samples)
 
 
+@door
 def curve_length(
     a1: Any, a2: Any, a3: Any, a4: Any, P_u: Any, P_v: Any, *, branch: int = 1, samples: int = 720
 ) -> Any:
@@ -124,6 +127,7 @@ def curve_length(
     return 2.0 * np.pi * np.mean(path["P_speed"], axis=-1)
 
 
+@door
 def curve_area(
     a1: Any, a2: Any, a3: Any, a4: Any, P_u: Any, P_v: Any, *, branch: int = 1, samples: int = 720
 ) -> Any:
@@ -182,6 +186,7 @@ def _half_width(points: Any) -> float:
     return float(0.5 * size * widths.min())
 
 
+@door
 def straightness(x: Any, y: Any) -> Any:
     """Return the greatest distance of points from the line that makes it least [m].
 
@@ -209,6 +214,7 @@ def straightness(x: Any, y: Any) -> Any:
     return np.array(half_widths).reshape(points.shape[:-2])[()]
 
 
+@door
 def curve_straightness(
     a1: Any,
     a2: Any,

@@ -26,6 +26,7 @@ from typing import Any
 import numpy as np
 
 from fastlink.analysis.designs import curve_designs
+from fastlink.doors import door
 from fastlink.errors import InputError
 
 __all__ = ["crunode_count", "crunodes", "cusp_count", "cusps"]
@@ -122,6 +123,7 @@ def _check_tolerance(function: str, tolerance: float) -> None:
         )
 
 
+@door
 def crunodes(
     a1: Any, a2: Any, a3: Any, a4: Any, P_u: Any, P_v: Any, *, tolerance: float = TOLERANCE
 ) -> tuple[Any, Any, Any]:
@@ -163,6 +165,7 @@ def crunodes(
     return _selected(X, Y, excess > tolerance)
 
 
+@door
 def cusps(
     a1: Any, a2: Any, a3: Any, a4: Any, P_u: Any, P_v: Any, *, tolerance: float = TOLERANCE
 ) -> tuple[Any, Any, Any]:
@@ -200,6 +203,7 @@ def cusps(
     return _selected(X, Y, np.abs(excess) <= tolerance)
 
 
+@door
 def crunode_count(a1: Any, a2: Any, a3: Any, a4: Any, P_u: Any, P_v: Any) -> Any:
     """Return the number of crunodes of the coupler curve of a linkage.
 
@@ -222,6 +226,7 @@ def crunode_count(a1: Any, a2: Any, a3: Any, a4: Any, P_u: Any, P_v: Any) -> Any
     return crunodes(a1, a2, a3, a4, P_u, P_v)[2]
 
 
+@door
 def cusp_count(a1: Any, a2: Any, a3: Any, a4: Any, P_u: Any, P_v: Any) -> Any:
     """Return the number of cusps of the coupler curve of a linkage.
 

@@ -6,11 +6,13 @@ from typing import Any
 
 import numpy as np
 
+from fastlink.doors import door
 from fastlink.errors import InputError
 
 __all__ = ["flywheel_inertia"]
 
 
+@door
 def flywheel_inertia(maps: Any, C_s: Any) -> Any:
     """Return the moment of inertia for a given coefficient of speed fluctuation.
 

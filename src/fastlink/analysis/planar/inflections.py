@@ -8,6 +8,7 @@ import numpy as np
 
 from fastlink.analysis.designs import CURVE, curve_designs
 from fastlink.analysis.planar.curves import one_turn
+from fastlink.doors import door
 from fastlink.engine.evaluate import evaluate
 
 __all__ = ["inflections"]
@@ -40,6 +41,7 @@ def _refined(inputs: dict[str, Any], branch: int, low: Any, high: Any, at_low: A
     return high
 
 
+@door
 def inflections(
     a1: Any, a2: Any, a3: Any, a4: Any, P_u: Any, P_v: Any, *, branch: int = 1, samples: int = 720
 ) -> tuple[Any, Any, Any, Any]:

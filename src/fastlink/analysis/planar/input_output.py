@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 
 from fastlink.analysis.designs import broadcast
+from fastlink.doors import door
 from fastlink.errors import InputError, suggest
 from fastlink.mechanisms.planar_4r import planar_4r
 from fastlink.mechanisms.planar_4r.residuals import IO_CROSS, IO_PRODUCTS
@@ -14,6 +15,7 @@ from fastlink.mechanisms.planar_4r.residuals import IO_CROSS, IO_PRODUCTS
 __all__ = ["io_coefficients"]
 
 
+@door
 def io_coefficients(a1: Any, a2: Any, a3: Any, a4: Any, pair: str = "14") -> Any:
     """Return the coefficients of an input-output equation, eqs. (1) to (6) of Hayes.
 

@@ -1,0 +1,105 @@
+"""Every public function refuses a wrong call, and a wrong option, with what to write instead."""
+
+import inspect
+import pickle
+
+import pytest
+
+import fastlink as fl
+from fastlink.doors import CallError, door
+from tests.support.refusals import refused
+
+NAMESPACES = (fl, fl.planar, fl.focal, fl.minkowski, fl.hart)
+
+
+def public_functions():
+    """Return every public function and every public method of a design space, by its name."""
+    found = {}
+    for namespace in NAMESPACES:
+        for name in namespace.__all__:
+            thing = getattr(namespace, name)
+            if inspect.isfunction(thing):
+                found[f"{namespace.__name__}.{name}"] = thing
+    for name, method in inspect.getmembers(fl.DesignSpace, inspect.isfunction):
+        if not name.startswith("_") or name == "__init__":
+            found[f"DesignSpace.{name}"] = method
+    return found
+
+
+PUBLIC = public_functions()
+
+
+@pytest.mark.parametrize("name", PUBLIC)
+def test_every_public_function_refuses_a_call_that_does_not_fit(name):
+    function = PUBLIC[name]
+    with pytest.raises(CallError) as caught:
+        function(*range(50))
+    assert isinstance(caught.value, fl.InputError)
+    assert isinstance(caught.value, TypeError)
+    assert " by position, " in caught.value.what
+    assert str(caught.value.remedy).startswith("write ")
+    if "**" not in str(inspect.signature(function)):
+        with pytest.raises(CallError, match="nothing_like_it"):
+            function(nothing_like_it=1)
+
+
+@pytest.mark.parametrize(
+    ("call", "key", "remedy"),
+    [
+        (lambda: fl.round_bar(raduis=0.01), "raduis", "'radius'"),
+        (lambda: fl.sobol(N=64, a1=(1, 2)), "n", "n in place of N"),
+        (lambda: fl.latin_hypercube(a1=(1, 2)), "n", "latin_hypercube(n, seed=..., **ranges)"),
+        (lambda: fl.grid([1.0, 2.0]), "grid", "grid(**axes)"),
+        (lambda: fl.sobol(8, n=8), "n", "once"),
+        (lambda: fl.summary(), "summary", "summary("),
+        (lambda: fl.plot_map("maps.h5"), "name", "plot_map(dataset, name"),
+        (lambda: fl.open(), "path", "open(path"),
+        (lambda: fl.sweep("planar_4r", fl.grid(a1=1.0), quantites=["omega4"]), "quantities", "of quantites"),
+        (lambda: fl.sweep("planar_4r", fl.grid(a1=1.0), ["omega4"], 360), "sweep", "links=..."),
+        (lambda: fl.sweep("planar_4r", fl.grid(a1=1.0)), "quantities", "sweep(mechanism, space, quantities"),
+        (lambda: fl.accuracy("planar_4r", fl.grid(a1=1.0), ["omega4"]), "accuracy", "fastlink new"),
+        (lambda: fl.accuracy("planar_4r"), "planar_4r", "fastlink new"),
+        (lambda: fl.run_study("s.toml", thraeds=2), "thraeds", "'threads'"),
+        (lambda: fl.grid(a1=1.0).values(), "values", "values(name)"),
+        (lambda: fl.DesignSpace("grid"), "dims", "grid, table, sobol"),
+        (lambda: fl.planar.cognates(), "cognates", "cognates("),
+        (lambda: fl.hart.integer_designs(8, moveable=True), "moveable", "'movable'"),
+    ],
+)
+def test_a_wrong_call_names_the_parameter_and_what_to_write(call, key, remedy):
+    with pytest.raises(fl.InputError) as caught:
+        call()
+    problems = [(str(one.where) + one.what, str(one.remedy)) for one in caught.value.problems]
+    assert any(key in where and remedy in mended for where, mended in problems), caught.value
+
+
+def test_all_that_is_wrong_with_a_call_is_named():
+    with pytest.raises(CallError) as caught:
+        fl.plot_map(nmae="omega4", branches=1, colour="red")
+    wheres = {one.where for one in caught.value.problems}
+    assert wheres == {("plot_map", key) for key in ("dataset", "name", "branches", "colour")}
+
+
+def test_an_error_inside_a_right_call_is_passed_on():
+    @door
+    def broken(value):
+        return value + "text"
+
+    with pytest.raises(TypeError, match="unsupported operand") as caught:
+        broken(1)
+    assert not isinstance(caught.value, CallError)
+
+
+def test_a_guarded_function_keeps_its_signature_and_travels():
+    assert list(inspect.signature(fl.sobol).parameters) == ["n", "seed", "ranges"]
+    assert pickle.loads(pickle.dumps(fl.sobol)) is fl.sobol
+    with pytest.raises(CallError) as caught:
+        fl.sobol()
+    again = pickle.loads(pickle.dumps(caught.value))
+    assert (again.problems, str(again)) == (caught.value.problems, str(caught.value))
+
+
+def test_a_mechanism_or_a_missing_file_is_not_a_study():
+    for function in (fl.accuracy, fl.explain, fl.run_study):
+        with refused("planar_4r", "`fastlink new planar_4r > study.toml` writes one"):
+            function("planar_4r")
