@@ -110,9 +110,9 @@ def test_several_problems_are_a_line_each(folder):
 
 
 def test_a_study_that_is_not_there(folder):
-    assert refused("run", "no.toml") == [
-        "no.toml: cannot be read (No such file or directory); give the path of a study file"
-    ]
+    (line,) = refused("run", "no.toml")
+    assert line.startswith("no.toml: cannot be read (No such file or directory); give the path of a study")
+    assert line.endswith("`fastlink new planar_4r > study.toml` writes one")
 
 
 def test_an_interrupt_is_one_line(folder, monkeypatch):

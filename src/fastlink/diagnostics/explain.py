@@ -21,7 +21,8 @@ from fastlink.engine.resolve import ResolvedSweep, resolve
 from fastlink.numerics import compensated, vectors
 from fastlink.numerics.compiler import COMPILED_AS, INLINED, syntax
 from fastlink.plan.program import ExtremaProgram
-from fastlink.study.study import A_STUDY, read_study
+from fastlink.study.schema import A_STUDY
+from fastlink.study.study import read_study
 
 if TYPE_CHECKING:
     from fastlink.codegen.kernel import Kernel

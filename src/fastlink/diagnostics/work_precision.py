@@ -22,7 +22,8 @@ from fastlink.io.partial_file import check_target
 from fastlink.plot.picture import check_picture, save
 from fastlink.space.design_space import sampled
 from fastlink.space.values import check_whole
-from fastlink.study.study import A_STUDY, read_study
+from fastlink.study.schema import A_STUDY
+from fastlink.study.study import read_study
 
 if TYPE_CHECKING:
     from collections.abc import Callable

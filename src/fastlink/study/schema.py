@@ -13,8 +13,13 @@ from pydantic_core import PydanticCustomError, core_schema
 from fastlink.errors import InputError, KeyPath, Problem, path_text, suggest
 from fastlink.space.values import short_repr
 
-__all__ = ["KEYS", "SAMPLES", "read_tables"]
+__all__ = ["A_STUDY", "KEYS", "SAMPLES", "read_tables"]
 
+#: The remedy of those who have no study yet.
+A_STUDY = (
+    "give the path of a study, a TOML file that names mechanism, designs and quantities; "
+    "`fastlink new planar_4r > study.toml` writes one"
+)
 LONGEST = 10_000_000  # values of an axis: 80 MB in memory
 
 

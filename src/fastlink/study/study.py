@@ -32,20 +32,15 @@ from fastlink.plan.positions import check_keywords
 from fastlink.space.design_space import DesignSpace
 from fastlink.space.links import links_from
 from fastlink.space.samplers import grid, latin_hypercube, sobol, table
-from fastlink.study.schema import KEYS, SAMPLES, read_tables
+from fastlink.study.schema import A_STUDY, KEYS, SAMPLES, read_tables
 
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["A_STUDY", "Study", "read_study", "run_study"]
+__all__ = ["Study", "read_study", "run_study"]
 
 #: Parameters of `fastlink.sweep` with another name in a study.
 PARAMETERS = {"to": "file"}
-#: What a study is, for those who have none yet.
-A_STUDY = (
-    "a study is a TOML file that names mechanism, designs and quantities: "
-    "`fastlink new planar_4r > study.toml` writes one"
-)
 
 
 @dataclass(frozen=True, eq=False)
@@ -222,8 +217,7 @@ def _text_of(path: Path) -> str:
         raise InputError(f"{path}: is not UTF-8 text ({error.reason} at byte {error.start})") from None
     except (OSError, ValueError) as error:  # ValueError: a NUL in the path
         why = getattr(error, "strerror", None) or str(error)
-        remedy = f"give the path of a study file; {A_STUDY}"
-        raise InputError(f"{path}: cannot be read ({why})", remedy=remedy) from None
+        raise InputError(f"{path}: cannot be read ({why})", remedy=A_STUDY) from None
 
 
 def _tables_of(path: Path, text: str) -> dict[str, Any]:
