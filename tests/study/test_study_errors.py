@@ -246,7 +246,7 @@ def test_toml_faults_have_their_line(folder, text, message):
 def test_files_that_cannot_be_read(folder):
     with pytest.raises(fl.InputError, match=r"^absent\.toml: cannot be read \(No such file"):
         run_study("absent.toml")
-    with pytest.raises(fl.InputError, match=r"cannot be read .*; give the path of a study file"):
+    with pytest.raises(fl.InputError, match=r"cannot be read .*; give the path of a study,"):
         run_study(folder)
     Path("latin.toml").write_bytes("# Länge".encode("latin-1"))
     with pytest.raises(fl.InputError, match=r"^latin\.toml: is not UTF-8 text .* at byte 3"):
