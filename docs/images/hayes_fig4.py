@@ -13,7 +13,7 @@ maps = fl.sweep(
     links=fl.round_bar(density=7750.0, radius=0.01),
     branch=2,
     theta1=1440,
-).squeeze()
+)
 
 figure, axis = plt.subplots(figsize=(7.2, 4.2), layout="constrained")
 other = axis.twinx()

@@ -47,8 +47,8 @@ def test_dimensions_are_the_swept_ones_then_branch_then_theta1():
 
 def test_a_single_design_has_no_swept_dimension():
     result = fl.sweep("planar_4r", fl.grid(**TABLE_1), ["B_x", "transmission_angle_max"], theta1=8, branch=2)
-    assert result.B_x.dims == ("branch", "theta1")
-    assert result.transmission_angle_max.shape == (1,)
+    assert result.B_x.dims == ("theta1",)
+    assert result.transmission_angle_max.shape == ()
     assert result.status.shape == ()
 
 
@@ -170,7 +170,7 @@ def test_bits_depend_neither_on_what_else_is_asked_nor_on_the_lanes():
         assert_same_bits(alone, curves)
     few = fl.sweep("planar_4r", MIXED, everything, links=BARS, theta1=curves.theta1.values[:9])
     assert_same_bits(few, curves.isel(theta1=slice(0, 9)))
-    one_branch = fl.sweep("planar_4r", MIXED, everything, links=BARS, theta1=45, branch=2)
+    one_branch = fl.sweep("planar_4r", MIXED, everything, links=BARS, theta1=45, branch=[2])
     assert_same_bits(one_branch, curves.isel(branch=[1]))
 
 

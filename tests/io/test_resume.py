@@ -23,7 +23,15 @@ NAMES = ["omega4_max", "theta4", "grashof_class"]
 
 
 def sweep(to, **given):
-    options = {"theta1": 8, "block": 64, "threads": 1, "to": to, "verify": 2} | given.pop("options", {})
+    options = {
+        "theta1": 8,
+        "block": 64,
+        "threads": 1,
+        "to": to,
+        "verify": 2,
+        "branch": given.pop("branch", (1, 2)),
+    }
+    options |= given.pop("options", {})
     return fl.sweep("planar_4r", fl.grid(**(DESIGNS | {"omega1": 2.0} | given)), NAMES, **options)
 
 
@@ -48,7 +56,9 @@ def assert_same(resumed, expected):
     assert all(resumed.attrs[name] == expected.attrs[name] for name in counts)
 
 
-@pytest.mark.parametrize("given", [{}, {"a2": COUPLERS[:20], **SPEEDS}, {**SPEEDS, "a2": COUPLERS[:20]}])
+@pytest.mark.parametrize(
+    "given", [{}, {"branch": 2}, {"a2": COUPLERS[:20], **SPEEDS}, {**SPEEDS, "a2": COUPLERS[:20]}]
+)
 def test_an_interrupted_sweep_goes_on(tmp_path, monkeypatch, given):
     path = tmp_path / "map.h5"
     with monkeypatch.context() as patched:

@@ -54,7 +54,7 @@ file = "torque.h5"
     with run_study(written(text)) as maps:
         assert maps.attrs["title"] == "Längen"
         assert maps.attrs["solver"] == "dense"
-        assert maps["T41"].dims == ("a2", "radius", "branch", "theta1")
+        assert maps["T41"].dims == ("a2", "radius", "theta1")
         assert_array_equal(maps["a2"], np.geomspace(1.0, 1.44, 3))
         assert_array_equal(maps["theta1"], np.linspace(0.5, 1.5, 5))
         assert_array_equal(maps["branch"], [2])

@@ -23,19 +23,27 @@ if TYPE_CHECKING:
 
 __all__ = ["global_attrs", "labelled", "sweep_coordinates", "variables"]
 
+#: The dimension of assembly modes.
+BRANCH = "branch"
 
-def variables(plan: Plan, space: DesignSpace, positions: int) -> list[Variable]:
-    """Return the results with dimensions and attributes, for a number of positions."""
+
+def variables(plan: Plan, space: DesignSpace, positions: int, *, one_branch: bool = False) -> list[Variable]:
+    """Return the results with dimensions and attributes, for a number of positions.
+
+    Where the assembly mode was given as a scalar (`one_branch`), it is a coordinate and not a dimension.
+    """
     lengths = axis_lengths(plan, positions)
+    dropped = (BRANCH,) if one_branch else ()
+    axes = [tuple(axis for axis in output.axes if axis not in dropped) for output in plan.outputs]
     return [
         Variable(
             output.name,
-            (*space.dims, *output.axes),
-            (*space.shape, *(lengths[axis] for axis in output.axes)),
+            (*space.dims, *own),
+            (*space.shape, *(lengths[axis] for axis in own)),
             np.dtype(output.dtype),
             dict(_labels(plan, output)),
         )
-        for output in plan.outputs
+        for output, own in zip(plan.outputs, axes, strict=True)
     ]
 
 
@@ -85,15 +93,18 @@ def _of_list(part: str, fact: Fact, position: Input) -> dict[str, Any]:
     }
 
 
-def sweep_coordinates(plan: Plan, space: DesignSpace, positions: NDArray[Any]) -> xr.Dataset:
-    """Return a Dataset with the coordinates of a sweep."""
+def sweep_coordinates(
+    plan: Plan, space: DesignSpace, positions: NDArray[Any], *, one_branch: bool = False
+) -> xr.Dataset:
+    """Return a Dataset with the coordinates of a sweep; `one_branch` as for `variables`."""
     catalogue: Catalogue = plan.catalogue
     used = {axis for output in plan.outputs for axis in output.axes}
     further: dict[str, Any] = {}
-    if "branch" in used:
+    if BRANCH in used:
         meanings = "; ".join(f"{branch}: {meaning}" for branch, meaning in catalogue.branches.items())
         labels = {"long_name": "assembly mode", "comment": meanings}
-        further["branch"] = (("branch",), frozen(np.array(plan.branches, dtype=np.int32)), labels)
+        modes = frozen(np.array(plan.branches, dtype=np.int32))
+        further[BRANCH] = ((), modes[0], labels) if one_branch else ((BRANCH,), modes, labels)
     if EXTREMUM in used:
         labels = {"long_name": f"number of the extreme, by growing {catalogue.position.name}"}
         further[EXTREMUM] = ((EXTREMUM,), frozen(np.arange(1, plan.extrema_kept + 1, dtype=np.int32)), labels)
@@ -116,15 +127,18 @@ def labelled(
     than all the rest of such a sweep.
     """
     plan, space, positions = resolved.plan, resolved.space, resolved.positions
+    one_branch = resolved.one_branch
     data = {
         variable.name: array.reshape(variable.shape)
         for variable, array in zip(variables, arrays, strict=True)
     }
     if space.dims:
-        return assemble(sweep_coordinates(plan, space, positions), variables, data, attrs)
+        return assemble(
+            sweep_coordinates(plan, space, positions, one_branch=one_branch), variables, data, attrs
+        )
     used = any(plan.catalogue.position.name in output.axes for output in plan.outputs)
     kind = tuple(space.constants), tuple(space.attrs.items()), positions.tobytes() if used else b""
-    dataset = _blank(plan, *kind).copy(deep=False, data=data)
+    dataset = _blank(plan, *kind, one_branch).copy(deep=False, data=data)
     for name, value in space.constants.items():
         dataset.variables[name].data = np.array(value)
     for variable in variables:
@@ -135,14 +149,14 @@ def labelled(
 
 @lru_cache(maxsize=64)
 def _blank(
-    plan: Plan, names: tuple[str, ...], attrs: tuple[tuple[str, Any], ...], positions: bytes
+    plan: Plan, names: tuple[str, ...], attrs: tuple[tuple[str, Any], ...], positions: bytes, one_branch: bool
 ) -> xr.Dataset:
     """Return the Dataset of one design without its values."""
     space = DesignSpace("grid", (), (), dict.fromkeys(names, 0.0), attrs=dict(attrs))
     angles = np.frombuffer(positions)
-    results = variables(plan, space, angles.size)
+    results = variables(plan, space, angles.size, one_branch=one_branch)
     values = {variable.name: np.empty(variable.shape, variable.dtype) for variable in results}
-    return assemble(sweep_coordinates(plan, space, angles), results, values, {})
+    return assemble(sweep_coordinates(plan, space, angles, one_branch=one_branch), results, values, {})
 
 
 def global_attrs(resolved: ResolvedSweep, threads: int) -> dict[str, Any]:

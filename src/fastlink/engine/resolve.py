@@ -8,6 +8,8 @@ from dataclasses import dataclass
 from functools import lru_cache, partial
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from fastlink.codegen.kernel import Kernel, kernel_of
 from fastlink.engine.binding import KernelTask
 from fastlink.engine.checks import CheckedRequest, all_declared, check
@@ -52,6 +54,8 @@ class ResolvedSweep:
         The axis that only scales the results, if there is one.
     backend : str
         What compiles the kernels.
+    one_branch : bool
+        Whether the assembly mode was given as a scalar, which makes it a coordinate instead of a dimension.
     """
 
     mechanism: str
@@ -61,6 +65,7 @@ class ResolvedSweep:
     solver: str
     scaling_axis: ScalingAxis | None
     backend: str
+    one_branch: bool
 
     @property
     def catalogue(self) -> Catalogue:
@@ -173,7 +178,8 @@ def resolve(
         raise (_problem_of_each(checked, planning, parameter) or error) from None
     axis = find_scaling_axis(plan, space)
     solver = checked.solver if plan.depends_on_solver else ""
-    return ResolvedSweep(mechanism, space, plan, checked.positions, solver, axis, checked.backend)
+    one_branch = np.ndim(options.get("branch", checked.branches)) == 0
+    return ResolvedSweep(mechanism, space, plan, checked.positions, solver, axis, checked.backend, one_branch)
 
 
 def _missing_inputs(

@@ -86,7 +86,8 @@ def sweep(
         ``F_y`` in m). An input that does not turn takes an array; unless given, theta of ``"minkowski_4r"`` is
         ``numpy.linspace(-4, 4, 401)``.
     branch : int or sequence of int, default (1, 2)
-        Assembly modes.
+        Assembly modes. A list is a dimension of the result, ``[2]`` too; a single number, as ``isel`` of xarray
+        does it, is a scalar coordinate ``branch``.
     solver : {"eliminated", "dense"}
         Joint reactions by elimination, or by LU of the 9x9 system of Hayes et al., eq. (9), which only the planar 4R
         driven by theta1 has.
@@ -196,7 +197,7 @@ class _Evaluation:
     ) -> None:
         self.resolved, self.threads, self.block = resolved, threads, block
         plan, space, positions = resolved.plan, resolved.space, resolved.positions
-        self.variables = labels.variables(plan, space, positions.size)
+        self.variables = labels.variables(plan, space, positions.size, one_branch=resolved.one_branch)
         self.nbytes = sum(variable.nbytes for variable in self.variables)
         check_needs(resolved, threads, block, verify, self.nbytes if in_memory else 0)
         self.counts = StatusCounts(plan)
@@ -226,13 +227,15 @@ class _Evaluation:
     def to_file(self, path: Path, overwrite: bool, show: Sink, attrs: Mapping[str, Any]) -> None:
         """Evaluate all designs into a file, or the rest of a killed run."""
         resolved, axis = self.resolved, self.resolved.scaling_axis
-        coords = labels.sweep_coordinates(resolved.plan, resolved.space, resolved.positions)
+        space, one_branch = resolved.space, resolved.one_branch
+        coords = labels.sweep_coordinates(resolved.plan, space, resolved.positions, one_branch=one_branch)
         key = self._fingerprint(attrs), self.job.size
         with Writer(path, coords, self.variables, attrs, overwrite=overwrite, run=key) as writer:
 
             def write(start: int, stop: int, arrays: list[NDArray[Any]]) -> None:
                 for variable, array in zip(self.variables, arrays, strict=True):
-                    writer.write(variable.name, start, array)
+                    row = variable.shape[len(space.shape) :]
+                    writer.write(variable.name, start, array.reshape(len(array), *row))
 
             sink = self._sink(show)
             resumed = self._replay(writer, sink)

@@ -230,7 +230,8 @@ def _meanings(status: xr.DataArray, veiled: Any) -> str:
 def _panels(variable: xr.DataArray) -> list[tuple[str, xr.DataArray]]:
     """Return title and values of each assembly mode, or of all if they agree."""
     if "branch" not in variable.dims:
-        return [("", variable)]
+        scalar = variable.coords.get("branch")
+        return [("" if scalar is None else f"assembly mode {scalar.item()}", variable)]
     parts = [(f"assembly mode {b.item()}", variable.sel(branch=b)) for b in variable["branch"]]
     first = parts[0][1].values
     alike = all(np.allclose(part.values, first, rtol=1e-9, atol=0.0, equal_nan=True) for _, part in parts)

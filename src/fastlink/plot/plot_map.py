@@ -122,6 +122,8 @@ def _select(
 
 
 def _one_branch(variable: xr.DataArray, branch: int) -> xr.DataArray:
+    if BRANCH not in variable.dims and BRANCH in variable.coords:
+        variable = variable.expand_dims(BRANCH)
     if BRANCH not in variable.dims:
         what = f"{variable.name} is the same in every assembly mode"
         raise InputError(what, where=("branch",), remedy="leave it out")

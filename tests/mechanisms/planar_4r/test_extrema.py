@@ -216,8 +216,8 @@ def test_bits_do_not_depend_on_how_or_what_else_is_asked(family, tmp_path):
     assert_same(found(lengths, RATES, block=7))
     assert_same(found(lengths, ["alpha4"]))
     assert_same(found(lengths, ["omega2", "omega4"]))
-    assert_same(found(lengths, ["alpha2"], branch=1), slice(0, 1))
-    assert_same(found(lengths, RATES, branch=2), slice(1, 2))
+    assert_same(found(lengths, ["alpha2"], branch=[1]), slice(0, 1))
+    assert_same(found(lengths, RATES, branch=[2]), slice(1, 2))
     assert_same(found(lengths, RATES, to=tmp_path / "map.h5", verify=0))
     for i in (0, 77):
         one = found(lengths[:, i : i + 1], RATES)

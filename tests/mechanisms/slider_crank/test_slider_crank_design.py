@@ -148,7 +148,7 @@ def test_least_and_greatest_transmission_angle_are_those_of_the_turn():
     refined = ["transmission_angle_min", "transmission_angle_max"]
     found = fl.sweep("slider_crank", fl.table(designs), [*names, *refined], branch=1, threads=1)
     for of_design, of_turn in zip(names, refined, strict=True):
-        one, other = found[of_design].values, found[of_turn].values[:, 0]
+        one, other = found[of_design].values, found[of_turn].values
         np.testing.assert_array_equal(np.isnan(one), np.isnan(other))
         there = np.isfinite(one)
         assert np.count_nonzero(there) > 100

@@ -48,7 +48,7 @@ def flywheel_inertia(maps: Any, C_s: Any) -> Any:
     ...     links=fl.round_bar(density=7750.0, radius=0.01),
     ...     branch=1,
     ... )
-    >>> round(float(fl.planar.flywheel_inertia(maps, C_s=0.02).squeeze()), 2)
+    >>> round(float(fl.planar.flywheel_inertia(maps, C_s=0.02)), 2)
     26.34
     """
     crank_speed = "omega" if "omega" in maps else "omega1"
