@@ -9,6 +9,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
+    from fastlink._version import __version__ as __version__
     from fastlink.analysis import focal as focal
     from fastlink.analysis import hart as hart
     from fastlink.analysis import minkowski as minkowski
@@ -20,7 +21,9 @@ if TYPE_CHECKING:
     from fastlink.engine.function import function as function
     from fastlink.engine.sweep import sweep as sweep
     from fastlink.errors import InputError as InputError
-    from fastlink.io import open as open
+    from fastlink.maps import finite as finite
+    from fastlink.maps import open as open
+    from fastlink.mechanisms.listing import mechanisms as mechanisms
     from fastlink.plot.plot_map import plot_map as plot_map
     from fastlink.report.quantities import quantities as quantities
     from fastlink.report.summary import summary as summary
@@ -48,8 +51,8 @@ else:
         if name not in _MODULES:
             raise AttributeError(f"module 'fastlink' has no attribute {name!r}")
         value = getattr(__import__(_MODULES[name], fromlist=[name]), name)
-        globals()[name] = value
-        return value
+        # a package of that name is there as soon as it is imported
+        return globals().setdefault(name, value)
 
     def __dir__() -> list[str]:
         return __all__

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import itertools
+import textwrap
+from collections.abc import Iterable, Sequence
 
-__all__ = ["aligned", "counted", "duration", "scaled", "size"]
+__all__ = ["aligned", "counted", "duration", "folded", "scaled", "size"]
 
 BYTES = (" B", " kB", " MB", " GB", " TB")
 
@@ -41,6 +43,27 @@ def aligned(
         line[:right] = map(str.ljust, line[:right], widths[:right])
         line[right:] = map(str.rjust, line[right:], widths[right:])
     return "\n".join(f"{indent}{'  '.join(line)}".rstrip() for line in lines)
+
+
+def folded(header: Sequence[str], rows: Iterable[Sequence[str]], widths: Sequence[int | None]) -> str:
+    """Return a ruled table whose cells are folded at the widths of their columns, None for no limit.
+
+    Examples
+    --------
+    >>> print(folded(("name", "meaning"), [("a", "two words")], (None, 4)))
+    name  meaning
+    ----  -------
+    a     two
+          words
+    """
+    lines: list[Sequence[str]] = [header]
+    for row in rows:
+        cells = [
+            [cell] if width is None else textwrap.wrap(cell, width, break_long_words=False)
+            for cell, width in zip(row, widths, strict=True)
+        ]
+        lines += itertools.zip_longest(*cells, fillvalue="")
+    return aligned(lines, ruled=True)
 
 
 def counted(number: int, noun: str) -> str:

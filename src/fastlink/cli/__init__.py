@@ -12,6 +12,7 @@ __all__ = ["app", "main"]
 
 # in the order of the help: from a first look at a mechanism to its maps
 for function in (
+    mechanisms.mechanisms,
     mechanisms.new,
     mechanisms.quantities,
     studies.explain,

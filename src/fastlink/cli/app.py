@@ -86,12 +86,9 @@ def command(function: C) -> C:
 
 def _print_version(wanted: bool) -> None:
     if wanted:
-        from importlib.metadata import PackageNotFoundError, version
+        from fastlink._version import __version__
 
-        try:
-            typer.echo(f"fastlink {version('fastlink-linkages')}")
-        except PackageNotFoundError:  # run from a source tree that is not installed
-            typer.echo("fastlink, not installed")
+        typer.echo(f"fastlink {__version__}")
         raise typer.Exit
 
 

@@ -62,7 +62,7 @@ def plot(
 
 @contextmanager
 def _opened(file: Path) -> Iterator[xr.Dataset]:
-    from fastlink.io import open as open_map
+    from fastlink.maps import open as open_map
 
     with open_map(file) as maps:
         yield maps

@@ -1,4 +1,4 @@
-"""The commands on mechanisms and their kernels: quantities, new, cache."""
+"""The commands on mechanisms and their kernels: mechanisms, quantities, new, cache."""
 
 from __future__ import annotations
 
@@ -9,7 +9,15 @@ import typer
 from fastlink.cli.app import MechanismName, command
 from fastlink.errors import InputError
 
-__all__ = ["cache", "new", "quantities"]
+__all__ = ["cache", "mechanisms", "new", "quantities"]
+
+
+@command
+def mechanisms() -> None:
+    """List the mechanisms."""
+    from fastlink.mechanisms.listing import mechanisms as list_mechanisms
+
+    typer.echo(str(list_mechanisms()))
 
 
 @command

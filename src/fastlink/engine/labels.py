@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from functools import cache, lru_cache
-from importlib.metadata import PackageNotFoundError, version
+from functools import lru_cache
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from fastlink._version import __version__, version
 from fastlink.catalogue.catalogue import Catalogue, Fact, Input
 from fastlink.engine.resolve import ResolvedSweep, axis_lengths
 from fastlink.io.dataset import Variable, assemble, coordinates, marked, plain_attrs
@@ -163,7 +163,7 @@ def global_attrs(resolved: ResolvedSweep, threads: int) -> dict[str, Any]:
     """Return the global attributes that are known before a sweep."""
     plan, catalogue = resolved.plan, resolved.catalogue
     versions = [
-        "fastlink " + _version("fastlink-linkages"),
+        f"fastlink {__version__}",
         *_compiler(resolved.backend),
         "numpy " + np.__version__,
     ]
@@ -201,12 +201,4 @@ def _flags(meanings: Mapping[int, str], dtype: str) -> dict[str, Any]:
 def _compiler(backend: str) -> tuple[str, ...]:
     """Return the compilers of kernels with their versions, without an import."""
     names = ("llvmlite",) if backend == "llvm" else (backend, "llvmlite")
-    return tuple(f"{name} {_version(name)}" for name in names)
-
-
-@cache
-def _version(distribution: str) -> str:
-    try:
-        return version(distribution)
-    except PackageNotFoundError:
-        return "unknown"
+    return tuple(f"{name} {version(name)}" for name in names)

@@ -18,8 +18,8 @@ from fastlink.engine.needs import allocated, check_needs, designs_per_block
 from fastlink.engine.resolve import ResolvedSweep, resolve
 from fastlink.engine.sinks import ProgressBar, StatusCounts, into, tee
 from fastlink.io.partial_file import check_target
-from fastlink.io.reader import open_map
 from fastlink.io.writer import Writer
+from fastlink.maps import open as open_map
 from fastlink.precision import Verification, check_verify
 from fastlink.space.values import check_whole
 

@@ -2,17 +2,29 @@
 
 from __future__ import annotations
 
+import contextlib
 import os
+from collections.abc import Iterator
+from importlib.util import find_spec
+from inspect import signature
 from pathlib import Path
+from typing import Any
 
+import numpy as np
 import xarray as xr
 
 from fastlink.doors import door
-from fastlink.errors import InputError
+from fastlink.errors import InputError, suggest
 from fastlink.io.dataset import FORMAT, FORMAT_VERSION
 from fastlink.io.partial_file import part_of, reason
+from fastlink.space.values import short_repr
 
-__all__ = ["is_hdf5", "open_map"]
+__all__ = ["as_dataset", "as_map", "is_hdf5", "open_map"]
+
+#: Options of xarray that are decided here.
+DECIDED = ("filename_or_obj", "engine", "chunks", "kwargs")
+GIVE_A_MAP = "give the result of a sweep, or the path of its file"
+INSTALL_DASK = "python -m pip install dask"
 
 SIGNATURE = b"\x89HDF\r\n\x1a\n"
 
@@ -24,18 +36,28 @@ def is_hdf5(path: Path) -> bool:
 
 
 @door(name="open")
-def open_map(path: str | Path) -> xr.Dataset:
+def open_map(path: str | os.PathLike[str], *, chunks: Any = None, **options: Any) -> xr.Dataset:
     """Open a map that a sweep has written; values are read when they are used.
 
     Parameters
     ----------
     path : str or path
         The file.
+    chunks : int, dict or "auto", optional
+        Split variables into chunks of dask, as `xarray.open_dataset` does: ``{}`` as the file is, ``{"a1": 100}``,
+        ``"auto"``. Needs dask.
+    **options
+        Further options of `xarray.open_dataset`, such as ``cache=False`` or ``drop_variables=["theta4"]``.
 
     Returns
     -------
     xarray.Dataset
         Close it, or use it in a ``with`` statement, before deleting the file.
+
+    Raises
+    ------
+    InputError
+        There is no such file, it is not a finished map, or an option is not one of xarray's.
 
     Examples
     --------
@@ -52,23 +74,19 @@ def open_map(path: str | Path) -> xr.Dataset:
     ...         maps.title, float(maps.omega4_max.sel(a2=1.2))
     ('two designs', 29.5)
     """
-    path = Path(os.path.expanduser(path))
-    if not path.exists():
-        part = part_of(path)
-        hint = f"; {part.name} is of a run that has not finished" if part.exists() else ""
-        raise InputError(f"{path}: there is no such file{hint}", remedy="give the path of a written map")
-    if path.is_dir():
-        raise InputError(f"{path}: is a folder", remedy="give the path of a map that a sweep has written")
+    path = _existing(path)
+    _check_options(chunks, options)
     try:
-        dataset = xr.open_dataset(path, engine="h5netcdf")
-    except (OSError, ValueError, KeyError, RuntimeError) as error:
+        dataset = xr.open_dataset(path, engine="h5netcdf", chunks=chunks, **options)
+    except (OSError, ValueError, KeyError, RuntimeError, TypeError) as error:
+        _refuse_option(path, chunks, options, error)
         if path.suffix == ".toml" and not is_hdf5(path):
             what = f"{path}: is a study, not a map"
             raise InputError(what, remedy=f"`fastlink run {path}` makes its map") from error
         what = f"{path}: cannot be read as HDF5 ({reason(error)})"
         raise InputError(what, remedy="give a map that a sweep has written") from error
     version = dataset.attrs.get(FORMAT)
-    if version is not None and version <= FORMAT_VERSION:
+    if isinstance(version, (int, np.integer)) and version <= FORMAT_VERSION:
         return dataset
     dataset.close()
     if version is None:
@@ -76,3 +94,78 @@ def open_map(path: str | Path) -> xr.Dataset:
         raise InputError(what, remedy="other files open with xarray.open_dataset")
     what = f"{path}: has format {version}, this version reads up to {FORMAT_VERSION}"
     raise InputError(what, remedy="update fastlink")
+
+
+@contextlib.contextmanager
+def as_map(maps: Any) -> Iterator[xr.Dataset]:
+    """Yield the map that a caller gives, as a Dataset or as the path of its file, or refuse it.
+
+    Examples
+    --------
+    >>> import fastlink as fl
+    >>> with as_map(fl.sweep("planar_4r", fl.grid(a1=0.4, a2=1.2, a3=0.8, a4=1.0), ["grashof_class"])) as maps:
+    ...     int(maps.grashof_class)
+    0
+    """
+    with as_dataset(maps) as dataset:
+        if FORMAT not in dataset.attrs:
+            what = f"is a Dataset without the attribute {FORMAT!r} of a map"
+            remedy = (
+                f"{GIVE_A_MAP}; under xarray.set_options(keep_attrs=True) its attributes outlast arithmetic"
+            )
+            raise InputError(what, where=("maps",), remedy=remedy)
+        yield dataset
+
+
+@contextlib.contextmanager
+def as_dataset(maps: Any) -> Iterator[xr.Dataset]:
+    """Yield a Dataset, whether or not it has all attributes of a map; or the map at a path."""
+    if isinstance(maps, xr.Dataset):
+        yield maps
+    elif isinstance(maps, (str, os.PathLike)):
+        with open_map(maps) as opened:
+            yield opened
+    else:
+        one = isinstance(maps, xr.DataArray)
+        what = f"is {'one variable' if one else short_repr(maps)}, not a map"
+        remedy = "give the whole map" if one else GIVE_A_MAP
+        raise InputError(what, where=("maps",), remedy=remedy)
+
+
+def _existing(path: Any) -> Path:
+    """Return the path of a file, or refuse it."""
+    if not isinstance(path, (str, os.PathLike)) or not isinstance(os.fspath(path), str):
+        raise InputError(f"is {short_repr(path)}", where=("path",), remedy="give the path of a written map")
+    file = Path(os.path.expanduser(path))
+    if os.path.isdir(file):
+        raise InputError(f"{file}: is a folder", remedy="give the path of a map that a sweep has written")
+    if not os.path.exists(file):
+        part = part_of(file)
+        hint = f"; {part.name} is of a run that has not finished" if os.path.exists(part) else ""
+        raise InputError(f"{file}: there is no such file{hint}", remedy="give the path of a written map")
+    return file
+
+
+def _check_options(chunks: Any, options: dict[str, Any]) -> None:
+    """Refuse options that xarray does not have, or that need what is not installed."""
+    known = [name for name in signature(xr.open_dataset).parameters if name not in DECIDED]
+    for name in options:
+        if name not in known:
+            raise InputError(
+                "is not an option of xarray.open_dataset", where=(name,), remedy=suggest(name, known)
+            )
+    if chunks is not None and find_spec("dask") is None:
+        raise InputError("dask is not installed", where=("chunks",), remedy=INSTALL_DASK)
+
+
+def _refuse_option(path: Path, chunks: Any, options: dict[str, Any], error: Exception) -> None:
+    """Refuse the options where the file opens without them."""
+    if chunks is None and not options:
+        return
+    try:
+        xr.open_dataset(path, engine="h5netcdf").close()
+    except (OSError, ValueError, KeyError, RuntimeError, TypeError):
+        return
+    given = ("chunks",) if chunks is not None else tuple(options)[:1]
+    what = f"cannot open {path.name} with such options ({reason(error)})"
+    raise InputError(what, where=given, remedy="see xarray.open_dataset") from error

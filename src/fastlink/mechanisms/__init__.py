@@ -1,9 +1,16 @@
-"""The mechanisms: inputs and facts, nothing else."""
+"""The mechanisms: inputs and facts, nothing else; called, ``fastlink.mechanisms()`` lists them.
+
+>>> import fastlink as fl
+>>> fl.mechanisms()[0].name
+'planar_4r'
+"""
 
 from __future__ import annotations
 
+import sys
 import threading
-from typing import TYPE_CHECKING
+from types import ModuleType
+from typing import TYPE_CHECKING, Any
 
 from fastlink.errors import InputError, suggest
 
@@ -11,9 +18,22 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
     from fastlink.catalogue.catalogue import Catalogue
+    from fastlink.mechanisms.listing import MechanismList
 
 _lock = threading.Lock()
 NAMES = ("planar_4r", "minkowski_4r", "focal", "hart", "slider_crank")
+
+
+class _Package(ModuleType):
+    """A package that can be called: a user's ``fastlink.mechanisms`` is both a function and this package."""
+
+    def __call__(self, *args: Any, **options: Any) -> MechanismList:
+        from fastlink.mechanisms.listing import mechanisms
+
+        return mechanisms(*args, **options)
+
+
+sys.modules[__name__].__class__ = _Package
 
 
 def inputs_of(mechanism: str) -> tuple[str, ...]:

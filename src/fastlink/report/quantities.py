@@ -5,13 +5,12 @@
 
 from __future__ import annotations
 
-import itertools
 import re
 import textwrap
 from collections.abc import Iterable, Sequence
 from dataclasses import astuple, dataclass, fields
 
-from fastlink._text import aligned
+from fastlink._text import folded
 from fastlink.catalogue.catalogue import Catalogue, Fact, Input
 from fastlink.doors import door
 from fastlink.facts.names import Derivative, ErrorBound, ListOfExtrema, Reduced, Trust
@@ -260,12 +259,9 @@ def _header(row: type) -> tuple[str, ...]:
 
 def _text_table(header: tuple[str, ...], rows: Sequence[tuple[str, ...]]) -> str:
     """Return a table as aligned text, long cells folded."""
-    widths = [{"meaning": MEANING_WIDTH, "source": SOURCE_WIDTH}.get(name, 1000) for name in header]
-    lines = [header]
-    for row in rows:
-        cells = map(textwrap.wrap, row, widths)
-        lines += itertools.zip_longest(*cells, fillvalue="")
-    return aligned(lines, ruled=True)
+    return folded(
+        header, rows, [{"meaning": MEANING_WIDTH, "source": SOURCE_WIDTH}.get(name) for name in header]
+    )
 
 
 def _markdown_table(header: tuple[str, ...], rows: Sequence[tuple[str, ...]]) -> str:

@@ -2,11 +2,19 @@
 
 from __future__ import annotations
 
+import math
+import numbers
+import os
+from collections.abc import Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
 
 from fastlink._text import aligned, counted, duration, scaled, size
 from fastlink.doors import door
+from fastlink.io.reader import as_map
+from fastlink.maps.flags import flag_counts, flags_of
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -17,20 +25,25 @@ MULTIPLES = ("", " thousand", " million", " billion")
 
 
 @door
-def summary(dataset: xr.Dataset) -> str:
+def summary(maps: Any) -> str:
     """Return what a sweep did as lines of text, from the attributes of its result.
 
     Parameters
     ----------
-    dataset : xarray.Dataset
-        From `fastlink.sweep`, `fastlink.run_study` or `fastlink.open`.
+    maps : xarray.Dataset or path
+        From `fastlink.sweep`, `fastlink.run_study` or `fastlink.open`, or the file of a map.
 
     Returns
     -------
     str
         Designs and how many have each status, configurations where there were given input positions, run time and
-        speed, the largest errors that were measured; and the file with its size, for a dataset that is opened from
-        one.
+        speed, the largest errors that were measured; and the file with its size, for a map that is opened from one. Of
+        a part of a map, the designs of that part.
+
+    Raises
+    ------
+    InputError
+        Neither a map nor its path.
 
     Examples
     --------
@@ -46,44 +59,79 @@ def summary(dataset: xr.Dataset) -> str:
     configurations  1,440
     <BLANKLINE>
     """
-    attrs = dataset.attrs
-    rows = _designs(dataset)
-    if "configurations" in attrs:
-        rows.append(("configurations", f"{int(attrs['configurations']):,}"))
-    if "designs_of_earlier_runs" in attrs:
-        earlier = counted(int(attrs["designs_of_earlier_runs"]), "design")
+    with as_map(maps) as dataset:
+        return _summary(dataset)
+
+
+def _summary(dataset: xr.Dataset) -> str:
+    told = _Numbers(dataset.attrs)
+    rows = _designs(dataset, told)
+    if "selection" in dataset.attrs:
+        rows.append(("selection", str(dataset.attrs["selection"])))
+    if told.has("configurations"):
+        rows.append(("configurations", f"{told['configurations']:,.0f}"))
+    if told.has("designs_of_earlier_runs"):
+        earlier = counted(int(told["designs_of_earlier_runs"]), "design")
         rows.append(("resumed", f"{earlier} from an earlier run"))
-    if "run_time_s" in attrs:
-        text = duration(float(attrs["run_time_s"]))
-        if "set_up_time_s" in attrs:
-            text += f", after {duration(float(attrs['set_up_time_s']))} of setting up and compiling"
-        if "threads" in attrs:
-            text += f", {counted(int(attrs['threads']), 'thread')}"
+    if told.has("run_time_s"):
+        text = duration(told["run_time_s"])
+        if told.has("set_up_time_s"):
+            text += f", after {duration(told['set_up_time_s'])} of setting up and compiling"
+        if told.has("threads"):
+            text += f", {counted(int(told['threads']), 'thread')}"
         rows.append(("run time", text))
     for unit in ("configurations", "designs"):
-        if f"{unit}_per_second" in attrs:
+        if told.has(f"{unit}_per_second"):
             units = [f"{multiple} {unit}/s" for multiple in MULTIPLES]
-            rows.append(("speed", scaled(float(attrs[f"{unit}_per_second"]), units)))
+            rows.append(("speed", scaled(told[f"{unit}_per_second"], units)))
             break
     rows += _errors(dataset)
     source = dataset.encoding.get("source")
-    if source and Path(source).is_file():
+    if isinstance(source, (str, os.PathLike)) and Path(source).is_file():
         rows.append(("file", f"{source} ({size(Path(source).stat().st_size)})"))
     return aligned(rows)
 
 
-def _designs(dataset: xr.Dataset) -> list[tuple[str, str]]:
-    """Return how many designs there are, and how many of them have each status."""
-    attrs = dataset.attrs
-    if "designs" not in attrs:
+class _Numbers(dict[str, float]):
+    """The attributes that are finite numbers; users may have changed the others.
+
+    Parameters
+    ----------
+    attrs : mapping
+        Attributes.
+    """
+
+    def __init__(self, attrs: Mapping[Any, Any]) -> None:
+        for name, value in attrs.items():
+            if isinstance(value, numbers.Real) and math.isfinite(value):
+                self[str(name)] = float(value)
+
+    def has(self, name: str) -> bool:
+        """Tell whether there is such a number, and it is not negative."""
+        return self.get(name, -1.0) >= 0.0
+
+
+def _designs(dataset: xr.Dataset, told: _Numbers) -> list[tuple[str, str]]:
+    """Return how many designs there are, and how many of them have each status.
+
+    Those of a whole sweep stand in its attributes. A part of it is counted; after a mean over designs the statuses are
+    no codes, and not counted.
+    """
+    if not told.has("designs"):
         return []
-    designs = int(attrs["designs"])
-    meanings = str(dataset["status"].attrs.get("flag_meanings", "")) if "status" in dataset else ""
-    statuses = [name for name in meanings.split() if f"designs_{name}" in attrs]
-    label_width, count_width = max(map(len, statuses), default=0), len(f"{designs:,}")
-    rows = [("designs", f"{designs:,}")]
-    for name in statuses:
-        count = int(attrs[f"designs_{name}"])
+    swept = int(told["designs"])
+    status = dataset["status"] if "status" in dataset.variables else None
+    designs = swept if status is None else status.size
+    text, counts = f"{designs:,}", None
+    if designs != swept:
+        text += f" of the {swept:,} of the sweep"
+        counts = None if status is None else flag_counts(status)
+    elif status is not None and status.dtype.kind in "iu":
+        names = flags_of(status)
+        counts = {name: int(told[f"designs_{name}"]) for name in names if told.has(f"designs_{name}")}
+    rows = [("designs", text)]
+    label_width, count_width = max(map(len, counts or ()), default=0), len(f"{designs:,}")
+    for name, count in (counts or {}).items():
         label = f"{name.replace('_', ' '):<{label_width}}"
         rows.append(("", f"{count:>{count_width},}  {label}  {_percent(count, designs)}"))
     return rows
@@ -95,18 +143,18 @@ def _errors(dataset: xr.Dataset) -> list[tuple[str, str]]:
         return [("errors", f"not measured: {dataset.attrs['verify_failed']}")]
     errors = []
     for name, array in dataset.data_vars.items():
-        attrs = array.attrs
-        if "verified_values" not in attrs:
+        told = _Numbers(array.attrs)
+        if not told.has("verified_values"):
             continue
         texts = []
-        if "error_max_relative" in attrs:
-            texts.append(f"{attrs['error_max_relative']:.1e} relative")
-        if "error_max_roundings" in attrs:
-            texts.append(f"{attrs['error_max_roundings']:.2g} roundings")
-        if attrs["verify_mismatches"]:
-            texts.append(f"{counted(int(attrs['verify_mismatches']), 'value')} NOT AS WITH 50 DIGITS")
+        if told.has("error_max_relative"):
+            texts.append(f"{told['error_max_relative']:.1e} relative")
+        if told.has("error_max_roundings"):
+            texts.append(f"{told['error_max_roundings']:.2g} roundings")
+        if told.get("verify_mismatches"):
+            texts.append(f"{counted(int(told['verify_mismatches']), 'value')} NOT AS WITH 50 DIGITS")
         if texts:
-            errors.append((str(name), f"{', '.join(texts)}, of {int(attrs['verified_values']):,}"))
+            errors.append((str(name), f"{', '.join(texts)}, of {told['verified_values']:,.0f}"))
     return [("" if k else "largest error", line) for k, line in enumerate(aligned(errors).splitlines())]
 
 
@@ -115,34 +163,28 @@ def _percent(count: int, total: int) -> str:
     return " <0.1 %" if 0 < share < 0.05 else f"{share:5.1f} %"
 
 
-def contents(dataset: xr.Dataset) -> str:
+def contents(maps: Any) -> str:
     """Return what a result holds: mechanism, axes, constants, variables, its summary.
 
     Parameters
     ----------
-    dataset : xarray.Dataset
-        From `fastlink.sweep`, `fastlink.run_study` or `fastlink.open`.
+    maps : xarray.Dataset or path
+        From `fastlink.sweep`, `fastlink.run_study` or `fastlink.open`, or the file of a map.
     """
-    attrs = dataset.attrs
+    with as_map(maps) as dataset:
+        return _contents(dataset)
+
+
+def _contents(dataset: xr.Dataset) -> str:
+    attrs, coords = dataset.attrs, {str(name): coord for name, coord in dataset.coords.items()}
     keys = ("title", "mechanism", "input", "study_file", "solver", "source")
     head = [(key.replace("_", " "), str(attrs[key])) for key in keys if key in attrs]
     dims = [(str(dim), _axis(dataset, str(dim), length)) for dim, length in dataset.sizes.items()]
-    sampled = [
-        (str(name), _span(coord))
-        for name, coord in dataset.coords.items()
-        if coord.ndim == 1 and name not in dataset.dims
-    ]
-    constants = [
-        (str(name), f"{coord.item():g} {coord.attrs.get('units', '')}{_meaning(coord)}")
-        for name, coord in dataset.coords.items()
-        if coord.ndim == 0
-    ]
+    sampled = [(n, _span(coord)) for n, coord in coords.items() if coord.ndim == 1 and n not in dataset.dims]
+    constants = [(n, _of_all(coord)) for n, coord in coords.items() if coord.ndim == 0]
     variables = [
-        (
-            str(name),
-            f"({', '.join(map(str, array.dims))})  [{array.attrs.get('units', '1')}]{_meaning(array)}",
-        )
-        for name, array in dataset.data_vars.items()
+        (str(n), f"({', '.join(map(str, array.dims))})  [{array.attrs.get('units', '1')}]{_meaning(array)}")
+        for n, array in dataset.data_vars.items()
     ]
     titled = {
         "dimensions": dims,
@@ -154,7 +196,7 @@ def contents(dataset: xr.Dataset) -> str:
         aligned(head),
         *(f"{title}\n{aligned(rows, indent='  ')}" for title, rows in titled.items() if rows),
     ]
-    return "\n\n".join(filter(None, [*blocks, summary(dataset)]))
+    return "\n\n".join(filter(None, [*blocks, _summary(dataset)]))
 
 
 def _axis(dataset: xr.Dataset, dim: str, length: int) -> str:
@@ -164,11 +206,27 @@ def _axis(dataset: xr.Dataset, dim: str, length: int) -> str:
     return f"{text}; {dataset[dim].attrs['comment']}" if "comment" in dataset[dim].attrs else text
 
 
+def _of_all(coord: xr.DataArray) -> str:
+    """Return the value that a scalar coordinate has for all designs, with what its number stands for."""
+    text = f"{_number(coord.values[()])} {coord.attrs.get('units', '')}{_meaning(coord)}"
+    return f"{text}; {coord.attrs['comment']}" if "comment" in coord.attrs else text
+
+
 def _span(coord: xr.DataArray) -> str:
     values = coord.values
-    ends = f"{values[0]:g}" if len(values) == 1 else f"{values.min():g} to {values.max():g}"
+    if not values.size:
+        return "no values"
+    if values.dtype.kind in "iuf":
+        ends = (values[0],) if len(values) == 1 else (values.min(), values.max())
+    else:
+        ends = (values[0],) if len(values) == 1 else (values[0], values[-1])
     units = coord.attrs.get("units", "")
-    return f"{ends} {'' if units == '1' else units}".rstrip() + _meaning(coord)
+    return f"{' to '.join(map(_number, ends))} {'' if units == '1' else units}".rstrip() + _meaning(coord)
+
+
+def _number(value: Any) -> str:
+    """Return a number in short, and anything else, such as the name of a design, as it is."""
+    return f"{value:g}" if isinstance(value, (int, float, np.integer, np.floating)) else str(value)
 
 
 def _meaning(array: xr.DataArray) -> str:

@@ -1,0 +1,135 @@
+"""Convert the units of maps: radians to degrees, and others by pint."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable
+from functools import cache
+from typing import Any, TypeVar
+
+import numpy as np
+import xarray as xr
+
+from fastlink.errors import InputError, suggest
+from fastlink.space.values import short_repr
+
+__all__ = ["DEGREE", "RADIAN", "convert", "converted", "degrees", "degrees_along", "half_turn", "units_of"]
+
+RADIAN, DEGREE = "rad", "degree"  # in the spelling of CF
+INSTALL = "python -m pip install 'fastlink-linkages[units]'"
+POWER = re.compile(r"(?<=[A-Za-z])(-?\d+)")
+
+T = TypeVar("T", xr.Dataset, xr.DataArray)
+
+
+def units_of(maps: xr.Dataset) -> dict[str, str]:
+    """Return the units of each variable and coordinate that has any; ``1`` for pure numbers."""
+    return {
+        str(name): str(array.attrs["units"])
+        for name, array in maps.variables.items()
+        if "units" in array.attrs
+    }
+
+
+def half_turn(units: object) -> float | None:
+    """Return 180 degrees in units of an angle, or None for other units."""
+    return {RADIAN: float(np.pi), DEGREE: 180.0}.get(str(units))
+
+
+def degrees(maps: T) -> T:
+    """Return a copy whose angles in radians are in degrees, coordinates too.
+
+    Rates, such as rad s-1, stay as they are.
+    """
+    result = degrees_along(maps)
+    if isinstance(result, xr.DataArray):
+        return _scaled(result, np.rad2deg, DEGREE) if _is_angle(result) else result
+    angles = {name: array for name, array in result.data_vars.items() if _is_angle(array)}
+    return result.assign({name: _scaled(array, np.rad2deg, DEGREE) for name, array in angles.items()})
+
+
+def degrees_along(maps: T) -> T:
+    """Return a copy whose coordinates in radians are in degrees."""
+    angles = {name: array for name, array in maps.coords.items() if _is_angle(array)}
+    changed = {name: _scaled(array, np.rad2deg, DEGREE).variable for name, array in angles.items()}
+    return maps.assign_coords(changed)
+
+
+def convert(maps: xr.Dataset, given: dict[str, Any]) -> xr.Dataset:
+    """Return a copy with some variables and coordinates in other units, by name."""
+    known = units_of(maps)
+    for name in given:
+        if name not in known:
+            what = f"{name!r} is not a variable with units" if name in maps.variables else "is unknown"
+            raise InputError(what, where=(name,), remedy=suggest(name, known))
+    changed = {name: converted(maps[name], units, name) for name, units in given.items()}
+    along = {name: array.variable for name, array in changed.items() if name in maps.coords}
+    results = {name: array.variable for name, array in changed.items() if name not in along}
+    return maps.assign(results).assign_coords(along)
+
+
+def converted(array: xr.DataArray, units: Any, name: str = "units") -> xr.DataArray:
+    """Return a copy of a variable in other units."""
+    own = array.attrs.get("units")
+    if own is None or array.dtype.kind not in "iuf":
+        what = f"{array.name!r} has no units to convert"
+        raise InputError(what, where=(name,), remedy="give numbers with the attribute 'units'")
+    factor = _factor(str(own), units, name)
+    return _scaled(array, lambda values: values * factor, units)
+
+
+def _is_angle(array: xr.DataArray) -> bool:
+    return bool(array.attrs.get("units") == RADIAN and array.dtype.kind == "f")
+
+
+def _scaled(array: xr.DataArray, law: Callable[[Any], Any], units: str) -> xr.DataArray:
+    """Return a copy with other values and units; chunks of dask stay chunks."""
+    result = array.copy(data=law(array.data))
+    result.attrs["units"] = units
+    return result
+
+
+@cache
+def _registry() -> Any:
+    try:
+        import pint
+    except ModuleNotFoundError:
+        raise InputError("pint is not installed", where=("convert",), remedy=INSTALL) from None
+    return pint.UnitRegistry()
+
+
+def _parsed(text: Any, name: str) -> Any:
+    """Return pint's unit of a text: ``rad s-1`` as CF writes it, or ``rad/s``."""
+    registry = _registry()
+    try:
+        if not isinstance(text, str) or not text.strip():
+            raise ValueError("not a unit")
+        return registry.parse_units(POWER.sub(r"**\1", text) if text.strip() != "1" else "")
+    except Exception as error:  # pint's parser raises whatever its tokens run into
+        what = f"{short_repr(text)} is not a unit"
+        raise InputError(what, where=(name,), remedy="write such as 'rpm', 'degree' or 'N mm'") from error
+
+
+def _factor(own: str, units: Any, name: str) -> float:
+    """Return the factor from one unit to another of the same kind.
+
+    An angle is kept as one: 1 rad/s is not 1 Hz, though both are 1/s to pint.
+    """
+    registry, old, new = _registry(), _parsed(own, name), _parsed(units, name)
+    roots = [registry.get_root_units(unit) for unit in (old, new)]
+    if dict(roots[0][1]._units) != dict(roots[1][1]._units):
+        what = f"{units!r} is not of the kind of {own!r}"
+        similar = ", ".join(sorted(map(repr, _EXAMPLES.get(own, (own,)))))
+        raise InputError(what, where=(name,), remedy=f"write such as {similar}")
+    return float(roots[0][0] / roots[1][0])
+
+
+_EXAMPLES = {
+    "rad s-1": ("rpm", "degree/s"),
+    "rad": ("degree", "turn"),
+    "m": ("mm", "inch"),
+    "N": ("kN", "lbf"),
+    "N m": ("N mm", "lbf ft"),
+    "W": ("kW",),
+    "kg": ("g", "lb"),
+}
