@@ -91,12 +91,31 @@ def test_run_to_another_file_quietly(folder):
     assert not Path("study.h5").exists()
 
 
+def test_an_unchanged_study_is_up_to_date(folder):
+    assert called("run", "study.toml").exit_code == 0
+    before = Path("study.h5").stat()
+    again, quiet = called("run", "study.toml"), called("run", "study.toml", "--quiet")
+    assert (again.exit_code, quiet.exit_code) == (0, 0)
+    assert quiet.output == f"{folder / 'study.h5'} is up to date\n"
+    assert again.output.startswith(quiet.output)
+    assert again.output.splitlines()[-1].split()[1] == str(folder / "study.h5")
+    assert (Path("study.h5").stat().st_mtime_ns, Path("study.h5").stat().st_ino) == (
+        before.st_mtime_ns,
+        before.st_ino,
+    )
+    assert called("run", "study.toml", "--overwrite", "--quiet").output == ""
+    assert Path("study.h5").stat().st_ino != before.st_ino
+
+
 def test_run_replaces_a_file_only_with_overwrite(folder):
     assert called("run", "study.toml").exit_code == 0
     before = Path("study.h5").read_bytes()
+    Path("study.toml").write_text(STUDY.replace("1.0, 4]", "1.0, 5]"))
     (line,) = refused("run", "study.toml")
     assert line.startswith("study.toml: output.file: ")
-    assert line.endswith("the file exists; choose another name, or write overwrite = true")
+    assert line.endswith(
+        "the file exists, a map with other a3, study; choose another name, or write --overwrite"
+    )
     assert Path("study.h5").read_bytes() == before
     assert called("run", "study.toml", "--overwrite").exit_code == 0
 
@@ -292,6 +311,7 @@ def test_a_real_process_runs_and_refuses(folder):
     done = subprocess.run([*MAIN, "run", "study.toml"], capture_output=True, text=True, check=False)
     assert (done.returncode, done.stderr) == (0, "")
     assert done.stdout.startswith("designs ")
+    Path("study.toml").write_text(f"{STUDY}# with a remark\n")
     again = subprocess.run([*MAIN, "run", "study.toml"], capture_output=True, text=True, check=False)
     assert again.returncode == 2
     assert again.stderr.count("\n") == 1

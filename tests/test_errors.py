@@ -116,11 +116,12 @@ def test_each_door_has_its_own_words(folder, door, path, remedy):
     [
         (["--threads", "0"], "--threads is 0; write a whole number of at least 1"),
         (["--verify", "-1"], "--verify is -1; write how many designs"),
-        (["--to", "study.toml"], "--to: "),
+        (["--to", "letter.h5"], "--to: "),
     ],
 )
 def test_the_command_line_names_its_options(folder, arguments, line):
     written(GOOD)
+    written("a letter", "letter.h5")
     result = CliRunner().invoke(app, ["run", "study.toml", *arguments])
     assert result.exit_code == 2
     assert result.stderr.startswith(f"fastlink: {line}")

@@ -96,6 +96,10 @@ class Wording:
         """
         return path_text(where).replace(".", ": ", 1)
 
+    def within(self, door: Wording) -> Wording:
+        """Return the wording of a file that was given at a door, whose options are written there."""
+        return self
+
     def piece(self, piece: Piece) -> str | None:
         """Return a piece of a remedy, or None where this door has no such option."""
         if isinstance(piece, Samples):
@@ -148,7 +152,8 @@ class InputError(ValueError):
 
     def lines(self, wording: Wording | None = None) -> list[str]:
         """Return a line per problem, in the error's own wording or else the given one."""
-        chosen = self.wording or wording or Wording()
+        door = wording or Wording()
+        chosen = door if self.wording is None else self.wording.within(door)
         shown = list(self.problems[:MOST_LINES])
         if more := len(self.problems) - len(shown):
             shown.append(Problem(f"and {more} more problem{'s' if more > 1 else ''}"))

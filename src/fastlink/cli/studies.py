@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import functools
+import time
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -35,13 +36,16 @@ def run(
     ] = None,
     quiet: Annotated[bool, typer.Option("--quiet", help="Print neither progress nor summary.")] = False,
 ) -> None:
-    """Run a study, and write its map."""
+    """Run a study, and write its map; a map that is there and up to date is kept."""
+    from fastlink.io.finished import WRITTEN
     from fastlink.report.summary import summary
     from fastlink.study.study import run_study
 
-    progress = False if quiet else None
+    progress, started = False if quiet else None, time.time_ns()
     maps = run_study(study, to=to, threads=threads, overwrite=overwrite, progress=progress, verify=verify)
     with maps:
+        if maps.attrs[WRITTEN] < started:
+            typer.echo(f"{maps.encoding['source']} is up to date")
         if not quiet:
             typer.echo(summary(maps))
 

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from fastlink.codegen.cache import environment
 from fastlink.codegen.kernel import Kernel, kernel_of
 from fastlink.engine.binding import KernelTask
 from fastlink.engine.checks import CheckedRequest, all_declared, check
@@ -95,12 +96,13 @@ class ResolvedSweep:
 
     @property
     def fingerprint(self) -> str:
-        """A hash of all that the numbers depend on: kernels, designs, input positions."""
-        digest = hashlib.sha256()
+        """A hash of all that the numbers depend on: kernels, designs, input positions; the same on any machine."""
+        digest = hashlib.sha256(environment())
         for kernel in self.kernels:
-            digest.update(kernel.key.encode())
+            digest.update(kernel.text.encode())
         space = self.space
-        digest.update(repr((space.dims, space.shape, sorted(space.constants.items()))).encode())
+        described = space.dims, space.shape, sorted(space.constants.items()), sorted(space.attrs.items())
+        digest.update(repr(described).encode())
         for name, values in sorted({**space.axes, **space.columns}.items()):
             digest.update(name.encode() + values.tobytes())
         digest.update(repr([self.branches, *(o.name for o in self.plan.outputs)]).encode())

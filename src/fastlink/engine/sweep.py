@@ -10,6 +10,8 @@ from inspect import signature
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from fastlink.catalogue.declare import ELIMINATED
 from fastlink.doors import door
 from fastlink.engine import labels
@@ -17,7 +19,9 @@ from fastlink.engine.executor import BLOCK_BYTES, Sink, default_threads, row_byt
 from fastlink.engine.needs import allocated, check_needs, designs_per_block
 from fastlink.engine.resolve import ResolvedSweep, resolve
 from fastlink.engine.sinks import ProgressBar, StatusCounts, into, tee
-from fastlink.io.partial_file import check_target
+from fastlink.io.dataset import plain_attrs
+from fastlink.io.finished import finished_map
+from fastlink.io.partial_file import check_target, existing_file
 from fastlink.io.writer import Writer
 from fastlink.maps import open as open_map
 from fastlink.precision import Verification, check_verify
@@ -99,9 +103,10 @@ def sweep(
         attributes of each variable (see docs/accuracy.md). By default 64 where a file is written, which outlives its
         session, and none where the result stays in memory, as in the loop of an optimisation. 0 leaves it out.
     to : path, optional
-        The HDF5 file to write; without it the result stays in memory.
+        The HDF5 file to write; without it the result stays in memory. A file that is there already and holds the map of
+        this very request, unchanged since, is opened as it is: nothing is computed.
     overwrite : bool
-        Replace an existing file.
+        Compute anew and replace an existing file, whatever it holds.
     threads : int, optional
         All processors unless given. Any number gives the same bits.
     progress : bool, optional
@@ -162,6 +167,8 @@ def sweep(
     threads = default_threads() if threads is None else check_whole(("threads",), threads, 1)
     evaluation = _Evaluation(resolved, threads, block, check_verify(verify, to is not None), to is None)
     before = labels.global_attrs(resolved, threads) | dict(attrs or {})
+    if to is not None and not overwrite and (finished := evaluation.finished(to, before)) is not None:
+        return finished
     path = None if to is None else check_target(to, evaluation.nbytes, overwrite)
     evaluation.load(started)
     with ProgressBar(resolved.space.size, progress) as bar:
@@ -203,6 +210,27 @@ class _Evaluation:
         self.counts = StatusCounts(plan)
         self.verification = Verification(plan, space, positions, verify) if verify else None
 
+    def finished(self, to: str | Path, attrs: Mapping[str, Any]) -> xr.Dataset | None:
+        """Return the map of this request if it is there already, None where no file is; refuse another file."""
+        path = existing_file(to)
+        if path is None:
+            return None
+        verified = 0 if self.verification is None else self.verification.designs.size
+        return finished_map(
+            path,
+            self._fingerprint(attrs),
+            verified=verified,
+            coords=self._coordinates(),
+            variables=self.variables,
+            attrs=attrs,
+        )
+
+    def _coordinates(self) -> xr.Dataset:
+        resolved = self.resolved
+        return labels.sweep_coordinates(
+            resolved.plan, resolved.space, resolved.positions, one_branch=resolved.one_branch
+        )
+
     def load(self, started: float) -> None:
         """Compile or load the kernels, and note the time since the sweep has started."""
         self.job = self.resolved.job()
@@ -226,15 +254,13 @@ class _Evaluation:
 
     def to_file(self, path: Path, overwrite: bool, show: Sink, attrs: Mapping[str, Any]) -> None:
         """Evaluate all designs into a file, or the rest of a killed run."""
-        resolved, axis = self.resolved, self.resolved.scaling_axis
-        space, one_branch = resolved.space, resolved.one_branch
-        coords = labels.sweep_coordinates(resolved.plan, space, resolved.positions, one_branch=one_branch)
+        axis, coords = self.resolved.scaling_axis, self._coordinates()
         key = self._fingerprint(attrs), self.job.size
         with Writer(path, coords, self.variables, attrs, overwrite=overwrite, run=key) as writer:
 
             def write(start: int, stop: int, arrays: list[NDArray[Any]]) -> None:
                 for variable, array in zip(self.variables, arrays, strict=True):
-                    row = variable.shape[len(space.shape) :]
+                    row = variable.shape[len(self.resolved.space.shape) :]
                     writer.write(variable.name, start, array.reshape(len(array), *row))
 
             sink = self._sink(show)
@@ -282,7 +308,11 @@ class _Evaluation:
 
     def _fingerprint(self, attrs: Mapping[str, Any]) -> str:
         """Return a hash that no other sweep's file has, however many threads write it."""
-        rest = {name: value for name, value in attrs.items() if name != "threads"}
+        rest = {
+            name: value.tolist() if isinstance(value, np.ndarray) else value  # whose repr leaves values out
+            for name, value in plain_attrs(attrs).items()
+            if name != "threads"
+        }
         return hashlib.sha256(repr((self.resolved.fingerprint, rest, self.variables)).encode()).hexdigest()
 
     def _replay(self, writer: Writer, sink: Sink) -> int:

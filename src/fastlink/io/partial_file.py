@@ -64,7 +64,7 @@ def check_target(path: str | Path, nbytes_needed: int, overwrite: bool) -> Path:
         if target.exists() and not target.is_file():
             raise _refused(f"{target} is a device or a pipe", "choose another name")
         if target.exists() and not overwrite:
-            raise _refused(f"{target}: the file exists", EXISTS)
+            raise exists_error(target)
         if (fd := reopened(part_of(target))) is not None:
             os.close(fd)
         with tempfile.TemporaryFile(dir=target.parent):
@@ -78,8 +78,22 @@ def check_target(path: str | Path, nbytes_needed: int, overwrite: bool) -> Path:
     return target
 
 
+def existing_file(path: str | Path) -> Path | None:
+    """Return the absolute path of an output that is a file already, None where there is none."""
+    try:
+        target = Path(os.path.realpath(os.path.expanduser(path)))
+        return target if target.is_file() else None
+    except (OSError, ValueError):
+        return None
+
+
 def _refused(what: str, remedy: Remedy) -> InputError:
     return InputError(what, where=("to",), remedy=remedy)
+
+
+def exists_error(path: Path, why: str = "") -> InputError:
+    """Return the error of a file that may not be replaced."""
+    return _refused(f"{path}: the file exists{why and f', {why}'}", EXISTS)
 
 
 def no_room(path: Path, nbytes: int, error: Exception | None = None) -> InputError:

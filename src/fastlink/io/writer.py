@@ -23,6 +23,7 @@ from numpy.typing import NDArray
 from fastlink.errors import InputError
 from fastlink.io import partial_file
 from fastlink.io.dataset import FORMAT, FORMAT_VERSION, Variable, check_dims, plain_attrs
+from fastlink.io.finished import marks, stamp
 from fastlink.io.journal import Journal, Range, joined, journal_of, missing, read_journal
 from fastlink.io.skeleton import lay_out, set_attrs
 
@@ -171,7 +172,7 @@ class Writer:
         of_variables : mapping, optional
             Further attributes of variables, such as their errors.
         """
-        last = plain_attrs({**attrs, FORMAT: FORMAT_VERSION})
+        last = plain_attrs({**attrs, **marks(self._fingerprint), FORMAT: FORMAT_VERSION})
         further = {name: plain_attrs(added) for name, added in (of_variables or {}).items()}
         for name, count in self._values_written.items():
             expected = math.prod(self._variables[name].shape)
@@ -181,6 +182,7 @@ class Writer:
         try:
             set_attrs(self._fd, self.part, last, further)
             os.fsync(self._fd)
+            stamp(self.part, last)
         except BaseException as error:
             partial_file.discard(self._fd, self.part)
             if isinstance(error, OSError):

@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-import json
 import tomllib
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -15,15 +14,8 @@ from fastlink.engine.resolve import resolve
 from fastlink.engine.sweep import sweep
 from fastlink.errors import (
     InputError,
-    KeyPath,
-    Pair,
-    Piece,
     Problem,
     Problems,
-    Samples,
-    Setting,
-    Wording,
-    path_text,
 )
 from fastlink.io.partial_file import check_target
 from fastlink.io.reader import is_hdf5
@@ -33,14 +25,12 @@ from fastlink.space.design_space import DesignSpace
 from fastlink.space.links import links_from
 from fastlink.space.samplers import grid, latin_hypercube, sobol, table
 from fastlink.study.schema import A_STUDY, KEYS, SAMPLES, read_tables
+from fastlink.study.wording import StudyWording
 
 if TYPE_CHECKING:
     import xarray as xr
 
 __all__ = ["Study", "read_study", "run_study"]
-
-#: Parameters of `fastlink.sweep` with another name in a study.
-PARAMETERS = {"to": "file"}
 
 
 @dataclass(frozen=True, eq=False)
@@ -107,7 +97,8 @@ def run_study(
     threads : int, optional
         All processors unless given.
     overwrite : bool, default False
-        Replace an existing file, even if the study does not say so.
+        Compute anew and replace an existing file, even if the study does not say so. Without it, an existing map of
+        the same study, unchanged since, is opened as it is; nothing is computed.
     progress : bool, optional
         Show a progress bar on standard error; by default only on a terminal.
     verify : int, optional
@@ -149,7 +140,7 @@ def run_study(
     overwrite = overwrite or study.output.get("overwrite", False)
     title = {name: study.tables[name] for name in ("title",) if name in study.tables}
     try:
-        check_target(target, 0, overwrite)
+        check_target(target, 0, True)  # the sweep knows whether the file that exists is its map
         if any(target.exists() and target.samefile(source) for source in study.sources):
             what = f"{target}: the study is read from that file"
             raise InputError(what, where=("to",), remedy="choose another name")
@@ -168,7 +159,7 @@ def run_study(
     except InputError as error:
         if given.get(str(error.where[0]) if error.where else "") is not None:
             raise  # the caller's own, not the study's
-        raise InputError.of(error.problems, _Keys(study.path, study.tables, study.space)) from None
+        raise InputError.of(error.problems, StudyWording(study.path, study.tables, study.space)) from None
 
 
 def read_study(path: str | Path) -> Study:
@@ -185,7 +176,7 @@ def read_study(path: str | Path) -> Study:
     cycle, design = tables["cycle"], tables["design"]
     positions = {name: values for name, values in cycle.items() if name not in KEYS["cycle"]}
     options = {name: value for name, value in {**cycle, **tables["run"]}.items() if name not in positions}
-    problems = Problems(_Keys(path, tables))
+    problems = Problems(StudyWording(path, tables))
     space = None
     if "links" in tables:
         with problems.at():
@@ -193,7 +184,7 @@ def read_study(path: str | Path) -> Study:
             options["links"] = links_from(values.pop("model"), values)
     with problems.at():
         space = _space_of(path, design)
-        problems.wording = _Keys(path, tables, space)
+        problems.wording = StudyWording(path, tables, space)
     examine: Callable[..., object] = check if problems.noted else resolve
     with problems.at():
         named = {"positions": positions, "options": KEYS["cycle"]}
@@ -225,7 +216,7 @@ def _tables_of(path: Path, text: str) -> dict[str, Any]:
     try:
         raw = tomllib.loads(text)
     except (tomllib.TOMLDecodeError, RecursionError) as error:
-        raise InputError.of([Problem(f"is not TOML: {error}")], _Keys(path)) from None
+        raise InputError.of([Problem(f"is not TOML: {error}")], StudyWording(path)) from None
     mechanism, cycle = raw.get("mechanism"), raw.get("cycle")
     cycle = cycle if isinstance(cycle, dict) else {}
     input, position, names = cycle.get("input"), "", Problems()
@@ -239,7 +230,7 @@ def _tables_of(path: Path, text: str) -> dict[str, Any]:
         return read_tables(raw, position)
     except InputError as error:
         problems = [*error.problems, *names.noted]
-        raise InputError.of(problems, _Keys(path, {"cycle": cycle})) from None
+        raise InputError.of(problems, StudyWording(path, {"cycle": cycle})) from None
 
 
 def _space_of(path: Path, design: Mapping[str, Any]) -> DesignSpace:
@@ -269,57 +260,3 @@ def _space_of(path: Path, design: Mapping[str, Any]) -> DesignSpace:
                     problems.add(what, ("design", kind), "write it once")
     problems.stop()
     return space.with_constants(constants)
-
-
-class _Keys(Wording):
-    """The wording of problems for the author of a study: in its own keys and grammar.
-
-    Parameters
-    ----------
-    file : Path
-        The study.
-    tables : mapping, optional
-        Its tables, as far as they were read.
-    space : DesignSpace, optional
-        Its designs.
-    """
-
-    def __init__(
-        self, file: Path, tables: Mapping[str, Any] | None = None, space: DesignSpace | None = None
-    ) -> None:
-        self.file, self.tables, self.space = file, tables or {}, space
-
-    def line(self, problem: Problem) -> str:
-        return f"{self.file}: {super().line(problem)}"
-
-    def path(self, where: KeyPath) -> str:
-        return path_text(self._key(where))
-
-    def _key(self, where: KeyPath) -> KeyPath:
-        head, *rest = where or ("",)
-        if head in SAMPLES:
-            return ("design", *where)
-        if head in ("grid", "design"):
-            return ("design", *self._sample(rest), *rest)
-        key = PARAMETERS.get(str(head), head)
-        for name, keys in KEYS.items():
-            if key in keys or key in self.tables.get(name, ()):
-                return (name, key, *rest)
-        return where
-
-    def _sample(self, rest: Sequence[str | int]) -> KeyPath:
-        """Return the key of the sample or the table that gives an input, if one does."""
-        design = self.tables.get("design", {})
-        if self.space is None or not rest or rest[0] not in self.space.names or rest[0] in design:
-            return ()
-        return tuple(kind for kind in SAMPLES if kind in design)
-
-    def piece(self, piece: Piece) -> str | None:
-        if isinstance(piece, Samples):
-            return f"{{linspace = [{piece.first:g}, {piece.last:g}, {piece.count}]}}"
-        if isinstance(piece, Pair):
-            return "[lo, hi]"
-        if isinstance(piece, Setting):
-            known = any(piece.name in keys for keys in KEYS.values())
-            return f"{piece.name} = {json.dumps(piece.value)}" if known else None
-        return piece

@@ -1,0 +1,117 @@
+"""Tell whether a finished map is that of a request, and in what it differs."""
+
+from __future__ import annotations
+
+import os
+import time
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+from fastlink.errors import InputError
+from fastlink.io.dataset import Variable, plain_attrs
+from fastlink.io.partial_file import exists_error
+from fastlink.io.reader import open_map
+
+__all__ = ["FINGERPRINT", "WRITTEN", "finished_map", "marks", "stamp"]
+
+#: Global attributes of a map: the hash of its request, and the time at which it was finished, in ns since 1970.
+FINGERPRINT, WRITTEN = "fingerprint", "written_time_ns"
+#: Steps of the times of files, in ns: of most file systems, Windows, microseconds, HFS+ and NFS 2, FAT.
+STEPS = (1, 100, 1000, 10**9, 2 * 10**9)
+#: Longer coordinates are not read to say in what two maps differ.
+LONGEST_READ = 10**7
+#: Differences that are named.
+MOST_NAMED = 5
+
+
+def marks(fingerprint: str) -> dict[str, Any]:
+    """Return the attributes by which a map is known as that of a request; it is finished now."""
+    return {FINGERPRINT: fingerprint, WRITTEN: time.time_ns()} if fingerprint else {}
+
+
+def stamp(path: Path, attrs: Mapping[str, Any]) -> None:
+    """Give a file the time that its attributes say, so that a later change of it shows."""
+    if WRITTEN in attrs:
+        os.utime(path, ns=(attrs[WRITTEN], attrs[WRITTEN]))
+
+
+def finished_map(
+    path: Path,
+    fingerprint: str,
+    *,
+    verified: int,
+    coords: xr.Dataset,
+    variables: Sequence[Variable],
+    attrs: Mapping[str, Any],
+) -> xr.Dataset:
+    """Return an existing file, opened, if it is the finished map of a request; else refuse it.
+
+    Parameters
+    ----------
+    path : Path
+        The file.
+    fingerprint : str
+        The hash of the request.
+    verified : int
+        How many designs are to be computed again at least.
+    coords, variables, attrs
+        The parts of the request, as for a `Writer`, to say in what the file differs.
+
+    Raises
+    ------
+    InputError
+        It is another file, or was changed since it was written; the message says in what it differs.
+    """
+    try:
+        found = open_map(path)
+    except InputError:
+        raise exists_error(path, "and is not a map") from None
+    known = found.attrs
+    same = known.get(FINGERPRINT) == fingerprint
+    if same and known.get("verified_designs", 0) >= verified and _is_untouched(path, known):
+        return found
+    with found:
+        if not same:
+            why = _difference(found, coords, variables, plain_attrs(attrs))
+        elif not _is_untouched(path, known):
+            why = "changed or copied since it was written"
+        else:
+            why = f"with {known.get('verified_designs', 0)} verified designs, not {verified}"
+    raise exists_error(path, why)
+
+
+def _is_untouched(path: Path, attrs: Mapping[str, Any]) -> bool:
+    """Tell whether a file has the time that its attributes say, to a step of its file system."""
+    said, found = int(attrs.get(WRITTEN, -1)), path.stat().st_mtime_ns
+    return any(said // step * step == found for step in STEPS)
+
+
+def _difference(
+    found: xr.Dataset, coords: xr.Dataset, variables: Sequence[Variable], attrs: Mapping[str, Any]
+) -> str:
+    """Return in what a map differs from a request, as far as a short look tells."""
+    labels = {**coords.attrs, **attrs}
+    if found.attrs.get("mechanism") != labels.get("mechanism"):
+        return f"a map of {found.attrs.get('mechanism')}"
+    names = {variable.name for variable in variables}
+    parts = ["quantities"] if names != set(map(str, found.data_vars)) else []
+    parts += [
+        str(name)
+        for name in dict.fromkeys([*coords.coords, *found.coords])
+        if name not in coords.coords or name not in found.coords or _differ(coords[name], found[name])
+    ]
+    others = [name for name in labels if not np.array_equal(np.asarray(found.attrs.get(name)), labels[name])]
+    parts += ["versions" if name == "source" else name for name in others if name not in ("threads", "title")]
+    parts = parts or [name for name in others if name == "title"]
+    more = ", ..." if len(parts) > MOST_NAMED else ""
+    return f"a map with other {', '.join(parts[:MOST_NAMED])}{more}" if parts else "a map by another version"
+
+
+def _differ(one: xr.DataArray, other: xr.DataArray) -> bool:
+    if one.shape != other.shape or one.size > LONGEST_READ:
+        return one.shape != other.shape
+    return not np.array_equal(one.values, other.values)
