@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import contextlib
 import difflib
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import Self, TypeAlias
 
 __all__ = [
     "InputError",
     "KeyPath",
+    "Model",
     "Pair",
     "Problem",
     "Problems",
@@ -18,6 +19,7 @@ __all__ = [
     "Samples",
     "Setting",
     "Wording",
+    "listed",
     "nearest",
     "path_text",
     "suggest",
@@ -54,7 +56,15 @@ class Setting:
     value: object
 
 
-Piece: TypeAlias = str | Samples | Pair | Setting
+@dataclass(frozen=True)
+class Model:
+    """A model of the links with the names of its inputs, for a remedy."""
+
+    name: str
+    inputs: tuple[str, ...]
+
+
+Piece: TypeAlias = str | Samples | Pair | Setting | Model
 #: A text; or pieces of it, where an inner tuple is left out at a door that lacks the option it names.
 Remedy: TypeAlias = str | tuple[Piece | tuple[Piece, ...], ...]
 
@@ -106,6 +116,8 @@ class Wording:
             return f"numpy.linspace({piece.first:g}, {piece.last:g}, {piece.count})"
         if isinstance(piece, Pair):
             return "(lo, hi)"
+        if isinstance(piece, Model):
+            return f"links=fl.{piece.name}({', '.join(f'{name}=...' for name in piece.inputs)})"
         return f"{piece.name}={piece.value!r}" if isinstance(piece, Setting) else piece
 
 
@@ -223,5 +235,10 @@ def suggest(name: str, known: Iterable[str]) -> str:
     options = sorted(known)
     if (near := nearest(name, options)) is not None:
         return f"did you mean {near!r}?"
+    return listed(options)
+
+
+def listed(options: Sequence[str]) -> str:
+    """Return the remedy that lists known names, the first of many."""
     more = f", ... ({len(options)} in all)" if len(options) > MOST_SHOWN else ""
     return f"known: {', '.join(options[:MOST_SHOWN])}{more}"

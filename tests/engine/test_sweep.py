@@ -271,7 +271,7 @@ def test_file_and_memory_hold_the_same(tmp_path):
         (
             {"space": {**TABLE_1, "omega1": 1.0, "a5": 1.0}},
             "design: a5",
-            "did you mean 'a4'?",
+            "did you mean 'a4'",
         ),
         (
             {"space": {**TABLE_1, "omega1": 1.0, "radius": 0.1}},

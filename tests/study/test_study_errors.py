@@ -56,7 +56,7 @@ def assert_problem(text, key, remedy):
             "did you mean 'linspace'?",
         ),
         ('"planar_4r"', '"planar_4"', "mechanism", "did you mean 'planar_4r'?"),
-        ("omega4_max", "omga4_max", "quantities[0]", "did you mean 'omega4_max'?"),
+        ("omega4_max", "omga4_max", "quantities[0]", "did you mean 'omega4_max'"),
         ("[cycle]", "[links]\nmodel = 'round_ba'\n[cycle]", "links.model", "did you mean 'round_bar'?"),
         ("[cycle]", "[cycle]\nsolver = 'dens'", "cycle.solver", "did you mean 'dense'?"),
         ("[cycle]", "[cycle]\nbranch = 3", "cycle.branch", "write some of 1, 2"),
@@ -191,7 +191,7 @@ def test_bad_input(folder, old, new, key, remedy):
         (
             "[design]\na1 = 0.4\na2 = 1.2\na3 = 0.8\na4 = 1.0\nradius = 0.01\n",
             "design.radius",
-            "choose that model, or leave it out",
+            '[links] model = "round_bar"',
         ),
     ],
 )

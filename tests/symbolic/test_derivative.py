@@ -193,7 +193,7 @@ def test_what_is_taken_over_the_cycle_and_labels():
     [
         ("d_omega4_d_m2", "omega4 does not depend on m2 with what is given; leave it out"),
         ("d_status_d_a1", "status is a code, which has no derivative"),
-        ("d_omega3_d_a1", "'omega3' is unknown to planar_4r; did you mean 'omega2'|'omega4'"),
+        ("d_omega3_d_a1", "'omega3' is unknown to planar_4r; did you mean 'd_omega2_d_a1'"),
         ("d_omega4_d_a5", "'a5' is unknown to planar_4r; did you mean 'a4'"),
         ("d_sigma_d_a1", "'sigma' is unknown to planar_4r"),
     ],

@@ -8,7 +8,7 @@ from functools import cached_property
 
 from fastlink.catalogue.declare import Declarations
 from fastlink.catalogue.selection import Selection, name_below, plain_and_above, replaced_by, variants_below
-from fastlink.errors import InputError, Problem, suggest
+from fastlink.errors import InputError, Model, Piece, Problem, suggest
 from fastlink.facts.fact import CatalogueError, Fact, GradedRange, Input, System, parameters
 from fastlink.facts.names import Derivative, ErrorBound, Made, Trust, as_derivative, innermost, plain_part
 from fastlink.symbolic.derivative import NoDerivative, with_derivative_labels
@@ -178,7 +178,7 @@ class Catalogue(Declarations):
             There is no such quantity.
         """
         if not self.is_quantity(name):
-            raise self.unknown_error(name, self.public)
+            raise self.unknown_error(name)
         tree = self.parse(name)
         if not isinstance(tree, Made):
             return self.facts[name]
@@ -196,22 +196,30 @@ class Catalogue(Declarations):
         """Tell whether a name is the input position, or a form of it such as its maximum."""
         return innermost(name, self) == self.position.name
 
-    def unknown_error(self, name: str, known: Iterable[str]) -> InputError:
-        """Return the error for a name that is not among the known ones."""
-        if self.is_of_position(name):
-            of = "" if name == self.position.name else f": {self.position.name}"
-            what = f"quantity {name!r}{of} is the input position, a coordinate of the result"
-            return InputError(what, remedy="leave it out")
+    def absence(self, name: str) -> InputError | None:
+        """Return the error that says why a name is not a quantity here, if more is known than that."""
+        if not self.is_of_position(name):
+            return None
+        of = "" if name == self.position.name else f": {self.position.name}"
+        what = f"quantity {name!r}{of} is the input position, a coordinate of the result"
+        return InputError(what, remedy="leave it out")
+
+    def unknown_part(self, name: str) -> tuple[str, bool]:
+        """Return the part of a name that is unknown, else all of it, and whether it stands for a variable."""
         tree = self.parse(name)
-        wrong, options = name, known
         if isinstance(tree, (ErrorBound, Trust)):
-            wrong, options = str(tree.of), self.public
-        elif parts := as_derivative(name):
-            wrong, options = (
-                (parts[1], self.variables) if self.is_quantity(parts[0]) else (parts[0], self.public)
-            )
+            return str(tree.of), False
+        if parts := as_derivative(name):
+            of_variable = self.is_quantity(parts[0])
+            return parts[of_variable], of_variable
+        return name, False
+
+    def unknown_error(self, name: str) -> InputError:
+        """Return the error for a name that is no quantity, with the nearest by its letters."""
+        wrong, of_variable = self.unknown_part(name)
         what = f"quantity {name!r}" if wrong == name else f"quantity {name!r}: {wrong!r}"
-        return InputError(f"{what} is unknown to {self.name}", remedy=suggest(wrong, options))
+        remedy = suggest(wrong, self.variables if of_variable else self.public)
+        return self.absence(name) or InputError(f"{what} is unknown to {self.name}", remedy=remedy)
 
     def dependencies(
         self, names: Iterable[str], leaves: Iterable[str], variants: Iterable[str] = ()
@@ -239,11 +247,22 @@ class Catalogue(Declarations):
         except CircularError as error:
             raise CatalogueError(f"{self.name}: circular: {' -> '.join(error.args)}") from None
 
+    def models_of(self, name: str) -> tuple[Model, ...]:
+        """Return the models of the links that give an input."""
+        return tuple(
+            Model(model, tuple(inputs))
+            for model, inputs in self.variant_inputs.items()
+            if name in self.variants.get(model, {}) and model not in self.mutually_exclusive_inputs(name)
+        )
+
     def missing_problem(self, declared: Input, dependent: str | None, *inside: str) -> Problem:
         """Return the problem that an input, on which another name depends, is not given."""
         others = "".join(f", or {other!r} instead" for other in self.mutually_exclusive_inputs(declared.name))
         what = f"is missing ({declared.meaning} [{declared.units}])"
-        return Problem(what, (*inside, declared.name), f"{dependent} depends on it: add it{others}")
+        remedy: list[Piece] = [f"{dependent} depends on it: add it{others}"]
+        for model in self.models_of(declared.name):
+            remedy += [", or write ", model]
+        return Problem(what, (*inside, declared.name), tuple(remedy) if remedy[1:] else str(remedy[0]))
 
     def _missing(self, name: str, dependent: str | None) -> Exception:
         declared = self.known_inputs(self.variant_inputs).get(name)

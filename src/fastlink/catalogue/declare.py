@@ -57,6 +57,8 @@ class Declarations:
         #: Closed forms, and each variant that has a linear system.
         self.solvers: tuple[str, ...] = (ELIMINATED,)
         self.hiding: set[str] = set()
+        #: What else names are called in the field, by which they are found.
+        self.keywords: dict[str, tuple[str, ...]] = {}
         self._formed: dict[str, list[tuple[str, bool]]] = {}
         self._seen: tuple[list[Any], int] = [], next(_versions)
 
@@ -164,6 +166,11 @@ class Declarations:
             return function
 
         return declare
+
+    def also_called(self, **keywords: str) -> None:
+        """Declare what quantities and inputs are called elsewhere: phrases with commas between, by name."""
+        for name, phrases in keywords.items():
+            self.keywords[name] = tuple(phrase.strip() for phrase in phrases.split(","))
 
     def quantities(self, **labels: Any) -> Rows:
         """Return a function that declares public quantities with common labels."""

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Literal
 
 from fastlink.facts.names import ListOfExtrema, Quantity, Reduced
 from fastlink.plan.reductions import REDUCTIONS, Reduction
+from fastlink.plan.suggestions import unknown_quantity
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -67,8 +68,7 @@ def parse_request(name: str, catalogue: Catalogue) -> Request:
         if isinstance(tree, Reduced):
             return Request(name, quantity, REDUCTIONS[tree.how], bool(tree.position))
         return Request(name, quantity, listed="position" if tree.position else tree.part)
-    known = [*catalogue.public, *reduced_names(catalogue)]
-    raise catalogue.unknown_error(name, known)
+    raise unknown_quantity(name, catalogue)
 
 
 def reduced_names(catalogue: Catalogue) -> Iterable[str]:

@@ -42,6 +42,8 @@ class Reduction:
         The ending of its names.
     phrase : str
         Its meaning, to follow that of the quantity in a long name.
+    keywords : tuple of str
+        Other words for it, by which it is found.
     reference : callable
         ``reference(samples)`` returns the exact value over at least one sample, and the size of the terms that it is
         the sum of (its absolute value where it is not a sum): errors are counted in roundings of that. Samples are
@@ -77,6 +79,7 @@ class Reduction:
     power: int | None = 1
     units: str = ""
     whole: str = ""
+    keywords: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
         if bad := RESERVED.intersection(self.accumulators):
@@ -177,7 +180,7 @@ def _fluctuation(samples: Sequence[Any]) -> tuple[Any, Any]:
     return step * (high - low), step * count * size * 13 / 6
 
 
-def _extreme(sign: int, suffix: str, phrase: str, reference: Callable[..., Any]) -> Reduction:
+def _extreme(sign: int, suffix: str, phrase: str, reference: Callable[..., Any], keywords: str) -> Reduction:
     initial = "-inf" if sign > 0 else "inf"
     has_value = "{best} > -inf" if sign > 0 else "{best} < inf"
     return Reduction(
@@ -187,6 +190,7 @@ def _extreme(sign: int, suffix: str, phrase: str, reference: Callable[..., Any])
         accumulators={"best": (initial, "select({better}, {value}, {best})")},
         finish=f"select({has_value}, {{best}}, nan)",
         sign=sign,
+        keywords=tuple(keywords.split()),
     )
 
 
@@ -214,8 +218,10 @@ def unregister(suffix: str) -> None:
     del REDUCTIONS[suffix]
 
 
-register(_extreme(1, "max", "greatest over the cycle", _greatest))
-register(_extreme(-1, "min", "least over the cycle", _least))
+register(
+    _extreme(1, "max", "greatest over the cycle", _greatest, "maximum maximal peak greatest largest highest")
+)
+register(_extreme(-1, "min", "least over the cycle", _least, "minimum minimal least smallest lowest"))
 register(
     Reduction(
         suffix="rms",
@@ -226,6 +232,7 @@ register(
             "count": COUNT,
         },
         finish="sqrt({total} / {count})",
+        keywords=("effective", "quadratic"),
     )
 )
 register(
@@ -238,6 +245,7 @@ register(
             "count": COUNT,
         },
         finish="{total} / {count}",
+        keywords=("average", "avg", "averaged"),
     )
 )
 register(
@@ -246,5 +254,6 @@ register(
         phrase="greatest minus least integral over the input angle of what exceeds the mean",
         reference=_fluctuation,
         whole="fluctuation.fluctuation_lanes",
+        keywords=("variation", "ripple"),
     )
 )

@@ -12,7 +12,8 @@ import numpy as np
 
 from fastlink.catalogue.catalogue import Catalogue, Input
 from fastlink.catalogue.declare import ELIMINATED
-from fastlink.errors import InputError, Problem, Problems, suggest
+from fastlink.errors import InputError, Model, Problem, Problems, suggest
+from fastlink.plan.suggestions import input_remedy
 from fastlink.space.links import Links
 
 if TYPE_CHECKING:
@@ -139,10 +140,11 @@ def unknown_input(catalogue: Catalogue, name: str, known: Iterable[str], parent:
     """Return the problem of a name that is not among the known inputs."""
     for model, inputs in catalogue.variant_inputs.items():
         if name in inputs:
-            remedy = "choose that model, or leave it out"
+            remedy = ("write ", Model(model, tuple(inputs)), ", or leave it out")
             return Problem(f"belongs to links of model {model!r}", (parent, name), remedy)
     others = [key for inputs in catalogue.variant_inputs.values() for key in inputs]
-    return Problem(f"is unknown to {catalogue.name}", (parent, name), suggest(name, [*known, *others]))
+    nearest = input_remedy(name, catalogue, [*known, *others])
+    return Problem(f"is unknown to {catalogue.name}", (parent, name), nearest)
 
 
 def _bad_values(declared: Input, space: DesignSpace) -> list[Problem]:

@@ -221,12 +221,7 @@ def _quantity(fact: Fact, dims: tuple[str, ...]) -> Quantity:
 def _inputs(catalogue: Catalogue) -> list[GivenInput]:
     rows = []
     for given in catalogue.inputs.values():
-        models = [
-            model
-            for model in catalogue.variant_inputs
-            if given.name in catalogue.variants.get(model, {})
-            and model not in catalogue.mutually_exclusive_inputs(given.name)
-        ]
+        models = [model.name for model in catalogue.models_of(given.name)]
         links = f"given by {', '.join(models)}" if models else _instead(catalogue, given)
         rows.append(_given(given, links))
     for model, inputs in catalogue.variant_inputs.items():

@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from fastlink.errors import KeyPath, Pair, Piece, Problem, Samples, Setting, Wording, path_text
+from fastlink.errors import KeyPath, Model, Pair, Piece, Problem, Samples, Setting, Wording, path_text
 from fastlink.study.schema import KEYS, SAMPLES
 
 if TYPE_CHECKING:
@@ -77,6 +77,9 @@ class StudyWording(Wording):
             return f"{{linspace = [{piece.first:g}, {piece.last:g}, {piece.count}]}}"
         if isinstance(piece, Pair):
             return "[lo, hi]"
+        if isinstance(piece, Model):
+            keys = "".join(f" {name} = ..." for name in piece.inputs)
+            return f'[links] model = "{piece.name}"{keys}'
         if isinstance(piece, Setting):
             if piece.name == "overwrite":
                 return self.door.piece(piece)  # for once, by who runs the study

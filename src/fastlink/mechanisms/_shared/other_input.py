@@ -36,9 +36,10 @@ class ByOtherInput(Catalogue):
     ) -> None:
         super().__init__(f"{first.name} driven by {position.name}", title, branches, position, positions)
         self.first, self.instead = first, tuple(instead)
+        self.keywords = first.keywords
 
-    def unknown_error(self, name: str, known: Iterable[str]) -> InputError:
-        """Return the error of a name that is none of the known ones."""
+    def absence(self, name: str) -> InputError | None:
+        """Return why a name is not offered by this input."""
         if name in self.inputs:
             what = f"quantity {name!r} is given, and a coordinate of the result"
             return InputError(what, remedy="leave it out")
@@ -47,7 +48,7 @@ class ByOtherInput(Catalogue):
             here = ("with ", Setting("input", self.position.name), " ")
             instead = ", ".join(map(repr, self.instead))
             return InputError(what, remedy=(here, f"ask for such as {instead}, or leave input out"))
-        return super().unknown_error(name, known)
+        return super().absence(name)
 
     def adopt_design_facts(self, further: Collection[str] = ()) -> None:
         """Adopt the facts of the design as a whole, and further ones that hold for every input."""

@@ -9,6 +9,7 @@ from fastlink.mechanisms.focal import (  # noqa: F401 (they declare its facts)
     dyad,
     four_bar,
     joint_F,
+    keywords,
     points,
     reach,
     residuals,

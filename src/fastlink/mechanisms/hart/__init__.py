@@ -2,7 +2,14 @@
 
 from __future__ import annotations
 
-from fastlink.mechanisms.hart import by_line, design_facts, four_bar, line, motion  # noqa: F401 (they declare its facts)
+from fastlink.mechanisms.hart import (  # noqa: F401 (they declare its facts)
+    by_line,
+    design_facts,
+    four_bar,
+    keywords,
+    line,
+    motion,
+)
 from fastlink.mechanisms.hart.inputs import hart
 
 __all__ = ["DRIVEN", "hart"]

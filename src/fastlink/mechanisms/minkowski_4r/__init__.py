@@ -8,6 +8,7 @@ from fastlink.mechanisms.minkowski_4r import (  # noqa: F401 (they declare its f
     coupler,
     design_facts,
     flags,
+    keywords,
     limits,
     position,
     rates,

@@ -13,6 +13,7 @@ from fastlink.mechanisms.planar_4r import (  # noqa: F401 (they declare its fact
     forces,
     graded,
     joints,
+    keywords,
     links,
     loads,
     position,

@@ -8,6 +8,7 @@ from fastlink.mechanisms.slider_crank import (  # noqa: F401 (they declare its f
     derivatives,
     forces,
     graded,
+    keywords,
     links,
     loads,
     position,
