@@ -96,6 +96,20 @@ def test_a_quantity_of_other_mechanisms_is_called_so():
         fl.sweep("planar_4r", fl.grid(**DESIGN), ["F_x"])
 
 
+@pytest.mark.parametrize(
+    ("name", "remedy"),
+    [
+        ("mu", "'transmission_angle'"),
+        ("omega4_max", "'omega4'"),
+        ("peak omega4", "'omega4'"),
+        ("A1", "leave it out"),
+    ],
+)
+def test_evaluate_answers_in_the_same_words(name, remedy):
+    with refused(repr(name), remedy):
+        fl.evaluate("planar_4r", [name], **DESIGN, theta1=1.0)
+
+
 @pytest.mark.parametrize("name", ["F32", "shaking_force", "T41_max"])
 def test_missing_masses_name_the_links(name):
     with pytest.raises(fl.InputError) as caught:

@@ -18,6 +18,7 @@ from fastlink.errors import InputError, Problems
 from fastlink.mechanisms import NAMES, inputs_of
 from fastlink.mechanisms import catalogue as find_catalogue
 from fastlink.plan.positions import check_keywords
+from fastlink.plan.suggestions import require_quantity
 from fastlink.plan.validate import (
     all_choices,
     check_branches,
@@ -146,7 +147,7 @@ def _recipe(
     links = None if model is None else Links(model, {})
     variants = variants_of(catalogue, links, solver, inputs)
     for name in names:
-        catalogue.public_fact(name)
+        require_quantity(name, catalogue)
     _check_names(mechanism, catalogue, inputs, variants)
     codes = all_choices(catalogue, inputs, variants)
     defaults = constants_of(catalogue, links, variants) | {name: of[0] for name, of in codes.items()}

@@ -28,6 +28,7 @@ if TYPE_CHECKING:
 __all__ = [
     "input_remedy",
     "rank_quantities",
+    "require_quantity",
     "suggest_input",
     "suggest_quantity",
     "unknown_quantity",
@@ -51,7 +52,7 @@ IN_WORDS = re.compile(
 
 
 class Form(NamedTuple):
-    """What words ask of a quantity besides its name.
+    """The request that words make of a quantity: besides its name, a reduction or an error bound.
 
     Attributes
     ----------
@@ -244,6 +245,24 @@ def unknown_quantity(name: str, catalogue: Catalogue, over_cycle: bool = True) -
     near = suggest_quantity(name, catalogue, over_cycle) or suggest_quantity(wrong, catalogue, over_cycle)
     lists = f"`fastlink quantities {getattr(catalogue, 'first', catalogue).name}` lists all"
     return InputError(what, remedy=did_you_mean(near) if near else lists)
+
+
+def require_quantity(name: str, catalogue: Catalogue) -> None:
+    """Refuse a name that has no value at an input position.
+
+    Raises
+    ------
+    InputError
+        It is unknown, or a property of the whole cycle.
+    """
+    if catalogue.is_quantity(name):
+        catalogue.public_fact(name)
+        return
+    tree = catalogue.parse(name)
+    if isinstance(tree, (Reduced, ListOfExtrema)) and catalogue.has_reductions(str(tree.of)):
+        what = f"quantity {name!r} is over the whole cycle, not at an input position"
+        raise InputError(what, remedy=f"request it of fl.sweep or fl.function, or write {str(tree.of)!r}")
+    raise unknown_quantity(name, catalogue, over_cycle=False)
 
 
 def input_remedy(name: str, catalogue: Catalogue, known: Iterable[str] = ()) -> Remedy:
