@@ -242,7 +242,8 @@ def test_plot_writes_a_picture(folder):
     done = called("plot", "study.h5", "omega4_max", "--branch", 2)
     assert (done.exit_code, done.stdout) == (0, "omega4_max.png\n")
     assert Path("omega4_max.png").read_bytes().startswith(b"\x89PNG")
-    assert called("plot", "study.h5", "omega4_max", "--at", "a3=0.7", "--to", "line.svg").exit_code == 0
+    line = ("--at", "a3=0.7", "--degrees", "--to", "line.svg")
+    assert called("plot", "study.h5", "omega4_max", *line).exit_code == 0
     assert Path("line.svg").read_text().startswith("<?xml")
 
 

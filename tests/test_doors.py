@@ -52,7 +52,8 @@ def test_every_public_function_refuses_a_call_that_does_not_fit(name):
         (lambda: fl.grid([1.0, 2.0]), "grid", "grid(**axes)"),
         (lambda: fl.sobol(8, n=8), "n", "once"),
         (lambda: fl.summary(), "summary", "summary("),
-        (lambda: fl.plot_map("maps.h5"), "name", "plot_map(dataset, name"),
+        (lambda: fl.plot_map("maps.h5"), "name", "plot_map(maps, name"),
+        (lambda: fl.mechanisms(3), "mechanisms", "mechanisms()"),
         (lambda: fl.open(), "path", "open(path"),
         (lambda: fl.sweep("planar_4r", fl.grid(a1=1.0), quantites=["omega4"]), "quantities", "of quantites"),
         (lambda: fl.sweep("planar_4r", fl.grid(a1=1.0), ["omega4"], 360), "sweep", "links=..."),
@@ -77,7 +78,7 @@ def test_all_that_is_wrong_with_a_call_is_named():
     with pytest.raises(CallError) as caught:
         fl.plot_map(nmae="omega4", branches=1, colour="red")
     wheres = {one.where for one in caught.value.problems}
-    assert wheres == {("plot_map", key) for key in ("dataset", "name", "branches", "colour")}
+    assert wheres == {("plot_map", key) for key in ("maps", "name", "branches", "colour")}
 
 
 def test_an_error_inside_a_right_call_is_passed_on():
