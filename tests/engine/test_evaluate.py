@@ -46,8 +46,8 @@ def test_branches_may_be_arrays():
 
 
 def test_text_is_not_a_number():
-    refused("theta1 is '1 rad'", "write numbers", names=["theta4"], theta1="1 rad", **DESIGN)
-    refused("branch is 'left'", "write numbers", names=["theta4"], theta1=1.0, branch="left", **DESIGN)
+    refused("theta1 is '1 rad'", "write a number", names=["theta4"], theta1="1 rad", **DESIGN)
+    refused("branch: 'left'", "write some of 1, 2", names=["theta4"], theta1=1.0, branch="left", **DESIGN)
 
 
 def test_the_position_of_another_input_names_the_right_one():

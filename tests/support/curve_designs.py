@@ -27,7 +27,7 @@ def random_designs(seed: int, n: int) -> tuple[dict[str, Any], Any]:
 
 
 def evaluate(names: list[str], inputs: dict[str, Any], theta: Any, branch: Any) -> dict[str, Any]:
-    return fl.evaluate("planar_4r", names, branch=branch, theta1=theta, **inputs)
+    return fl.evaluate("planar_4r", names, branch=branch, theta1=theta, allow_invalid=True, **inputs)
 
 
 def traced(one: dict[str, Any], branch: int, theta: Any) -> Any:

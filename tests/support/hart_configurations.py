@@ -90,4 +90,4 @@ def some_kappa(rng: np.random.Generator, n: int) -> np.ndarray:
 def at(names, **given):
     """Evaluate at one input position unless it is given; what cannot be is NaN."""
     with np.errstate(all="ignore"):
-        return fl.evaluate("hart", names, **({"phi": 1.0} | given))
+        return fl.evaluate("hart", names, allow_invalid=True, **({"phi": 1.0} | given))

@@ -21,7 +21,7 @@ SIDES = ("stroke", "outer_dead_centre", "inner_dead_centre", "theta_low", "theta
 
 def at(names, **given):
     with np.errstate(all="ignore"):
-        return fl.evaluate("slider_crank", names, theta=1.0, **given)
+        return fl.evaluate("slider_crank", names, theta=1.0, allow_invalid=True, **given)
 
 
 def exact_class(r, l, e):
