@@ -6,6 +6,7 @@ import sys
 from pathlib import Path
 
 import pytest
+from tests.support.refusals import refused
 from tests.support.registry import ENTRIES
 
 import fastlink as fl
@@ -16,6 +17,7 @@ from fastlink.mechanisms import catalogue as find_catalogue
 from fastlink.plan.reductions import REDUCTIONS
 from fastlink.report import quantities as listing
 from fastlink.report.quantities import Quantity, QuantityList, document
+from fastlink.report.rows import GROUPS
 
 DOCUMENT = Path(__file__).parents[2] / "docs" / "quantities.md"
 LISTED = [(name, row) for name in NAMES for row in fl.quantities(name)]
@@ -76,6 +78,9 @@ def test_the_table_shows_every_row():
     assert isinstance(listed, QuantityList)
     assert repr(listed) == text
     lines = text.splitlines()
+    assert [line[:-1] for line in lines if line[:-1] in GROUPS] == list(
+        dict.fromkeys(r.group for r in listed)
+    )
     assert lines[2].split() == ["name", "units", "dims", "meaning", "source"]
     for row in listed:
         (line,) = [line for line in lines if line.split(" ")[0] == row.name]
@@ -121,6 +126,56 @@ def test_markdown_tables_are_regular():
     for line in document().splitlines():
         if line.startswith("|"):
             assert line.replace("\\|", "").count("|") == 6
+
+
+@pytest.mark.parametrize("mechanism", NAMES)
+def test_groups_stand_in_order_each_together(mechanism):
+    order = [GROUPS.index(row.group) for row in fl.quantities(mechanism)]
+    assert order == sorted(order)
+
+
+@pytest.mark.parametrize(
+    "name", ["T41", "omega4_max", "theta1_at_omega4_max", "d_omega4_d_a1", "omega4_extrema"]
+)
+def test_a_row_by_name_says_what_a_sweep_gives_and_needs(name):
+    row = fl.quantities("planar_4r")[name]
+    inputs = {given: 1.0 for given in row.needs} | {"a1": 0.4, "a2": 1.1, "a3": 0.8}
+    resolved = resolve("planar_4r", fl.table({"a1": [0.4], **{k: [v] for k, v in inputs.items()}}), [name])
+    (variable, *_) = variables(resolved.plan, resolved.space, resolved.positions.size)
+    assert (row.name, row.dims) == (name, variable.dims)
+    assert row.units == variable.attrs["units"]
+    assert row.meaning == variable.attrs["long_name"]
+    for without in row.needs:
+        with pytest.raises(fl.InputError, match=rf"\b{without} is missing"):
+            resolve("planar_4r", fl.grid(**{k: v for k, v in inputs.items() if k != without}), [name])
+
+
+def test_a_row_of_an_unknown_name_is_refused():
+    with refused("'mu'", "transmission_angle"):
+        fl.quantities("planar_4r")["mu"]
+
+
+def test_quantities_are_found_by_what_they_mean():
+    found = fl.quantities("planar_4r", find="torque")
+    assert found[0].name == "T41"
+    assert found.inputs[0].name == "T_load"
+    assert "Driving torque" in str(found)
+    assert fl.quantities("planar_4r", find="peak torque")[0].name == "T41_max"
+
+
+def test_all_mechanisms_are_searched():
+    found = fl.quantities(find="piston")
+    assert {row.mechanism for row in found} == {"slider_crank"}
+    assert found.mechanism == ""
+    assert "slider_crank  slider_velocity" in str(found)
+    assert "<td>slider_velocity</td>" in found._repr_html_()
+    assert "Nothing" in str(fl.quantities(find="xyzzy"))
+
+
+@pytest.mark.parametrize("options", [{}, {"find": ""}, {"find": 3}, {"mechanism": "planar_4r", "find": " "}])
+def test_what_to_list_or_find_is_a_word(options):
+    with refused("find" if options else "mechanism", "torque"):
+        fl.quantities(**options)
 
 
 def test_an_unknown_mechanism_is_refused():

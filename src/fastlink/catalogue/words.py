@@ -41,11 +41,15 @@ SYNONYMS = (
     "curvature curv",
     "linkage mechanism",
     "type class kind category",
+    "greatest maximum max maximal peak largest highest",
+    "least minimum min minimal smallest lowest",
 )
 _CANONICAL = {word: group.split()[0] for group in SYNONYMS for word in group.split()}
 STOP = frozenset(["of", "the", "in", "on", "to", "and", "for", "with", "by", "from", "an", "is", "its"])
 _CAMEL = re.compile("(?<=[a-z])(?=[A-Z][a-z])")
 _PART = re.compile("[a-z]+|[0-9]+")
+#: No moment of a force.
+_INERTIA = re.compile("moments? of inertia")
 _LETTER = re.compile("LETTER (?:FINAL )?([A-Z]+)")
 
 
@@ -67,7 +71,7 @@ def parts(text: str) -> list[str]:
     >>> parts("dω₄/da2"), parts("maxTorque")
     (['d', 'omega', '4', 'da', '2'], ['max', 'torque'])
     """
-    return _PART.findall(_CAMEL.sub(" ", _latin(text)).casefold())
+    return _PART.findall(_INERTIA.sub("inertia", _CAMEL.sub(" ", _latin(text)).casefold()))
 
 
 def canonical(spelt: Iterable[str]) -> tuple[str, ...]:

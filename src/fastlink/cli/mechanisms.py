@@ -22,18 +22,24 @@ def mechanisms() -> None:
 
 @command
 def quantities(
-    mechanism: MechanismName,
+    mechanism: Annotated[
+        str | None,
+        typer.Argument(metavar="MECHANISM", help="Such as planar_4r; all with --find.", show_default=False),
+    ] = None,
     every: Annotated[
         bool, typer.Option("--all", help="List intermediate facts too, which cannot be requested by name.")
     ] = False,
     input: Annotated[
         str | None, typer.Option("--input", metavar="INPUT", help="The driven input, such as joint_angle_2.")
     ] = None,
+    find: Annotated[
+        str | None, typer.Option("--find", metavar="PHRASE", help="Only what a phrase means, such as torque.")
+    ] = None,
 ) -> None:
-    """List the quantities and inputs of a mechanism."""
+    """List the quantities and inputs of a mechanism, or find them by what they mean."""
     from fastlink.report.quantities import quantities as list_quantities
 
-    typer.echo(str(list_quantities(mechanism, internal=every, input=input)))
+    typer.echo(str(list_quantities(mechanism, internal=every, input=input, find=find)))
 
 
 @command

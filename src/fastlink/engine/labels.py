@@ -14,6 +14,7 @@ from fastlink.engine.resolve import ResolvedSweep, axis_lengths
 from fastlink.io.dataset import Variable, assemble, coordinates, marked, plain_attrs
 from fastlink.plan.plan import Plan
 from fastlink.plan.program import EXTREMUM, Output
+from fastlink.plan.query import Request
 from fastlink.space.design_space import DesignSpace
 from fastlink.space.values import frozen
 
@@ -21,7 +22,7 @@ if TYPE_CHECKING:
     import xarray as xr
     from numpy.typing import NDArray
 
-__all__ = ["global_attrs", "labelled", "sweep_coordinates", "variables"]
+__all__ = ["global_attrs", "labelled", "request_labels", "sweep_coordinates", "variables"]
 
 #: The dimension of assembly modes.
 BRANCH = "branch"
@@ -47,26 +48,33 @@ def variables(plan: Plan, space: DesignSpace, positions: int, *, one_branch: boo
     ]
 
 
-@lru_cache(maxsize=1024)
-def _labels(plan: Plan, output: Output) -> dict[str, Any]:
-    """Return the attributes of a result."""
-    fact = plan.catalogue.public_fact(output.request.quantity)
-    position = plan.catalogue.position
-    reduction = output.request.reduction
+def request_labels(catalogue: Catalogue, request: Request) -> dict[str, Any]:
+    """Return units, meaning, symbol and source of a requested name, as attributes."""
+    fact = catalogue.public_fact(request.quantity)
+    position = catalogue.position
+    reduction = request.reduction
     attrs: dict[str, Any] = {"units": fact.units, "long_name": fact.meaning, "symbol": fact.symbol}
     if reduction is not None:
         attrs["units"] = reduction.units_of(fact.units)
         attrs["long_name"] = f"{fact.meaning}, {reduction.phrase}"
         attrs["symbol"] = f"{reduction.suffix} {fact.symbol}"
-        if output.request.is_position:
+        if request.is_position:
             attrs = {
                 "units": position.units,
                 "long_name": f"{position.meaning}, where {fact.symbol} is {reduction.phrase}",
                 "symbol": f"{position.symbol} at {reduction.suffix} {fact.symbol}",
             }
-    if output.request.listed:
-        attrs = _of_list(output.request.listed, fact, position)
+    if request.listed:
+        attrs = _of_list(request.listed, fact, position)
     attrs["references"] = fact.source
+    return attrs
+
+
+@lru_cache(maxsize=1024)
+def _labels(plan: Plan, output: Output) -> dict[str, Any]:
+    """Return the attributes of a result."""
+    fact = plan.catalogue.public_fact(output.request.quantity)
+    attrs = request_labels(plan.catalogue, output.request)
     if output.request.can_be_refined:
         attrs["extrema"] = "refined" if output.refined else "sampled"
     if fact.flags and output.request.is_of_quantity:

@@ -1,90 +1,94 @@
-"""List the quantities and inputs of a mechanism, from its catalogue.
+"""List the quantities and inputs of a mechanism, or find them by what they mean.
 
 ``python -m fastlink.report.quantities > docs/quantities.md`` writes the documentation of all mechanisms.
 """
 
 from __future__ import annotations
 
-import re
+import html
+import itertools
 import textwrap
 from collections.abc import Iterable, Sequence
-from dataclasses import astuple, dataclass, fields
+from dataclasses import astuple, fields
+from typing import Any, SupportsIndex, overload
 
 from fastlink._text import folded
-from fastlink.catalogue.catalogue import Catalogue, Fact, Input
+from fastlink.catalogue.catalogue import Catalogue
+from fastlink.catalogue.search import index_of_inputs
 from fastlink.doors import door
+from fastlink.errors import InputError, Setting
 from fastlink.facts.names import Derivative, ErrorBound, ListOfExtrema, Reduced, Trust
 from fastlink.facts.names import Quantity as Plain
 from fastlink.mechanisms import NAMES
 from fastlink.mechanisms import catalogue as find_catalogue
 from fastlink.plan.pointwise import make_program
 from fastlink.plan.reductions import REDUCTIONS
-from fastlink.plan.validate import RULES
+from fastlink.plan.suggestions import rank_quantities
+from fastlink.report.rows import (
+    BRANCH,
+    DESIGN,
+    GivenInput,
+    Quantity,
+    given_inputs,
+    public_rows,
+    row_of,
+    step_row,
+)
 
 __all__ = ["GivenInput", "Quantity", "QuantityList", "quantities"]
 
-DESIGN, BRANCH = "design", "branch"
 NAME = Plain("NAME")
-COMPONENT = re.compile("_[xy]$")
+COLUMNS = ("name", "units", "dims", "meaning", "source")
 MEANING_WIDTH, SOURCE_WIDTH = 46, 34
-
-
-@dataclass(frozen=True)
-class Quantity:
-    """One quantity of a mechanism.
-
-    Attributes
-    ----------
-    name : str
-        Its name, which is that of the variable in the result.
-    units : str
-        UDUNITS text; ``1`` for a pure number or a code.
-    dims : tuple of str
-        Dimensions in the result; ``design`` stands for the swept dimensions.
-    meaning, source : str
-        Its definition, and where its formula stands.
-    """
-
-    name: str
-    units: str
-    dims: tuple[str, ...]
-    meaning: str
-    source: str
-
-
-@dataclass(frozen=True)
-class GivenInput:
-    """One input: name, units, allowed values, meaning, and the links that give it."""
-
-    name: str
-    units: str
-    allowed: str
-    meaning: str
-    links: str
+#: The least score of a name that is found, and its least share of the best one.
+LEAST, SHARE = 0.42, 0.6
 
 
 class QuantityList(list[Quantity]):
-    """The quantities of a mechanism: a list that prints as a table.
+    """The quantities of a mechanism: a list that prints as a table; a name between brackets gives its row.
 
     Attributes
     ----------
     mechanism : str
-        Its name.
+        Its name; empty where several were searched.
     inputs : list of GivenInput
-        The inputs that make up a design.
+        The inputs that make up a design; where a phrase was searched for, those that it may mean.
     """
 
-    def __init__(self, rows: Iterable[Quantity], catalogue: Catalogue) -> None:
+    def __init__(
+        self,
+        rows: Iterable[Quantity],
+        catalogues: Sequence[Catalogue],
+        found: Sequence[tuple[str, GivenInput]] | None = None,
+    ) -> None:
         super().__init__(rows)
-        self.mechanism = catalogue.name
-        self.inputs = _inputs(catalogue)
-        self._catalogue = catalogue
+        self._catalogues, self._found = tuple(catalogues), found
+        self.mechanism = catalogues[0].name if len(catalogues) == 1 else ""
+        self.inputs = given_inputs(catalogues[0]) if found is None else [given for _, given in found]
+
+    @overload
+    def __getitem__(self, key: SupportsIndex | str, /) -> Quantity: ...
+
+    @overload
+    def __getitem__(self, key: slice, /) -> list[Quantity]: ...
+
+    def __getitem__(self, key: Any, /) -> Any:
+        """Return a row by its number, or by any name that may be requested, such as ``"omega4_max"``."""
+        if not isinstance(key, str):
+            return super().__getitem__(key)
+        for row in self:
+            if row.name == key:
+                return row
+        return row_of(key, self._catalogues[0])
 
     def __repr__(self) -> str:
+        if self._found is not None:
+            return self._repr_found(self._found)
+        (catalogue,) = self._catalogues
         return "\n\n".join(
             (
-                f"{self.mechanism}: {self._catalogue.title}",
-                _text_table(_header(Quantity), self._cells()),
+                f"{self.mechanism}: {catalogue.title}",
+                _text_table(COLUMNS, self._cells(grouped=True)),
                 textwrap.fill(self._naming().replace("`", ""), 110),
                 "Inputs; only those that the requested quantities depend on are needed:",
                 _text_table(_header(GivenInput), [astuple(given) for given in self.inputs]),
@@ -93,17 +97,47 @@ class QuantityList(list[Quantity]):
 
     __str__ = __repr__
 
+    def _repr_found(self, found: Sequence[tuple[str, GivenInput]]) -> str:
+        """Return what was found as text: quantities, then inputs, each with its mechanism if there are several."""
+        named = len(self._catalogues) > 1
+        parts = []
+        if self:
+            rows = [
+                ((row.mechanism,) if named else ()) + cells
+                for row, cells in zip(self, self._cells(), strict=True)
+            ]
+            parts.append(_text_table(("mechanism", *COLUMNS) if named else COLUMNS, rows))
+        if found:
+            header = ("mechanism", *_header(GivenInput)) if named else _header(GivenInput)
+            given = [((mechanism,) if named else ()) + astuple(one) for mechanism, one in found]
+            parts += ["Inputs:", _text_table(header, given)]
+        return "\n\n".join(parts) or "Nothing was found; try another word, or list all quantities."
+
+    def _repr_html_(self) -> str:
+        """Return the quantities as a notebook shows them."""
+        header = ("mechanism", *COLUMNS)
+        rows = [(row.mechanism, *cells) for row, cells in zip(self, self._cells(), strict=True)]
+        lines = ["".join(f"<td>{html.escape(cell)}</td>" for cell in row) for row in rows]
+        head = "".join(f"<th>{name}</th>" for name in header)
+        return f"<table><tr>{head}</tr>{''.join(f'<tr>{line}</tr>' for line in lines)}</table>"
+
     def markdown(self) -> str:
         """Return the list as Markdown, as it stands in the documentation."""
-        branches = self._catalogue.branches.items()
+        (catalogue,) = self._catalogues
+        branches = catalogue.branches.items()
+        tables = [
+            part
+            for group, rows in itertools.groupby(self, lambda row: row.group)
+            for part in (f"#### {group}", _markdown_table(COLUMNS, [_cells(row) for row in rows]))
+        ]
         return "\n\n".join(
             (
                 f"## `{self.mechanism}`",
-                f"{self._catalogue.title}. Assembly modes:",
+                f"{catalogue.title}. Assembly modes:",
                 "\n".join(f"- `branch` {number}: {meaning}" for number, meaning in branches),
                 "### Quantities",
-                _markdown_table(_header(Quantity), self._cells()),
                 self._naming(),
+                *tables,
                 "### Inputs",
                 "Any input can be swept. Only the inputs that the requested quantities depend on are needed. Inputs "
                 "that a model of links gives need not be given; if they are, they replace the model's. Inputs with a "
@@ -112,12 +146,18 @@ class QuantityList(list[Quantity]):
             )
         )
 
-    def _cells(self) -> list[tuple[str, ...]]:
-        return [(row.name, row.units, f"({', '.join(row.dims)})", row.meaning, row.source) for row in self]
+    def _cells(self, grouped: bool = False) -> list[tuple[str, ...]]:
+        lines = []
+        for group, rows in itertools.groupby(self, lambda row: row.group):
+            if grouped:
+                lines += [("",) * len(COLUMNS), (f"{group}:", *[""] * (len(COLUMNS) - 1))]
+            lines += map(_cells, rows)
+        return lines
 
     def _naming(self) -> str:
         """Return how names of reductions, derivatives and bounds are formed, as Markdown."""
-        position = self._catalogue.position
+        (catalogue,) = self._catalogues
+        position = catalogue.position
         unit = "" if position.units == "1" else f" in {position.units}"
         reductions = [f"`{Reduced(NAME, each.suffix)}` ({each.phrase})" for each in REDUCTIONS.values()]
         positions = [
@@ -133,7 +173,7 @@ class QuantityList(list[Quantity]):
         return (
             f"Any NAME with the dimension `{position.name}` has {_and(reductions)}, and {_and(positions)} (the "
             f"{position.name}{unit} there), with the dimensions ({DESIGN}, {BRANCH}). "
-            f"{lists if self._catalogue.graded is not None else ''}"
+            f"{lists if catalogue.graded is not None else ''}"
             "Configurations that do not assemble are NaN and do not count. "
             f"`{Derivative(NAME, 'PARAM')}` is the derivative of NAME with respect to an input or to "
             f"`{position.name}`, and is itself such a NAME. "
@@ -143,22 +183,31 @@ class QuantityList(list[Quantity]):
 
 
 @door
-def quantities(mechanism: str, internal: bool = False, input: str | None = None) -> QuantityList:
-    """List the quantities and inputs of a mechanism.
+def quantities(
+    mechanism: str | None = None,
+    internal: bool = False,
+    input: str | None = None,
+    *,
+    find: str | None = None,
+) -> QuantityList:
+    """List the quantities and inputs of a mechanism, or find them by what they mean.
 
     Parameters
     ----------
-    mechanism : str
-        Its name, such as ``"planar_4r"``.
+    mechanism : str, optional
+        Its name, such as ``"planar_4r"``. With `find` it may be left out: all mechanisms are searched.
     internal : bool, default False
         List intermediate facts too, which cannot be requested by name.
     input : str, optional
         The driven input, as in `fastlink.sweep`.
+    find : str, optional
+        A word, a phrase or a symbol, such as ``"torque"``, ``"rocker speed"`` or ``"mu_min"``: only quantities and
+        inputs that it may mean, the best first.
 
     Returns
     -------
     QuantityList
-        A list of `Quantity` that prints as a table.
+        A list of `Quantity` that prints as a table; ``quantities("planar_4r")["T41_max"]`` is one row.
 
     Raises
     ------
@@ -167,21 +216,54 @@ def quantities(mechanism: str, internal: bool = False, input: str | None = None)
 
     Examples
     --------
-    >>> rows = quantities("planar_4r")
-    >>> [(row.name, row.units, row.dims) for row in rows if row.name == "omega4"]
-    [('omega4', 'rad s-1', ('design', 'branch', 'theta1'))]
+    >>> import fastlink as fl
+    >>> row = fl.quantities("planar_4r")["omega4"]
+    >>> row.units, row.dims, row.needs
+    ('rad s-1', ('design', 'branch', 'theta1'), ('a1', 'a2', 'a3', 'a4', 'omega1'))
+    >>> [row.name for row in fl.quantities("planar_4r", find="mu min")]
+    ['transmission_angle_min', 'transmission_angle_least']
     """
-    catalogue = find_catalogue(mechanism, input)
-    every = (DESIGN, BRANCH, catalogue.position.name)
-    public = _ordered(catalogue)
-    rows = [_quantity(fact, every if catalogue.varies(fact.name) else (DESIGN,)) for fact in public]
+    if mechanism is None and find is None:
+        known = ", ".join(map(repr, NAMES))
+        remedy = (f"write one of {known}", (", or ", Setting("find", "torque"), " to search them all"))
+        raise InputError("is missing", where=("mechanism",), remedy=remedy)
+    if find is not None:
+        return _found(
+            find, [find_catalogue(name, input) for name in (NAMES if mechanism is None else [mechanism])]
+        )
+    catalogue = find_catalogue(str(mechanism), input)
+    rows = public_rows(catalogue)
     if internal:
+        every = (DESIGN, BRANCH, catalogue.position.name)
         plan = make_program(catalogue, catalogue.public, given=catalogue.inputs)
         for name, fact in (*catalogue.tables.items(), *catalogue.facts.items()):
             if fact.internal and name in plan.axes and name == fact.name:
-                axes = plan.axes[name]
-                rows.append(_quantity(fact, tuple(axis for axis in every if axis in axes)))
-    return QuantityList(rows, catalogue)
+                dims = [axis for axis in every if axis in plan.axes[name]]
+                rows.append(step_row(fact, dims, catalogue.name))
+    return QuantityList(rows, [catalogue])
+
+
+def _found(phrase: str, catalogues: Sequence[Catalogue]) -> QuantityList:
+    """Return the quantities and inputs that a phrase may mean, the best first."""
+    if not isinstance(phrase, str) or not phrase.strip():
+        raise InputError(
+            "is not a word", where=("find",), remedy="write a word or a phrase, such as 'torque'"
+        )
+    ranked = [(one, catalogue) for catalogue in catalogues for one in rank_quantities(phrase, catalogue)]
+    given = [
+        (one, catalogue) for catalogue in catalogues for one in index_of_inputs(catalogue).ranked(phrase)
+    ]
+    best = max((one.score for one, _ in (*ranked, *given)), default=0.0)
+    least = max(LEAST, SHARE * best)
+    rows = [
+        row_of(one.name, of) for one, of in sorted(ranked, key=lambda pair: pair[0]) if one.score >= least
+    ]
+    inputs = [
+        (of.name, next(row for row in given_inputs(of) if row.name == one.name))
+        for one, of in sorted(given, key=lambda pair: pair[0])
+        if one.score >= least
+    ]
+    return QuantityList(rows, catalogues, inputs)
 
 
 def document() -> str:
@@ -194,58 +276,12 @@ def document() -> str:
     return "\n\n".join((head, *(quantities(name).markdown() for name in NAMES))) + "\n"
 
 
-def _ordered(catalogue: Catalogue) -> list[Fact]:
-    """Return the public facts: of the design first, then by the number of their steps.
-
-    Components of one vector stay together.
-    """
-    position = catalogue.position.name
-    leaves = (*catalogue.inputs, *catalogue.tables, *catalogue.table_low_parts, BRANCH, position)
-    effort: dict[str, int] = {}
-    for name in catalogue.public:
-        steps = sum(1 for _ in catalogue.dependencies([name], leaves))
-        vector = COMPONENT.sub("", name)
-        effort[vector] = max(steps, effort.get(vector, 0))
-
-    def order(fact: Fact) -> tuple[bool, int, str, str]:
-        vector = COMPONENT.sub("", fact.name)
-        return catalogue.varies(fact.name), effort[vector], vector, fact.name
-
-    return sorted(catalogue.public.values(), key=order)
-
-
-def _quantity(fact: Fact, dims: tuple[str, ...]) -> Quantity:
-    return Quantity(fact.name, fact.units, dims, fact.meaning, fact.source)
-
-
-def _inputs(catalogue: Catalogue) -> list[GivenInput]:
-    rows = []
-    for given in catalogue.inputs.values():
-        models = [model.name for model in catalogue.models_of(given.name)]
-        links = f"given by {', '.join(models)}" if models else _instead(catalogue, given)
-        rows.append(_given(given, links))
-    for model, inputs in catalogue.variant_inputs.items():
-        for given in inputs.values():
-            default = "" if given.default is None else f", {given.default:.6g} by default"
-            rows.append(_given(given, _instead(catalogue, given) or f"of {model}{default}"))
-    return rows
-
-
-def _given(given: Input, links: str) -> GivenInput:
-    codes = "; ".join(f"{code}: {meaning}" for code, meaning in given.choices.items())
-    allowed = ", ".join(map(str, given.choices)) or RULES.get(given.rule, "any")
-    links = links or ("all unless one is given" if codes else "")
-    meaning = f"{given.meaning} ({codes})" if codes else given.meaning
-    return GivenInput(given.name, given.units, allowed, meaning, links)
-
-
-def _instead(catalogue: Catalogue, given: Input) -> str:
-    others = catalogue.mutually_exclusive_inputs(given.name)
-    return f"or {', '.join(others)} instead" if others else ""
-
-
 def _and(parts: Sequence[str]) -> str:
     return " and ".join((", ".join(parts[:-1]), parts[-1])) if len(parts) > 1 else "".join(parts)
+
+
+def _cells(row: Quantity) -> tuple[str, ...]:
+    return row.name, row.units, f"({', '.join(row.dims)})", row.meaning, row.source
 
 
 def _header(row: type) -> tuple[str, ...]:
