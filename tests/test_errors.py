@@ -127,3 +127,14 @@ def test_the_command_line_names_its_options(folder, arguments, line):
     assert result.stderr.startswith(f"fastlink: {line}")
     if line == "--to: ":
         assert "--overwrite" in result.stderr
+
+
+@pytest.mark.parametrize("text", ["\x00", "a\nb", "\x1b[31m", "\ud800", "\u2028", "x" * 5000, str(object())])
+def test_a_line_is_short_and_shows_on_any_terminal(text):
+    error = InputError(f"{text!s} is unknown", where=("mechanism", text), remedy="write planar_4r")
+    (line,) = str(error).split("\n")
+    assert line.encode()
+    assert line.isprintable()
+    assert len(line) < 400
+    assert " at 0x" not in line
+    assert line.endswith("write planar_4r")

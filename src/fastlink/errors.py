@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import difflib
+import re
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import Self, TypeAlias
@@ -27,6 +28,8 @@ __all__ = [
 
 #: Known names in a suggestion, and problems with a line each; the others are counted.
 MOST_SHOWN, MOST_LINES = 12, 20
+#: Signs of a line, and of its end, where the remedy stands, if it has to be cut.
+LONGEST_LINE, LAST_SIGNS = 390, 160
 #: Begin texts that read on after the path of a problem; a sentence of its own follows a colon.
 PREDICATES = ("is ", "has ", "holds ", "runs ", "belongs ", "gives ", "takes ")
 
@@ -169,7 +172,7 @@ class InputError(ValueError):
         shown = list(self.problems[:MOST_LINES])
         if more := len(self.problems) - len(shown):
             shown.append(Problem(f"and {more} more problem{'s' if more > 1 else ''}"))
-        return [chosen.line(problem) for problem in shown]
+        return [printable(chosen.line(problem)) for problem in shown]
 
     def __str__(self) -> str:
         return "\n".join(self.lines())
@@ -198,6 +201,23 @@ class Problems:
         """Raise InputError if there are problems."""
         if self.noted:
             raise InputError.of(self.noted, self.wording)
+
+
+def printable(line: str) -> str:
+    """Return a line of at most 390 signs that any terminal shows: others are escaped, addresses left out.
+
+    Examples
+    --------
+    >>> printable(f"mechanism: {chr(27)}[31m is unknown").isprintable()
+    True
+    """
+    line = re.sub(r" at 0x[0-9a-fA-F]+", "", line)
+    if not line.isprintable():
+        shown = (sign if sign.isprintable() else repr(sign)[1:-1] for sign in line)
+        line = "".join(shown)
+    if len(line) > LONGEST_LINE:
+        line = f"{line[: LONGEST_LINE - LAST_SIGNS - 5]} ... {line[-LAST_SIGNS:]}"
+    return line
 
 
 def path_text(where: KeyPath) -> str:

@@ -2,13 +2,18 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from fastlink.cli.app import MapFile, command
 from fastlink.errors import InputError, Setting
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 __all__ = ["info", "plot"]
 
@@ -20,7 +25,8 @@ def info(
     """Print what a map holds, and how it was computed."""
     from fastlink.report.summary import contents
 
-    typer.echo(contents(file))
+    with _opened(file) as maps:
+        typer.echo(contents(maps))
 
 
 @command
@@ -39,9 +45,6 @@ def plot(
             "--at", metavar="DIM=VALUE", help="Fix a dimension at its nearest value; may be repeated."
         ),
     ] = None,
-    degrees: Annotated[
-        bool, typer.Option("--degrees", help="Show angles in degrees, and read those of --at so.")
-    ] = False,
     to: Annotated[
         Path | None,
         typer.Option("--to", metavar="PICTURE", help="png, svg or pdf by its ending; NAME.png if left out."),
@@ -52,8 +55,17 @@ def plot(
 
     fixed = _fixed(at or [])
     picture = to if to is not None else Path(f"{name}.png")
-    plot_map(file, name, branch=branch, at=fixed, degrees=degrees, to=picture)
+    with _opened(file) as maps:
+        plot_map(maps, name, branch=branch, at=fixed, to=picture)
     typer.echo(str(picture))
+
+
+@contextmanager
+def _opened(file: Path) -> Iterator[xr.Dataset]:
+    from fastlink.maps import open as open_map
+
+    with open_map(file) as maps:
+        yield maps
 
 
 def _fixed(texts: list[str]) -> dict[str, float]:
