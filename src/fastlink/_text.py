@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import itertools
+import numbers
 import textwrap
 from collections.abc import Iterable, Sequence
 
-__all__ = ["aligned", "counted", "duration", "folded", "scaled", "size"]
+__all__ = ["aligned", "counted", "duration", "folded", "scaled", "short_number", "size"]
 
 BYTES = (" B", " kB", " MB", " GB", " TB")
 
@@ -106,6 +107,17 @@ def scaled(value: float, units: Sequence[str]) -> str:
             return f"{value:.3g}{unit}"
         value /= 1000
     return f"{value:.3g}{units[-1]}"
+
+
+def short_number(value: object) -> str:
+    """Return a number with at most six digits, and anything else, such as the name of a design, as it is.
+
+    Examples
+    --------
+    >>> short_number(0.30000000000000004), short_number("crank 7")
+    ('0.3', 'crank 7')
+    """
+    return f"{value:g}" if isinstance(value, numbers.Real) else str(value)
 
 
 def size(nbytes: int) -> str:

@@ -87,7 +87,7 @@ def _wrong_call(
     else:
         return None
     parameters = list(expected.parameters.values())
-    if parameters[0].name == "self":
+    if parameters and parameters[0].name == "self":
         parameters, args = parameters[1:], args[1:]
     problems = Problems()
     form = f"write {_form(name, parameters)}{'; ' if hint else ''}{hint}"

@@ -2,18 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from contextlib import contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 import typer
 
 from fastlink.cli.app import MapFile, command
 from fastlink.errors import InputError, Setting
-
-if TYPE_CHECKING:
-    import xarray as xr
 
 __all__ = ["info", "plot"]
 
@@ -25,8 +20,7 @@ def info(
     """Print what a map holds, and how it was computed."""
     from fastlink.report.summary import contents
 
-    with _opened(file) as maps:
-        typer.echo(contents(maps))
+    typer.echo(contents(file))
 
 
 @command
@@ -45,6 +39,9 @@ def plot(
             "--at", metavar="DIM=VALUE", help="Fix a dimension at its nearest value; may be repeated."
         ),
     ] = None,
+    degrees: Annotated[
+        bool, typer.Option("--degrees", help="Show angles in degrees, and read those of --at so.")
+    ] = False,
     to: Annotated[
         Path | None,
         typer.Option("--to", metavar="PICTURE", help="png, svg or pdf by its ending; NAME.png if left out."),
@@ -55,17 +52,8 @@ def plot(
 
     fixed = _fixed(at or [])
     picture = to if to is not None else Path(f"{name}.png")
-    with _opened(file) as maps:
-        plot_map(maps, name, branch=branch, at=fixed, to=picture)
+    plot_map(file, name, branch=branch, at=fixed, degrees=degrees, to=picture)
     typer.echo(str(picture))
-
-
-@contextmanager
-def _opened(file: Path) -> Iterator[xr.Dataset]:
-    from fastlink.maps import open as open_map
-
-    with open_map(file) as maps:
-        yield maps
 
 
 def _fixed(texts: list[str]) -> dict[str, float]:

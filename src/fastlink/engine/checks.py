@@ -9,10 +9,10 @@ from typing import TYPE_CHECKING, Any
 
 from fastlink.catalogue.declare import ELIMINATED
 from fastlink.codegen.kernel import backend_of
-from fastlink.errors import InputError, Problems
+from fastlink.errors import Problems
 from fastlink.mechanisms import catalogue as find_catalogue
 from fastlink.plan.positions import check_extrema, check_keywords, check_positions, check_turn, given_angles
-from fastlink.plan.query import Extrema, parse_request
+from fastlink.plan.query import Extrema, check_names, parse_request
 from fastlink.plan.reductions import REDUCTIONS
 from fastlink.plan.validate import check_branches, check_inputs, check_model, selected_variants
 
@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from fastlink.space.design_space import DesignSpace
     from fastlink.space.links import Links
 
-__all__ = ["CheckedRequest", "all_declared", "check", "check_names"]
+__all__ = ["CheckedRequest", "all_declared", "check"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -154,31 +154,3 @@ def _check_quantities(
         with problems.at(parameter, k):
             parse_request(name, catalogue)
     problems.stop()
-
-
-def check_names(parameter: str, given: Sequence[str]) -> tuple[str, ...]:
-    """Return the names of a list, each of which must stand in it once.
-
-    Parameters
-    ----------
-    parameter : str
-        The parameter that holds them.
-    given : sequence of str
-        The names.
-
-    Raises
-    ------
-    InputError
-        It is one text, or empty, or a name stands in it twice.
-    """
-    if isinstance(given, str):
-        raise InputError(f"is one text, {given!r}", where=(parameter,), remedy=f"write a list: [{given!r}]")
-    names = tuple(given)
-    if not names:
-        raise InputError("is empty", where=(parameter,), remedy="write at least one name")
-    problems = Problems()
-    for k, name in enumerate(names):
-        if name in names[:k]:
-            problems.add(f"{name!r} is named twice", (parameter, k), "name it once")
-    problems.stop()
-    return names

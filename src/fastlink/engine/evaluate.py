@@ -2,32 +2,39 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import lru_cache
+from inspect import signature
 from typing import Any
 
 import numpy as np
 
-from fastlink.catalogue.catalogue import Catalogue, Fact, System
+from fastlink.catalogue.catalogue import Catalogue, Fact, Input, System
 from fastlink.catalogue.declare import ELIMINATED
 from fastlink.catalogue.evaluate import evaluate_step
 from fastlink.catalogue.tables import angle_tables
 from fastlink.doors import door
-from fastlink.errors import InputError, Problems
+from fastlink.engine.broadcast import MOST_CONFIGURATIONS, broadcast_inputs, like, too_many
+from fastlink.errors import InputError, Problem, Problems, Setting
 from fastlink.mechanisms import NAMES, inputs_of
 from fastlink.mechanisms import catalogue as find_catalogue
 from fastlink.plan.positions import check_keywords
+from fastlink.plan.query import check_names
 from fastlink.plan.suggestions import require_quantity
 from fastlink.plan.validate import (
     all_choices,
-    check_branches,
+    allowed,
+    branch_codes,
+    check_model,
     constants_of,
-    unknown_input,
-    variants_of,
+    missing_inputs,
+    name_problems,
+    selected_variants,
+    value_problems,
 )
 from fastlink.space.links import Links
-from fastlink.space.values import short_repr
+from fastlink.space.values import MOST_DIMS, numbers_of
 
 __all__ = ["evaluate"]
 
@@ -41,6 +48,7 @@ def evaluate(
     links: Links | None = None,
     input: str | None = None,
     solver: str = ELIMINATED,
+    allow_invalid: bool = False,
     **inputs: Any,
 ) -> dict[str, Any]:
     """Evaluate quantities at given configurations, without compiling anything.
@@ -52,18 +60,22 @@ def evaluate(
     ----------
     mechanism : str
         Name of the mechanism.
-    quantities : iterable of str
-        Names of quantities (not of their extremes or means over the cycle).
+    quantities : sequence of str
+        Names of quantities (not of their extremes or means over the cycle, which `fastlink.sweep` computes).
     branch : int or array_like
-        Assembly mode.
+        Assembly mode, or an array of them that is broadcast with the inputs.
     links : Links, optional
         Where mass data come from.
     input : str, optional
         What drives, as in `fastlink.sweep`.
     solver : {"eliminated", "dense"}
         As in `fastlink.sweep`.
+    allow_invalid : bool, default False
+        Evaluate impossible values too (NaN, a length that is not positive) instead of refusing them; what depends on
+        them is NaN or flagged.
     **inputs : float, array_like or xarray.DataArray
-        The inputs and the input position, broadcast against each other. A choice that is not given is its first.
+        The inputs and the input position, broadcast against each other: arrays by their shapes, DataArrays by the
+        names of their dimensions, whose coordinates must agree. A choice that is not given is its first.
 
     Returns
     -------
@@ -73,7 +85,7 @@ def evaluate(
     Raises
     ------
     InputError
-        A name is unknown or missing, or a branch is not an assembly mode.
+        What a sweep of the same design would refuse; or the shapes do not broadcast.
 
     Examples
     --------
@@ -81,27 +93,35 @@ def evaluate(
     >>> fl.evaluate("planar_4r", ["B_y"], a1=3.0, a2=4.0, a3=5.0, a4=6.0, theta1=0.0, branch=2)["B_y"]
     4.0
     """
-    catalogue = find_catalogue(mechanism, input)
-    names = (quantities,) if isinstance(quantities, str) else tuple(quantities)
-    of_links = dict(links.values) if links is not None else {}
-    recipe = _recipe(
-        catalogue,
-        names,
-        mechanism=mechanism,
-        version=catalogue.version,
-        solver=solver,
-        model=None if links is None else links.model,
-        of_links=tuple(of_links),
-        inputs=tuple(inputs),
-    )
-    template, arrays = _to_arrays(recipe.defaults | of_links | inputs | {"branch": branch})
-    if not np.all(sum(arrays["branch"] == mode for mode in catalogue.branches)):
-        check_branches(catalogue, np.unique(branch))
+    catalogue, problems = find_catalogue(mechanism, input), Problems()
+    version = catalogue.version
+    names: tuple[str, ...] = ()
+    with problems.at():
+        names = check_names("quantities", quantities)
+        _check_quantities(catalogue, version, names)
+    with problems.at():
+        check_model(catalogue, links, solver)
+    of_links = links.values if isinstance(links, Links) else {}
+    variants = selected_variants(catalogue, links, solver, inputs)
+    given = _given(catalogue, version, mechanism, variants, tuple(of_links), tuple(inputs))
+    problems.noted += given.problems
+    values: dict[str, Any] = dict(given.defaults)
+    with problems.at():
+        values["branch"] = _branches(catalogue, branch)
+    for name, value in {**of_links, **inputs}.items():
+        if name in given.declared:
+            try:  # a context per input takes 1 us each
+                values[name] = _checked(given.declared[name], value, allow_invalid)
+            except InputError as error:
+                problems.noted += error.problems
+    if not problems.noted:
+        with problems.at():
+            recipe = _recipe(catalogue, version, names, given)
+    problems.stop()
+    template, arrays, shape = broadcast_inputs("evaluate", values)
     theta = arrays.pop(catalogue.position.name)
     tabled = angle_tables(catalogue, recipe.tables, np.ravel(theta))
-    tabled = tabled.reshape(len(recipe.tables), *np.shape(theta))
-    shape = np.broadcast_shapes(np.shape(theta), *(np.shape(value) for value in arrays.values()))
-    arrays |= zip(recipe.tables, tabled, strict=True)
+    arrays |= zip(recipe.tables, tabled.reshape(len(recipe.tables), *np.shape(theta)), strict=True)
     with np.errstate(all="ignore"):
         for step in recipe.steps:
             evaluate_step(step, arrays)
@@ -113,91 +133,120 @@ def evaluate(
     return {name: value[()] for name, value in results.items()}
 
 
+#: The keywords of `evaluate` besides mechanism, quantities and inputs.
+_OPTIONS = tuple(signature(evaluate).parameters)[2:-1]
+
+
+@dataclass(frozen=True, eq=False)
+class _Given:
+    """A request without its numbers: all that follows from the names of the given inputs.
+
+    Attributes
+    ----------
+    names, variants : tuple of str
+        Everything that has a value; the selected variants.
+    declared : dict
+        The inputs that may be given, with the input position.
+    defaults : dict
+        The inputs that are not given, but for those of the links.
+    problems : list of Problem
+        Unknown names, and a missing input position.
+    """
+
+    names: tuple[str, ...]
+    variants: tuple[str, ...]
+    declared: dict[str, Input]
+    defaults: dict[str, np.float64]
+    problems: list[Problem]
+
+
 @dataclass(frozen=True)
 class _Recipe:
     """The steps from given inputs to quantities; to resolve takes longer than to run.
 
     Attributes
     ----------
-    defaults : dict
-        The inputs that are not given, but for those of the links.
     tables : tuple of str
         The functions of the input position that are read.
     steps : tuple of Fact or System
         Everything that is computed, in order.
     """
 
-    defaults: dict[str, float]
     tables: tuple[str, ...]
     steps: tuple[Fact | System, ...]
 
 
 @lru_cache(maxsize=256)
-def _recipe(
+def _given(
     catalogue: Catalogue,
-    names: tuple[str, ...],
-    *,
-    mechanism: str,
     version: int,
-    solver: str,
-    model: str | None,
+    mechanism: str,
+    variants: tuple[str, ...],
     of_links: tuple[str, ...],
     inputs: tuple[str, ...],
-) -> _Recipe:
-    links = None if model is None else Links(model, {})
-    variants = variants_of(catalogue, links, solver, inputs)
-    for name in names:
-        require_quantity(name, catalogue)
-    _check_names(mechanism, catalogue, inputs, variants)
-    codes = all_choices(catalogue, inputs, variants)
-    defaults = constants_of(catalogue, links, variants) | {name: of[0] for name, of in codes.items()}
-    position = catalogue.position.name
-    if position not in inputs:
-        declared = catalogue.position
-        unit = "" if declared.units == "1" else f" in {declared.units}"
-        what, where = f"is missing ({declared.meaning})", ("evaluate", position)
-        raise InputError(what, where=where, remedy=f"give it{unit}")
-    tables = (position, *catalogue.tables, *catalogue.table_low_parts)
-    given = {*defaults, *inputs, *of_links, *tables, "branch"}
-    steps = tuple(catalogue.dependencies(names, given, variants))
-    read = {*names, *(need for step in steps for need in step.depends_on)}
-    return _Recipe(defaults, tuple(name for name in tables if name in read), steps)
-
-
-def _check_names(
-    mechanism: str, catalogue: Catalogue, inputs: Iterable[str], variants: Iterable[str]
-) -> None:
-    """Refuse a keyword that is not an input, of which nothing would depend."""
-    known, problems = catalogue.known_inputs(variants), Problems()
-    for name in inputs:
-        if name in (catalogue.position.name, *known):
-            continue
-        if any(name in inputs_of(other) for other in NAMES):
+) -> _Given:
+    position, known = catalogue.position, catalogue.known_inputs(variants)
+    options = (*_OPTIONS, position.name)
+    problems, others = Problems(), [name for name in inputs if name != position.name]
+    for name in others:
+        if name not in known and any(name in inputs_of(other) for other in NAMES):
             with problems.at():
                 check_keywords(mechanism, catalogue, [name], ())
-        else:
-            problems.noted.append(unknown_input(catalogue, name, known, "evaluate"))
+            others = [other for other in others if other != name]
+    problems.noted += name_problems(catalogue, others, known, "evaluate", options)
+    if position.name not in inputs and not problems.noted:
+        unit = "" if position.units == "1" else f" in {position.units}"
+        problems.add(f"is missing ({position.meaning})", ("evaluate", position.name), f"give it{unit}")
+    given = {*inputs, *of_links}
+    codes = all_choices(catalogue, inputs, variants)
+    numbers = constants_of(catalogue, None, variants) | {name: of[0] for name, of in codes.items()}
+    defaults = {name: np.float64(value) for name, value in numbers.items() if name not in given}
+    names = (*defaults, *given, "branch")
+    return _Given(names, variants, {**known, position.name: position}, defaults, problems.noted)
+
+
+@lru_cache(maxsize=256)
+def _check_quantities(catalogue: Catalogue, version: int, names: tuple[str, ...]) -> None:
+    """Refuse unknown quantities, and what needs a whole cycle."""
+    problems = Problems()
+    for k, name in enumerate(names):
+        with problems.at("quantities", k):
+            require_quantity(name, catalogue)
     problems.stop()
 
 
-def _to_arrays(values: Mapping[str, Any]) -> tuple[Any, dict[str, Any]]:
-    """Return a DataArray of the broadcast shape, or None, and plain arrays."""
-    labelled = {name: value for name, value in values.items() if hasattr(value, "dims")}
-    if not labelled:
-        # doubles of NumPy where there is one: twice as fast as arrays without axes
-        return None, {name: _doubles(name, value)[()] for name, value in values.items()}
-    import xarray as xr
-
-    wrapped = {name: value if name in labelled else xr.DataArray(value) for name, value in values.items()}
-    arrays = dict(zip(wrapped, xr.broadcast(*wrapped.values()), strict=True))
-    template = next(iter(arrays.values())).astype(float)
-    template.attrs = {}
-    return template, {name: np.asarray(value.data, dtype=float) for name, value in arrays.items()}
-
-
-def _doubles(name: str, value: Any) -> Any:
+@lru_cache(maxsize=256)
+def _recipe(catalogue: Catalogue, version: int, names: tuple[str, ...], given: _Given) -> _Recipe:
+    position = catalogue.position.name
+    tables = (position, *catalogue.tables, *catalogue.table_low_parts)
     try:
-        return np.asarray(value, dtype=float)
-    except (TypeError, ValueError):
-        what = f"is {short_repr(value)}"
-        raise InputError(what, where=("evaluate", name), remedy="write numbers") from None
+        steps = tuple(catalogue.dependencies(names, {*given.names, *tables}, given.variants))
+    except InputError as error:
+        problems = Problems()
+        for name in names:
+            missing = missing_inputs(catalogue, name, given.variants, given.names, "evaluate")
+            problems.noted += [one for one in missing if one not in problems.noted]
+        problems.stop()
+        raise error
+    read = {*names, *(need for step in steps for need in step.depends_on)}
+    return _Recipe(tuple(name for name in tables if name in read), steps)
+
+
+def _branches(catalogue: Catalogue, branch: Any) -> Any:
+    """Return assembly modes as doubles of any shape, labelled if they are."""
+    if type(branch) is int and branch in catalogue.branches:  # 2 us less than by an array
+        return np.float64(branch)
+    return like(branch, branch_codes(catalogue, branch))
+
+
+def _checked(declared: Input, value: Any, allow_invalid: bool) -> Any:
+    """Return the values of an input as doubles of any shape, labelled if they are, or refuse them."""
+    if type(value) is float and (allow_invalid or allowed(declared, value)):
+        return np.float64(value)  # 5 us less than by an array
+    if hasattr(value, "dtype") and np.size(value) > MOST_CONFIGURATIONS:
+        raise too_many(np.size(value), "evaluate", declared.name)
+    numbers = numbers_of("evaluate", declared.name, value, MOST_DIMS)[()]
+    if not allow_invalid and not np.all(allowed(declared, numbers)):
+        keep = ((", or pass ", Setting("allow_invalid", True), " to get NaN there"),)
+        raise InputError.of(value_problems(declared, np.asarray(numbers), "evaluate", keep))
+    return like(value, numbers)

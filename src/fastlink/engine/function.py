@@ -16,13 +16,15 @@ from fastlink._text import counted
 from fastlink.catalogue.declare import ELIMINATED
 from fastlink.doors import door
 from fastlink.engine.binding import VECTOR, BoundKernel, aligned
-from fastlink.engine.checks import check_names
 from fastlink.engine.resolve import ResolvedSweep, resolve
-from fastlink.errors import InputError
+from fastlink.errors import InputError, Problems
+from fastlink.mechanisms import NAMES, inputs_of
 from fastlink.mechanisms import catalogue as find_catalogue
-from fastlink.plan.validate import allowed, check_inputs
+from fastlink.plan.query import check_names
+from fastlink.plan.validate import allowed, check_inputs, selected_variants, unknown_input
 from fastlink.space.design_space import DESIGN, DesignSpace
 from fastlink.space.samplers import grid
+from fastlink.space.values import MOST_DIMS, numbers_of
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
@@ -101,32 +103,41 @@ def function(
         "extrema": extrema,
         "backend": backend,
     }
-    names = list(check_names("inputs", inputs))
+    names, wanted = list(check_names("inputs", inputs)), check_names("outputs", outputs)
     for name in names:
         if name in fixed:
             what = f"is among the inputs and given as {fixed[name]!r}"
             raise InputError(what, where=("function", name), remedy="leave one out")
-    catalogue = find_catalogue(mechanism, input)
+    catalogue, problems = find_catalogue(mechanism, input), Problems()
     known = catalogue.known_inputs(catalogue.variant_inputs)
-    constants = _constants({name: value for name, value in fixed.items() if name in known})
+    drives = {name for other in NAMES for name in inputs_of(other)} - known.keys()
+    problems.noted += [
+        unknown_input(catalogue, name, known, "function", (*_OPTIONS, catalogue.position.name))
+        for name in fixed
+        if name not in known and name not in drives
+    ]
+    with problems.at():
+        constants = _constants({name: value for name, value in fixed.items() if name in known})
+        variants = selected_variants(catalogue, links, solver, [*names, *constants])
+        check_inputs(catalogue, DesignSpace("grid", (), (), constants), variants, False)
+    problems.stop()
     varying = DesignSpace(
         "table", (DESIGN,), (1,), constants, columns={name: np.full(1, np.nan) for name in names}
     )
     resolved = resolve(
         mechanism,
         varying,
-        outputs,
+        wanted,
         positions={name: values for name, values in fixed.items() if name not in known},
         options=[*_OPTIONS, *known],
-        allow_invalid=True,  # the fixed values are checked below, the others at each call
+        allow_invalid=True,  # the fixed values are checked above, the others at each call
         companions=False,
         parameter="outputs",
         **options,
     )
-    check_inputs(catalogue, DesignSpace("grid", (), (), constants), resolved.plan.variants, False)
     _refuse_choices(resolved, varying)
     function_again: Any = function
-    recipe = partial(function_again, mechanism, names, list(outputs), **options, **fixed)
+    recipe = partial(function_again, mechanism, names, list(wanted), **options, **fixed)
     return Function(resolved, names, isinstance(branch, (int, np.integer)), recipe)
 
 
@@ -190,7 +201,8 @@ class Function:
 
     def __call__(self, x: ArrayLike) -> NDArray[np.float64]:
         """Return the outputs (outputs, ...) of designs (inputs, ...)."""
-        given = np.asarray(x, dtype=np.float64)
+        plain = type(x) is np.ndarray and x.dtype == np.float64
+        given: Any = x if plain else numbers_of("function", "x", x, MOST_DIMS)
         if given.shape[:1] != (len(self.inputs),):
             remedy = f"its first axis has {len(self.inputs)} rows: {', '.join(self.inputs)}"
             raise InputError(f"has the shape {given.shape}", where=("function", "x"), remedy=remedy)

@@ -16,13 +16,12 @@ from fastlink.engine.binding import KernelTask
 from fastlink.engine.checks import CheckedRequest, all_declared, check
 from fastlink.engine.executor import Job, Shapes
 from fastlink.engine.scaling import ScalingAxis, find_scaling_axis
-from fastlink.errors import InputError, Problem, Problems
+from fastlink.errors import InputError, Problems
 from fastlink.plan.plan import Plan, make_plan
 from fastlink.plan.pointwise import ANGLES_FOR_LANES
 from fastlink.plan.program import EXTREMUM
-from fastlink.plan.query import Extrema, parse_request, with_lists
-from fastlink.plan.validate import all_choices, constants_of
-from fastlink.space.links import MODELS
+from fastlink.plan.query import Extrema, with_lists
+from fastlink.plan.validate import all_choices, constants_of, missing_inputs
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping
@@ -184,24 +183,6 @@ def resolve(
     return ResolvedSweep(mechanism, space, plan, checked.positions, solver, axis, checked.backend, one_branch)
 
 
-def _missing_inputs(
-    catalogue: Catalogue, name: str, variants: Sequence[str], given: Iterable[str]
-) -> list[Problem]:
-    """Return a problem for each input that a quantity depends on and nothing gives."""
-    of_links = {name for model in MODELS for name in catalogue.variant_inputs.get(model, {})}
-    known, has = catalogue.known_inputs(variants), set(given)
-    absent = {name for name in known if name not in has and catalogue.resolve(name, variants) is None}
-    tables = (catalogue.position.name, *catalogue.tables, *catalogue.table_low_parts)
-    request = parse_request(name, catalogue)
-    steps = catalogue.dependencies([request.quantity], {*has, *absent, *tables, "branch"}, variants)
-    needed = absent & {need for step in steps for need in step.depends_on}
-    return [
-        catalogue.missing_problem(known[key], request.name, "links" if key in of_links else "design")
-        for key in known
-        if key in needed
-    ]
-
-
 def _problem_of_each(
     checked: CheckedRequest, planning: Mapping[str, Any], parameter: str
 ) -> InputError | None:
@@ -209,7 +190,7 @@ def _problem_of_each(
     catalogue, problems = checked.catalogue, Problems()
     for k, name in enumerate(checked.names):
         with problems.at(parameter, k):
-            missing = _missing_inputs(catalogue, name, checked.variants, planning["given"])
+            missing = missing_inputs(catalogue, name, checked.variants, planning["given"])
             known = [one.where for one in problems.noted]
             problems.noted += [one for one in missing if one.where not in known]
             if not missing:

@@ -51,9 +51,9 @@ def catalogue(mechanism: str, input: str | None = None) -> Catalogue:
         The mechanism or the input is unknown.
     """
     first, driven = _package(mechanism)
-    if input in (None, first.position.name):
+    if input is None or (isinstance(input, str) and input == first.position.name):
         return first
-    if input not in driven:
+    if not isinstance(input, str) or input not in driven:
         what, remedy = f"{input!r} is unknown to {mechanism}", suggest(str(input), inputs_of(mechanism))
         raise InputError(what, where=("input",), remedy=remedy)
     with _lock:
@@ -62,7 +62,7 @@ def catalogue(mechanism: str, input: str | None = None) -> Catalogue:
 
 def _package(mechanism: str) -> tuple[Catalogue, dict[str, Callable[[], Catalogue]]]:
     """Return the catalogue of a mechanism, and factories of those by its other inputs, by name."""
-    if mechanism not in NAMES:
+    if not isinstance(mechanism, str) or mechanism not in NAMES:
         remedy = suggest(str(mechanism), NAMES)
         raise InputError(f"{mechanism!r} is unknown", where=("mechanism",), remedy=remedy)
     from importlib import import_module

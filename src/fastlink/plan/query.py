@@ -2,19 +2,24 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
+from itertools import islice
 from typing import TYPE_CHECKING, Literal
 
+from fastlink.errors import InputError, Problems
 from fastlink.facts.names import ListOfExtrema, Quantity, Reduced
 from fastlink.plan.reductions import REDUCTIONS, Reduction
 from fastlink.plan.suggestions import unknown_quantity
+from fastlink.space.values import short_repr
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable
-
     from fastlink.catalogue.catalogue import Catalogue
 
-__all__ = ["Extrema", "Request", "parse_request"]
+__all__ = ["Extrema", "Request", "check_names", "parse_request"]
+
+#: Most names in one list; more come from an iterator without end.
+MOST_NAMES = 10_000
 
 #: Whether extrema are exact over the cycle, or those of the values at the given positions.
 Extrema = Literal["refined", "sampled"]
@@ -69,6 +74,50 @@ def parse_request(name: str, catalogue: Catalogue) -> Request:
             return Request(name, quantity, REDUCTIONS[tree.how], bool(tree.position))
         return Request(name, quantity, listed="position" if tree.position else tree.part)
     raise unknown_quantity(name, catalogue)
+
+
+def check_names(parameter: str, given: Iterable[str]) -> tuple[str, ...]:
+    """Return the names of a list, each of which must stand in it once.
+
+    Parameters
+    ----------
+    parameter : str
+        The parameter that holds them.
+    given : iterable of str
+        The names, in their order.
+
+    Raises
+    ------
+    InputError
+        It is one text, or has no order, or is empty, or an element is not a name or stands in it twice.
+    """
+    where = (parameter,)
+    if isinstance(given, str):
+        raise InputError(
+            f"is one text, {short_repr(given)}", where=where, remedy=f"write a list: [{given!r}]"
+        )
+    names: list[str] = []
+    try:
+        if not isinstance(given, (bytes, bytearray, set, frozenset, Mapping)):
+            names = list(islice(given, MOST_NAMES + 1))
+        elif given:
+            raise TypeError
+    except TypeError:
+        raise InputError(f"is {short_repr(given)}", where=where, remedy="write a list of names") from None
+    if not names:
+        raise InputError("is empty", where=where, remedy="write at least one name")
+    if len(names) > MOST_NAMES:
+        raise InputError(f"holds more than {MOST_NAMES} names", where=where, remedy="write fewer")
+    problems, known = Problems(), set()
+    for k, name in enumerate(names):
+        if not isinstance(name, str):
+            problems.add(f"is {short_repr(name)}", (parameter, k), "write a name")
+        elif name in known:
+            problems.add(f"{name!r} is named twice", (parameter, k), "name it once")
+        else:
+            known.add(name)
+    problems.stop()
+    return tuple(map(str, names))
 
 
 def reduced_names(catalogue: Catalogue) -> Iterable[str]:

@@ -6,28 +6,38 @@ import math
 import operator
 from collections.abc import Iterable, Sequence
 from functools import lru_cache, reduce
+from numbers import Real
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from fastlink._text import counted
 from fastlink.catalogue.catalogue import Catalogue, Input
 from fastlink.catalogue.declare import ELIMINATED
-from fastlink.errors import InputError, Model, Problem, Problems, suggest
+from fastlink.errors import InputError, KeyPath, Model, Problem, Problems, Remedy, nearest, suggest
+from fastlink.plan.query import parse_request
 from fastlink.plan.suggestions import input_remedy
-from fastlink.space.links import Links
+from fastlink.space.links import MODELS, Links
+from fastlink.space.values import MOST_LISTED, cells_of, listed, short_repr, unmasked
 
 if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
     from fastlink.space.design_space import DesignSpace
 
 __all__ = [
     "all_choices",
     "allowed",
+    "branch_codes",
     "check_branches",
     "check_inputs",
     "check_model",
     "constants_of",
+    "missing_inputs",
+    "name_problems",
     "selected_variants",
     "unknown_input",
+    "value_problems",
     "variants_of",
 ]
 
@@ -59,12 +69,17 @@ def check_model(catalogue: Catalogue, links: Links | None, solver: str) -> None:
         With what there is.
     """
     problems = Problems()
-    if solver not in catalogue.solvers and catalogue.solvers == (ELIMINATED,):
-        what = f"{solver!r} is not a solver of {catalogue.name}, which has no linear system"
+    known = isinstance(solver, str) and solver in catalogue.solvers
+    if not known and catalogue.solvers == (ELIMINATED,):
+        what = f"{short_repr(solver)} is not a solver of {catalogue.name}, which has no linear system"
         problems.add(what, ("solver",), "leave solver out")
-    elif solver not in catalogue.solvers:
-        problems.add(f"{solver!r} is unknown", ("solver",), suggest(str(solver), catalogue.solvers))
-    if links is not None and links.model not in catalogue.variant_inputs:
+    elif not known:
+        remedy = suggest(str(solver), catalogue.solvers)
+        problems.add(f"{short_repr(solver)} is unknown", ("solver",), remedy)
+    if links is not None and not isinstance(links, Links):
+        remedy = "write fastlink.round_bar(density=..., radius=...), or leave links out"
+        problems.add(f"is {short_repr(links)}, not a model of the links", ("links",), remedy)
+    elif links is not None and links.model not in catalogue.variant_inputs:
         problems.add(f"nothing of {catalogue.name} depends on mass", ("links",), "leave them out")
     problems.stop()
 
@@ -72,9 +87,10 @@ def check_model(catalogue: Catalogue, links: Links | None, solver: str) -> None:
 def selected_variants(
     catalogue: Catalogue, links: Links | None, solver: str, given: Iterable[str]
 ) -> tuple[str, ...]:
-    """Return the selected variants where solver and links are checked already, see `variants_of`."""
-    solved = () if solver == ELIMINATED else (solver,)
-    return (*solved, *catalogue.variants_selected_by(given), *(() if links is None else (links.model,)))
+    """Return the selected variants, see `variants_of`; what `check_model` refuses selects none."""
+    solved = (solver,) if isinstance(solver, str) and solver != ELIMINATED else ()
+    model = (links.model,) if isinstance(links, Links) else ()
+    return (*solved, *catalogue.variants_selected_by(given), *model)
 
 
 def constants_of(catalogue: Catalogue, links: Links | None, variants: Iterable[str]) -> dict[str, float]:
@@ -104,15 +120,33 @@ def check_inputs(
     """
     known = catalogue.known_inputs(variants)
     problems = Problems()
-    for name, other in _exclusive(catalogue, catalogue.version, tuple(space.names))[:1]:
-        problems.add(f"{other} and {name} determine each other", ("design",), "leave one of them out")
-    for name in space.names:
+    problems.noted += name_problems(catalogue, space.names, known)
+    for name in filter(known.__contains__, space.names):
         value = space.constants.get(name)
-        if name not in known:
-            problems.noted.append(unknown_input(catalogue, name, known))
-        elif not allow_invalid and (value is None or not allowed(known[name], value)):
-            problems.noted += _bad_values(known[name], space)
+        if not allow_invalid and (value is None or not allowed(known[name], value)):
+            problems.noted += value_problems(known[name], space.values(name), "design")
     problems.stop()
+
+
+def name_problems(
+    catalogue: Catalogue,
+    names: Sequence[str],
+    known: Iterable[str],
+    parent: str = "design",
+    options: Sequence[str] = (),
+) -> list[Problem]:
+    """Return the problems of names that are given for inputs: unknown ones, and pairs that determine each other.
+
+    `parent` heads their paths; `options` are what else may be given there by name, for a hint.
+    """
+    exclusive = _exclusive(catalogue, catalogue.version, tuple(names))[:1]
+    return [
+        *(
+            Problem(f"{other} and {name} determine each other", (parent,), "leave one of them out")
+            for name, other in exclusive
+        ),
+        *(unknown_input(catalogue, name, known, parent, options) for name in names if name not in known),
+    ]
 
 
 @lru_cache(maxsize=256)
@@ -136,34 +170,87 @@ def allowed(declared: Input, value: Any) -> Any:
     return finite & (value >= 0) if declared.rule == "non-negative" else finite
 
 
-def unknown_input(catalogue: Catalogue, name: str, known: Iterable[str], parent: str = "design") -> Problem:
+def unknown_input(
+    catalogue: Catalogue,
+    name: str,
+    known: Iterable[str],
+    parent: str = "design",
+    options: Sequence[str] = (),
+) -> Problem:
     """Return the problem of a name that is not among the known inputs."""
     for model, inputs in catalogue.variant_inputs.items():
         if name in inputs:
-            remedy = ("write ", Model(model, tuple(inputs)), ", or leave it out")
-            return Problem(f"belongs to links of model {model!r}", (parent, name), remedy)
-    others = [key for inputs in catalogue.variant_inputs.values() for key in inputs]
-    nearest = input_remedy(name, catalogue, [*known, *others])
-    return Problem(f"is unknown to {catalogue.name}", (parent, name), nearest)
+            mend = ("write ", Model(model, tuple(inputs)), ", or leave it out")
+            return Problem(f"belongs to links of model {model!r}", (parent, name), mend)
+    names = sorted({*known, *(key for inputs in catalogue.variant_inputs.values() for key in inputs)})
+    near_an_option = nearest(name, options) and not nearest(name, names)
+    remedy = suggest(name, options) if near_an_option else input_remedy(name, catalogue, names)
+    return Problem(f"is unknown to {catalogue.name}", (parent, name), remedy)
 
 
-def _bad_values(declared: Input, space: DesignSpace) -> list[Problem]:
-    """Return the first value that an input cannot have, if there is one."""
-    name = declared.name
-    values = space.values(name)
-    bad = np.flatnonzero(~allowed(declared, values))[:1].tolist()
+def value_problems(
+    declared: Input, values: NDArray[np.float64], parent: str, remedy: Remedy = ""
+) -> list[Problem]:
+    """Return the first value that an input cannot have, if there is one; a further remedy may be given."""
+    bad = np.flatnonzero(~allowed(declared, values))[:1]
+    if not bad.size:
+        return []
+    index: Sequence[Any] = np.unravel_index(bad[0], values.shape) if values.size > 1 else ()
+    value = values.flat[bad[0]]
     rule = RULES.get(declared.rule, "")
-    remedy = f"a finite number{' ' if rule else ''}{rule}"
-    if declared.choices:
-        remedy = "one of " + ", ".join(f"{code} ({meaning})" for code, meaning in declared.choices.items())
-    return [
-        Problem(
-            f"is {values[k]} ({declared.meaning})",
-            ("design", name, k) if values.size > 1 else ("design", name),
-            f"write {remedy}",
+    mend = f"write a finite number{' ' if rule else ''}{rule}"
+    if declared.choices and np.isfinite(value):
+        mend = "write one of " + ", ".join(
+            f"{code} ({meaning})" for code, meaning in declared.choices.items()
         )
-        for k in bad
+    where: KeyPath = (parent, declared.name, *(int(k) for k in index))
+    return [Problem(f"is {value} ({declared.meaning})", where, (mend, *remedy) if remedy else mend)]
+
+
+def missing_inputs(
+    catalogue: Catalogue, name: str, variants: Sequence[str], given: Iterable[str], parent: str = "design"
+) -> list[Problem]:
+    """Return a problem for each input that a quantity depends on and nothing gives."""
+    of_links = {name for model in MODELS for name in catalogue.variant_inputs.get(model, {})}
+    known, has = catalogue.known_inputs(variants), set(given)
+    absent = {name for name in known if name not in has and catalogue.resolve(name, variants) is None}
+    tables = (catalogue.position.name, *catalogue.tables, *catalogue.table_low_parts)
+    request = parse_request(name, catalogue)
+    steps = catalogue.dependencies([request.quantity], {*has, *absent, *tables, "branch"}, variants)
+    needed = absent & {need for step in steps for need in step.depends_on}
+    return [
+        catalogue.missing_problem(known[key], request.name, "links" if key in of_links else parent)
+        for key in known
+        if key in needed
     ]
+
+
+def branch_codes(catalogue: Catalogue, branch: Any) -> NDArray[np.float64]:
+    """Return assembly modes as numbers of the same shape.
+
+    Raises
+    ------
+    InputError
+        One is unknown, or is not a number.
+    """
+    if isinstance(branch, np.ma.MaskedArray):
+        branch = unmasked(branch)
+    remedy = f"write some of {', '.join(map(str, catalogue.branches))}"
+    if not hasattr(branch, "dtype") and listed(branch) > MOST_LISTED:
+        raise InputError(f"holds {counted(listed(branch), 'value')}", where=("branch",), remedy=remedy)
+    values = cells_of(branch)
+    if values.dtype.kind in "iuf":
+        bad = values[~np.isin(values, tuple(catalogue.branches))].ravel()[:1].tolist()
+    else:
+        bad = [value for value in values.ravel().tolist() if not _is_branch(catalogue, value)][:1]
+    for value in bad:
+        what = f"{short_repr(value)} is not an assembly mode of {catalogue.name}"
+        raise InputError(what, where=("branch",), remedy=remedy)
+    return values.astype(np.float64)
+
+
+def _is_branch(catalogue: Catalogue, value: object) -> bool:
+    return isinstance(value, Real) and not isinstance(value, bool) and value in catalogue.branches
 
 
 def check_branches(catalogue: Catalogue, branch: Any) -> tuple[int, ...]:
@@ -174,14 +261,15 @@ def check_branches(catalogue: Catalogue, branch: Any) -> tuple[int, ...]:
     InputError
         None, an unknown or a repeated one is given.
     """
-    where, remedy = ("branch",), f"write some of {', '.join(map(str, catalogue.branches))}"
-    given = np.atleast_1d(np.asarray(branch, dtype=object)).tolist()
-    for k, value in enumerate(given):
-        if isinstance(value, bool) or value not in catalogue.branches:
-            what = f"{value!r} is not an assembly mode of {catalogue.name}"
-            raise InputError(what, where=where, remedy=remedy)
-        if value in given[:k]:
-            raise InputError(f"{value!r} is given twice", where=where, remedy="write each once")
-    if not given:
+    where, codes = ("branch",), branch_codes(catalogue, branch)
+    if codes.ndim > 1:
+        what, remedy = f"has {codes.ndim} dimensions", "write one number or a flat list of numbers"
+        raise InputError(what, where=where, remedy=remedy)
+    if not codes.size:
+        remedy = f"write some of {', '.join(map(str, catalogue.branches))}"
         raise InputError("none is given", where=where, remedy=remedy)
-    return tuple(int(value) for value in given)
+    given = tuple(int(code) for code in codes.ravel()[: len(catalogue.branches) + 1])
+    for k, value in enumerate(given):
+        if value in given[:k]:
+            raise InputError(f"{value} is given twice", where=where, remedy="write each once")
+    return given

@@ -9,6 +9,8 @@ import numpy as np
 from matplotlib.colors import CenteredNorm, ListedColormap, LogNorm, Normalize
 from matplotlib.patches import Patch
 
+from fastlink.maps.flags import flags_of
+
 if TYPE_CHECKING:
     import xarray as xr
 
@@ -17,10 +19,12 @@ __all__ = [
     "are_counts",
     "colours_of",
     "count_colours",
+    "drawable",
     "flag_colours",
     "flag_handles",
     "flag_indices",
     "limits_of",
+    "near",
 ]
 
 CYCLIC = "twilight_shifted"
@@ -30,17 +34,21 @@ FLAGS = (
     *("#0b5fa5", "#f4a261", "#7fc8a9", "#8c564b", "#e377c2", "#17becf", "#bcbd22", "#5c6f7b", "#c9a0dc"),
 )
 MOST_COUNTS = 8
+# Matplotlib subtracts, multiplies and takes logarithms of values without a care for overflow.
+LARGEST, SMALLEST = 1e300, 1e-290
+FAR = 1e9  # spans outside a range of colours, where all values look the same
 
 
-def colours_of(values: Any, regular: Any, angle: bool) -> tuple[Any, Any, str]:
+def colours_of(values: Any, regular: Any, half_turn: float | None) -> tuple[Any, Any, str]:
     """Return norm, colour map and open ends, from the regular cells if there are any.
 
-    An angle that passes from pi to -pi has a cyclic map, values of both signs have zero in the middle.
+    An angle that passes from half a turn to minus half a turn has a cyclic map, values of both signs have zero in the
+    middle.
     """
     inside = values[:, regular]
     low, high, extend = limits_of(values, inside, 2.0)
-    if angle and low < -0.9 * np.pi and high > 0.9 * np.pi:
-        return Normalize(-np.pi, np.pi), matplotlib.colormaps[CYCLIC], "neither"
+    if half_turn is not None and low < -0.9 * half_turn and high > 0.9 * half_turn:
+        return Normalize(-half_turn, half_turn), matplotlib.colormaps[CYCLIC], "neither"
     if low < 0 < high and min(-low, high) > 0.05 * max(-low, high):
         return CenteredNorm(0.0, max(-low, high)), matplotlib.colormaps["RdBu_r"], extend
     positive = inside[np.isfinite(inside)] if low > 0 else np.empty(0)
@@ -48,6 +56,18 @@ def colours_of(values: Any, regular: Any, angle: bool) -> tuple[Any, Any, str]:
     if high_inner > 30 * low_inner:
         return LogNorm(low, high), matplotlib.colormaps["viridis"], extend
     return Normalize(low, high), matplotlib.colormaps["viridis"], extend
+
+
+def drawable(values: Any) -> Any:
+    """Return values with the finite ones beyond what matplotlib can draw at its limits."""
+    clipped = np.where(np.abs(values) < SMALLEST, 0.0, np.clip(values, -LARGEST, LARGEST))
+    return np.where(np.isinf(values), values, clipped)
+
+
+def near(values: Any, norm: Any) -> Any:
+    """Return values with far outliers moved towards the range of a norm, where their colour is the same."""
+    span = norm.vmax - norm.vmin
+    return np.clip(values, norm.vmin - FAR * span, norm.vmax + FAR * span)
 
 
 def are_counts(values: Any) -> bool:
@@ -88,7 +108,7 @@ def limits_of(values: Any, regular: Any, most: float) -> tuple[float, float, str
 
 def flag_colours(variable: xr.DataArray) -> tuple[Any, Any, str]:
     """Return norm and colour map of the indices of a code, one colour for each."""
-    count = len(variable.attrs["flag_values"])
+    count = len(flags_of(variable))
     colours = ListedColormap([FLAGS[index % len(FLAGS)] for index in range(count)])
     return Normalize(-0.5, count - 0.5), colours, "neither"
 
@@ -96,16 +116,15 @@ def flag_colours(variable: xr.DataArray) -> tuple[Any, Any, str]:
 def flag_indices(variable: xr.DataArray, values: Any) -> Any:
     """Return the index of each code in the list of codes, NaN for other values."""
     indices = np.full(values.shape, np.nan)
-    for index, code in enumerate(variable.attrs["flag_values"]):
+    for index, code in enumerate(flags_of(variable).values()):
         indices[values == code] = index
     return indices
 
 
 def flag_handles(variable: xr.DataArray, values: Any) -> list[Any]:
     """Return the legend of a code, for the values that occur."""
-    pairs = zip(variable.attrs["flag_values"], variable.attrs["flag_meanings"].split(), strict=True)
     return [
         Patch(facecolor=FLAGS[index % len(FLAGS)], label=meaning.replace("_", " "))
-        for index, (code, meaning) in enumerate(pairs)
+        for index, (meaning, code) in enumerate(flags_of(variable).items())
         if (values == code).any()
     ]

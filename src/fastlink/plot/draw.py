@@ -5,7 +5,7 @@ from __future__ import annotations
 import contextlib
 import textwrap
 import warnings
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING, Any
 
 import matplotlib
@@ -16,24 +16,30 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 from matplotlib.ticker import LogLocator, MaxNLocator
 
+from fastlink.maps.flags import flags_of
+from fastlink.maps.units import RADIAN, half_turn
 from fastlink.plot.colours import (
     CYCLIC,
     are_counts,
     colours_of,
     count_colours,
+    drawable,
     flag_colours,
     flag_handles,
     flag_indices,
     limits_of,
+    near,
 )
-from fastlink.plot.labels import constants_of, label_of, title_of
+from fastlink.plot.labels import constants_of, label_of, plain, title_of
+from fastlink.plot.selection import BRANCH, Selection
 
 if TYPE_CHECKING:
     import xarray as xr
 
 __all__ = ["draw", "style"]
 
-MOST_CELLS = 1600  # along each side, more than the pixels of a picture
+MOST_NAMES = 24  # along one side
+QUARTERS = (r"$0$", r"$\pi/2$", r"$\pi$", r"$3\pi/2$", r"$2\pi$")
 ABSENT, INFINITE = "0.78", "0.45"
 WITHOUT_BOUND = "grows without bound"
 VEIL = (1.0, 1.0, 1.0, 0.55)
@@ -60,52 +66,39 @@ def style() -> Iterator[None]:
         yield
 
 
-def draw(
-    dataset: xr.Dataset, variable: xr.DataArray, free: Sequence[str], fixed: Mapping[str, float]
-) -> Figure:
+def draw(dataset: xr.Dataset, shown: Selection) -> Figure:
     """Return the figure of a variable, with a panel or line for each assembly mode."""
-    for dim in free:
-        variable = variable.sortby(dim)
     figure = Figure(layout="constrained")
     FigureCanvasAgg(figure)
-    if len(free) == 1:
+    if len(shown.free) == 1:
         figure.set_size_inches(7.2, 4.2)
-        _draw_lines(figure, variable, free[0])
+        _draw_lines(figure, shown)
     else:
-        step = {dim: slice(None, None, -(-variable.sizes[dim] // MOST_CELLS)) for dim in free}
-        variable = variable.isel(step)
-        _draw_maps(figure, variable, free, _status(dataset, variable, free, fixed))
-    figure.suptitle(title_of(dataset, variable, fixed), fontsize=12)
+        _draw_maps(figure, shown)
+    figure.suptitle(title_of(dataset, shown.variable, shown.fixed), fontsize=12)
     figure.supxlabel(constants_of(dataset), fontsize=7.5, color="0.45")
     return figure
+
+
+def _name_places(axis: Any, names: Sequence[str], turned: bool) -> None:
+    """Label an axis by the names of its places, not more than fit on it."""
+    step = -(-len(names) // MOST_NAMES)
+    shown = [textwrap.shorten(plain(name), 24, placeholder="...") for name in names[::step]]
+    axis.set_ticks(range(0, len(names), step), shown, rotation=30 if turned else 0, ha="right")
 
 
 # -- maps ------------------------------------------------------------------------------------------
 
 
-def _status(
-    dataset: xr.Dataset, variable: xr.DataArray, free: Sequence[str], fixed: Mapping[str, float]
-) -> xr.DataArray | None:
-    """Return the status of the designs of a map, or None if its cells are not designs."""
-    if variable.name == "status" or "status" not in dataset:
-        return None
-    status = dataset["status"]
-    status = status.sel({dim: value for dim, value in fixed.items() if dim in status.dims})
-    if set(status.dims) != set(free) or "flag_values" not in status.attrs:
-        return None
-    return status.sel({dim: variable[dim] for dim in free}).transpose(free[1], free[0])
-
-
-def _draw_maps(
-    figure: Figure, variable: xr.DataArray, free: Sequence[str], status: xr.DataArray | None
-) -> None:
+def _draw_maps(figure: Figure, shown: Selection) -> None:
+    variable, free, status = shown.variable, shown.free, shown.status
     panels = _panels(variable)
-    is_code = "flag_meanings" in variable.attrs
+    is_code = bool(flags_of(variable))
     figure.set_size_inches((3.0 if is_code else 1.6) + 5.2 * len(panels), 5.0)
     axes = figure.subplots(1, len(panels), sharey=True, squeeze=False)[0]
     values = np.stack([panel.transpose(free[1], free[0]).values for _, panel in panels]).astype(float)
     infinite = np.isinf(values)
-    values[infinite] = np.nan
+    values = np.where(infinite, np.nan, drawable(values))
     is_count = not is_code and are_counts(values)
     veiled = _veiled(values, status)
     norm, colours, extend = _scale(variable, values, ~veiled)
@@ -113,7 +106,7 @@ def _draw_maps(
     x, y = (variable[dim].values for dim in free)
     for axis, (title, _), cells, beyond in zip(axes, panels, values, infinite, strict=True):
         axis.set_facecolor(ABSENT)
-        drawn = flag_indices(variable, cells) if is_code else cells
+        drawn = flag_indices(variable, cells) if is_code else near(cells, norm)
         image = _fill(axis, x, y, np.ma.masked_invalid(drawn), norm=norm, cmap=colours)
         if beyond.any():
             _fill(axis, x, y, np.ma.masked_equal(beyond, False), cmap=ListedColormap([INFINITE]))
@@ -123,6 +116,10 @@ def _draw_maps(
             _add_veil(axis, x, y, veiled)
         axis.set_xlabel(label_of(variable[free[0]]))
         axis.set_title(title)
+        if free[0] in shown.names:
+            _name_places(axis.xaxis, shown.names[free[0]], turned=True)
+    if free[1] in shown.names:
+        _name_places(axes[0].yaxis, shown.names[free[1]], turned=False)
     axes[0].set_ylabel(label_of(variable[free[1]]))
     handles = flag_handles(variable, values) if is_code else []
     if not is_code:
@@ -141,17 +138,17 @@ def _veiled(values: Any, status: xr.DataArray | None) -> Any:
     if status is None:
         return np.zeros(values.shape[1:], bool)
     present = np.isfinite(values).any(axis=0)
-    veiled = present & (status.values != status.attrs["flag_values"][0])
+    veiled = present & (status.values != next(iter(flags_of(status).values())))
     return veiled & (present & ~veiled).any()
 
 
 def _scale(variable: xr.DataArray, values: Any, regular: Any) -> tuple[Any, Any, str]:
     """Return norm, colour map and open ends for codes, counts or numbers."""
-    if "flag_meanings" in variable.attrs:
+    if flags_of(variable):
         return flag_colours(variable)
     if are_counts(values):
         return count_colours(values)
-    return colours_of(values, regular, variable.attrs.get("units") == "rad")
+    return colours_of(values, regular, half_turn(variable.attrs.get("units")))
 
 
 def _fill(axis: Any, x: Any, y: Any, cells: Any, **colours: Any) -> Any:
@@ -213,67 +210,66 @@ def _why_absent(status: xr.DataArray | None, absent: Any) -> str:
     """Return why cells have no value: also designs that assemble may lack one."""
     if status is None:
         return "does not assemble"
-    pairs = zip(status.attrs["flag_values"], status.attrs["flag_meanings"].split(), strict=True)
-    never = [code for code, meaning in pairs if meaning in ("never_assembles", "invalid_input")]
+    never = [
+        code for meaning, code in flags_of(status).items() if meaning in ("never_assembles", "invalid_input")
+    ]
     fails = np.isin(status.values[absent], never)
     return " or ".join(["does not assemble"] * bool(fails.any()) + ["has no value"] * bool((~fails).any()))
 
 
 def _meanings(status: xr.DataArray, veiled: Any) -> str:
     """Return what the statuses but the first mean, the most frequent one first."""
-    pairs = zip(status.attrs["flag_values"], status.attrs["flag_meanings"].split(), strict=True)
-    counts = {meaning: int((status.values[veiled] == code).sum()) for code, meaning in list(pairs)[1:]}
+    others = list(flags_of(status).items())[1:]
+    counts = {meaning: int((status.values[veiled] == code).sum()) for meaning, code in others}
     present = sorted((meaning for meaning in counts if counts[meaning]), key=lambda meaning: -counts[meaning])
     return ", ".join(present).replace("_", " ")
 
 
 def _panels(variable: xr.DataArray) -> list[tuple[str, xr.DataArray]]:
     """Return title and values of each assembly mode, or of all if they agree."""
-    if "branch" not in variable.dims:
-        scalar = variable.coords.get("branch")
-        return [("" if scalar is None else f"assembly mode {scalar.item()}", variable)]
-    parts = [(f"assembly mode {b.item()}", variable.sel(branch=b)) for b in variable["branch"]]
+    numbers = np.atleast_1d(variable[BRANCH].values).tolist() if BRANCH in variable.coords else []
+    if BRANCH not in variable.dims:
+        return [(f"assembly mode {numbers[0]}" if numbers else "", variable)]
+    count = variable.sizes[BRANCH]
+    titles = [f"assembly mode {b}" for b in numbers] or [
+        f"branch {k} of {count}" for k in range(1, count + 1)
+    ]
+    parts = [(title, variable.isel({BRANCH: k})) for k, title in enumerate(titles)]
     first = parts[0][1].values
     alike = all(np.allclose(part.values, first, rtol=1e-9, atol=0.0, equal_nan=True) for _, part in parts)
-    if alike and len(parts) > 1:
-        modes = " and ".join(str(b.item()) for b in variable["branch"])
-        return [(f"assembly modes {modes} (they agree)", parts[0][1])]
+    if alike and len(parts) > 1 and numbers:
+        return [(f"assembly modes {' and '.join(map(str, numbers))} (they agree)", parts[0][1])]
     return parts
 
 
 # -- lines -----------------------------------------------------------------------------------------
 
 
-def _draw_lines(figure: Any, variable: xr.DataArray, dim: str) -> None:
+def _draw_lines(figure: Any, shown: Selection) -> None:
+    variable, (dim,) = shown.variable, shown.free
     axis = figure.subplots()
     coordinate = variable[dim]
     x = coordinate.values
     panels = _panels(variable)
     marks: dict[str, Any] = {"marker": "." if len(x) < 40 else ""}
-    if dim == "design":
+    if dim == "design" or dim in shown.names:
         marks = {"marker": ".", "linestyle": "none"}
     for (title, panel), colour in zip(panels, LINES, strict=False):
-        cut_x, values = _cut(x, panel.values.astype(float), variable.attrs.get("units"))
+        cut_x, values = _cut(x, drawable(panel.values.astype(float)), variable.attrs.get("units"))
         axis.plot(cut_x, values, color=colour, label=title, linewidth=1.6, **marks)
     every = np.array([panel.values.astype(float) for _, panel in panels])
     _shade(axis, x, np.isnan(every).all(axis=0), ABSENT, "does not assemble")
     _shade(axis, x, np.isinf(every).any(axis=0), INFINITE, WITHOUT_BOUND)
-    if dim != "design":
-        axis.set_xlim(x[0], x[-1])
-    if coordinate.attrs.get("units") == "rad" and x[0] >= 0.0 and x[-1] <= 2.0 * np.pi:
-        axis.set_xlim(0.0, 2.0 * np.pi)
-        ticks = (r"$0$", r"$\pi/2$", r"$\pi$", r"$3\pi/2$", r"$2\pi$")
-        axis.set_xticks(np.linspace(0.0, 2.0 * np.pi, 5), ticks)
-    if "flag_meanings" in variable.attrs:
-        names = [meaning.replace("_", " ") for meaning in variable.attrs["flag_meanings"].split()]
-        axis.set_yticks(variable.attrs["flag_values"], names)
-        axis.set_ylim(-0.5, max(variable.attrs["flag_values"]) + 0.5)
+    _scale_along(axis, shown)
+    if flags := flags_of(variable):
+        axis.set_yticks(list(flags.values()), [meaning.replace("_", " ") for meaning in flags])
+        axis.set_ylim(min(flags.values()) - 0.5, max(flags.values()) + 0.5)
     axis.grid(color="0.9", linewidth=0.8)
     axis.set_axisbelow(True)
     axis.set_xlabel(label_of(coordinate))
     axis.set_ylabel(label_of(variable, name=False))
-    if "flag_meanings" not in variable.attrs:
-        every = np.concatenate([panel.values for _, panel in panels])
+    if not flags:
+        every = drawable(np.concatenate([panel.values for _, panel in panels]).astype(float))
         low, high, extend = limits_of(every, every, 50.0)
         if extend != "neither":
             axis.set_ylim(low - 0.05 * (high - low), high + 0.05 * (high - low))
@@ -283,11 +279,28 @@ def _draw_lines(figure: Any, variable: xr.DataArray, dim: str) -> None:
         axis.legend(*zip(*named, strict=True))
 
 
-def _cut(x: Any, values: Any, units: str | None) -> tuple[Any, Any]:
-    """Return a curve, cut where an angle passes from pi to -pi."""
-    if units != "rad":
+def _scale_along(axis: Any, shown: Selection) -> None:
+    """Set range and ticks of the axis that the lines run along: a turn has its quarters."""
+    (dim,) = shown.free
+    along = shown.variable[dim]
+    x, half = along.values, half_turn(along.attrs.get("units"))
+    if dim in shown.names:
+        _name_places(axis.xaxis, shown.names[dim], turned=True)
+    elif half is not None and x[0] >= 0.0 and x[-1] <= 2.0 * half:
+        axis.set_xlim(0.0, 2.0 * half)
+        ticks = QUARTERS if along.attrs["units"] == RADIAN else None
+        axis.set_xticks(np.linspace(0.0, 2.0 * half, 5), ticks)
+    elif dim != "design" and x[0] < x[-1]:
+        axis.set_xlim(x[0], x[-1])
+
+
+def _cut(x: Any, values: Any, units: Any) -> tuple[Any, Any]:
+    """Return a curve, cut where an angle passes from half a turn to minus half a turn."""
+    half = half_turn(units)
+    if half is None:
         return x, values
-    jumps = np.flatnonzero(np.abs(np.diff(values)) > np.pi) + 1
+    with np.errstate(invalid="ignore"):
+        jumps = np.flatnonzero(np.abs(np.diff(values)) > half) + 1
     return np.insert(x.astype(float), jumps, x[jumps]), np.insert(values, jumps, np.nan)
 
 

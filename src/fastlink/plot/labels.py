@@ -7,10 +7,12 @@ import textwrap
 from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
+from fastlink._text import short_number
+
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["constants_of", "label_of", "mathematical", "title_of"]
+__all__ = ["constants_of", "label_of", "mathematical", "plain", "title_of"]
 
 GREEK = re.compile(
     "alpha|beta|gamma|delta|epsilon|zeta|eta|theta|kappa|lambda|mu|nu|xi|rho|sigma|tau|phi|chi|psi|omega"
@@ -19,6 +21,11 @@ SYMBOL = re.compile(r"^(\|?)([A-Za-z]+)(?:_\{?([A-Za-z0-9]+)\}?)?(\|?)$")
 CONSTANTS_PER_LINE = 8
 TITLE_WIDTH = 64  # letters
 WORDS = frozenset({"max", "min", "rms", "at", "status"})
+
+
+def plain(text: object) -> str:
+    """Return a text as matplotlib shows it as it is: a dollar sign does not begin a formula."""
+    return str(text).replace("$", r"\$")
 
 
 def mathematical(symbol: str) -> str:
@@ -33,7 +40,7 @@ def mathematical(symbol: str) -> str:
     for word in symbol.split():
         match = SYMBOL.match(word)
         if match is None or word in WORDS:
-            words.append(word)
+            words.append(plain(word))
             continue
         left, base, index, right = match.groups()
         letter = f"\\{base}" if GREEK.fullmatch(base) else base if len(base) == 1 else f"\\mathrm{{{base}}}"
@@ -42,30 +49,30 @@ def mathematical(symbol: str) -> str:
 
 
 def _units(units: str) -> str:
-    return re.sub(r"([A-Za-z]+)(-?\d+)", r"\1$^{\2}$", units)
+    return re.sub(r"([A-Za-z]+)(-?\d+)", r"\1$^{\2}$", plain(units))
 
 
 def label_of(array: xr.DataArray, name: bool = True) -> str:
     """Return the label of an axis: name, symbol and units."""
     attrs = array.attrs
-    parts = [str(attrs.get("long_name", array.name))] if name else []
+    parts = [plain(attrs.get("long_name", array.name))] if name else []
     if "symbol" in attrs:
         parts.append(mathematical(str(attrs["symbol"])))
     units = str(attrs.get("units", "1"))
     if units != "1":
         parts.append(f"[{_units(units)}]")
-    return " ".join(parts) or str(array.name)
+    return " ".join(parts) or plain(array.name)
 
 
-def _valued(array: xr.DataArray, value: float) -> str:
+def _valued(array: xr.DataArray, value: object) -> str:
     symbol = mathematical(str(array.attrs.get("symbol", array.name)))
     units = str(array.attrs.get("units", "1"))
-    return f"{symbol} = {value:g}{'' if units == '1' else f' {_units(units)}'}"
+    return f"{symbol} = {plain(short_number(value))}{'' if units == '1' else f' {_units(units)}'}"
 
 
-def title_of(dataset: xr.Dataset, variable: xr.DataArray, fixed: Mapping[str, float]) -> str:
+def title_of(dataset: xr.Dataset, variable: xr.DataArray, fixed: Mapping[str, object]) -> str:
     """Return the name of a variable, and the values at which dimensions are fixed."""
-    title = textwrap.fill(str(variable.attrs.get("long_name", variable.name)), TITLE_WIDTH)
+    title = textwrap.fill(plain(variable.attrs.get("long_name", variable.name)), TITLE_WIDTH)
     values = ", ".join(_valued(dataset[dim], value) for dim, value in fixed.items())
     return f"{title}\n{values}" if values else title
 

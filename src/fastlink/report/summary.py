@@ -9,9 +9,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-
-from fastlink._text import aligned, counted, duration, scaled, size
+from fastlink._text import aligned, counted, duration, scaled, short_number, size
 from fastlink.doors import door
 from fastlink.io.reader import as_map
 from fastlink.maps.flags import flag_counts, flags_of
@@ -208,7 +206,7 @@ def _axis(dataset: xr.Dataset, dim: str, length: int) -> str:
 
 def _of_all(coord: xr.DataArray) -> str:
     """Return the value that a scalar coordinate has for all designs, with what its number stands for."""
-    text = f"{_number(coord.values[()])} {coord.attrs.get('units', '')}{_meaning(coord)}"
+    text = f"{short_number(coord.values[()])} {coord.attrs.get('units', '')}{_meaning(coord)}"
     return f"{text}; {coord.attrs['comment']}" if "comment" in coord.attrs else text
 
 
@@ -221,12 +219,9 @@ def _span(coord: xr.DataArray) -> str:
     else:
         ends = (values[0],) if len(values) == 1 else (values[0], values[-1])
     units = coord.attrs.get("units", "")
-    return f"{' to '.join(map(_number, ends))} {'' if units == '1' else units}".rstrip() + _meaning(coord)
-
-
-def _number(value: Any) -> str:
-    """Return a number in short, and anything else, such as the name of a design, as it is."""
-    return f"{value:g}" if isinstance(value, (int, float, np.integer, np.floating)) else str(value)
+    return f"{' to '.join(map(short_number, ends))} {'' if units == '1' else units}".rstrip() + _meaning(
+        coord
+    )
 
 
 def _meaning(array: xr.DataArray) -> str:

@@ -9,18 +9,52 @@ from numbers import Real
 
 from fastlink.doors import door
 from fastlink.errors import InputError, Problems, suggest
+from fastlink.space.values import short_repr
 
-__all__ = ["Links", "links_from", "round_bar"]
+__all__ = ["Links", "round_bar"]
 
 MODELS: dict[str, tuple[str, ...]] = {"round_bar": ("density", "radius")}
 
 
 @dataclass(frozen=True)
 class Links:
-    """A model of the links, with its inputs that are the same for all designs."""
+    """A model of the links, with its inputs that are the same for all designs.
+
+    Raises
+    ------
+    InputError
+        The model is unknown, or a value is not a finite number, or is negative.
+    """
 
     model: str
     values: Mapping[str, float]
+
+    def __post_init__(self) -> None:
+        if not isinstance(self.model, str) or self.model not in MODELS:
+            what = f"{short_repr(self.model)} is unknown"
+            raise InputError(what, where=("links", "model"), remedy=suggest(str(self.model), MODELS))
+        problems, known = Problems(), MODELS[self.model]
+        numbers: dict[str, float] = {}
+        for name, value in self.values.items():
+            where = ("links", name)
+            if name not in known:
+                problems.add(f"{self.model} has no {name!r}", where, suggest(str(name), known))
+            elif isinstance(value, bool) or not isinstance(value, Real):
+                remedy = f"write one number, or leave it out and give {name} in the design"
+                problems.add(f"is {short_repr(value)}", where, remedy)
+            else:
+                numbers[name] = _as_float(value)
+                if not 0 <= numbers[name] < math.inf:
+                    problems.add(f"is {short_repr(value)}", where, "write a finite number of at least 0")
+        problems.stop()
+        object.__setattr__(self, "values", numbers)
+
+
+def _as_float(value: Real) -> float:
+    try:
+        return float(value)
+    except OverflowError:
+        return math.inf
 
 
 @door
@@ -49,24 +83,4 @@ def round_bar(density: float | None = None, radius: float | None = None) -> Link
     0.01
     """
     given = {"density": density, "radius": radius}
-    return links_from("round_bar", {name: value for name, value in given.items() if value is not None})
-
-
-def links_from(model: str, values: Mapping[str, float]) -> Links:
-    """Return a model of the links by name, after a check of its values."""
-    if model not in MODELS:
-        raise InputError(
-            f"{model!r} is unknown", where=("links", "model"), remedy=suggest(str(model), MODELS)
-        )
-    problems = Problems()
-    for name, value in values.items():
-        where = ("links", name)
-        if name not in MODELS[model]:
-            problems.add(f"{model} has no {name!r}", where, suggest(name, MODELS[model]))
-        elif isinstance(value, bool) or not isinstance(value, Real):
-            remedy = f"write one number, or leave it out and give {name} in the design"
-            problems.add(f"is {value!r}", where, remedy)
-        elif not math.isfinite(value) or value < 0:
-            problems.add(f"is {value!r}", where, "write a finite number of at least 0")
-    problems.stop()
-    return Links(model, {name: float(value) for name, value in values.items()})
+    return Links("round_bar", {name: value for name, value in given.items() if value is not None})

@@ -22,7 +22,7 @@ from fastlink.io.reader import is_hdf5
 from fastlink.mechanisms import catalogue as find_catalogue
 from fastlink.plan.positions import check_keywords
 from fastlink.space.design_space import DesignSpace
-from fastlink.space.links import links_from
+from fastlink.space.links import Links
 from fastlink.space.samplers import grid, latin_hypercube, sobol, table
 from fastlink.study.schema import A_STUDY, KEYS, SAMPLES, read_tables
 from fastlink.study.wording import StudyWording
@@ -181,7 +181,7 @@ def read_study(path: str | Path) -> Study:
     if "links" in tables:
         with problems.at():
             values = dict(tables["links"])
-            options["links"] = links_from(values.pop("model"), values)
+            options["links"] = Links(values.pop("model"), values)
     with problems.at():
         space = _space_of(path, design)
         problems.wording = StudyWording(path, tables, space)

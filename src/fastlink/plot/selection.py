@@ -1,0 +1,184 @@
+"""Select what a picture shows: one variable, at fixed values of all dimensions but one or two."""
+
+from __future__ import annotations
+
+import math
+import numbers
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from fastlink._text import short_number
+from fastlink.errors import InputError, Remedy, Setting, suggest
+from fastlink.maps.flags import flags_of
+from fastlink.space.values import short_repr
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+__all__ = ["BRANCH", "Selection", "select"]
+
+BRANCH, STATUS = "branch", "status"
+MOST_CELLS = 1600  # along each side, more than the pixels of a picture
+COUNTS = {1: "one", 2: "two", 3: "three"}
+
+
+@dataclass(frozen=True)
+class Selection:
+    """A variable as a picture shows it.
+
+    Attributes
+    ----------
+    variable : xarray.DataArray
+        Over one or two dimensions by growing coordinates, and over assembly modes.
+    free : list of str
+        Those dimensions.
+    fixed : dict
+        The value of each dimension that is fixed.
+    status : xarray.DataArray, optional
+        The status of each cell, where the cells of a map are designs.
+    names : dict
+        The labels along dimensions whose coordinates are not numbers; these have their places instead.
+    """
+
+    variable: xr.DataArray
+    free: list[str]
+    fixed: dict[str, Any]
+    status: xr.DataArray | None
+    names: dict[str, list[str]]
+
+
+def select(dataset: xr.Dataset, name: str, branch: int | None, at: Mapping[str, float]) -> Selection:
+    """Return what a picture of a variable shows, or refuse the request."""
+    variable = _variable(dataset, name)
+    if branch is not None:
+        variable = _one_branch(variable, branch)
+    places, fixed = _fixed(variable, dict(at))
+    if variable.size == 0:
+        empty = next(str(dim) for dim, length in variable.sizes.items() if not length)
+        what = f"{name} has no values along {empty}"
+        raise InputError(what, where=("plot",), remedy="select at least one value")
+    variable = variable.isel(places)
+    free = [str(dim) for dim in variable.dims if dim != BRANCH]
+    _check_free(variable, name, free)
+    status = _status(dataset, name, places, free)
+    drawn: list[xr.DataArray] = [variable] if status is None else [variable, status]
+    names: dict[str, list[str]] = {}
+    for dim in free:
+        along = variable[dim]
+        if _is_scale(along.values):
+            order = np.argsort(along.values, kind="stable")
+        else:
+            names[dim], order = [str(value) for value in along.values], np.arange(along.size)
+            drawn = [_by_place(array, dim) for array in drawn]
+        step = -(-along.size // MOST_CELLS) if len(free) == 2 else 1
+        names |= {dim: names[dim][::step]} if dim in names else {}
+        drawn = [array.isel({dim: order[::step]}) for array in drawn]
+    return Selection(drawn[0].load(), free, fixed, drawn[1].load() if status is not None else None, names)
+
+
+def _variable(dataset: xr.Dataset, name: Any) -> xr.DataArray:
+    """Return a variable of numbers, or refuse its name."""
+    if not isinstance(name, str) or name not in dataset.data_vars:
+        known = [str(key) for key in dataset.data_vars]
+        what = f"there is no variable {short_repr(name)}"
+        raise InputError(
+            what, where=("name",), remedy=suggest(str(name), known) if known else "the map has none"
+        )
+    variable = dataset[name]
+    if variable.dtype.kind not in "iufb":
+        remedy = "draw a variable of numbers"
+        raise InputError(f"{name} holds {variable.dtype}, not numbers", where=("name",), remedy=remedy)
+    return variable
+
+
+def _one_branch(variable: xr.DataArray, branch: Any) -> xr.DataArray:
+    """Return the part of a variable for one assembly mode."""
+    if BRANCH not in variable.coords:
+        what = f"{variable.name} is the same in every assembly mode"
+        raise InputError(what, where=("branch",), remedy="leave it out")
+    known = np.atleast_1d(variable[BRANCH].values).tolist()
+    if isinstance(branch, bool) or not isinstance(branch, numbers.Integral) or branch not in known:
+        remedy = f"write one of {', '.join(map(str, known))}"
+        raise InputError(f"{short_repr(branch)} is not in the result", where=("branch",), remedy=remedy)
+    return variable.isel({BRANCH: [known.index(branch)]}) if BRANCH in variable.dims else variable
+
+
+def _fixed(variable: xr.DataArray, at: dict[str, Any]) -> tuple[dict[str, int], dict[str, Any]]:
+    """Return place and value of each dimension that is fixed: by `at`, or as it has one value alone."""
+    places: dict[str, int] = {}
+    for key in variable.dims:
+        if key in at and key != BRANCH:
+            places[str(key)] = _nearest(str(key), variable[key].values, at.pop(str(key)))
+        elif variable.sizes[key] == 1 and key != BRANCH:
+            places[str(key)] = 0
+    for dim in at:
+        known = [str(key) for key in variable.dims if key != BRANCH]
+        remedy: Remedy = suggest(str(dim), known) if known else "it has none"
+        if dim == BRANCH:
+            remedy = ("choose an assembly mode by ", Setting("branch", 1))
+        what = f"{dim!r} is not a dimension of {variable.name} that can be fixed"
+        raise InputError(what, where=("at",), remedy=remedy)
+    return places, {dim: variable[dim].values[place] for dim, place in places.items()}
+
+
+def _nearest(dim: str, values: Any, value: Any) -> int:
+    """Return the place of the nearest value along a dimension."""
+    if isinstance(value, bool) or not isinstance(value, numbers.Real) or not math.isfinite(value):
+        raise InputError(f"is {short_repr(value)}", where=("at", dim), remedy="write a finite number")
+    if not _is_scale(values):
+        what = f"has {'no values' if not values.size else 'coordinates that are not finite numbers'}"
+        raise InputError(what, where=("at", dim), remedy=f"select by maps.isel({dim}=0)")
+    wanted, low, high = float(value), float(values.min()), float(values.max())
+    slack = 1e-9 * max(abs(low), abs(high))
+    if not low - slack <= wanted <= high + slack:
+        remedy = f"write a number from {low:g} to {high:g}"
+        raise InputError(f"is {wanted:g}, outside the result", where=("at", dim), remedy=remedy)
+    return int(abs(values - wanted).argmin())
+
+
+def _check_free(variable: xr.DataArray, name: str, free: list[str]) -> None:
+    """Refuse to draw over no dimension, or over more than two."""
+    if len(free) > 2:
+        what = f"{name} has the dimensions {', '.join(_listed(variable[dim]) for dim in free)}"
+        values = variable[free[-1]].values
+        middle = float(f"{values[len(values) // 2]:g}") if _is_scale(values) else 0
+        count = COUNTS.get(len(free) - 2, str(len(free) - 2))
+        remedy = (f"fix {count} of them by ", Setting("at", {free[-1]: middle}))
+        raise InputError(what, where=("plot",), remedy=remedy)
+    if not free:
+        text = ", ".join(map(short_number, variable.values.ravel()))
+        what = f"{name} has no dimension left to draw it over; its value is {text}"
+        raise InputError(what, where=("plot",), remedy="leave one free")
+
+
+def _listed(along: xr.DataArray) -> str:
+    values = np.sort(along.values) if _is_scale(along.values) else along.values
+    return f"{along.name} ({along.size} from {short_number(values[0])} to {short_number(values[-1])})"
+
+
+def _is_scale(values: Any) -> bool:
+    """Tell whether coordinates are finite numbers, which an axis can show."""
+    return bool(values.size and values.dtype.kind in "iuf" and np.isfinite(values).all())
+
+
+def _by_place(array: xr.DataArray, dim: str) -> xr.DataArray:
+    """Return a variable with places, 0, 1, 2, ..., along a dimension, and without its labels."""
+    labels = [name for name, coord in array.coords.items() if dim in coord.dims]
+    attrs = array[dim].attrs
+    return array.drop_vars(labels).assign_coords({dim: (dim, np.arange(array.sizes[dim]), attrs)})
+
+
+def _status(
+    dataset: xr.Dataset, name: str, places: Mapping[str, int], free: list[str]
+) -> xr.DataArray | None:
+    """Return the status of the designs of a map, or None if its cells are not designs."""
+    if name == STATUS or STATUS not in dataset.data_vars or len(free) != 2:
+        return None
+    status = dataset[STATUS]
+    status = status.isel({dim: place for dim, place in places.items() if dim in status.dims})
+    if set(status.dims) != set(free) or status.dtype.kind not in "iu" or not flags_of(status):
+        return None
+    return status.transpose(free[1], free[0])
