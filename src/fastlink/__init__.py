@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from fastlink.engine.function import function as function
     from fastlink.engine.sweep import sweep as sweep
     from fastlink.errors import InputError as InputError
+    from fastlink.errors import InputWarning as InputWarning
     from fastlink.maps import finite as finite
     from fastlink.maps import open as open
     from fastlink.mechanisms.listing import mechanisms as mechanisms

@@ -5,12 +5,15 @@ from __future__ import annotations
 import contextlib
 import difflib
 import re
+import sys
+import warnings
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import Self, TypeAlias
 
 __all__ = [
     "InputError",
+    "InputWarning",
     "KeyPath",
     "Model",
     "Pair",
@@ -23,6 +26,7 @@ __all__ = [
     "listed",
     "nearest",
     "path_text",
+    "remark",
     "suggest",
 ]
 
@@ -218,6 +222,18 @@ def printable(line: str) -> str:
     if len(line) > LONGEST_LINE:
         line = f"{line[: LONGEST_LINE - LAST_SIGNS - 5]} ... {line[-LAST_SIGNS:]}"
     return line
+
+
+class InputWarning(UserWarning):
+    """A remark on input that is taken as it is, or in part, but may not be meant so."""
+
+
+def remark(what: str, where: KeyPath = (), remedy: Remedy = "") -> None:
+    """Warn of input at the line that called fastlink, by `InputWarning`."""
+    frame, level = sys._getframe(1), 2
+    while frame.f_back is not None and frame.f_globals.get("__name__", "").partition(".")[0] == __package__:
+        frame, level = frame.f_back, level + 1
+    warnings.warn(Wording().line(Problem(what, where, remedy)), InputWarning, stacklevel=level)
 
 
 def path_text(where: KeyPath) -> str:

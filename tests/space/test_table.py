@@ -55,6 +55,11 @@ def test_a_dataset():
     designs = table(dataset)
     assert_is_the_table(designs)
     assert designs.constants == {"a4": 1.0, "a3": 0.8}
+    assert {name: label.tolist() for name, label in designs.labels.items()} == {
+        "design": [5, 6, 7],
+        "label": ["x", "y", "z"],
+        "rank": [3, 1, 2],
+    }
 
 
 def test_a_dataset_along_a_dimension_of_any_name():
@@ -108,11 +113,6 @@ TABLE_ERRORS = {
         "at least one column of values, or use grid",
     ),
     "number as name": ({1: [1.0]}, "column 1", "name it by the input it holds"),
-    "dimension": (
-        {"a1": [1.0], "design": [0]},
-        "'design'",
-        "leave out or rename that column",
-    ),
     "frame of unnamed columns": (
         pd.DataFrame([[1.0, 2.0]]),
         "column 1",
@@ -169,13 +169,15 @@ CSV_ERRORS = {
         "the names of the columns in line 1",
     ),
     "no rows": ("a1,a2\n", "d.csv", "one line per design"),
-    "unnamed": (",a1\n0,0.4\n", "d.csv line 1", "name it by the input it holds"),
+    "unnamed": ("a1,\n0.4,0\n", "d.csv line 1", "name it by the input it holds"),
     "twins": (
         "a1,a1\n1,2\n",
         "d.csv line 1",
         "name each by the input it holds",
     ),
-    "semicolons": ("a1;a2\n1;2\n", "d.csv line 1", "separate the columns by commas"),
+    "decimal commas": ("a1;a2\n1;2\n0,5;2\n", "row 1 (line 3) of column a1", "decimal=','"),
+    "decimal commas alone": ("a1;a2\n1,5;2\n0,5;2\n", "row 0 (line 2) of column a1", "with a point"),
+    "commas of both kinds": ("a1,a2\n0,4,1,2\n", "line 2", "numbers with a point"),
     "comment": (
         "# a1,a2\n1,2\n",
         "d.csv line 1",

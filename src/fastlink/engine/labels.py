@@ -118,9 +118,9 @@ def sweep_coordinates(
         further[EXTREMUM] = ((EXTREMUM,), frozen(np.arange(1, plan.extrema_kept + 1, dtype=np.int32)), labels)
     position = catalogue.position
     if position.name in used:
-        further[position.name] = ((position.name,), positions, _describe(position))
+        further[position.name] = ((position.name,), positions, _describe(position, space))
     known = catalogue.known_inputs(plan.variants)
-    return coordinates(space, {name: _describe(known[name]) for name in space.names}, further)
+    return coordinates(space, {name: _describe(known[name], space) for name in space.names}, further)
 
 
 def labelled(
@@ -140,7 +140,7 @@ def labelled(
         variable.name: array.reshape(variable.shape)
         for variable, array in zip(variables, arrays, strict=True)
     }
-    if space.dims:
+    if space.dims or space.labels or space.comments:
         return assemble(
             sweep_coordinates(plan, space, positions, one_branch=one_branch), variables, data, attrs
         )
@@ -194,9 +194,11 @@ def global_attrs(resolved: ResolvedSweep, threads: int) -> dict[str, Any]:
     return attrs
 
 
-def _describe(declared: Input) -> dict[str, Any]:
-    """Return the labels of an input."""
+def _describe(declared: Input, space: DesignSpace) -> dict[str, Any]:
+    """Return the labels of an input, with the remark of its design space."""
     labels: dict[str, Any] = {"long_name": declared.meaning, "symbol": declared.symbol}
+    if declared.name in space.comments:
+        labels["comment"] = space.comments[declared.name]
     return labels | (_flags(declared.choices, "int32") if declared.choices else {"units": declared.units})
 
 

@@ -14,14 +14,17 @@ from fastlink.codegen.cache import environment
 from fastlink.codegen.kernel import Kernel, kernel_of
 from fastlink.engine.binding import KernelTask
 from fastlink.engine.checks import CheckedRequest, all_declared, check
+from fastlink.engine.designs import designs_of
 from fastlink.engine.executor import Job, Shapes
 from fastlink.engine.scaling import ScalingAxis, find_scaling_axis
 from fastlink.errors import InputError, Problems
+from fastlink.mechanisms import catalogue as find_catalogue
 from fastlink.plan.plan import Plan, make_plan
 from fastlink.plan.pointwise import ANGLES_FOR_LANES
 from fastlink.plan.program import EXTREMUM
 from fastlink.plan.query import Extrema, with_lists
 from fastlink.plan.validate import all_choices, constants_of, missing_inputs
+from fastlink.space.table import as_space
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping
@@ -104,6 +107,8 @@ class ResolvedSweep:
         digest.update(repr(described).encode())
         for name, values in sorted({**space.axes, **space.columns}.items()):
             digest.update(name.encode() + values.tobytes())
+        for name, label in sorted(space.labels.items()):
+            digest.update(repr((name, label.tolist())).encode())
         digest.update(repr([self.branches, *(o.name for o in self.plan.outputs)]).encode())
         digest.update(self.positions.tobytes())
         return digest.hexdigest()
@@ -136,7 +141,7 @@ def axis_lengths(plan: Plan, positions: int) -> dict[str, int]:
 
 def resolve(
     mechanism: str,
-    space: DesignSpace,
+    space: Any,
     quantities: Sequence[str],
     *,
     companions: bool = True,
@@ -161,8 +166,16 @@ def resolve(
     InputError
         Bad input; the message says what, where, and what to write instead.
     """
-    checked = check(mechanism, space, quantities, companions=companions, parameter=parameter, **options)
-    catalogue, variants = checked.catalogue, checked.variants
+    problems, designs = Problems(), None
+    catalogue = find_catalogue(mechanism, options.get("input"))
+    with problems.at():
+        given = as_space(space, allow_invalid=bool(options.get("allow_invalid")))
+        designs = designs_of(catalogue, given, options.get("links"), problems)
+    with problems.at():
+        checked = check(mechanism, designs, quantities, companions=companions, parameter=parameter, **options)
+    problems.stop()
+    assert designs is not None
+    space, variants = designs, checked.variants
     space = space.with_constants(constants_of(catalogue, checked.links, variants))
     for name, codes in all_choices(catalogue, space.names, variants).items():
         space = space.with_axis(name, codes)

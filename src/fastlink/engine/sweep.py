@@ -43,7 +43,7 @@ REPLAYED = 4096
 @door
 def sweep(
     mechanism: str,
-    space: DesignSpace,
+    space: DesignSpace | Mapping[str, Any] | str | Path | Any,
     quantities: Sequence[str],
     *,
     links: Links | None = None,
@@ -69,8 +69,9 @@ def sweep(
     ----------
     mechanism : str
         Name of the mechanism, such as ``"planar_4r"``.
-    space : DesignSpace
-        From `fastlink.grid`, `fastlink.table`, `fastlink.sobol` or `fastlink.latin_hypercube`.
+    space : DesignSpace, mapping, DataFrame, Dataset or path
+        From `fastlink.grid`, `fastlink.table`, `fastlink.sobol` or `fastlink.latin_hypercube`; or what `fastlink.table`
+        takes, such as a DataFrame, the path of a CSV file or the result of another sweep; or one design as a mapping.
     quantities : sequence of str
         Names of quantities, or of their reductions over the cycle: ``NAME_max``, ``NAME_min``, ``NAME_rms``,
         ``NAME_mean``, ``NAME_fluctuation``,

@@ -64,8 +64,8 @@ def coordinates(
     Parameters
     ----------
     space : DesignSpace
-        Its axes become index coordinates, its columns coordinates along ``design``, its constants scalars,
-        and its `attrs` global attributes.
+        Its axes become index coordinates, its columns and labels coordinates along ``design``, its constants
+        scalars, and its `attrs` global attributes.
     described : mapping
         Attributes (units, long_name, symbol) of each input of the space.
     further : mapping of str to (dims, values, attrs)
@@ -77,12 +77,15 @@ def coordinates(
         # an input that is a code: as the flags of results, an integer
         coords[name] = ((name,), axis.astype(np.int32) if "flag_values" in labels else axis, labels)
     if DESIGN in space.dims:
-        number = np.arange(space.shape[space.dims.index(DESIGN)])
+        number = space.labels.get(DESIGN, np.arange(space.shape[space.dims.index(DESIGN)]))
         coords[DESIGN] = ((DESIGN,), number, {"long_name": "number of the design"})
     for name, column in space.columns.items():
         coords[name] = ((DESIGN,), column, plain_attrs(described[name]))
     for name, value in space.constants.items():
         coords[name] = ((), value, plain_attrs(described[name]))
+    for name, label in space.labels.items():
+        if name != DESIGN:
+            coords[name] = ((DESIGN,) if label.ndim else (), label, {"long_name": "label of the design"})
     for name, (dims, values, attrs) in further.items():
         if name in coords:
             raise ValueError(f"coordinate {name!r} is an input of the design space already")

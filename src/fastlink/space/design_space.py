@@ -5,12 +5,13 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from fastlink.doors import door
-from fastlink.errors import InputError, suggest
+from fastlink.errors import InputError, Problem, suggest
 from fastlink.space.values import Floats, constant, frozen
 
 #: The dimension of designs that span no grid.
@@ -42,6 +43,19 @@ class DesignSpace:
         Table and samples only: input to its values along ``design``.
     attrs : dict
         Where the designs come from, as plain file attributes.
+    labels : dict
+        Columns that are no inputs, such as names or numbers of parts: of texts or numbers along ``design``, or one
+        for all designs. They become coordinates. One that is called ``design`` numbers the designs.
+    units : dict
+        Units that the source states, by input; they are compared with those of the mechanism.
+    of_map : bool
+        Whether the designs are those of a map.
+    ignored : tuple of str
+        The names of results that stood beside the designs.
+    doubtful : dict
+        The problem of each column that holds no finite number somewhere: of a result of a map, or of an input.
+    comments : dict
+        Remarks for the coordinates of inputs and of the input position.
     """
 
     kind: str
@@ -51,6 +65,12 @@ class DesignSpace:
     axes: dict[str, Floats] = field(default_factory=dict)
     columns: dict[str, Floats] = field(default_factory=dict)
     attrs: dict[str, str | int] = field(default_factory=dict)
+    labels: dict[str, NDArray[Any]] = field(default_factory=dict, repr=False)
+    units: dict[str, str] = field(default_factory=dict, repr=False)
+    of_map: bool = field(default=False, repr=False)
+    ignored: tuple[str, ...] = field(default=(), repr=False)
+    doubtful: dict[str, Problem] = field(default_factory=dict, repr=False)
+    comments: dict[str, str] = field(default_factory=dict, repr=False)
 
     @property
     def size(self) -> int:
@@ -147,9 +167,35 @@ DesignSpace.__init__ = door(hint=MAKERS, name="DesignSpace")(DesignSpace.__init_
 
 
 def sampled(
-    kind: str, constants: dict[str, float], columns: dict[str, Floats], attrs: dict[str, str | int]
+    kind: str,
+    constants: dict[str, float],
+    columns: dict[str, Floats],
+    attrs: dict[str, str | int],
+    **further: Any,
 ) -> DesignSpace:
     """Return the space of the columns of a table or a sample, which become read-only."""
     count = len(next(iter(columns.values())))
     columns = {name: frozen(values) for name, values in columns.items()}
-    return DesignSpace(kind, (DESIGN,), (count,), constants, columns=columns, attrs=attrs)
+    return DesignSpace(kind, (DESIGN,), (count,), constants, columns=columns, attrs=attrs, **further)
+
+
+def flat(space: DesignSpace) -> DesignSpace:
+    """Return the same designs along the one dimension ``design``, in their order."""
+    if space.dims == (DESIGN,) or not space.dims:
+        return space
+    names = [*space.axes, *space.columns]
+    rows = np.empty((len(names), space.size))
+    space.fill(names, 0, space.size, rows)
+    columns = {name: frozen(row) for name, row in zip(names, rows, strict=True)}
+    attrs: dict[str, str | int] = {"design_kind": "table"}
+    kept = {name: label for name, label in space.labels.items() if label.ndim == 0}
+    return replace(
+        space,
+        kind="table",
+        dims=(DESIGN,),
+        shape=(space.size,),
+        axes={},
+        columns=columns,
+        attrs=attrs,
+        labels=kept,
+    )

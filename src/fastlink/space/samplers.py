@@ -15,7 +15,7 @@ from fastlink.errors import InputError, Pair, Problems
 from fastlink.memory import check_memory
 from fastlink.space.design_space import DesignSpace, sampled
 from fastlink.space.table import table
-from fastlink.space.values import Floats, check_whole, constant, first_invalid, frozen, numbers_of
+from fastlink.space.values import Floats, axis_of, check_whole, constant, numbers_of, short_repr, units_of
 
 __all__ = ["DesignSpace", "grid", "latin_hypercube", "sobol", "table"]
 
@@ -28,12 +28,14 @@ FEWER = "ask for fewer designs"
 
 
 @door
-def grid(**axes: ArrayLike) -> DesignSpace:
+def grid(axes: Mapping[str, ArrayLike] | None = None, /, **more: ArrayLike) -> DesignSpace:
     """Sweep every combination of the values given.
 
     Parameters
     ----------
-    **axes : float or array_like
+    axes : mapping, optional
+        The inputs as a mapping, beside or instead of keywords.
+    **more : float or array_like
         A number is a constant; a 1-D array of distinct values is a swept axis and a dimension of that name,
         in the order given (the last one varies fastest).
 
@@ -51,21 +53,36 @@ def grid(**axes: ArrayLike) -> DesignSpace:
     """
     constants: dict[str, float] = {}
     swept: dict[str, Floats] = {}
+    units: dict[str, str] = {}
     problems = Problems()
-    for name, given in axes.items():
+    for name, given in _keywords(axes, more).items():
         with problems.at("grid", name):
             values = numbers_of("grid", name, given)
+            units |= units_of(name, given)
             if values.ndim == 0:
                 constants[name] = constant("grid", name, values)
             else:
-                swept[name] = frozen(_axis(name, values))
+                swept[name] = axis_of("grid", name, values)
     problems.stop()
     shape = tuple(len(values) for values in swept.values())
     if math.prod(shape) > MOST_DESIGNS:
         lengths = ", ".join(f"{name}: {length}" for name, length in zip(swept, shape, strict=True))
         what = f"{math.prod(shape):.3g} designs are too many"
         raise InputError(what, where=("grid",), remedy=f"shorten an axis ({lengths})")
-    return DesignSpace("grid", tuple(swept), shape, constants, axes=swept, attrs={"design_kind": "grid"})
+    attrs: dict[str, str | int] = {"design_kind": "grid"}
+    return DesignSpace("grid", tuple(swept), shape, constants, axes=swept, attrs=attrs, units=units)
+
+
+def _keywords(axes: Any, more: Mapping[str, ArrayLike]) -> dict[str, Any]:
+    """Return the inputs of a grid that are given as a mapping, by keywords, or both."""
+    if axes is None:
+        return dict(more)
+    if not isinstance(axes, Mapping) or not all(isinstance(name, str) for name in axes):
+        what, remedy = f"is {short_repr(axes)}", "write its axes by name, such as a2=[1.1, 1.2]"
+        raise InputError(what, where=("grid",), remedy=remedy)
+    for name in axes.keys() & more.keys():
+        raise InputError("is given twice", where=("grid", name), remedy="write it once")
+    return {**axes, **more}
 
 
 @door
@@ -127,22 +144,6 @@ def latin_hypercube(n: int, *, seed: int = 0, **ranges: ArrayLike) -> DesignSpac
     return _sample("latin_hypercube", n, seed, ranges, _latin_hypercube_chunks)
 
 
-def _axis(name: str, values: Floats) -> Floats:
-    """Return the values of a grid axis, or refuse them."""
-    if values.size == 0:
-        raise InputError("is an empty axis", where=("grid", name), remedy="give it at least one value")
-    bad = first_invalid(values)
-    if bad is not None:
-        raise InputError(f"is {values[bad]}", where=("grid", name, bad), remedy="write a finite number")
-    order = np.argsort(values, kind="stable")
-    repeats = np.flatnonzero(np.diff(values[order]) == 0)
-    if repeats.size:
-        first, second = order[repeats[0]], order[repeats[0] + 1]
-        what = f"holds {values[first]} twice (at {first} and {second})"
-        raise InputError(what, where=("grid", name), remedy="give each value once")
-    return values
-
-
 def _sample(
     kind: str,
     n: int,
@@ -158,9 +159,11 @@ def _sample(
         check_whole((kind, "seed"), seed, 0, remedy="write an integer of 0 or more")
     constants: dict[str, float] = {}
     bounds: dict[str, tuple[float, float]] = {}
+    units: dict[str, str] = {}
     for name, given in ranges.items():
         with problems.at():
             values = numbers_of(kind, name, given)
+            units |= units_of(name, given)
             if values.ndim == 0:
                 constants[name] = constant(kind, name, values)
             else:
@@ -179,7 +182,7 @@ def _sample(
             # a Latin hypercube may reach 1.0, where the sum can round to beyond the end
             columns[name][start:stop] = np.minimum(low + unit * (high - low), high)
         start = stop
-    return sampled(kind, constants, columns, _sample_attrs(kind, n, seed, bounds))
+    return sampled(kind, constants, columns, _sample_attrs(kind, n, seed, bounds), units=units)
 
 
 def _range(kind: str, name: str, values: Floats) -> tuple[float, float]:

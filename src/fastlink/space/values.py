@@ -6,6 +6,7 @@ import math
 import numbers
 import reprlib
 import sys
+from collections.abc import Mapping
 from decimal import Decimal
 from typing import Any
 
@@ -31,9 +32,43 @@ def short_repr(value: object) -> str:
         return f"a {type(value).__name__} of too many digits"
 
 
+def units_of(name: str, given: Any) -> dict[str, str]:
+    """Return the unit that labelled values state in their attributes, by name; empty without one."""
+    attrs = getattr(given, "attrs", None) if hasattr(given, "dims") or hasattr(given, "dtype") else None
+    unit = attrs.get("units") if isinstance(attrs, Mapping) else None
+    return {} if unit is None else {name: str(unit)}
+
+
+def check_no_quantity(where: str, name: str, given: Any) -> None:
+    """Refuse values of a package for units, whose units a conversion to an array would drop in silence."""
+    if type(given) in (float, int, np.ndarray):
+        return
+    try:
+        unit = _unit_of_quantity(given)
+    except Exception:  # whatever a class of somebody's does when it is asked
+        return
+    if unit is not None:
+        remedy = "write plain numbers in SI units, angles in rad, such as by .m_as('m') or .to_value('m')"
+        raise InputError(f"has the unit {short_repr(str(unit))}", where=(where, name), remedy=remedy)
+
+
+def _unit_of_quantity(given: Any) -> Any:
+    """Return the unit of a value of a package for units, of labelled ones or of a list of these; None without."""
+    if hasattr(given, "dims"):  # a DataArray, whose data may have units
+        given = given.data
+    values = [given]
+    if isinstance(given, (list, tuple)) and given and type(given[0]) is not float:
+        values += (given[0], given[-1])
+    for value in values:
+        if hasattr(value, "magnitude") or hasattr(value, "to_value"):
+            return getattr(value, "units", None) or getattr(value, "unit", None)
+    return getattr(getattr(given, "dtype", None), "units", None)  # of pandas with a package for units
+
+
 def numbers_of(where: str, name: str, given: Any, most_dims: int = 1) -> Floats:
     """Return the values given for an input as a new array of at most so many dimensions, or refuse them."""
     path = (where, name)
+    check_no_quantity(where, name, given)
     if isinstance(given, np.ma.MaskedArray):
         given = unmasked(given)
     if not hasattr(given, "dtype") and listed(given) > MOST_LISTED:
@@ -119,6 +154,22 @@ def check_whole(
         remedy = remedy or f"write a whole number of at least {least}"
         raise InputError(f"is {short_repr(value)}", where=where, remedy=remedy)
     return int(value)
+
+
+def axis_of(where: str, name: str, values: Floats) -> Floats:
+    """Return the values of an axis, or refuse them: there is none, or one is not finite or repeated."""
+    if values.size == 0:
+        raise InputError("is an empty axis", where=(where, name), remedy="give it at least one value")
+    bad = first_invalid(values)
+    if bad is not None:
+        raise InputError(f"is {values[bad]}", where=(where, name, bad), remedy="write a finite number")
+    order = np.argsort(values, kind="stable")
+    repeats = np.flatnonzero(np.diff(values[order]) == 0)
+    if repeats.size:
+        first, second = order[repeats[0]], order[repeats[0] + 1]
+        what = f"holds {values[first]} twice (at {first} and {second})"
+        raise InputError(what, where=(where, name), remedy="give each value once")
+    return frozen(values)
 
 
 def first_invalid(values: Floats) -> int | None:

@@ -1,0 +1,201 @@
+"""Read tables of designs from CSV files."""
+
+from __future__ import annotations
+
+import csv
+import math
+from array import array
+from collections.abc import Collection, Iterable, Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from fastlink._text import counted
+from fastlink.space.columns import Columns, check_name, is_label, or_keep, refused
+from fastlink.space.values import short_repr
+
+__all__ = ["read_csv"]
+
+#: What may separate columns where the first line holds no comma: other programs export these.
+SEPARATORS = ";\t"
+
+
+def read_csv(path: Path, keep: Collection[str], allow_invalid: bool) -> Columns:
+    """Return the columns of a CSV file; blank lines are skipped.
+
+    Raises
+    ------
+    InputError
+        With the line of the file and what to write there.
+    """
+    try:
+        with path.open(encoding="utf-8-sig", newline="") as file:
+            return _Reader(path.name, file).columns(keep, allow_invalid)
+    except OSError as error:
+        raise refused(f"cannot read {path}: {error.strerror}", "give the path of a CSV file") from error
+    except ValueError as error:
+        if not isinstance(error, UnicodeDecodeError):
+            raise
+        raise refused(f"{path} is not CSV text ({error})", "save it as comma-separated UTF-8") from error
+    except csv.Error as error:
+        raise refused(f"{path} is not CSV text ({error})", "save it as comma-separated UTF-8") from error
+
+
+class _Column:
+    """The cells of a column as numbers, or from its first cell on as texts.
+
+    Attributes
+    ----------
+    name : str
+        Its name.
+    numbers : array of float
+        Its numbers; NaN where a cell is empty.
+    texts : list of str or None
+        Its texts, if its name or its first cell says that it holds such.
+    bad : tuple of (str, str) or None
+        The first cell that holds no finite number, with its place.
+    """
+
+    def __init__(self, name: str, is_text: bool) -> None:
+        self.name = name
+        self.numbers = array("d")
+        self.texts: list[str] | None = [] if is_text else None
+        self.by_name = is_text
+        self.bad: tuple[str, str] | None = None
+
+
+class _Reader:
+    """Read one file, line by line."""
+
+    def __init__(self, file: str, lines: Iterable[str]) -> None:
+        self.file = file
+        first, lines = _first_line(lines)
+        self.separator = "," if "," in first else next((s for s in SEPARATORS if s in first), ",")
+        self.reader: Any = csv.reader(lines, skipinitialspace=True, delimiter=self.separator)
+
+    def columns(self, keep: Collection[str], allow_invalid: bool) -> Columns:
+        """Return the columns of the file."""
+        rows = (row for row in self.reader if any(cell.strip() for cell in row))
+        names = self._names(next(rows, None))
+        found = Columns(keep, allow_invalid, names)
+        columns = [_Column(name, not name or is_label(name, keep)) for name in names]
+        number = -1
+        for number, row in enumerate(rows):
+            self._check_length(row, names)
+            for column, text in zip(columns, row, strict=True):
+                self._add(column, text, number, allow_invalid)
+        if number < 0:
+            raise refused(f"{self.file} has a header but no rows", "write one line per design")
+        for position, column in enumerate(columns):
+            self._take(found, column, position)
+        return found
+
+    def _add(self, column: _Column, text: str, number: int, allow_invalid: bool) -> None:
+        """Add a cell to a column, or refuse what is neither a number nor one of its texts."""
+        value = None if column.by_name else _number(text)
+        if value is not None and column.texts is None:
+            column.numbers.append(value)
+            if not math.isfinite(value) and column.bad is None:
+                column.bad = self._cell(number, column.name), text.strip()
+            return
+        text = text.strip()
+        if column.by_name or (value is None and text and (column.texts is not None or not column.numbers)):
+            column.texts = [] if column.texts is None else column.texts
+            column.texts.append(text)
+            if column.bad is None:
+                column.bad = self._cell(number, column.name), text
+        elif column.texts is not None:
+            if text:  # a number among texts: the first text is wrong, unless all are labels
+                raise self._no_number(column, *column.bad or ("", text))
+            column.texts.append(text)
+        elif text:
+            raise self._no_number(column, self._cell(number, column.name), text)
+        else:
+            column.numbers.append(math.nan)
+            column.bad = column.bad or (self._cell(number, column.name), "empty")
+
+    def _take(self, found: Columns, column: _Column, position: int) -> None:
+        """Hand a column that is read over to the table."""
+        if column.texts is not None:
+            if not column.by_name and all(map(_has_comma, filter(None, column.texts))) and column.bad:
+                raise self._no_number(column, *column.bad)
+            labels = _whole(column.texts) if column.by_name else column.texts
+            if column.name or not np.array_equal(labels, np.arange(len(labels))):  # the index of a DataFrame
+                found.add_label(column.name or "index", labels)
+            return
+        values = np.array(column.numbers)
+        if column.bad is not None and not found.allow_invalid:
+            found.doubt(column.name, *column.bad)
+        found.columns[column.name] = values
+
+    def _no_number(self, column: _Column, cell: str, text: str) -> Exception:
+        remedy = or_keep("write a number", column.name)
+        if _has_comma(text):
+            remedy = "write numbers with a point, or read the file by pandas.read_csv(..., decimal=',')"
+        return refused(f"{cell} is {short_repr(text)}, not a number", remedy)
+
+    def _cell(self, number: int, name: str) -> str:
+        return f"row {number} (line {self.reader.line_num}) of column {name} in {self.file}"
+
+    def _check_length(self, row: list[str], names: list[str]) -> None:
+        if len(row) != len(names):
+            cells = counted(len(row), "cell")
+            what = f"{self.file} line {self.reader.line_num} has {cells} but the header has {len(names)}"
+            points = ", and numbers with a point" if len(row) == 2 * len(names) else ""
+            raise refused(what, f"write one cell per column{points}")
+
+    def _names(self, header: list[str] | None) -> list[str]:
+        """Return the names of the columns; the first may be empty, above the index of a DataFrame."""
+        if header is None:
+            remedy = "write the names of the columns in line 1, then one line per design"
+            raise refused(f"{self.file} is empty", remedy)
+        names = [name.strip() for name in header]
+        where = f"{self.file} line {self.reader.line_num}"
+        for position, name in enumerate(names):
+            if _number(name) is not None:
+                what = f"{where} holds {name} instead of a name"
+                raise refused(what, "write the names of the columns in line 1")
+            if name.startswith("#"):
+                what = f"{where} starts with '#'"
+                raise refused(what, "write the names of the columns alone in line 1")
+            if position or name or len(names) == 1:
+                check_name(name, position, names[:position], f"{where}: ")
+        return names
+
+
+def _first_line(lines: Iterable[str]) -> tuple[str, Iterator[str]]:
+    """Return the first line that is not blank, and all lines."""
+    rest, blank = iter(lines), []
+    for line in rest:
+        blank.append(line)
+        if line.strip():
+            break
+
+    def every() -> Iterator[str]:
+        yield from blank
+        yield from rest
+
+    return (blank[-1] if blank else ""), every()
+
+
+def _whole(texts: list[str]) -> Any:
+    """Return labels as whole numbers where each is written as one, 7 but not 007; else as they are."""
+    try:
+        numbers = [int(text) for text in texts]
+        return np.array(numbers, dtype=np.int64) if list(map(str, numbers)) == texts else texts
+    except (ValueError, OverflowError):
+        return texts
+
+
+def _has_comma(text: str) -> bool:
+    """Tell whether a text would be a number with a point in place of its comma."""
+    return "," in text and _number(text.replace(",", ".", 1)) is not None
+
+
+def _number(text: str) -> float | None:
+    """Return a text as a number, or None."""
+    try:
+        return float(text)
+    except ValueError:
+        return None
