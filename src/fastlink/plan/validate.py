@@ -11,14 +11,14 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from fastlink._text import counted
+from fastlink._text import counted, short_repr
 from fastlink.catalogue.catalogue import Catalogue, Input
 from fastlink.catalogue.declare import ELIMINATED
 from fastlink.errors import InputError, KeyPath, Model, Problem, Problems, Remedy, nearest, suggest
 from fastlink.plan.query import parse_request
 from fastlink.plan.suggestions import input_remedy
 from fastlink.space.links import MODELS, Links
-from fastlink.space.values import MOST_LISTED, cells_of, listed, short_repr, unmasked
+from fastlink.space.values import MOST_LISTED, cells_of, listed, unmasked
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
