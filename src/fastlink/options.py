@@ -79,7 +79,7 @@ def check_choice(where: KeyPath, value: Any, known: Sequence[str], to: str = "")
         for name in known:
             if name == value:
                 return name
-    remedy = suggest(value if isinstance(value, str) else "", known)
+    remedy = suggest(value if isinstance(value, str) else short_repr(value), known)
     raise InputError(f"{short_repr(value)} is unknown{to}", where=where, remedy=remedy)
 
 

@@ -36,6 +36,7 @@ RESERVED = frozenset(
         "set_up_time_s",
         "run_time_s",
         "written_time_ns",
+        "fingerprint",
         "configurations",
         "configurations_per_second",
     )
