@@ -73,9 +73,7 @@ WRONG = {
     "to": PATHS,
     "picture": PATHS,
     "attrs": [([("a", 1)], "a mapping"), ("text", "a mapping"), (5, "a mapping"), ({1: 2}, "letters")],
-    "solver": [
-        (value, "eliminated") for value in (None, 1, {"dense"}, ["dense"], b"dense", np.array(["dense"]))
-    ],
+    "solver": [(value, "dense") for value in (None, 1, {"dense"}, ["dense"], b"dense", np.array(["dense"]))],
     "extrema": [
         (value, "refined") for value in (1, {"refined"}, ["refined"], b"refined", np.array(["a", "b"]))
     ],
