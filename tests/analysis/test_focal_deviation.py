@@ -7,6 +7,7 @@ import pytest
 import xarray as xr
 from numpy.testing import assert_array_equal
 from tests.support.focal_configurations import DRIVES, random_designs
+from tests.support.refusals import refused
 
 import fastlink as fl
 from fastlink.numerics.compensated import UNIT_ROUNDING
@@ -73,8 +74,24 @@ def test_a_map_in_a_file_has_it(tmp_path):
 
 def test_maps_without_the_path_of_T_are_refused():
     space = fl.grid(**CHEBYSHEV)
-    with pytest.raises(fl.InputError, match=r"T_deviation: 'T_y' is missing; sweep 'T_x' and 'T_y'"):
+    with refused("T_y", "sweep 'T_x' and 'T_y'"):
         fl.focal.T_deviation(fl.sweep("focal", space, ["T_x"], phi=12))
     points = xr.Dataset({"T_x": ("design", [1.0]), "T_y": ("design", [1.0])})
-    with pytest.raises(fl.InputError, match="'T_x' has no positions; sweep it over phi or sigma"):
+    with refused("T_x", "sweep it over phi or sigma"):
         fl.focal.T_deviation(points)
+    for thing in (None, 3, points.T_x):
+        with refused("maps", "give"):
+            fl.focal.T_deviation(thing)
+
+
+def test_a_path_and_any_order_of_dimensions(tmp_path):
+    space = fl.grid(**CHEBYSHEV)
+    fl.sweep("focal", space, ["T_x", "T_y"], phi=12, to=tmp_path / "maps.h5", verify=0).close()
+    with fl.open(tmp_path / "maps.h5") as maps:
+        expected = fl.focal.T_deviation(maps)
+        turned = maps.assign(T_x=maps.T_x.transpose("phi", ...))
+        xr.testing.assert_identical(fl.focal.T_deviation(turned).transpose(*expected.dims), expected)
+        changed = maps.assign(T_y=maps.T_y.assign_attrs(units="mm"))
+    xr.testing.assert_identical(fl.focal.T_deviation(tmp_path / "maps.h5"), expected)
+    with refused("mm", "same units"):
+        fl.focal.T_deviation(changed)

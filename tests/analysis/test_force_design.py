@@ -170,6 +170,20 @@ def test_the_flywheel_of_a_slider_crank():
 def test_a_flywheel_needs_the_fluctuation():
     with pytest.raises(fl.InputError, match="'T41_fluctuation' is missing"):
         fl.planar.flywheel_inertia({"omega1": 25.0}, 0.02)
+    for thing in (None, 3, "no_such_map.h5"):
+        with pytest.raises(fl.InputError, match="; give the"):
+            fl.planar.flywheel_inertia(thing, 0.02)
+
+
+def test_the_flywheel_of_a_map_in_a_file(tmp_path):
+    crank = fl.grid(r=0.1, l=0.4, e=0.0, omega=[5.0, 25.0], m3=1.0)
+    maps = fl.sweep("slider_crank", crank, ["T41_fluctuation"], links=BARS, to=tmp_path / "m.h5", verify=0)
+    expected = fl.planar.flywheel_inertia(maps, C_s=0.02)
+    maps.close()
+    np.testing.assert_array_equal(fl.planar.flywheel_inertia(tmp_path / "m.h5", C_s=0.02), expected)
+    converted = maps.assign_coords(omega=maps.omega.assign_attrs(units="rpm"))
+    with pytest.raises(fl.InputError, match=r"omega.*rpm.*; give the map as it was"):
+        fl.planar.flywheel_inertia(converted, C_s=0.02)
 
 
 # -- Table 3 ------------------------------------------------------------------------------------------------

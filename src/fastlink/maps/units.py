@@ -10,10 +10,20 @@ from typing import Any, TypeVar
 import numpy as np
 import xarray as xr
 
-from fastlink._text import short_repr
-from fastlink.errors import InputError, suggest
+from fastlink.errors import InputError, KeyPath, suggest
+from fastlink.space.values import short_repr
 
-__all__ = ["DEGREE", "RADIAN", "convert", "converted", "degrees", "degrees_along", "half_turn", "units_of"]
+__all__ = [
+    "DEGREE",
+    "RADIAN",
+    "check_units",
+    "convert",
+    "converted",
+    "degrees",
+    "degrees_along",
+    "half_turn",
+    "units_of",
+]
 
 RADIAN, DEGREE = "rad", "degree"  # in the spelling of CF
 INSTALL = "python -m pip install 'fastlink-linkages[units]'"
@@ -29,6 +39,14 @@ def units_of(maps: xr.Dataset) -> dict[str, str]:
         for name, array in maps.variables.items()
         if "units" in array.attrs
     }
+
+
+def check_units(array: Any, units: str, where: KeyPath) -> None:
+    """Refuse a variable that says it is in other units than those that a formula takes."""
+    own = getattr(array, "attrs", {}).get("units", units)
+    if own != units:
+        remedy = f"give the map as it was before it was converted, in {units}"
+        raise InputError(f"is in {short_repr(own)}", where=where, remedy=remedy)
 
 
 def half_turn(units: object) -> float | None:

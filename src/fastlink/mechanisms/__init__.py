@@ -12,7 +12,7 @@ import threading
 from types import ModuleType
 from typing import TYPE_CHECKING, Any
 
-from fastlink.options import check_choice
+from fastlink.errors import InputError, suggest
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -51,18 +51,20 @@ def catalogue(mechanism: str, input: str | None = None) -> Catalogue:
         The mechanism or the input is unknown.
     """
     first, driven = _package(mechanism)
-    if input is None:
+    if input is None or (isinstance(input, str) and input == first.position.name):
         return first
-    input = check_choice(("input",), input, (first.position.name, *driven), f" to {mechanism}")
-    if input == first.position.name:
-        return first
+    if not isinstance(input, str) or input not in driven:
+        what, remedy = f"{input!r} is unknown to {mechanism}", suggest(str(input), inputs_of(mechanism))
+        raise InputError(what, where=("input",), remedy=remedy)
     with _lock:
         return driven[input]()
 
 
 def _package(mechanism: str) -> tuple[Catalogue, dict[str, Callable[[], Catalogue]]]:
     """Return the catalogue of a mechanism, and factories of those by its other inputs, by name."""
-    mechanism = check_choice(("mechanism",), mechanism, NAMES)
+    if not isinstance(mechanism, str) or mechanism not in NAMES:
+        remedy = suggest(str(mechanism), NAMES)
+        raise InputError(f"{mechanism!r} is unknown", where=("mechanism",), remedy=remedy)
     from importlib import import_module
 
     package = import_module(f"fastlink.mechanisms.{mechanism}")

@@ -10,7 +10,6 @@ from typing import TYPE_CHECKING, Any
 
 from fastlink.doors import door
 from fastlink.engine.checks import check
-from fastlink.engine.options import check_options
 from fastlink.engine.resolve import resolve
 from fastlink.engine.sweep import sweep
 from fastlink.errors import (
@@ -21,7 +20,6 @@ from fastlink.errors import (
 from fastlink.io.partial_file import check_target
 from fastlink.io.reader import is_hdf5
 from fastlink.mechanisms import catalogue as find_catalogue
-from fastlink.options import check_path
 from fastlink.plan.positions import check_keywords
 from fastlink.space.design_space import DesignSpace
 from fastlink.space.links import Links
@@ -136,15 +134,16 @@ def run_study(
     ...         dict(maps.transmission_angle_min.sizes)
     {'a2': 5, 'branch': 2}
     """
-    given = {"to": to, "threads": threads, "overwrite": overwrite, "progress": progress, "verify": verify}
-    check_options(given)
     study = read_study(path)
-    target = to or study.output.get("file") or f"{study.path.stem}.h5"
+    given = {"to": to, "threads": threads, "verify": verify}
+    target = Path(to or study.output.get("file") or f"{study.path.stem}.h5").expanduser()
     overwrite = overwrite or study.output.get("overwrite", False)
     title = {name: study.tables[name] for name in ("title",) if name in study.tables}
     try:
-        # the sweep knows whether the file that exists is its map
-        check_target(target, 0, True, study.sources)
+        check_target(target, 0, True)  # the sweep knows whether the file that exists is its map
+        if any(target.exists() and target.samefile(source) for source in study.sources):
+            what = f"{target}: the study is read from that file"
+            raise InputError(what, where=("to",), remedy="choose another name")
         return sweep(
             study.mechanism,
             study.space,
@@ -171,7 +170,7 @@ def read_study(path: str | Path) -> Study:
     InputError
         One line for each problem: the file, the key, what was found, what is allowed.
     """
-    path = check_path(("study",), path, "study.toml")
+    path = Path(path).expanduser()
     text = _text_of(path)
     tables = _tables_of(path, text)
     cycle, design = tables["cycle"], tables["design"]

@@ -9,6 +9,7 @@ import numpy as np
 from fastlink.analysis.designs import broadcast
 from fastlink.doors import door
 from fastlink.errors import InputError
+from fastlink.io.reader import as_dataset
 
 __all__ = ["StraightLine", "T_deviation", "straight_line"]
 
@@ -91,19 +92,19 @@ def T_deviation(maps: Any) -> Any:
 
     Parameters
     ----------
-    maps : xarray.Dataset
-        A sweep of ``"focal"`` with ``T_x`` and ``T_y``, by either input.
+    maps : xarray.Dataset or path
+        A sweep of ``"focal"`` with ``T_x`` and ``T_y``, by either input, or its file.
 
     Returns
     -------
     xarray.DataArray
-        In m, like ``T_x``; positive to the left of the line, whose direction is in (-pi/2, pi/2]. NaN where the
+        In the units of ``T_x``; positive to the left of the line, whose direction is in (-pi/2, pi/2]. NaN where the
         mechanism does not assemble. Each design and assembly mode has a line of its own, through all its positions.
 
     Raises
     ------
     InputError
-        A name is missing, or the positions of T are not a curve.
+        Not a map or a path; a name is missing, or the positions of T are not a curve.
 
     Examples
     --------
@@ -120,16 +121,26 @@ def T_deviation(maps: Any) -> Any:
     >>> print(f"within {float(abs(fl.focal.T_deviation(part)).max()):.4f} m of a straight line")
     within 0.0140 m of a straight line
     """
-    for name in ("T_x", "T_y"):
-        if name not in maps:
-            raise InputError(
-                f"T_deviation: {name!r} is missing; sweep 'T_x' and 'T_y' and give the whole result"
-            )
-    path = maps["T_x"]
-    if not path.dims or path.dims[-1] not in ("phi", "sigma"):
-        raise InputError(
-            "T_deviation: 'T_x' has no positions; sweep it over phi or sigma, and give the whole result"
-        )
-    deviation = path.copy(data=_fitted_line(path.values, maps["T_y"].values).deviation).rename("T_deviation")
-    deviation.attrs = {"units": "m", "long_name": "Distance of T from its straight line", "symbol": "delta_T"}
+    with as_dataset(maps) as dataset:
+        for name in ("T_x", "T_y"):
+            if name not in dataset.data_vars:
+                remedy = "sweep 'T_x' and 'T_y', and give the whole result"
+                raise InputError(f"{name!r} is missing", where=("T_deviation", "maps"), remedy=remedy)
+        path, height = dataset["T_x"], dataset["T_y"]
+        along = [str(dim) for dim in path.dims if dim in ("phi", "sigma")]
+        if len(along) != 1 or set(path.dims) != set(height.dims):
+            remedy = "sweep it over phi or sigma, and give the whole result"
+            raise InputError("'T_x' has no positions", where=("T_deviation", "maps"), remedy=remedy)
+        units = path.attrs.get("units", "m")
+        if height.attrs.get("units", "m") != units:
+            what = f"'T_x' is in {units}, 'T_y' in {height.attrs['units']}"
+            raise InputError(what, where=("T_deviation", "maps"), remedy="give both in the same units")
+        path = path.transpose(..., *along)
+        values = _fitted_line(path.values, height.transpose(*path.dims).values).deviation
+    deviation = path.copy(data=values).rename("T_deviation")
+    deviation.attrs = {
+        "units": units,
+        "long_name": "Distance of T from its straight line",
+        "symbol": "delta_T",
+    }
     return deviation

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
 
 from fastlink.doors import door
 from fastlink.errors import InputError
+from fastlink.io.reader import as_dataset
+from fastlink.maps.units import check_units
 
 __all__ = ["flywheel_inertia"]
 
@@ -22,9 +25,9 @@ def flywheel_inertia(maps: Any, C_s: Any) -> Any:
 
     Parameters
     ----------
-    maps : xarray.Dataset
-        A sweep with ``T41_fluctuation`` and the speed of the crank, ``omega1`` or ``omega`` (or any mapping with both
-        names).
+    maps : xarray.Dataset or path
+        A sweep with ``T41_fluctuation`` and the speed of the crank, ``omega1`` or ``omega``, or its file; or any
+        mapping with both names.
     C_s : float or array_like
         Coefficient of fluctuation: greatest less least speed over the mean speed, positive.
 
@@ -36,7 +39,7 @@ def flywheel_inertia(maps: Any, C_s: Any) -> Any:
     Raises
     ------
     InputError
-        A name is missing, or C_s is not positive and finite.
+        Not a map or a path; a name is missing or not in SI units; or C_s is not positive and finite.
 
     Examples
     --------
@@ -51,18 +54,26 @@ def flywheel_inertia(maps: Any, C_s: Any) -> Any:
     >>> round(float(fl.planar.flywheel_inertia(maps, C_s=0.02)), 2)
     26.34
     """
-    crank_speed = "omega" if "omega" in maps else "omega1"
-    for name in ("T41_fluctuation", crank_speed):
-        if name not in maps:
-            raise InputError(
-                f"flywheel_inertia: {name!r} is missing; sweep {name!r} and give the whole result"
-            )
     bounds = np.asarray(getattr(C_s, "values", C_s), dtype=float)
     if not np.all((bounds > 0.0) & np.isfinite(bounds)):
         raise InputError(f"flywheel_inertia: C_s is {C_s!r}; write a positive number, such as 0.02")
-    speed = maps[crank_speed]
-    inertia = maps["T41_fluctuation"] / (C_s * (speed * speed))
-    if hasattr(inertia, "attrs"):
+    if isinstance(maps, Mapping) and not hasattr(maps, "data_vars"):
+        return _inertia(maps, C_s)
+    with as_dataset(maps) as dataset:
+        inertia = _inertia(dataset, C_s)
         inertia.attrs = {"units": "kg m2", "long_name": "Moment of inertia of the flywheel", "symbol": "I_S"}
-        inertia = inertia.rename("flywheel_inertia")
-    return inertia
+        return inertia.rename("flywheel_inertia").load()
+
+
+def _inertia(maps: Mapping[Any, Any], C_s: Any) -> Any:
+    """Return the moment of inertia from the swing of the energy and the speed of the crank."""
+    where = ("flywheel_inertia", "maps")
+    crank_speed = "omega" if "omega" in maps else "omega1"
+    for name, units in {"T41_fluctuation": "N m", crank_speed: "rad s-1"}.items():
+        if name not in maps:
+            raise InputError(
+                f"{name!r} is missing", where=where, remedy=f"sweep {name!r} and give the whole result"
+            )
+        check_units(maps[name], units, (*where, name))
+    speed = maps[crank_speed]
+    return maps["T41_fluctuation"] / (C_s * (speed * speed))
