@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import shutil
 import time
+from pathlib import Path
 
 import h5py
 import numpy as np
@@ -27,11 +28,18 @@ def swept(path, **changes):
     return fl.sweep(*names, to=path, **request)
 
 
-@pytest.fixture
-def path(tmp_path):
+@pytest.fixture(scope="module")
+def original(tmp_path_factory):
     """Return the path of a finished map."""
-    swept(tmp_path / "maps.h5").close()
-    return tmp_path / "maps.h5"
+    path = tmp_path_factory.mktemp("finished") / "maps.h5"
+    swept(path).close()
+    return path
+
+
+@pytest.fixture
+def path(original, tmp_path):
+    """Return the path of a finished map of the test alone."""
+    return Path(shutil.copy2(original, tmp_path / "maps.h5"))
 
 
 @pytest.fixture

@@ -58,11 +58,19 @@ def explain(
     asm: Annotated[
         bool, typer.Option("--asm", help="Print their assembly language for this processor too.")
     ] = False,
+    measure: Annotated[
+        bool | None,
+        typer.Option(
+            "--measure/--no-measure",
+            help="Run a sample of the designs to say how long all take; by default if all is compiled already.",
+            show_default=False,
+        ),
+    ] = None,
 ) -> None:
-    """Explain what a study computes and what it leaves out; nothing is run."""
+    """Explain what a study computes, leaves out and needs: memory, file, time; nothing is compiled."""
     from fastlink.diagnostics.explain import explain as explain_study
 
-    typer.echo(explain_study(study).text(kernels=text, ir=ir, asm=asm))
+    typer.echo(explain_study(study, measure=measure).text(kernels=text, ir=ir, asm=asm))
 
 
 @command

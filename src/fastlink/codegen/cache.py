@@ -29,7 +29,17 @@ from fastlink.codegen.notice import notice
 from fastlink.errors import InputError
 
 __all__ = [
-    *("Contents", "cache_folder", "clear", "contents", "environment", "limit", "load_or_compile", "locked"),
+    *(
+        "Contents",
+        "cache_folder",
+        "clear",
+        "contents",
+        "environment",
+        "is_kept",
+        "limit",
+        "load_or_compile",
+        "locked",
+    ),
     *("remove_numba_files", "text_file"),
 ]
 
@@ -152,6 +162,12 @@ def _private_folder() -> Path:
     folder = tempfile.mkdtemp(prefix="fastlink-kernels-")
     atexit.register(shutil.rmtree, folder, ignore_errors=True)
     return Path(folder)
+
+
+def is_kept(key: str) -> bool:
+    """Tell whether the cache has a kernel, of whichever compiler."""
+    folder = cache_folder()
+    return (folder / f"{key}.o").is_file() or any((folder / "__pycache__").glob(f"*{key}*.nbc"))
 
 
 def remove_numba_files(key: str) -> None:

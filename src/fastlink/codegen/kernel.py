@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from fastlink.codegen.cache import environment, load_or_compile, locked, remove_numba_files
+from fastlink.codegen.cache import environment, is_kept, load_or_compile, locked, remove_numba_files
 from fastlink.codegen.extrema import write_extrema
 from fastlink.codegen.machine import Loaded, compile_object, host, lanes_of_host, version
 from fastlink.codegen.notice import notice
@@ -168,6 +168,11 @@ class Kernel:
     def key(self) -> str:
         """A hash of the kernel's text and arguments, of fastlink's code and of the machine."""
         return kernel_key(self.source)
+
+    def is_compiled(self, backend: str) -> bool:
+        """Tell whether the kernel need not be compiled: it is loaded, or in the cache."""
+        key = kernel_key(self.source, backend)
+        return key in _loaded or is_kept(key)
 
     def compiled(self, backend: str | None = None) -> Any:
         """Return the kernel as a callable, compiled or loaded from the cache on first use.

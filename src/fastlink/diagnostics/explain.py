@@ -2,72 +2,32 @@
 
 from __future__ import annotations
 
-import ast
 import textwrap
-from collections import Counter
-from collections.abc import Iterable
-from dataclasses import dataclass
-from functools import cache
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from fastlink._text import aligned, counted
 from fastlink.codegen.kernel import llvm_text
 from fastlink.codegen.machine import assembly
-from fastlink.codegen.runtime import results, sampling
 from fastlink.codegen.translate import Refused
+from fastlink.diagnostics.forecast import Forecast, forecast, request_of
+from fastlink.diagnostics.work import HELPERS, KINDS, LoopWork, loop_work
 from fastlink.doors import door
 from fastlink.engine.resolve import ResolvedSweep, resolve
-from fastlink.numerics import compensated, vectors
-from fastlink.numerics.compiler import COMPILED_AS, INLINED, syntax
+from fastlink.errors import InputError
 from fastlink.plan.program import ExtremaProgram
+from fastlink.precision import check_verify
 from fastlink.study.schema import A_STUDY
 from fastlink.study.study import read_study
 
 if TYPE_CHECKING:
     from fastlink.codegen.kernel import Kernel
     from fastlink.codegen.source import Source
+    from fastlink.space.design_space import DesignSpace
 
 __all__ = ["Explanation", "KernelWork", "LoopWork", "explain"]
-
-OPERATIONS = {
-    ast.Add: "+ -",
-    ast.Sub: "+ -",
-    ast.USub: "+ -",
-    ast.Mult: "*",
-    ast.Div: "/",
-    ast.Compare: "choices",
-    ast.IfExp: "choices",
-}
-CALLS = {"select": "choices", "sqrt": "sqrt", "abs": "+ -"}
-ELEMENTARY = ("atan2", "cosine", "sine", "log_quotient", "arsinh")
-#: Functions that are counted by what they do.
-HELPERS = {
-    name: COMPILED_AS.get(function, function)
-    for module in (compensated, vectors, sampling, results)
-    for name, function in vars(module).items()
-    if name in module.__all__ and COMPILED_AS.get(function, function) in INLINED
-}
-KINDS = ("+ -", "*", "/", "sqrt", "choices", "atan2, log, cos", "loads", "stores")
-
-
-class LoopWork(NamedTuple):
-    """The work of one loop of a kernel in each of its passes.
-
-    Attributes
-    ----------
-    per : str
-        For what a pass is: a design, an input position, both, a sample, a step of a refinement.
-    times : str
-        How often.
-    work : dict of str to int
-        Number of operations of each kind, of numbers read from arrays and written to arrays; functions of the house
-        are counted by what they do, elementary functions as one; functions with loops are not counted.
-    """
-
-    per: str
-    times: str
-    work: dict[str, int]
 
 
 class KernelWork(NamedTuple):
@@ -111,6 +71,8 @@ class Explanation:
         How many facts of the mechanism are not computed, and how many there are.
     tables : tuple of str
         Tabled functions of the input position; none for a map of designs.
+    forecast : Forecast or None
+        The memory, file and time that it needs, where these were looked at.
     """
 
     title: str
@@ -121,6 +83,7 @@ class Explanation:
     facts_left_out: int
     facts_known: int
     tables: tuple[str, ...]
+    forecast: Forecast | None = None
 
     @door
     def text(self, *, kernels: bool = False, ir: bool = False, asm: bool = False) -> str:
@@ -130,6 +93,8 @@ class Explanation:
             lines.append(
                 f"{self.scaling_axis}: only scales what is asked for; evaluated once, then multiplied"
             )
+        if self.forecast is not None:
+            lines += ["before it runs", str(self.forecast)]
         lines.append(
             _folded("tables of the input", self.tables or ["none: nothing depends on the input position"])
         )
@@ -156,18 +121,32 @@ class Explanation:
 
 
 @door(hint=A_STUDY)
-def explain(study: str | Path) -> Explanation:
-    """Return the work of a study and what it leaves out; nothing is compiled or run.
+def explain(
+    study: str | Path,
+    space: DesignSpace | None = None,
+    quantities: Sequence[str] | None = None,
+    *,
+    measure: bool | None = None,
+    **options: Any,
+) -> Explanation:
+    """Return the work of a study or a sweep, what it leaves out, and what it needs.
+
+    No kernel is compiled unless `measure` says so. Where every kernel is compiled already, a sample of the designs is
+    run, some tenths of a second, to say how long all of them take.
 
     Parameters
     ----------
-    study : path
-        A study file.
+    study : path or str
+        A study file; or, with `space` and `quantities`, the name of a mechanism.
+    space, quantities, **options
+        As in `fastlink.sweep`.
+    measure : bool, optional
+        Whether to run a sample of the designs: by default where nothing has to be compiled for it.
 
     Returns
     -------
     Explanation
-        Prints as text.
+        Prints as text. Its `forecast` has the expected memory, file, compile time and run time.
 
     Raises
     ------
@@ -188,9 +167,30 @@ def explain(study: str | Path) -> Explanation:
     ...     found = explain(path)
     >>> found.tables, [loop.per for loop in found.kernels[0].loops]
     ((), ['design'])
+
+    The same of a sweep:
+
+    >>> import numpy as np
+    >>> import fastlink as fl
+    >>> designs = fl.grid(a1=np.linspace(0.1, 0.5, 40_000), a2=np.linspace(1.0, 1.4, 40_000), a3=0.8, a4=1.0)
+    >>> needs = fl.explain("planar_4r", designs, ["theta4"], measure=False).forecast
+    >>> needs.memory > 8 * 2 * 360 * 40_000**2  # 9 TB: write it to a file, if there is a disk for it
+    True
     """
-    read = read_study(study)
-    return explain_request(resolve(read.mechanism, read.space, read.quantities, **read.options))
+    if space is None and quantities is None:
+        for name in options:
+            what = "is an option of a sweep, not of a study"
+            raise InputError(
+                what, where=(name,), remedy="write it in the study, or give space and quantities"
+            )
+        read = read_study(study)
+        request = resolve(read.mechanism, read.space, read.quantities, **read.options)
+        verify = check_verify(read.output.get("verify"), True)
+        needs = forecast(request, folder=read.target().parent, verify=verify, measure=measure)
+    else:
+        request, given = request_of(str(study), space, quantities, options)
+        needs = forecast(request, measure=measure, **given)
+    return replace(explain_request(request), forecast=needs)
 
 
 def explain_request(request: ResolvedSweep) -> Explanation:
@@ -219,7 +219,7 @@ def _kernel_work(kernel: Kernel) -> KernelWork:
     if isinstance(program, ExtremaProgram):
         names += f"; every extreme of {', '.join(search.quantity for search in program.searches)}"
     facts = tuple(name for step in program.steps for name in step.names)
-    return KernelWork(names, facts, _loop_work(kernel.source), kernel.source)
+    return KernelWork(names, facts, loop_work(kernel.source), kernel.source)
 
 
 def _machine_texts(source: Source, ir: bool, asm: bool) -> list[str]:
@@ -229,65 +229,6 @@ def _machine_texts(source: Source, ir: bool, asm: bool) -> list[str]:
     except Refused as why:
         return ["", f"compiled by numba, for the translator refuses it: {why}"]
     return [*(["", text] if ir else []), *(["", assembly(text)] if asm else [])]
-
-
-def _loop_work(source: Source) -> list[LoopWork]:
-    """Return the work of every loop of a kernel that computes something."""
-    rows = []
-    for loop in source.loops:
-        work: Counter[str] = Counter()
-        for statement in ast.parse("\n".join(loop.statements)).body:
-            _count(statement, work)
-        if any(work.values()):
-            rows.append(LoopWork(loop.per, loop.times, {kind: work[kind] for kind in KINDS}))
-    return rows
-
-
-def _count(statement: ast.stmt, work: Counter[str]) -> None:
-    """Add the operations of an assignment, or of the result of a function."""
-    if not isinstance(statement, (ast.Assign, ast.Return)) or statement.value is None:
-        return
-    pending: list[ast.AST] = [statement.value]
-    if isinstance(statement, ast.Assign):
-        work["stores"] += sum(isinstance(target, ast.Subscript) for target in statement.targets)
-    while pending:
-        node = pending.pop()
-        if isinstance(node, ast.Subscript):
-            work["loads"] += 1
-            continue
-        if isinstance(node, ast.Call):
-            name = node.func.id if isinstance(node.func, ast.Name) else ""
-            if name in ELEMENTARY:
-                work["atan2, log, cos"] += 1
-            elif name in CALLS:
-                work[CALLS[name]] += 1
-            elif name in HELPERS:
-                work.update(_helper(name))
-        operation = getattr(node, "op", node)
-        if isinstance(node, (ast.operator, ast.unaryop)) or _is_constant(node):
-            continue
-        if kind := OPERATIONS.get(type(operation)):
-            work[kind] += 1
-        pending += ast.iter_child_nodes(node)
-
-
-def _is_constant(node: ast.AST) -> bool:
-    """Tell whether the compiler knows a value: a number, a constant of the module, an expression of these."""
-    if isinstance(node, ast.Name):
-        return any(isinstance(getattr(module, node.id, None), float) for module in (compensated, vectors))
-    if isinstance(node, (ast.BinOp, ast.UnaryOp)):
-        operands = (node.left, node.right) if isinstance(node, ast.BinOp) else (node.operand,)
-        return all(_is_constant(operand) for operand in operands)
-    return isinstance(node, ast.Constant)
-
-
-@cache
-def _helper(name: str) -> Counter[str]:
-    """Return the operations of a function that is pasted at each call."""
-    work: Counter[str] = Counter()
-    for statement in syntax(HELPERS[name]).body:
-        _count(statement, work)
-    return work
 
 
 def _folded(head: str, names: Iterable[str]) -> str:

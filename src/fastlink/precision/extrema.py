@@ -71,7 +71,7 @@ def refined(sample: Sample, outputs: Sequence[Output], share: int) -> dict[str, 
     errors = {
         part: MeasuredErrors(METHOD, TURN if _is_position(output) else 0) for part, output in parts.items()
     }
-    count = _affordable(sample, quantity, share, outputs)
+    count = affordable(sample, quantity, share, outputs)
     stationary = Stationary(
         sample.catalogue,
         quantity,
@@ -154,7 +154,7 @@ def _is_position(output: Output) -> bool:
     return output.request.is_position or output.request.listed == "position"
 
 
-def _affordable(sample: Sample, quantity: str, share: int, outputs: Sequence[Output]) -> int:
+def affordable(sample: Sample, quantity: str, share: int, outputs: Sequence[Output]) -> int:
     """Return the number of designs whose extremes a share of the evaluations pays for."""
     has_list = any(output.request.listed == "value" for output in outputs)
     searches = len(_reductions(outputs)) + 4 * has_list

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from fastlink.precision.reference import HighPrecision
     from fastlink.precision.sample import Sample
 
-__all__ = ["sampled", "values"]
+__all__ = ["configurations", "sampled", "values"]
 
 #: Configurations of each design, if the budget allows.
 ANGLES = 4
@@ -43,9 +43,7 @@ def values(
     errors = {output.name: MeasuredErrors(FACTS) for output in outputs}
     facts = sample.facts(errors)
     has_numbers = any(output.dtype == "float64" for output in outputs)
-    has_curves = any(output.axes for output in outputs)
-    most = sample.count * (ANGLES if has_curves else 1)
-    for number in range(sample.affordable(facts, share, most) if has_numbers else most):
+    for number in range(configurations(sample, outputs, share)):
         design = number % sample.count
         branch, position = rng.integers(len(sample.plan.branches)), rng.integers(sample.positions.size)
         at = sample.configuration(design, sample.plan.branches[branch], sample.positions[position])
@@ -59,6 +57,14 @@ def values(
             else:
                 errors[output.name].add_code(value, exact[output.name])
     return errors
+
+
+def configurations(sample: Sample, outputs: Sequence[Output], share: int) -> int:
+    """Return at how many configurations curves and facts of the design are compared."""
+    most = sample.count * (ANGLES if any(output.axes for output in outputs) else 1)
+    if not any(output.dtype == "float64" for output in outputs):
+        return most
+    return sample.affordable(sample.facts([output.name for output in outputs]), share, most)
 
 
 def sampled(sample: Sample, outputs: Sequence[Output], share: int) -> dict[str, MeasuredErrors]:

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import threading
 import time
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from fastlink.precision.extrema import refined
-from fastlink.precision.pointwise import sampled, values
+from fastlink.precision.extrema import affordable, refined
+from fastlink.precision.pointwise import configurations, sampled, values
 from fastlink.precision.sample import Sample
 from fastlink.space.values import check_whole
 
@@ -100,20 +101,48 @@ class Verification:
             attrs["verify_left_out"] = " ".join(left_out)
         return attrs, {name: measured.attrs() for name, measured in errors.items()}
 
+    def expected_time(self, count: int) -> float:
+        """Return the expected time of so many designs in seconds, from the time that these take."""
+        groups, share = self._groups_with_results()
+        more = replace(self.sample, branch_indices=np.zeros(count, dtype=np.int64))
+        seconds = 0.0
+        for kind, group in groups:
+            started = time.perf_counter()
+            self._errors_of(kind, group, share)
+            took = time.perf_counter() - started
+            seconds += took * _compared(more, kind, group, share) / _compared(self.sample, kind, group, share)
+        return seconds
+
     def _measured(self) -> tuple[dict[str, MeasuredErrors], list[str]]:
         """Return the errors of each variable, and the names of the others."""
+        groups, share = self._groups_with_results()
+        errors: dict[str, MeasuredErrors] = {}
+        for kind, group in groups:
+            errors |= self._errors_of(kind, group, share)
+        return errors, _groups(self.sample.plan.outputs)[1]
+
+    def _groups_with_results(self) -> tuple[list[tuple[str, list[Output]]], int]:
+        """Give the sample its results; return the outputs by method, and the evaluations that each may take."""
         outputs = self.sample.plan.outputs
         for output, rows in zip(outputs, self._rows, strict=True):
             self.sample.results[output.name] = rows[self.order]
-        groups, left_out = _groups(outputs)
-        share = EVALUATIONS // max(len(groups), 1)
-        errors: dict[str, MeasuredErrors] = {}
-        for kind, group in groups:
-            if kind == "values":
-                errors |= values(self.sample, group, share, self.rng)
-            else:
-                errors |= (refined if kind == "refined" else sampled)(self.sample, group, share)
-        return errors, left_out
+        groups, _ = _groups(outputs)
+        return groups, EVALUATIONS // max(len(groups), 1)
+
+    def _errors_of(self, kind: str, group: list[Output], share: int) -> dict[str, MeasuredErrors]:
+        if kind == "values":
+            return values(self.sample, group, share, self.rng)
+        return (refined if kind == "refined" else sampled)(self.sample, group, share)
+
+
+def _compared(sample: Sample, kind: str, group: list[Output], share: int) -> int:
+    """Return how many designs or configurations of a sample are compared."""
+    if kind == "values":
+        return configurations(sample, group, share)
+    quantity = group[0].request.quantity
+    if kind == "refined":
+        return affordable(sample, quantity, share, group)
+    return sample.affordable(sample.facts([quantity]), share, sample.count)
 
 
 def _groups(outputs: Sequence[Output]) -> tuple[list[tuple[str, list[Output]]], list[str]]:

@@ -75,6 +75,10 @@ class Study:
         """Its table [output]."""
         return dict(self.tables["output"])
 
+    def target(self, to: str | Path | None = None) -> Path:
+        """Return the file to write: a given one, else its own, else one of its name in the current folder."""
+        return Path(to or self.output.get("file") or f"{self.path.stem}.h5").expanduser()
+
 
 @door(hint=A_STUDY)
 def run_study(
@@ -136,7 +140,7 @@ def run_study(
     """
     study = read_study(path)
     given = {"to": to, "threads": threads, "verify": verify}
-    target = Path(to or study.output.get("file") or f"{study.path.stem}.h5").expanduser()
+    target = study.target(to)
     overwrite = overwrite or study.output.get("overwrite", False)
     title = {name: study.tables[name] for name in ("title",) if name in study.tables}
     try:
