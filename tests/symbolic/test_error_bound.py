@@ -21,9 +21,10 @@ from tests.support.registry import ENTRIES
 from tests.support.twofold import Twofold, twofold
 
 import fastlink as fl
+from fastlink.catalogue import tables as angle_functions
 from fastlink.catalogue.catalogue import Catalogue
 from fastlink.catalogue.evaluate import read_facts
-from fastlink.catalogue.tables import _tabled, angle_tables
+from fastlink.catalogue.tables import angle_tables
 from fastlink.errors import InputError
 from fastlink.facts.fact import Input
 from fastlink.mechanisms import NAMES, catalogue
@@ -230,7 +231,7 @@ def by_twofold_numbers(mechanism, names, inputs, theta, branch):
     exact = {name: twofold(x) for name, x in (inputs | {"branch": branch}).items()}
     words = {}
     for name, table in mechanism.tables.items():
-        words[name] = [word[place] for word in _tabled(table.function, distinct.tobytes())]
+        words[name] = [word[place] for word in angle_functions.words([(table.function, True)], distinct)[0]]
         plain[name], exact[name] = words[name][0], Twofold(*words[name])
     for low, high in mechanism.table_low_parts.items():
         plain[low], exact[low] = words[high][1], twofold(0.0 * theta)

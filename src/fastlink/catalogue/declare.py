@@ -183,7 +183,7 @@ class Declarations:
     def table(self, *, symbol: str, source: str, low: str | None = None) -> Callable[[F], F]:
         """Declare a function of the input position alone.
 
-        It is tabled once per sweep, from 40 digits. `low` is the name of a second table, for the low parts.
+        It is tabled once per sweep, correctly rounded. `low` is the name of a second table, for the low parts.
         """
 
         def declare(function: F) -> F:

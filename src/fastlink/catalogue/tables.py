@@ -1,74 +1,123 @@
 """Table functions of the input position, once per sweep.
 
-They are evaluated with 40 digits and rounded, so a table is the same on every machine, and its low parts can be tabled
-beside it. Sines and cosines come from fixed-point numbers of as many digits, to the same bits; mpmath is used, and
-imported, where a rounding of these is not certain or they lack a function.
+A table holds the doubles nearest to the exact values, its low parts those nearest to what is left, so that both are
+the same on every machine. They come from sums of three doubles, and where a rounding of these is not certain, or
+they lack a function, from mpmath, which is imported then.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import math
+from collections.abc import Callable, Sequence
 from functools import lru_cache
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from fastlink.numerics.fixed_point import Fixed, fixed
+from fastlink.numerics.triple_double import TripleDouble
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from fastlink.catalogue.catalogue import Catalogue
 
-__all__ = ["angle_tables"]
+__all__ = ["angle_tables", "exact_words", "words"]
 
-TABLE_DIGITS = 40
-#: Up to so many angles are computed one by one: an array of Python's numbers costs 60 us and then 7 us for each.
-FEW = 6
+Function = Callable[[Any], Any]
+
+#: Up to so many angles are computed one by one, 40 us each: an array takes 0.6 ms.
+FEW = 16
+#: So many angles at a time: their intermediate values stay in the cache of a processor.
+BLOCK = 4096
+#: Tables of so many angles are kept for the next call.
+MOST_KEPT = 1 << 14
+#: Places of mpmath: a rounding is in doubt once in 2^85 angles, where terms cancel to 2^-64 too.
+EXACT_PLACES = 256
 
 
 def angle_tables(catalogue: Catalogue, names: Sequence[str], theta: NDArray[Any]) -> NDArray[Any]:
     """Return an array (names, positions) of tables at the given input positions."""
     theta = np.ascontiguousarray(theta, dtype=np.float64)
+    low_parts = catalogue.table_low_parts
+    bases = {name: low_parts.get(name, name) for name in names if name != catalogue.position.name}
+    read = {base: (catalogue.tables[base].function, base in low_parts.values()) for base in bases.values()}
+    found = dict(zip(read, words(list(read.values()), theta), strict=True))
     table = np.empty((len(names), theta.size))
-    given = theta.tobytes()
     for row, name in enumerate(names):
-        if name == catalogue.position.name:
-            table[row] = theta
-        else:
-            base = catalogue.table_low_parts.get(name, name)
-            table[row] = _tabled(catalogue.tables[base].function, given)[int(base != name)]
+        table[row] = found[bases[name]][int(bases[name] != name)] if name in bases else theta
     return table
 
 
+def words(functions: Sequence[tuple[Function, bool]], theta: NDArray[Any]) -> list[NDArray[Any]]:
+    """Return functions at angles, each as an array (2, angles): rounded values, and low parts.
+
+    Low parts count only if the function comes with True: without, they may be wrong in their last bits.
+    """
+    if theta.size <= MOST_KEPT:
+        given = theta.tobytes()
+        return [_kept(*function, given) for function in functions]
+    found = [np.empty((2, theta.size)) for _ in functions]
+    for part in _parts(theta):
+        x = TripleDouble((theta[part], 0.0, 0.0))
+        for function, both in zip(functions, found, strict=True):
+            both[:, part] = _certain(*function, x)
+    return found
+
+
 @lru_cache(maxsize=64)
-def _tabled(function: Any, theta: bytes) -> NDArray[Any]:
-    """Return a function at angles: rounded values, and their low parts."""
-    angles = np.frombuffer(theta)
-    words, sure = np.empty((2, angles.size)), np.zeros(angles.size, dtype=bool)
-    try:
-        for part, x, doubt in _fixed(theta):
-            words[0, part], words[1, part], sure[part] = function(x).doubles(doubt)
-    except (TypeError, AttributeError):
-        pass  # a function that fixed-point numbers do not have
-    if not sure.all():
-        words[:, ~sure] = _by_mpmath(function, angles[~sure])
-    return words
+def _kept(function: Function, has_low: bool, theta: bytes) -> NDArray[Any]:
+    """Return the words of a function at not too many angles."""
+    size = len(theta) // 8
+    if size <= FEW:
+        return np.array([_one(function, has_low, x) for x in _numbers(theta)]).reshape(-1, 2).T
+    both = np.empty((2, size))
+    for part, x in zip(_parts(both[0]), _numbers(theta), strict=True):
+        both[:, part] = _certain(function, has_low, x)
+    return both
 
 
 @lru_cache(maxsize=8)
-def _fixed(theta: bytes) -> list[tuple[Any, Fixed, Any]]:
-    """Return indices, angles in fixed point with their sines cached, and doubts."""
+def _numbers(theta: bytes) -> list[TripleDouble]:
+    """Return angles, one by one or in parts, as numbers that keep their sines."""
     angles = np.frombuffer(theta)
-    if angles.size <= FEW:
-        return [(k, *fixed(angle)) for k, angle in enumerate(angles.tolist())]
-    return [(slice(None), *fixed(angles))]
+    each = angles.tolist() if angles.size <= FEW else [angles[part] for part in _parts(angles)]
+    return [TripleDouble((angle, 0.0, 0.0)) for angle in each]
 
 
-def _by_mpmath(function: Any, angles: NDArray[Any]) -> NDArray[Any]:
+def _parts(theta: NDArray[Any]) -> list[slice]:
+    return [slice(start, start + BLOCK) for start in range(0, theta.size, BLOCK)]
+
+
+def _one(function: Function, has_low: bool, x: TripleDouble) -> tuple[float, float]:
+    """Return the words of a function at one angle."""
+    try:
+        high, low, sure, low_sure = function(x).doubles()
+    except (TypeError, AttributeError):
+        sure = low_sure = False  # a function that these numbers do not have
+    return (high, low) if (low_sure if has_low else sure) else exact_words(function, x.parts[0])
+
+
+def _certain(function: Function, has_low: bool, x: TripleDouble) -> NDArray[Any]:
+    """Return the words of a function at angles."""
+    theta = x.parts[0]
+    both, doubt = np.empty((2, theta.size)), np.ones(theta.size, dtype=bool)
+    try:
+        with np.errstate(all="ignore"):
+            both[0], both[1], sure, low_sure = function(x).doubles()
+            doubt[:] = ~(low_sure if has_low else sure)
+    except (TypeError, AttributeError):
+        pass
+    for k in np.flatnonzero(doubt):
+        both[:, k] = exact_words(function, float(theta[k]))
+    return both
+
+
+def exact_words(function: Function, angle: float) -> tuple[float, float]:
+    """Return a function at an angle by mpmath: its rounded value, and the low part."""
     import mpmath
 
-    with mpmath.workdps(TABLE_DIGITS):
-        exact = [function(mpmath.mpf(angle)) for angle in angles.tolist()]
-        high = [float(value) for value in exact]
-        return np.array([high, [float(value - h) for value, h in zip(exact, high, strict=True)]])
+    # squares of small angles stand beside 1, whole turns beside great ones
+    with mpmath.workprec(EXACT_PLACES + 2 * abs(math.frexp(angle)[1])):
+        value = function(mpmath.mpf(angle))
+        high = float(value)
+        return high, float(value - high)

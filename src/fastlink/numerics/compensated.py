@@ -15,6 +15,8 @@ __all__ = [
     "gap_product_quotient",
     "pair_product",
     "power_of_two_below",
+    "product_rest",
+    "split",
     "square_sum",
     "sum_of_four",
     "two_product",
@@ -36,16 +38,26 @@ def two_sum(a: Any, b: Any) -> Any:
 
 
 @inlined
+def split(a: Any) -> Any:
+    """Return two halves of a double, whose products with such halves are exact."""
+    c = SPLITTER * a
+    a1 = c - (c - a)
+    return a1, a - a1
+
+
+@inlined
+def product_rest(p: Any, a1: Any, a2: Any, b1: Any, b2: Any) -> Any:
+    """Return the rounding error of a product p of doubles, which are given split."""
+    return a2 * b2 - (((p - a1 * b1) - a2 * b1) - a1 * b2)
+
+
+@inlined
 def two_product(a: Any, b: Any) -> Any:
     """Return the rounded product and its rounding error, without fused multiply-add."""
     p = a * b
-    ca = SPLITTER * a
-    a1 = ca - (ca - a)
-    a2 = a - a1
-    cb = SPLITTER * b
-    b1 = cb - (cb - b)
-    b2 = b - b1
-    return p, a2 * b2 - (((p - a1 * b1) - a2 * b1) - a1 * b2)
+    a1, a2 = split(a)
+    b1, b2 = split(b)
+    return p, product_rest(p, a1, a2, b1, b2)
 
 
 @inlined

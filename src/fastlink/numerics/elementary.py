@@ -104,7 +104,7 @@ def binary_exponent(x: Any) -> Any:
 def ldexp(x: Any, times: Any) -> Any:
     """Return x times an integer power of two, for tables: never called in a kernel."""
     context = context_of(x, times)
-    return x * 2.0**times if context is None else context.ldexp(x, int(times))
+    return x * 2.0**times if context is None else context.ldexp(x, getattr(context, "integer", int)(times))
 
 
 # Minimax coefficients of (atan(r)/r - 1)/r^2 in r^2 for |r| <= tan(pi/8), degree 23 in r: 0.012 units of rounding.

@@ -58,7 +58,7 @@ WORDS = {
 ARCTANGENT, LOGARITHM, LOG_QUOTIENT, ARSINH, COSINE = 4.0, 4.0, 6.0, 6.0, 4.0
 #: The reduction of a direction to a quarter turn leaves multiples of 2^-104, which count near zeros.
 REDUCTION = 2.0**-103
-#: Tabled with 40 digits and rounded once.
+#: Tabled, with one rounding.
 TABLED = (sin, cos, exp, sinh, cosh)
 #: Functions whose results have an error that is known whatever their arguments are.
 BOUNDED_ALONE = (*TABLED, binary_exponent, power_of_two_below)
