@@ -49,7 +49,7 @@ def test_every_public_function_refuses_a_call_that_does_not_fit(name):
         (lambda: fl.round_bar(raduis=0.01), "raduis", "'radius'"),
         (lambda: fl.sobol(N=64, a1=(1, 2)), "n", "n in place of N"),
         (lambda: fl.latin_hypercube(a1=(1, 2)), "n", "latin_hypercube(n, seed=..., **ranges)"),
-        (lambda: fl.grid([1.0, 2.0]), "grid", "grid(**axes)"),
+        (lambda: fl.grid([1.0, 2.0]), "grid", "by name"),
         (lambda: fl.sobol(8, n=8), "n", "once"),
         (lambda: fl.summary(), "summary", "summary("),
         (lambda: fl.plot_map("maps.h5"), "name", "plot_map(maps, name"),

@@ -114,7 +114,7 @@ def test_each_door_has_its_own_words(folder, door, path, remedy):
 @pytest.mark.parametrize(
     ("arguments", "line"),
     [
-        (["--threads", "0"], "--threads is 0; write a whole number of at least 1"),
+        (["--threads", "0"], "--threads is 0; write a whole number from 1 to "),
         (["--verify", "-1"], "--verify is -1; write how many designs"),
         (["--to", "letter.h5"], "--to: "),
     ],

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import itertools
 import numbers
+import reprlib
 import textwrap
 from collections.abc import Iterable, Sequence
 
-__all__ = ["aligned", "counted", "duration", "folded", "scaled", "short_number", "size"]
+__all__ = ["aligned", "counted", "duration", "folded", "scaled", "short_number", "short_repr", "size"]
 
 BYTES = (" B", " kB", " MB", " GB", " TB")
 
@@ -129,3 +130,11 @@ def size(nbytes: int) -> str:
     ('512 B', '268 MB')
     """
     return scaled(nbytes, BYTES)
+
+
+def short_repr(value: object) -> str:
+    """Return the repr of a value for a message: short and on one line."""
+    try:
+        return " ".join(reprlib.repr(value).split())
+    except ValueError:  # a whole number of more digits than Python writes
+        return f"a {type(value).__name__} of too many digits"

@@ -308,7 +308,7 @@ def test_file_and_memory_hold_the_same(tmp_path):
         ({"branch": (1, 1)}, "branch", "each once"),
         ({"branch": ()}, "branch", "some of 1, 2"),
         ({"solver": "lu"}, "solver: 'lu'", ""),
-        ({"threads": 0}, "threads", "a whole number of at least 1"),
+        ({"threads": 0}, "threads", "a whole number from 1 to"),
     ],
 )
 def test_bad_input_gets_one_clear_line(change, key, remedy):

@@ -304,7 +304,7 @@ def test_places_that_cannot_be_written(tmp_path, monkeypatch):
         message(missing) == f"to: {missing}: there is no folder {tmp_path}/none; create it or choose another"
     )
     assert message("/dev/null") == "to: /dev/null is a device or a pipe; choose another name"
-    assert message("a\0b").endswith(" cannot be written (embedded null byte); choose another place")
+    assert "holds the control character" in message("a\0b")
     long = tmp_path / ("x" * 254)
     assert message(long) == f"to: {long} cannot be written (File name too long); choose another place"
     monkeypatch.setattr(partial_file.tempfile, "TemporaryFile", raising(errno.EACCES))

@@ -354,7 +354,7 @@ def test_a_folder_that_does_not_exist(maps, tmp_path):
 
 def test_a_picture_that_cannot_be_written(maps, tmp_path):
     (tmp_path / "map.png").mkdir()
-    with pytest.raises(fl.InputError, match=r"map\.png cannot be written .*; choose another file"):
+    with refused("map.png is a folder", "add a file name"):
         fl.plot_map(maps, "omega4_max", at={"a4": 1.0}, to=tmp_path / "map.png")
 
 

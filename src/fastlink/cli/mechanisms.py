@@ -7,7 +7,6 @@ from typing import Annotated
 import typer
 
 from fastlink.cli.app import MechanismName, command
-from fastlink.errors import InputError
 
 __all__ = ["cache", "mechanisms", "new", "quantities"]
 
@@ -52,12 +51,10 @@ def new(
     """
     from importlib.resources import files
 
-    from fastlink.errors import suggest
     from fastlink.mechanisms import NAMES
+    from fastlink.options import check_choice
 
-    if mechanism not in NAMES:
-        remedy = suggest(mechanism, NAMES)
-        raise InputError(f"{mechanism!r} is unknown", where=("mechanism",), remedy=remedy)
+    check_choice(("mechanism",), mechanism, NAMES)
     template = files("fastlink").joinpath("mechanisms", mechanism, "study.toml")
     typer.echo(template.read_text(encoding="utf-8"), nl=False)
 

@@ -19,7 +19,7 @@ from fastlink.codegen.notice import notice
 from fastlink.codegen.pointwise import write_kernel
 from fastlink.codegen.source import Source
 from fastlink.codegen.translate import Refused, translate
-from fastlink.errors import InputError, suggest
+from fastlink.options import check_choice
 from fastlink.plan.program import ExtremaProgram, Program
 
 if TYPE_CHECKING:
@@ -51,11 +51,10 @@ def backend_of(chosen: str | None) -> str:
     InputError
         There is none of that name.
     """
-    name = chosen or os.environ.get("FASTLINK_BACKEND") or BACKENDS[0]
-    if name not in BACKENDS:
-        where = "backend" if chosen else "environment variable FASTLINK_BACKEND"
-        raise InputError(f"{name!r} is unknown", where=(where,), remedy=suggest(str(name), BACKENDS))
-    return name
+    if chosen is not None:
+        return check_choice(("backend",), chosen, BACKENDS)
+    name = os.environ.get("FASTLINK_BACKEND") or BACKENDS[0]
+    return check_choice(("environment variable FASTLINK_BACKEND",), name, BACKENDS)
 
 
 @cache

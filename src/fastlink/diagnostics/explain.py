@@ -18,7 +18,7 @@ from fastlink.doors import door
 from fastlink.engine.resolve import ResolvedSweep, resolve
 from fastlink.errors import InputError
 from fastlink.plan.program import ExtremaProgram
-from fastlink.precision import check_verify
+from fastlink.precision import DESIGNS
 from fastlink.study.schema import A_STUDY
 from fastlink.study.study import read_study
 
@@ -185,7 +185,7 @@ def explain(
             )
         read = read_study(study)
         request = resolve(read.mechanism, read.space, read.quantities, **read.options)
-        verify = check_verify(read.output.get("verify"), True)
+        verify = read.output.get("verify", DESIGNS)
         needs = forecast(request, folder=read.target().parent, verify=verify, measure=measure)
     else:
         request, given = request_of(str(study), space, quantities, options)

@@ -16,13 +16,13 @@ from fastlink.codegen.translate import Refused
 from fastlink.diagnostics.timing import Timing, timing_of
 from fastlink.engine.executor import default_threads
 from fastlink.engine.needs import needs_of
+from fastlink.engine.options import check_options
 from fastlink.engine.resolve import resolve
 from fastlink.engine.sweep import sweep
 from fastlink.errors import InputError
 from fastlink.io.partial_file import check_target
 from fastlink.memory import available_memory
-from fastlink.precision import check_verify
-from fastlink.space.values import check_whole
+from fastlink.precision import DESIGNS
 
 if TYPE_CHECKING:
     from fastlink.codegen.kernel import Kernel
@@ -131,12 +131,11 @@ def request_of(
     resolved = resolve(
         mechanism, space, quantities, positions=positions, options=tuple(known)[:-1], **of_request
     )
-    to, threads, block = (options.get(name) for name in ("to", "threads", "block"))
+    checked = check_options({name: options.get(name) for name in ("to", "threads", "block", "verify")})
+    to, verify = checked.pop("to"), checked.pop("verify")
     folder = None if to is None else check_target(to, 0, True).parent
-    threads = threads if threads is None else check_whole(("threads",), threads, 1)
-    block = block if block is None else check_whole(("block",), block, 1)
-    verify = check_verify(options.get("verify"), to is not None)
-    return resolved, {"folder": folder, "threads": threads, "block": block, "verify": verify}
+    verify = (0 if to is None else DESIGNS) if verify is None else verify
+    return resolved, {**checked, "folder": folder, "verify": verify}
 
 
 def forecast(

@@ -9,19 +9,20 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import xarray as xr
 
-from fastlink._text import counted, duration
+from fastlink._text import counted, duration, short_repr
 from fastlink.catalogue.declare import ELIMINATED
 from fastlink.diagnostics.methods import SECONDS_PER_DESIGN, SECONDS_PER_METHOD, Subject, methods_for, race
 from fastlink.diagnostics.pareto import draw, front
 from fastlink.diagnostics.truth import truth_of
 from fastlink.doors import door
+from fastlink.engine.options import Check, check_options, optional
 from fastlink.engine.resolve import resolve
-from fastlink.errors import InputError
+from fastlink.errors import InputError, KeyPath
 from fastlink.io.dataset import plain_attrs
 from fastlink.io.partial_file import check_target
+from fastlink.options import MOST_SEED, check_path, check_switch, check_whole
 from fastlink.plot.picture import check_picture, save
 from fastlink.space.design_space import sampled
-from fastlink.space.values import check_whole
 from fastlink.study.schema import A_STUDY
 from fastlink.study.study import read_study
 
@@ -46,6 +47,26 @@ LABELS = {
     "values": ("1", "values compared"),
 }
 MISSED = 0.01
+#: More designs take the 50-digit reference more than an hour for one quantity.
+MOST_DESIGNS = 100_000
+
+
+def _check_announce(where: KeyPath, announce: Any) -> Any:
+    """Return a function, or refuse what cannot be called."""
+    if not callable(announce):
+        remedy = "write a function that takes a line of text, such as print"
+        raise InputError(f"is {short_repr(announce)}", where=where, remedy=remedy)
+    return announce
+
+
+#: The checks of the options that only the measurement has.
+CHECKS: dict[str, Check] = {
+    "announce": optional(_check_announce),
+    "designs": partial(check_whole, least=1, most=MOST_DESIGNS),
+    "outside": check_switch,
+    "picture": optional(check_path),
+    "seed": partial(check_whole, least=0, most=MOST_SEED),
+}
 
 
 @door(hint=A_STUDY)
@@ -111,8 +132,10 @@ def accuracy(
     >>> dict(measured.sizes), bool((measured.error_max < 1e-14).all())
     ({'way': 1, 'quantity': 1}, True)
     """
+    given = {"designs": designs, "outside": outside, "seed": seed, "to": to, "picture": picture}
+    check_options(given | {"overwrite": overwrite, "announce": announce}, CHECKS)
     read = read_study(study)
-    target = None if to is None else check_target(to, 0, overwrite)
+    target = None if to is None else check_target(to, 0, overwrite, read.sources)
     path = None if picture is None else check_picture(picture, "picture")
     offered = partial(methods_for, with_numpy=outside)
     measured = measure(read, offered, designs=designs, seed=seed, announce=announce)
@@ -132,8 +155,6 @@ def measure(
     announce: Callable[[str], None] | None = None,
 ) -> xr.Dataset:
     """Measure error and run time of a study's quantities by given methods."""
-    check_whole(("designs",), designs, 1)
-    check_whole(("seed",), seed, 0)
     mechanism, options = study.mechanism, study.options
     resolved = resolve(mechanism, study.space, study.quantities, **options)
     rng = np.random.default_rng(seed)

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from fastlink._text import short_repr
 from fastlink.errors import InputError, Problem, Problems, remark
 from fastlink.plan.program import EXTREMUM
 from fastlink.plan.query import parse_request
@@ -25,7 +26,7 @@ from fastlink.space.degrees import (
     looks_like_degrees,
 )
 from fastlink.space.links import MODELS
-from fastlink.space.values import axis_of, short_repr
+from fastlink.space.values import axis_of
 
 if TYPE_CHECKING:
     from fastlink.catalogue.catalogue import Catalogue, Input

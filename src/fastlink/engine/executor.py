@@ -6,12 +6,12 @@ split stalls for a whole time slice when another process holds a core.
 
 from __future__ import annotations
 
-import itertools
+import contextlib
 import math
 import os
 import threading
 from collections.abc import Callable, Sequence
-from concurrent.futures import FIRST_EXCEPTION, ThreadPoolExecutor, wait
+from concurrent.futures import FIRST_EXCEPTION, Future, ThreadPoolExecutor, wait
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -127,8 +127,15 @@ def run(
         work()
         return
     with ThreadPoolExecutor(threads, thread_name_prefix="fastlink") as pool:
-        futures = [pool.submit(work) for _ in itertools.repeat(None, threads)]
+        futures: list[Future[None]] = []
         try:
+            with contextlib.suppress(
+                RuntimeError
+            ):  # the system starts no more; any number gives the same bits
+                while len(futures) < threads:
+                    futures.append(pool.submit(work))
+            if not futures:
+                work()
             finished, _ = wait(futures, return_when=FIRST_EXCEPTION)
             for future in finished:
                 future.result()

@@ -17,15 +17,16 @@ from fastlink.doors import door
 from fastlink.engine import labels
 from fastlink.engine.executor import BLOCK_BYTES, Sink, default_threads, row_bytes, run
 from fastlink.engine.needs import allocated, check_needs, designs_per_block
+from fastlink.engine.options import check_options
 from fastlink.engine.resolve import ResolvedSweep, resolve
 from fastlink.engine.sinks import ProgressBar, StatusCounts, into, tee
+from fastlink.errors import Problems
 from fastlink.io.dataset import plain_attrs
 from fastlink.io.finished import finished_map
 from fastlink.io.partial_file import check_target, existing_file
 from fastlink.io.writer import Writer
 from fastlink.maps import open as open_map
-from fastlink.precision import Verification, check_verify
-from fastlink.space.values import check_whole
+from fastlink.precision import DESIGNS, Verification
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -150,27 +151,23 @@ def sweep(
     ('a2', 'branch')
     """
     started = time.perf_counter()
-    resolved = resolve(
-        mechanism,
-        space,
-        quantities,
-        links=links,
-        input=input,
-        angles=angles,
-        positions=positions,
-        options=_OPTIONS,
-        branch=branch,
-        solver=solver,
-        extrema=extrema,
-        allow_invalid=allow_invalid,
-        backend=backend,
-    )
-    threads = default_threads() if threads is None else check_whole(("threads",), threads, 1)
-    evaluation = _Evaluation(resolved, threads, block, check_verify(verify, to is not None), to is None)
-    before = labels.global_attrs(resolved, threads) | dict(attrs or {})
-    if to is not None and not overwrite and (finished := evaluation.finished(to, before)) is not None:
+    problems, checked = Problems(), dict[str, Any]()
+    with problems.at():
+        given = {"verify": verify, "to": to, "overwrite": overwrite, "threads": threads, "progress": progress}
+        checked = check_options(given | {"allow_invalid": allow_invalid, "attrs": attrs, "block": block})
+    with problems.at():
+        asked: dict[str, Any] = {"links": links, "input": input, "angles": angles, "positions": positions}
+        asked |= {"branch": branch, "solver": solver, "extrema": extrema, "backend": backend}
+        asked |= {"options": _OPTIONS, "allow_invalid": checked.get("allow_invalid", False)}
+        resolved = resolve(mechanism, space, quantities, **asked)
+    problems.stop()
+    threads, target = checked["threads"] or default_threads(), checked["to"]
+    evaluation = _Evaluation(resolved, threads, checked["block"], checked["verify"], target is None)
+    before = labels.global_attrs(resolved, threads) | (checked["attrs"] or {})
+    is_new = target is None or overwrite
+    if not is_new and (finished := evaluation.finished(target, before)) is not None:
         return finished
-    path = None if to is None else check_target(to, evaluation.nbytes, overwrite)
+    path = None if target is None else check_target(target, evaluation.nbytes, overwrite)
     evaluation.load(started)
     with ProgressBar(resolved.space.size, progress) as bar:
         if path is None:
@@ -194,15 +191,16 @@ class _Evaluation:
         Number of threads.
     block : int, optional
         Designs per block.
-    verify : int
-        How many designs are computed again.
+    verify : int, optional
+        How many designs are computed again; those that a file is verified by unless given.
     in_memory : bool
         Whether the results stay in memory.
     """
 
     def __init__(
-        self, resolved: ResolvedSweep, threads: int, block: int | None, verify: int, in_memory: bool
+        self, resolved: ResolvedSweep, threads: int, block: int | None, verify: int | None, in_memory: bool
     ) -> None:
+        verify = (0 if in_memory else DESIGNS) if verify is None else verify
         self.resolved, self.threads, self.block = resolved, threads, block
         plan, space, positions = resolved.plan, resolved.space, resolved.positions
         self.variables = labels.variables(plan, space, positions.size, one_branch=resolved.one_branch)

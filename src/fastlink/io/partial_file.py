@@ -8,11 +8,12 @@ import os
 import shutil
 import tempfile
 import threading
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 from fastlink._text import size
 from fastlink.errors import InputError, Remedy, Setting
+from fastlink.options import check_path
 
 try:
     import fcntl
@@ -41,7 +42,7 @@ def reason(error: BaseException) -> str:
     return " ".join(str(text).split())
 
 
-def check_target(path: str | Path, nbytes_needed: int, overwrite: bool) -> Path:
+def check_target(path: str | Path, nbytes_needed: int, overwrite: bool, sources: Sequence[Path] = ()) -> Path:
     """Return the absolute path of an output file, or refuse it.
 
     To be called before anything is computed.
@@ -54,25 +55,20 @@ def check_target(path: str | Path, nbytes_needed: int, overwrite: bool) -> Path:
         Bytes of all values.
     overwrite : bool
         Whether an existing file may be replaced.
+    sources : sequence of Path
+        Files that the values are computed from, which must stay.
     """
+    target = Path(os.path.realpath(check_path(("to",), path)))
+    check_place(target)
+    if target.exists() and not overwrite:
+        raise exists_error(target)
+    if any(target.exists() and target.samefile(source) for source in sources):
+        raise _refused(f"{path}: the study is read from that file", "choose another name")
     try:
-        target = Path(os.path.realpath(os.path.expanduser(path)))
-        if target.is_dir():
-            raise _refused(f"{target} is a folder", f"add a file name, for instance {target / 'maps.h5'}")
-        if not target.parent.is_dir():
-            raise _refused(f"{target}: there is no folder {target.parent}", "create it or choose another")
-        if target.exists() and not target.is_file():
-            raise _refused(f"{target} is a device or a pipe", "choose another name")
-        if target.exists() and not overwrite:
-            raise exists_error(target)
         if (fd := reopened(part_of(target))) is not None:
             os.close(fd)
-        with tempfile.TemporaryFile(dir=target.parent):
-            pass
-    except InputError:
-        raise
-    except (OSError, ValueError) as error:  # ValueError: a NUL in the path
-        raise _refused(f"{path} cannot be written ({reason(error)})", "choose another place") from error
+    except OSError as error:
+        raise _not_writable(target, error) from error
     if nbytes_needed + SLACK > _free(target) + _held_by(part_of(target)):
         raise no_room(target, nbytes_needed)
     return target
@@ -80,15 +76,44 @@ def check_target(path: str | Path, nbytes_needed: int, overwrite: bool) -> Path:
 
 def existing_file(path: str | Path) -> Path | None:
     """Return the absolute path of an output that is a file already, None where there is none."""
+    target = Path(os.path.realpath(check_path(("to",), path)))
     try:
-        target = Path(os.path.realpath(os.path.expanduser(path)))
         return target if target.is_file() else None
-    except (OSError, ValueError):
+    except OSError:
         return None
 
 
-def _refused(what: str, remedy: Remedy) -> InputError:
-    return InputError(what, where=("to",), remedy=remedy)
+def check_place(path: Path, where: str = "to", example: str = "maps.h5") -> None:
+    """Refuse a path at which no file can be written, before anything is computed for it.
+
+    Parameters
+    ----------
+    path : Path
+        The file; its folder must exist.
+    where : str
+        The option that names it.
+    example : str
+        A name for a file of its kind.
+    """
+    try:
+        if path.is_dir():
+            raise _refused(f"{path} is a folder", f"add a file name, for instance {path / example}", where)
+        if not path.parent.is_dir():
+            raise _refused(f"{path}: there is no folder {path.parent}", "create it or choose another", where)
+        if path.exists() and not path.is_file():
+            raise _refused(f"{path} is a device or a pipe", "choose another name", where)
+        with tempfile.TemporaryFile(dir=path.parent):
+            pass
+    except OSError as error:
+        raise _not_writable(path, error, where) from error
+
+
+def _not_writable(path: Path, error: OSError, where: str = "to") -> InputError:
+    return _refused(f"{path} cannot be written ({reason(error)})", "choose another place", where)
+
+
+def _refused(what: str, remedy: Remedy, where: str = "to") -> InputError:
+    return InputError(what, where=(where,), remedy=remedy)
 
 
 def exists_error(path: Path, why: str = "") -> InputError:

@@ -13,11 +13,12 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
+from fastlink._text import short_repr
 from fastlink.doors import door
 from fastlink.errors import InputError, suggest
 from fastlink.io.dataset import FORMAT, FORMAT_VERSION
 from fastlink.io.partial_file import part_of, reason
-from fastlink.space.values import short_repr
+from fastlink.options import check_path
 
 __all__ = ["as_dataset", "as_map", "is_hdf5", "open_map"]
 
@@ -134,9 +135,7 @@ def as_dataset(maps: Any) -> Iterator[xr.Dataset]:
 
 def _existing(path: Any) -> Path:
     """Return the path of a file, or refuse it."""
-    if not isinstance(path, (str, os.PathLike)) or not isinstance(os.fspath(path), str):
-        raise InputError(f"is {short_repr(path)}", where=("path",), remedy="give the path of a written map")
-    file = Path(os.path.expanduser(path))
+    file = check_path(("path",), path)
     if os.path.isdir(file):
         raise InputError(f"{file}: is a folder", remedy="give the path of a map that a sweep has written")
     if not os.path.exists(file):

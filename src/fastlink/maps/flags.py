@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from fastlink._text import short_repr
 from fastlink.errors import InputError, suggest
-from fastlink.space.values import short_repr
 
 if TYPE_CHECKING:
     import xarray as xr

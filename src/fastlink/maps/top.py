@@ -10,10 +10,11 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
+from fastlink._text import short_repr
 from fastlink.errors import InputError, suggest
 from fastlink.maps.flags import check_flags, flags_of, has_flag
+from fastlink.options import check_whole
 from fastlink.space.design_space import DESIGN
-from fastlink.space.values import check_whole, short_repr
 
 __all__ = ["top"]
 

@@ -10,8 +10,8 @@ from typing import Any, TypeVar
 import numpy as np
 import xarray as xr
 
+from fastlink._text import short_repr
 from fastlink.errors import InputError, KeyPath, suggest
-from fastlink.space.values import short_repr
 
 __all__ = [
     "DEGREE",

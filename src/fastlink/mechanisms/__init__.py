@@ -12,7 +12,7 @@ import threading
 from types import ModuleType
 from typing import TYPE_CHECKING, Any
 
-from fastlink.errors import InputError, suggest
+from fastlink.options import check_choice
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -51,20 +51,18 @@ def catalogue(mechanism: str, input: str | None = None) -> Catalogue:
         The mechanism or the input is unknown.
     """
     first, driven = _package(mechanism)
-    if input is None or (isinstance(input, str) and input == first.position.name):
+    if input is None:
         return first
-    if not isinstance(input, str) or input not in driven:
-        what, remedy = f"{input!r} is unknown to {mechanism}", suggest(str(input), inputs_of(mechanism))
-        raise InputError(what, where=("input",), remedy=remedy)
+    input = check_choice(("input",), input, (first.position.name, *driven), f" to {mechanism}")
+    if input == first.position.name:
+        return first
     with _lock:
         return driven[input]()
 
 
 def _package(mechanism: str) -> tuple[Catalogue, dict[str, Callable[[], Catalogue]]]:
     """Return the catalogue of a mechanism, and factories of those by its other inputs, by name."""
-    if not isinstance(mechanism, str) or mechanism not in NAMES:
-        remedy = suggest(str(mechanism), NAMES)
-        raise InputError(f"{mechanism!r} is unknown", where=("mechanism",), remedy=remedy)
+    mechanism = check_choice(("mechanism",), mechanism, NAMES)
     from importlib import import_module
 
     package = import_module(f"fastlink.mechanisms.{mechanism}")

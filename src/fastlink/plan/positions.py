@@ -7,11 +7,13 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from fastlink._text import short_repr
 from fastlink.catalogue.catalogue import Catalogue
 from fastlink.errors import InputError, Problems, Samples, Setting, suggest
 from fastlink.mechanisms import NAMES, inputs_of
+from fastlink.options import check_choice
 from fastlink.plan.query import Extrema, parse_request
-from fastlink.space.values import first_invalid, short_repr
+from fastlink.space.values import first_invalid
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
@@ -77,8 +79,7 @@ def check_extrema(extrema: str | None, catalogue: Catalogue, angles: Any) -> Ext
     chosen = np.ndim(angles) > 0
     if extrema is None:
         return "sampled" if chosen else "refined"
-    if extrema not in EXTREMA:
-        raise InputError(f"{extrema!r} is unknown", where=("extrema",), remedy=suggest(str(extrema), EXTREMA))
+    extrema = check_choice(("extrema",), extrema, EXTREMA)
     if chosen and extrema == "refined":
         name = catalogue.position.name
         what = f"'refined' is over the whole turn of {name}, but {name} is an array"

@@ -7,11 +7,11 @@ from dataclasses import dataclass
 from itertools import islice
 from typing import TYPE_CHECKING, Literal
 
+from fastlink._text import short_repr
 from fastlink.errors import InputError, Problems
 from fastlink.facts.names import ListOfExtrema, Quantity, Reduced
 from fastlink.plan.reductions import REDUCTIONS, Reduction
 from fastlink.plan.suggestions import unknown_quantity
-from fastlink.space.values import short_repr
 
 if TYPE_CHECKING:
     from fastlink.catalogue.catalogue import Catalogue

@@ -11,14 +11,15 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from fastlink._text import counted
+from fastlink._text import counted, short_repr
 from fastlink.catalogue.catalogue import Catalogue, Input
 from fastlink.catalogue.declare import ELIMINATED
 from fastlink.errors import InputError, KeyPath, Model, Problem, Problems, Remedy, nearest, suggest
+from fastlink.options import check_choice
 from fastlink.plan.query import parse_request
 from fastlink.plan.suggestions import input_remedy
 from fastlink.space.links import MODELS, Links
-from fastlink.space.values import MOST_LISTED, cells_of, listed, short_repr, unmasked
+from fastlink.space.values import MOST_LISTED, cells_of, listed, unmasked
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -69,13 +70,11 @@ def check_model(catalogue: Catalogue, links: Links | None, solver: str) -> None:
         With what there is.
     """
     problems = Problems()
-    known = isinstance(solver, str) and solver in catalogue.solvers
-    if not known and catalogue.solvers == (ELIMINATED,):
-        what = f"{short_repr(solver)} is not a solver of {catalogue.name}, which has no linear system"
-        problems.add(what, ("solver",), "leave solver out")
-    elif not known:
-        remedy = suggest(str(solver), catalogue.solvers)
-        problems.add(f"{short_repr(solver)} is unknown", ("solver",), remedy)
+    with problems.at():
+        if catalogue.solvers == (ELIMINATED,) and not (isinstance(solver, str) and solver == ELIMINATED):
+            what = f"{short_repr(solver)} is not a solver of {catalogue.name}, which has no linear system"
+            raise InputError(what, where=("solver",), remedy="leave solver out")
+        check_choice(("solver",), solver, catalogue.solvers)
     if links is not None and not isinstance(links, Links):
         remedy = "write fastlink.round_bar(density=..., radius=...), or leave links out"
         problems.add(f"is {short_repr(links)}, not a model of the links", ("links",), remedy)

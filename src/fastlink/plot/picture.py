@@ -6,12 +6,16 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from fastlink.errors import InputError
+from fastlink.io.partial_file import check_place
+from fastlink.options import check_path
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 __all__ = ["check_picture", "require_matplotlib", "save"]
 
+#: Endings of pictures: those that matplotlib writes in full quality.
+KINDS = ("png", "svg", "pdf")
 INSTALL = "python -m pip install 'fastlink-linkages[plot]'"
 
 
@@ -24,25 +28,21 @@ def require_matplotlib(where: str) -> None:
 
 
 def check_picture(to: str | Path, where: str) -> Path:
-    """Return the path of a picture to write.
+    """Return the path of a picture to write; to be called before anything is drawn.
 
     Raises
     ------
     InputError
-        Matplotlib is missing or does not write pictures with this ending, or the folder does not exist.
+        Matplotlib is missing, the name ends in no kind of picture, or no file can be written there.
     """
-    require_matplotlib(where)
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
-
-    path, kinds = Path(to).expanduser(), FigureCanvasAgg.get_supported_filetypes()
-    kind = path.suffix.removeprefix(".").lower()
-    if kind not in kinds:
+    path = check_path((where,), to, "map.png")
+    kind = path.suffix.removeprefix(".")
+    if kind.lower() not in KINDS:
         ending = f"ends in {kind!r}" if kind else "has no ending"
-        remedy = f"write one of {', '.join(sorted(kinds))}"
+        remedy = f"write one of {', '.join(KINDS)}"
         raise InputError(f"{path}: the name of the picture {ending}", where=(where,), remedy=remedy)
-    if not path.parent.is_dir():
-        what = f"{path}: there is no folder {path.parent}"
-        raise InputError(what, where=(where,), remedy="create it or choose another")
+    check_place(path, where, "map.png")
+    require_matplotlib(where)
     return path
 
 

@@ -7,6 +7,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from fastlink._text import short_repr
 from fastlink.doors import door
 from fastlink.errors import InputError, Setting
 from fastlink.io.reader import as_map
@@ -14,7 +15,6 @@ from fastlink.maps.units import degrees as in_degrees
 from fastlink.maps.units import degrees_along
 from fastlink.plot.picture import check_picture, require_matplotlib, save
 from fastlink.plot.selection import select
-from fastlink.space.values import short_repr
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

@@ -10,10 +10,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from fastlink._text import short_number
+from fastlink._text import short_number, short_repr
 from fastlink.errors import InputError, Remedy, Setting, suggest
 from fastlink.maps.flags import flags_of
-from fastlink.space.values import short_repr
 
 if TYPE_CHECKING:
     import xarray as xr

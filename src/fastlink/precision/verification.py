@@ -9,41 +9,42 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from fastlink.options import check_whole
 from fastlink.precision.extrema import affordable, refined
 from fastlink.precision.pointwise import configurations, sampled, values
 from fastlink.precision.sample import Sample
-from fastlink.space.values import check_whole
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from numpy.typing import NDArray
 
+    from fastlink.errors import KeyPath
     from fastlink.plan.plan import Plan
     from fastlink.plan.program import Output
     from fastlink.precision.errors import MeasuredErrors
     from fastlink.space.design_space import DesignSpace
 
-__all__ = ["Verification", "check_verify"]
+__all__ = ["DESIGNS", "Verification", "check_verify"]
 
 #: Designs that are verified of a sweep that writes a file.
 DESIGNS = 64
 SEED = 0
-#: Facts that are evaluated in all, each some 6 us: the time does not grow with the number of quantities.
+#: Facts that are evaluated in all, each some 6 us: the time does not grow with the number of quantities. A design is at
+#: least one of them, so that more designs would not be verified.
 EVALUATIONS = 200_000
 
 
-def check_verify(verify: int | None, lasting: bool) -> int:
-    """Return the number of designs to verify; by default some of a result in a file.
+def check_verify(where: KeyPath, verify: Any) -> int:
+    """Return the number of designs to verify, or refuse it.
 
     Raises
     ------
     InputError
-        It is not a whole number, or is negative.
+        It is not a whole number, is negative, or is more than the reference has time for.
     """
-    if verify is None:
-        return DESIGNS if lasting else 0
-    return check_whole(("verify",), verify, 0, remedy="write how many designs to compute again, 0 for none")
+    remedy = f"write how many designs to compute again, from 0 for none to {EVALUATIONS}"
+    return check_whole(where, verify, 0, EVALUATIONS, remedy)
 
 
 class Verification:

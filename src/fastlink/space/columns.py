@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from fastlink._text import counted
+from fastlink._text import counted, short_repr
 from fastlink.errors import InputError, KeyPath, Problem, Problems, Remedy, Setting
 from fastlink.space.design_space import DESIGN, DesignSpace, sampled
 from fastlink.space.values import (
@@ -18,7 +18,6 @@ from fastlink.space.values import (
     constant,
     first_invalid,
     numbers_of,
-    short_repr,
     units_of,
 )
 

@@ -11,9 +11,8 @@ from typing import Any
 
 import numpy as np
 
-from fastlink._text import counted
+from fastlink._text import counted, short_repr
 from fastlink.space.columns import Columns, check_name, is_label, or_keep, refused
-from fastlink.space.values import short_repr
 
 __all__ = ["read_csv"]
 

@@ -8,9 +8,10 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from fastlink._text import short_repr
 from fastlink.errors import InputError
 from fastlink.numerics.compensated import two_product, two_sum
-from fastlink.space.values import Floats, short_repr
+from fastlink.space.values import Floats
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray

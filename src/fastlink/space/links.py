@@ -7,9 +7,9 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from numbers import Real
 
+from fastlink._text import short_repr
 from fastlink.doors import door
 from fastlink.errors import InputError, Problems, suggest
-from fastlink.space.values import short_repr
 
 __all__ = ["Links", "round_bar"]
 

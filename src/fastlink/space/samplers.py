@@ -9,13 +9,14 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from fastlink._text import counted
+from fastlink._text import counted, short_repr
 from fastlink.doors import door
 from fastlink.errors import InputError, Pair, Problems
 from fastlink.memory import check_memory
+from fastlink.options import MOST_SEED, check_whole
 from fastlink.space.design_space import DesignSpace, sampled
 from fastlink.space.table import table
-from fastlink.space.values import Floats, axis_of, check_whole, constant, numbers_of, short_repr, units_of
+from fastlink.space.values import Floats, axis_of, constant, numbers_of, units_of
 
 __all__ = ["DesignSpace", "grid", "latin_hypercube", "sobol", "table"]
 
@@ -156,7 +157,7 @@ def _sample(
     with problems.at():
         check_whole((kind, "n"), n, 1, MOST_SAMPLES, f"write an integer from 1 to {MOST_SAMPLES}")
     with problems.at():
-        check_whole((kind, "seed"), seed, 0, remedy="write an integer of 0 or more")
+        check_whole((kind, "seed"), seed, 0, MOST_SEED, f"write an integer from 0 to {MOST_SEED}")
     constants: dict[str, float] = {}
     bounds: dict[str, tuple[float, float]] = {}
     units: dict[str, str] = {}

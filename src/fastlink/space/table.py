@@ -4,18 +4,18 @@ from __future__ import annotations
 
 import os
 from collections.abc import Collection, Iterator, Mapping, Sequence
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from fastlink._text import short_repr
 from fastlink.doors import door
 from fastlink.errors import InputError, suggest
+from fastlink.options import check_path
 from fastlink.space.columns import Columns, check_name, refused
 from fastlink.space.csv_file import read_csv
 from fastlink.space.dataset import space_of_dataset
 from fastlink.space.design_space import DESIGN, DesignSpace, flat
-from fastlink.space.values import short_repr
 
 __all__ = ["as_space", "table"]
 
@@ -112,8 +112,8 @@ def _space_of(source: Any, keep: Collection[str], allow_invalid: bool, *, single
     """Return the designs of a source, None of one that has none."""
     if isinstance(source, DesignSpace):
         return source
-    if isinstance(source, (str, Path)):
-        path = Path(os.path.expanduser(source))
+    if isinstance(source, (str, os.PathLike)):
+        path = check_path(("table",), source, "designs.csv")
         attrs: dict[str, str | int] = {"design_kind": "table", "design_source": path.name}
         return read_csv(path, keep, allow_invalid).space(attrs)
     if hasattr(source, "data_vars") and hasattr(source, "coords"):

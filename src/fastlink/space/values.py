@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import math
 import numbers
-import reprlib
 import sys
 from collections.abc import Mapping
 from decimal import Decimal
@@ -13,8 +11,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from fastlink._text import counted
-from fastlink.errors import InputError, KeyPath
+from fastlink._text import counted, short_repr
+from fastlink.errors import InputError
 
 Floats = NDArray[np.float64]
 NUMBERS = "write a number or a flat list of numbers"
@@ -22,14 +20,6 @@ NUMBERS = "write a number or a flat list of numbers"
 MOST_LISTED = 10**8
 #: Most axes of an array of NumPy.
 MOST_DIMS = 64
-
-
-def short_repr(value: object) -> str:
-    """Return the repr of a value for a message: short and on one line."""
-    try:
-        return " ".join(reprlib.repr(value).split())
-    except ValueError:  # a whole number of more digits than Python writes
-        return f"a {type(value).__name__} of too many digits"
 
 
 def units_of(name: str, given: Any) -> dict[str, str]:
@@ -144,16 +134,6 @@ def constant(where: str, name: str, given: Any) -> float:
     if not np.isfinite(value):
         raise InputError(f"is {value}", where=(where, name), remedy="write a finite number")
     return float(value)
-
-
-def check_whole(
-    where: KeyPath, value: Any, least: int, most: float = math.inf, remedy: str | None = None
-) -> int:
-    """Return a whole number from `least` to `most`, or refuse the value."""
-    if isinstance(value, bool) or not isinstance(value, (int, np.integer)) or not least <= value <= most:
-        remedy = remedy or f"write a whole number of at least {least}"
-        raise InputError(f"is {short_repr(value)}", where=where, remedy=remedy)
-    return int(value)
 
 
 def axis_of(where: str, name: str, values: Floats) -> Floats:

@@ -10,8 +10,8 @@ import numpy as np
 from pydantic import BaseModel, Discriminator, Field, Tag, ValidationError, model_validator
 from pydantic_core import PydanticCustomError, core_schema
 
+from fastlink._text import short_repr
 from fastlink.errors import InputError, KeyPath, Problem, path_text, suggest
-from fastlink.space.values import short_repr
 
 __all__ = ["A_STUDY", "KEYS", "SAMPLES", "read_tables"]
 

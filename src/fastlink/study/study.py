@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 from fastlink.doors import door
 from fastlink.engine.checks import check
+from fastlink.engine.options import check_options
 from fastlink.engine.resolve import resolve
 from fastlink.engine.sweep import sweep
 from fastlink.errors import (
@@ -20,6 +21,7 @@ from fastlink.errors import (
 from fastlink.io.partial_file import check_target
 from fastlink.io.reader import is_hdf5
 from fastlink.mechanisms import catalogue as find_catalogue
+from fastlink.options import check_path
 from fastlink.plan.positions import check_keywords
 from fastlink.space.design_space import DesignSpace
 from fastlink.space.links import Links
@@ -138,16 +140,15 @@ def run_study(
     ...         dict(maps.transmission_angle_min.sizes)
     {'a2': 5, 'branch': 2}
     """
+    given = {"to": to, "threads": threads, "overwrite": overwrite, "progress": progress, "verify": verify}
+    check_options(given)
     study = read_study(path)
-    given = {"to": to, "threads": threads, "verify": verify}
     target = study.target(to)
     overwrite = overwrite or study.output.get("overwrite", False)
     title = {name: study.tables[name] for name in ("title",) if name in study.tables}
     try:
-        check_target(target, 0, True)  # the sweep knows whether the file that exists is its map
-        if any(target.exists() and target.samefile(source) for source in study.sources):
-            what = f"{target}: the study is read from that file"
-            raise InputError(what, where=("to",), remedy="choose another name")
+        # the sweep knows whether the file that exists is its map
+        check_target(target, 0, True, study.sources)
         return sweep(
             study.mechanism,
             study.space,
@@ -174,7 +175,7 @@ def read_study(path: str | Path) -> Study:
     InputError
         One line for each problem: the file, the key, what was found, what is allowed.
     """
-    path = Path(path).expanduser()
+    path = check_path(("study",), path, "study.toml")
     text = _text_of(path)
     tables = _tables_of(path, text)
     cycle, design = tables["cycle"], tables["design"]

@@ -53,6 +53,7 @@ class StudyWording(Wording):
         return path_text(self._key(where))
 
     def _key(self, where: KeyPath) -> KeyPath:
+        where = where[1:] if where[:1] == ("attrs",) else where  # the title, and the names of files
         head, *rest = where or ("",)
         if head in SAMPLES:
             return ("design", *where)

@@ -1,0 +1,98 @@
+"""The check of each option of the doors, by the name that it has at all of them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from functools import partial
+from typing import Any
+
+from fastlink.errors import InputError, KeyPath, Problems
+from fastlink.io.attributes import check_attrs
+from fastlink.io.dataset import FORMAT
+from fastlink.mechanisms import NAMES, inputs_of
+from fastlink.options import check_path, check_switch, check_whole
+from fastlink.precision import check_verify
+
+__all__ = ["CHECKS", "Check", "check_options", "is_reserved", "optional"]
+
+Check = Callable[[KeyPath, Any], Any]
+
+#: More threads than any machine has processors; as many as this take no longer to start than a short sweep to run.
+MOST_THREADS = 4096
+#: Global attributes that a sweep writes itself; `title`, `study` and `study_file` are those of a study.
+RESERVED = frozenset(
+    (
+        FORMAT,
+        "Conventions",
+        "mechanism",
+        "input",
+        "source",
+        "backend",
+        "solver",
+        "threads",
+        "extrema",
+        "scaling_axis",
+        "designs",
+        "set_up_time_s",
+        "run_time_s",
+        "written_time_ns",
+        "fingerprint",
+        "configurations",
+        "configurations_per_second",
+    )
+)
+#: How others begin: the origin of the designs, counts of each status, the verification.
+BEGINNINGS = ("design_", "designs_", "fastlink_", "verified_", "verify_")
+
+
+def is_reserved(name: str) -> bool:
+    """Tell whether a sweep itself may write a global attribute of a name."""
+    if name.endswith("_count"):  # of input positions
+        return any(name.removesuffix("_count") in inputs_of(mechanism) for mechanism in NAMES)
+    return name in RESERVED or name.startswith(BEGINNINGS)
+
+
+def optional(check: Check) -> Check:
+    """Return the check of an option that may be None."""
+    return lambda where, value: None if value is None else check(where, value)
+
+
+#: The check of each option of a sweep, which other doors share.
+CHECKS: dict[str, Check] = {
+    "allow_invalid": check_switch,
+    "attrs": optional(partial(check_attrs, reserved=is_reserved)),
+    "block": optional(partial(check_whole, least=1)),
+    "overwrite": check_switch,
+    "progress": optional(check_switch),
+    "threads": optional(partial(check_whole, least=1, most=MOST_THREADS)),
+    "to": optional(check_path),
+    "verify": optional(check_verify),
+}
+
+
+def check_options(given: Mapping[str, Any], further: Mapping[str, Check] | None = None) -> dict[str, Any]:
+    """Return the options of a call after their checks; all problems are raised together.
+
+    Parameters
+    ----------
+    given : mapping
+        The options by name.
+    further : mapping, optional
+        The checks of options that only this door has.
+
+    Examples
+    --------
+    >>> check_options({"threads": 2, "overwrite": "no", "verify": -1})
+    Traceback (most recent call last):
+    fastlink.errors.InputError: overwrite is 'no'; write True or False
+    verify is -1; write how many designs to compute again, 0 for none, at most 200000
+    """
+    checks = CHECKS if further is None else CHECKS | dict(further)
+    problems, checked = Problems(), {}
+    for name, value in given.items():
+        try:
+            checked[name] = checks[name]((name,), value)
+        except InputError as error:
+            problems.noted += error.problems
+    problems.stop()
+    return checked

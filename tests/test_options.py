@@ -1,0 +1,295 @@
+"""Options are checked at every door, in the same words, before anything is computed."""
+
+import os
+from pathlib import Path
+
+import numpy as np
+import pytest
+from typer.testing import CliRunner
+
+import fastlink as fl
+from fastlink.cli import app
+from fastlink.engine import executor
+from fastlink.engine.options import MOST_THREADS, is_reserved
+from fastlink.options import LONGEST_NAME
+from tests.support.refusals import assert_refusal, refused
+from tests.support.study_files import GOOD, written
+
+SPACE = fl.grid(a1=0.4, a2=[1.1, 1.2], a3=0.8, a4=1.0, omega1=25.0)
+
+SWITCHES = [1, 0, "no", "false", None, [True], np.array([True, False])]
+PATHS = [
+    (b"maps.h5", "maps.h5"),
+    (5, "maps.h5"),
+    (True, "maps.h5"),
+    ({"maps.h5"}, "maps.h5"),
+    (["maps.h5"], "maps.h5"),
+    ("", "maps.h5"),
+    (" ", "maps.h5"),
+    ("a\0b.h5", "maps.h5"),
+    ("a\nb.h5", "maps.h5"),
+    ("a\ud800.h5", "maps.h5"),
+    ("x" * 300, "maps.h5"),
+    ("d/" * 3000 + "m.h5", "maps.h5"),
+]
+
+
+def sweep(**options):
+    return fl.sweep("planar_4r", SPACE, ["omega4_max"], **options)
+
+
+def function(**options):
+    return fl.function("planar_4r", ["a2"], ["omega4_max"], a1=0.4, a3=0.8, a4=1.0, omega1=25.0, **options)
+
+
+def study(**options):
+    return fl.run_study(written(GOOD), **options)
+
+
+def accuracy(**options):
+    return fl.accuracy(written(GOOD), **options)
+
+
+@pytest.fixture
+def folder(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+#: The options of each door, with values that it refuses and a part of the remedy.
+WRONG = {
+    "threads": [
+        (value, f"from 1 to {MOST_THREADS}") for value in (0, -1, 1.5, True, "2", 10**9, 10**30, {1})
+    ],
+    "verify": [(value, "0 for none") for value in (-1, 1.5, True, "all", 10**12, [1])],
+    "overwrite": [(value, "True or False") for value in SWITCHES],
+    "progress": [(value, "True or False") for value in ("yes", 1, [], {})],
+    "allow_invalid": [(value, "True or False") for value in SWITCHES],
+    "outside": [(value, "True or False") for value in SWITCHES],
+    "block": [(value, "at least 1") for value in (0, -1, 1.5, True, "64", np.array([1, 2]))],
+    "designs": [(value, "from 1 to") for value in (0, -1, 1.5, True, 10**12, None)],
+    "seed": [(value, "from 0 to") for value in (-1, 1.5, True, 2**63, None)],
+    "announce": [(value, "such as print") for value in ("print", 1, True)],
+    "to": PATHS,
+    "picture": PATHS,
+    "attrs": [([("a", 1)], "a mapping"), ("text", "a mapping"), (5, "a mapping"), ({1: 2}, "letters")],
+    "solver": [(value, "dense") for value in (None, 1, {"dense"}, ["dense"], b"dense", np.array(["dense"]))],
+    "extrema": [
+        (value, "refined") for value in (1, {"refined"}, ["refined"], b"refined", np.array(["a", "b"]))
+    ],
+    "backend": [(value, "llvm") for value in ("", 1, {"llvm"}, ["llvm"], b"llvm", np.array(["a", "b"]))],
+    "input": [(value, "theta1") for value in (1, {"theta1"}, ["theta1"], b"theta1", np.array(["a", "b"]))],
+}
+DOORS = {
+    sweep: "threads verify overwrite progress allow_invalid block to attrs solver extrema backend input",
+    function: "solver extrema backend input",
+    study: "threads verify overwrite progress to",
+    accuracy: "designs outside seed to picture overwrite announce",
+}
+CASES = [
+    pytest.param(door, option, value, remedy, id=f"{door.__name__}-{option}-{number}")
+    for door, options in DOORS.items()
+    for option in options.split()
+    for number, (value, remedy) in enumerate(WRONG[option])
+]
+
+
+@pytest.mark.parametrize(("door", "option", "value", "remedy"), CASES)
+def test_a_wrong_option_is_refused_alike_at_every_door(folder, door, option, value, remedy):
+    with refused(option, remedy):
+        door(**{option: value})
+    assert sorted(path.name for path in folder.iterdir()) in ([], ["study.toml"])
+
+
+def test_all_wrong_options_and_all_else_that_is_wrong_are_named_together(folder):
+    with pytest.raises(fl.InputError) as caught:
+        fl.sweep("planar_4r", SPACE, ["omga4"], threads=0, block=0, to=b"x", attrs={"threads": 1}, branch=7)
+    wheres = {one.where[0] for one in caught.value.problems}
+    assert wheres == {"threads", "block", "to", "attrs", "quantities", "branch"}
+
+
+# -- paths -----------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("door", "key", "example"),
+    [
+        (fl.open, "path", "maps.h5"),
+        (fl.run_study, "study", "study.toml"),
+        (fl.accuracy, "study", "study.toml"),
+        (fl.explain, "study", "study.toml"),
+    ],
+)
+def test_what_no_file_can_be_called_is_refused_wherever_a_file_is_read(door, key, example):
+    for value, _ in PATHS:
+        with refused(key, example):
+            door(value)
+    with refused("table", "designs.csv"):
+        fl.table("a\0b.csv")
+
+
+def test_a_path_may_begin_at_home_and_be_any_path_like(folder, monkeypatch):
+    class Entry:
+        def __fspath__(self):
+            return "~/by_entry.h5"
+
+    monkeypatch.setenv("HOME", str(folder))
+    sweep(to=Entry(), verify=0).close()
+    with fl.open("~/by_entry.h5") as maps:
+        assert maps.sizes["a2"] == 2
+
+
+def test_the_longest_name_has_room_for_what_is_beside_it(folder):
+    for length in (LONGEST_NAME - 20, LONGEST_NAME - 13, LONGEST_NAME - 12, LONGEST_NAME - 5, LONGEST_NAME):
+        try:
+            sweep(to="x" * length, verify=0).close()
+        except fl.InputError as error:
+            assert_refusal(error, "to", "choose another place")
+    assert not [name for name in os.listdir(folder) if ".part" in name]
+
+
+@pytest.mark.parametrize("name", ["map.gif", "map.csv", "map", "map.jpg", ".png", "map.png.txt"])
+def test_pictures_are_png_svg_or_pdf(folder, name):
+    maps = sweep()
+    with refused("to", "png, svg, pdf"):
+        fl.plot_map(maps, "omega4_max", to=name)
+    with refused("picture", "png, svg, pdf"):
+        accuracy(picture=name)
+    assert not Path(name).exists()
+
+
+def test_pictures_on_the_command_line_too(folder):
+    sweep(to="maps.h5").close()
+    done = CliRunner().invoke(app, ["plot", "maps.h5", "omega4_max", "--to", "map.gif"])
+    assert done.exit_code == 2
+    assert done.stderr.startswith("fastlink: --to: map.gif")
+    assert done.stderr.rstrip().endswith("png, svg, pdf")
+
+
+@pytest.mark.parametrize(
+    ("arguments", "option"),
+    [
+        (["run", "study.toml", "--threads", "1000000000"], "--threads"),
+        (["run", "study.toml", "--verify", "1000000000000"], "--verify"),
+        (["run", "study.toml", "--to", ""], "--to"),
+        (["accuracy", "study.toml", "--designs", "0"], "--designs"),
+        (["accuracy", "study.toml", "--picture", "x.csv"], "--picture"),
+        (["accuracy", "study.toml", "--to", "study.toml", "--overwrite"], "--to"),
+    ],
+)
+def test_the_command_line_names_its_own_options(folder, arguments, option):
+    written(GOOD)
+    done = CliRunner().invoke(app, arguments)
+    (line,) = done.stderr.splitlines()
+    assert done.exit_code == 2
+    assert line.startswith(f"fastlink: {option}")
+    assert Path("study.toml").read_text() == GOOD
+
+
+# -- attributes ------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    "attrs",
+    [
+        {"": 1},
+        {"a/b": 1},
+        {"a\0b": 1},
+        {"a ": 1},
+        {"\ud800": 1},
+        {"_NCProperties": 1},
+        {"CLASS": 1},
+        {"coordinates": "a2"},
+        {"a" * 300: 1},
+        {"a": None},
+        {"a": b"text"},
+        {"a": {}},
+        {"a": "x\0y"},
+        {"a": "\ud800"},
+        {"a": 2**64},
+        {"a": -(2**63) - 1},
+        {"a": 1j},
+        {"a": []},
+        {"a": ["x", "y"]},
+        {"a": [[1.0], [2.0, 3.0]]},
+        {"a": np.zeros((2, 2))},
+        {"a": np.longdouble(1)},
+        {"a": np.float16(1)},
+        {"a": np.datetime64("2020-01-01")},
+    ],
+    ids=lambda attrs: ascii(attrs)[:40],
+)
+def test_attributes_that_no_file_holds_are_refused_before_anything_is_computed(attrs):
+    with refused("attrs", "write " if "a" in attrs else "letters"):
+        sweep(attrs=attrs)
+
+
+GOOD_ATTRS = {
+    "author": "Ü",
+    "empty": "",
+    "a note": "x" * 100_000,
+    "number": -(2**63),
+    "large": 2**64 - 1,
+    "ratio": float("nan"),
+    "single": np.float32(1.5),
+    "flag": True,
+    "list": [1, 2, 3],
+    "array": np.arange(10_000.0),
+    "designer": "A. Name",
+    "sample_count": 3,
+    "title": "of my own",
+}
+
+
+def test_other_attributes_are_kept_in_memory_and_in_files(folder):
+    in_memory = sweep(attrs=GOOD_ATTRS)
+    with sweep(attrs=GOOD_ATTRS, to="maps.h5") as in_file:
+        for name, value in GOOD_ATTRS.items():
+            np.testing.assert_array_equal(in_memory.attrs[name], value)
+            np.testing.assert_array_equal(in_file.attrs[name], value)
+
+
+def test_no_attribute_of_a_map_can_be_overwritten(folder):
+    maps = [
+        sweep(to="maps.h5", verify=1),
+        fl.sweep("planar_4r", fl.sobol(4, a1=(0.1, 0.2), a2=1.1, a3=0.8, a4=1.0), ["theta4_max"]),
+        fl.sweep("hart", fl.grid(m=4.0, n=8.0, d=6.0, kappa=0.5), ["F_x"]),
+        study(verify=1),
+    ]
+    for one in maps:
+        one.close()
+        for name in one.attrs.keys() - {"title", "study", "study_file"}:
+            assert is_reserved(name), name
+            with refused("attrs", "another name"):
+                sweep(attrs={name: one.attrs[name]})
+    with pytest.raises(fl.InputError) as caught:
+        sweep(attrs=maps[0].attrs)
+    assert all(name in caught.value.what for name in ("mechanism", "designs", "threads", "run_time_s"))
+
+
+def test_a_seed_that_no_file_holds_is_refused():
+    with refused("seed", "from 0 to"):
+        fl.sobol(4, seed=2**63, a1=(0.1, 0.2))
+
+
+# -- threads ---------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("started", [0, 1, 3])
+def test_a_system_that_starts_few_threads_computes_all_the_same(monkeypatch, started):
+    usual = executor.ThreadPoolExecutor.submit
+    count = 0
+
+    def limited(pool, work):
+        nonlocal count
+        count += 1
+        if count > started:
+            raise RuntimeError("can't start new thread")
+        return usual(pool, work)
+
+    space = fl.grid(a1=0.4, a2=np.linspace(1.1, 1.3, 64), a3=0.8, a4=1.0, omega1=25.0)
+    expected = fl.sweep("planar_4r", space, ["omega4_max"], threads=1)
+    monkeypatch.setattr(executor.ThreadPoolExecutor, "submit", limited)
+    maps = fl.sweep("planar_4r", space, ["omega4_max"], threads=4, block=4)
+    assert count > started
+    assert maps.omega4_max.equals(expected.omega4_max)
