@@ -333,6 +333,7 @@ KEYS = {
 }
 
 
+@pytest.mark.filterwarnings("ignore::fastlink.errors.InputWarning")  # angles may look like degrees
 @pytest.mark.parametrize(("table", "key"), [(table, key) for table, keys in KEYS.items() for key in keys])
 def test_any_value_of_any_key_is_read_or_refused_at_its_key(folder, table, key):
     tables = {"": {"mechanism": '"planar_4r"', "quantities": '["theta4"]'}, "links": {"model": '"round_bar"'}}

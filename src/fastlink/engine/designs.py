@@ -23,7 +23,7 @@ from fastlink.space.degrees import (
     as_floats,
     check_angle,
     degrees_name,
-    looks_like_degrees,
+    remark_on_angles,
 )
 from fastlink.space.links import MODELS
 from fastlink.space.values import axis_of
@@ -33,7 +33,7 @@ if TYPE_CHECKING:
     from fastlink.space.design_space import DesignSpace
     from fastlink.space.links import Links
 
-__all__ = ["designs_of", "remark_on_angles"]
+__all__ = ["designs_of"]
 
 BRANCH = "branch"
 #: The attribute of a result that names what stood beside its designs and is ignored.
@@ -103,13 +103,6 @@ def _known_inputs(catalogue: Catalogue, version: int) -> tuple[dict[str, Input],
     """Return every input of a mechanism, and the names of those that are angles; found once for a version of it."""
     known = catalogue.known_inputs(catalogue.variant_inputs)
     return known, tuple(name for name, declared in known.items() if declared.units == RADIANS)
-
-
-def remark_on_angles(name: str, values: Any, *where: str) -> None:
-    """Warn of angles that can hardly be meant as radians."""
-    if looks_like_degrees(values):
-        what = f"{short_repr(np.asarray(values).tolist())} is taken as radians"
-        remark(what, (*where, name), f"if these are degrees, write {degrees_name(name)}")
 
 
 def without(space: DesignSpace, names: Iterable[str]) -> DesignSpace:

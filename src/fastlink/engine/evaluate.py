@@ -19,7 +19,7 @@ from fastlink.engine.broadcast import MOST_CONFIGURATIONS, broadcast_inputs, lik
 from fastlink.errors import InputError, Problem, Problems, Setting
 from fastlink.mechanisms import NAMES, inputs_of
 from fastlink.mechanisms import catalogue as find_catalogue
-from fastlink.plan.positions import check_keywords
+from fastlink.plan.positions import check_keywords, radian_keywords
 from fastlink.plan.query import check_names
 from fastlink.plan.suggestions import require_quantity
 from fastlink.plan.validate import (
@@ -33,6 +33,7 @@ from fastlink.plan.validate import (
     selected_variants,
     value_problems,
 )
+from fastlink.space.degrees import RADIANS, angle_of, remark_on_angles
 from fastlink.space.links import Links
 from fastlink.space.values import MOST_DIMS, numbers_of
 
@@ -74,8 +75,9 @@ def evaluate(
         Evaluate impossible values too (NaN, a length that is not positive) instead of refusing them; what depends on
         them is NaN or flagged.
     **inputs : float, array_like or xarray.DataArray
-        The inputs and the input position, broadcast against each other: arrays by their shapes, DataArrays by the
-        names of their dimensions, whose coordinates must agree. A choice that is not given is its first.
+        The inputs and the input position (angles in degrees by names such as ``theta1_deg``), broadcast against each
+        other: arrays by their shapes, DataArrays by the names of their dimensions, whose coordinates must agree. A
+        choice that is not given is its first.
 
     Returns
     -------
@@ -94,6 +96,8 @@ def evaluate(
     4.0
     """
     catalogue, problems = find_catalogue(mechanism, input), Problems()
+    if any(map(angle_of, inputs)):
+        inputs = radian_keywords(catalogue, "evaluate", inputs, problems, position=True)
     version = catalogue.version
     names: tuple[str, ...] = ()
     with problems.at():
@@ -120,6 +124,8 @@ def evaluate(
     problems.stop()
     template, arrays, shape = broadcast_inputs("evaluate", values)
     theta = arrays.pop(catalogue.position.name)
+    if catalogue.position.units == RADIANS:
+        remark_on_angles(catalogue.position.name, theta, "evaluate")
     tabled = angle_tables(catalogue, recipe.tables, np.ravel(theta))
     arrays |= zip(recipe.tables, tabled.reshape(len(recipe.tables), *np.shape(theta)), strict=True)
     with np.errstate(all="ignore"):

@@ -20,8 +20,10 @@ from fastlink.engine.resolve import ResolvedSweep, resolve
 from fastlink.errors import InputError, Problems
 from fastlink.mechanisms import NAMES, inputs_of
 from fastlink.mechanisms import catalogue as find_catalogue
+from fastlink.plan.positions import radian_keywords
 from fastlink.plan.query import check_names
 from fastlink.plan.validate import allowed, check_inputs, selected_variants, unknown_input
+from fastlink.space.degrees import angle_of, degrees_name
 from fastlink.space.design_space import DESIGN, DesignSpace
 from fastlink.space.samplers import grid
 from fastlink.space.values import MOST_DIMS, numbers_of
@@ -110,11 +112,17 @@ def function(
             raise InputError(what, where=("function", name), remedy="leave one out")
     catalogue, problems = find_catalogue(mechanism, input), Problems()
     known = catalogue.known_inputs(catalogue.variant_inputs)
+    if any(map(angle_of, (*fixed, *names))):
+        fixed = radian_keywords(catalogue, "function", fixed, problems, position=False)
+        for angle in filter(known.__contains__, map(angle_of, names)):
+            problems.add(
+                "takes radians", ("function", degrees_name(angle)), f"write {angle} among the inputs"
+            )
     drives = {name for other in NAMES for name in inputs_of(other)} - known.keys()
     problems.noted += [
         unknown_input(catalogue, name, known, "function", (*_OPTIONS, catalogue.position.name))
         for name in fixed
-        if name not in known and name not in drives
+        if name not in known and name not in drives and angle_of(name) not in drives
     ]
     with problems.at():
         constants = _constants({name: value for name, value in fixed.items() if name in known})

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import hashlib
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache, partial
 from typing import TYPE_CHECKING, Any
 
@@ -21,9 +21,11 @@ from fastlink.errors import InputError, Problems
 from fastlink.mechanisms import catalogue as find_catalogue
 from fastlink.plan.plan import Plan, make_plan
 from fastlink.plan.pointwise import ANGLES_FOR_LANES
+from fastlink.plan.positions import in_degrees
 from fastlink.plan.program import EXTREMUM
 from fastlink.plan.query import Extrema, with_lists
 from fastlink.plan.validate import all_choices, constants_of, missing_inputs
+from fastlink.space.degrees import COMMENT
 from fastlink.space.table import as_space
 
 if TYPE_CHECKING:
@@ -175,6 +177,8 @@ def resolve(
         checked = check(mechanism, designs, quantities, companions=companions, parameter=parameter, **options)
     problems.stop()
     assert designs is not None
+    if in_degrees(catalogue, options.get("angles"), options.get("positions") or {}):
+        designs = replace(designs, comments={**designs.comments, catalogue.position.name: COMMENT})
     space, variants = designs, checked.variants
     space = space.with_constants(constants_of(catalogue, checked.links, variants))
     for name, codes in all_choices(catalogue, space.names, variants).items():

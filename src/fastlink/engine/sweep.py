@@ -125,7 +125,7 @@ def sweep(
         ``"llvm"``.
     **positions : int or array_like, optional
         The same as `angles`, by the name of the input: ``theta1=72``, or ``F_y=[-0.1, 0.0, 0.1]`` where the input is
-        ``"F_y"``.
+        ``"F_y"``; in degrees ``theta1_deg=[40, 80]``.
 
     Returns
     -------

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -13,12 +14,30 @@ from fastlink.errors import InputError, Problems, Samples, Setting, suggest
 from fastlink.mechanisms import NAMES, inputs_of
 from fastlink.options import check_choice
 from fastlink.plan.query import Extrema, parse_request
-from fastlink.space.values import first_invalid
+from fastlink.space.degrees import (
+    RADIANS,
+    Degrees,
+    angle_of,
+    as_floats,
+    check_angle,
+    degrees_name,
+    radians,
+    remark_on_angles,
+)
+from fastlink.space.values import MOST_DIMS, first_invalid, listed, numbers_of
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
-__all__ = ["check_extrema", "check_keywords", "check_positions", "check_turn", "given_angles"]
+__all__ = [
+    "check_extrema",
+    "check_keywords",
+    "check_positions",
+    "check_turn",
+    "given_angles",
+    "in_degrees",
+    "radian_keywords",
+]
 
 EXTREMA: tuple[Extrema, ...] = ("refined", "sampled")
 ANGLES = 360
@@ -40,7 +59,13 @@ def check_keywords(
     for name in names:
         if name == position:
             continue
-        if any(name in inputs_of(other) for other in NAMES):
+        if name in (degrees_name(position), "angles_deg"):
+            if name == "angles_deg":
+                problems.add("is not an option", (name,), f"write {degrees_name(position)}")
+            else:
+                with problems.at():
+                    check_angle(name, position, catalogue.position.units, ())
+        elif any(name in inputs_of(other) for other in NAMES):
             own = name in inputs_of(mechanism)
             other = (f", or, to drive {name}, write ", Setting("input", name)) if own else ()
             problems.add(f"the input is {position}", (name,), (f"write its positions as {position}", other))
@@ -52,20 +77,89 @@ def check_keywords(
 def given_angles(catalogue: Catalogue, angles: Any, positions: Mapping[str, Any]) -> tuple[str, Any]:
     """Return the input positions that were given, and by which name; else the usual ones.
 
+    Those in degrees are converted. A warning tells of numbers that can hardly be radians.
+
     Raises
     ------
     InputError
-        They are given both as `angles` and by the name of the input.
+        They are given both as `angles` and by the name of the input, or in degrees too; or degrees are no array.
     """
     name = catalogue.position.name
-    values = positions.get(name)
-    if values is not None:
-        if angles is not None:
-            raise InputError("angles are given too", where=(name,), remedy="write one of them")
-        return name, values
-    if angles is not None:
-        return "angles", angles
+    given = {
+        "angles": angles,
+        name: positions.get(name),
+        degrees_name(name): positions.get(degrees_name(name)),
+    }
+    given = {key: values for key, values in given.items() if values is not None}
+    if len(given) > 1:
+        first, second, *_ = given
+        are = "angles are" if first == "angles" else f"{first} is"
+        raise InputError(f"{are} given too", where=(second,), remedy="write one of them")
+    if catalogue.position.units != RADIANS:
+        given.pop(degrees_name(name), None)  # see `check_keywords`
+    for key, values in given.items():
+        if isinstance(values, Degrees):
+            return degrees_name(name), _from_degrees(catalogue, values.values)
+        if key == degrees_name(name):
+            return key, _from_degrees(catalogue, values)
+        if catalogue.position.units == RADIANS and np.ndim(values):
+            remark_on_angles(name, values)
+        return key, values
     return name, ANGLES if catalogue.positions is None else np.linspace(*catalogue.positions)
+
+
+def in_degrees(catalogue: Catalogue, angles: Any, positions: Mapping[str, Any]) -> bool:
+    """Tell whether input positions are given in degrees."""
+    return isinstance(angles, Degrees) or positions.get(degrees_name(catalogue.position.name)) is not None
+
+
+def _from_degrees(catalogue: Catalogue, values: Any) -> NDArray[Any]:
+    """Return input positions in radians, or refuse what is no array of degrees."""
+    name = catalogue.position.name
+    key = degrees_name(name)
+    if listed(values) == 0 or np.ndim(values) == 0:
+        other = f"; {name} may be a number of angles" if catalogue.positions is None else ""
+        raise InputError(
+            f"is {short_repr(values)}", where=(key,), remedy=f"write a flat array of degrees{other}"
+        )
+    return as_floats(check_positions(catalogue, values, key))
+
+
+def radian_keywords(
+    catalogue: Catalogue, door: str, given: Mapping[str, Any], problems: Problems, *, position: bool
+) -> dict[str, Any]:
+    """Return inputs that are given by keywords with every angle in radians, by its own name.
+
+    Parameters
+    ----------
+    catalogue : Catalogue
+        The mechanism.
+    door : str
+        The function that is called, for the paths of problems.
+    given : mapping of str to value
+        The inputs.
+    problems : Problems
+        Receives what is wrong; such inputs are left out.
+    position : bool
+        Whether the input position may be among them.
+    """
+    declared = catalogue.known_inputs(catalogue.variant_inputs)
+    if position:
+        declared[catalogue.position.name] = catalogue.position
+    result: dict[str, Any] = {}
+    for name, value in given.items():
+        angle = "" if name in declared else angle_of(name)
+        if angle not in declared:
+            result[name] = value
+            continue
+        try:
+            check_angle(name, angle, declared[angle].units, given)
+            plain = radians(numbers_of(door, name, value, MOST_DIMS))
+            result[angle] = value.copy(data=plain) if hasattr(value, "dims") else plain
+        except InputError as error:
+            problems.noted += [replace(one, where=(door, name, *one.where[2:])) for one in error.problems]
+            result.setdefault(angle, 0.5)  # so that it is not reported as missing too
+    return result
 
 
 def check_extrema(extrema: str | None, catalogue: Catalogue, angles: Any) -> Extrema:
@@ -126,6 +220,7 @@ def check_positions(catalogue: Catalogue, given: int | ArrayLike, key: str = "an
         The number is not positive, or a position is not finite or repeated.
     """
     name, noun = catalogue.position.name, "angles in rad" if catalogue.positions is None else "numbers"
+    noun = "angles in degrees" if angle_of(key) else noun
     if catalogue.positions is not None and np.ndim(given) == 0:
         what = f"{given!r} is not an array, and {name} has no bounds"
         remedies = ("write them all, such as ", Samples(*catalogue.positions))

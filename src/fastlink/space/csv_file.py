@@ -71,7 +71,7 @@ class _Reader:
         self.file = file
         first, lines = _first_line(lines)
         self.separator = "," if "," in first else next((s for s in SEPARATORS if s in first), ",")
-        self.reader: Any = csv.reader(lines, skipinitialspace=True, delimiter=self.separator)
+        self.reader: Any = csv.reader(lines, skipinitialspace=True, strict=True, delimiter=self.separator)
 
     def columns(self, keep: Collection[str], allow_invalid: bool) -> Columns:
         """Return the columns of the file."""
@@ -193,8 +193,8 @@ def _has_comma(text: str) -> bool:
 
 
 def _number(text: str) -> float | None:
-    """Return a text as a number, or None."""
+    """Return a text as a number, or None; Python itself reads 1_0 as ten, and digits of other scripts."""
     try:
-        return float(text)
+        return float(text) if text.isascii() and "_" not in text else None
     except ValueError:
         return None

@@ -2,21 +2,33 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Collection
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from fastlink._text import short_repr
-from fastlink.errors import InputError
+from fastlink.errors import InputError, remark
 from fastlink.numerics.compensated import two_product, two_sum
 from fastlink.space.values import Floats
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-__all__ = ["COMMENT", "Degrees", "angle_of", "degrees_name", "looks_like_degrees", "radians"]
+__all__ = [
+    "COMMENT",
+    "DEGREES",
+    "RADIANS",
+    "Degrees",
+    "angle_of",
+    "as_floats",
+    "check_angle",
+    "degrees_name",
+    "looks_like_degrees",
+    "radians",
+    "remark_on_angles",
+]
 
 ENDING = "_deg"
 #: The unit of angles, and the texts by which labelled values say that theirs is the degree.
@@ -25,10 +37,10 @@ RADIANS, DEGREES = "rad", frozenset({"deg", "degree", "degrees", "°"})
 COMMENT = "given in degrees"
 #: pi/180 as an unevaluated sum of two doubles, 106 bits of it.
 DEGREE, DEGREE_LOW = 0.017453292519943295, 2.9486522708701687e-19
-#: Numbers beyond are too great to be split by Veltkamp's constant.
-LARGEST_SPLIT = 1e290
+#: Numbers beyond are shifted by a power of two, for Veltkamp's splitting would leave the range of doubles.
+GREAT, SMALL, SHIFT = 1e290, 1e-200, 256
 #: Whole numbers of at least so much are no usual angles in radians, and multiples of 30 are usual ones in degrees.
-BEYOND, STEP = 10.0, 30.0
+BEYOND, STEP, MOST_DEGREES = 10.0, 30.0, 36000.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -55,9 +67,9 @@ def degrees_name(name: str) -> str:
 
 
 def radians(degrees: Any) -> Any:
-    """Return degrees in radians, rounded once from 100 bits of deg pi/180.
+    """Return degrees in radians, rounded once from 100 bits of deg pi/180, if not below 1e-307.
 
-    180 gives the double nearest to pi. Labelled values keep their labels.
+    180 gives the double nearest to pi.
 
     Examples
     --------
@@ -65,14 +77,14 @@ def radians(degrees: Any) -> Any:
     >>> float(radians(180.0)) == math.pi, float(radians(40.0))
     (True, 0.6981317007977318)
     """
-    if hasattr(degrees, "dims"):
-        return degrees.copy(data=radians(degrees.values))
     values = np.asarray(degrees, dtype=np.float64)
     with np.errstate(all="ignore"):
-        product, rest = two_product(values, DEGREE)
-        high, _ = two_sum(product, rest + values * DEGREE_LOW)
-        plain = values * DEGREE
-        return np.where(abs(values) < LARGEST_SPLIT, np.where(np.isfinite(high), high, plain), plain)[()]
+        size = abs(values)
+        scale = np.where(size > GREAT, 2.0**-SHIFT, np.where(size < SMALL, 2.0**SHIFT, 1.0))
+        product, rest = two_product(values * scale, DEGREE)
+        high, _ = two_sum(product, rest + values * scale * DEGREE_LOW)
+        # -0.0 and what is not finite as they are
+        return np.where((size > 0.0) & (size < np.inf), high / scale, values)[()]
 
 
 def looks_like_degrees(values: Any) -> bool:
@@ -85,53 +97,30 @@ def looks_like_degrees(values: Any) -> bool:
     """
     try:
         numbers: NDArray[Any] = np.asarray(values, dtype=np.float64)
-    except (TypeError, ValueError):
+    except Exception:  # whatever a class of somebody's does when it is converted
         return False
     if not numbers.size:
         return False
     most = float(abs(numbers).max())
-    if not BEYOND <= most < np.inf:
+    if not BEYOND <= most <= MOST_DEGREES:
         return False
     return most % STEP == 0.0 or bool((numbers % 1.0 == 0.0).all())
 
 
-def converted(names: Mapping[str, Any], units: Mapping[str, str]) -> dict[str, Any]:
-    """Return keywords with each angle that is given in degrees in radians, by its own name.
-
-    Parameters
-    ----------
-    names : mapping of str to value
-        The keywords.
-    units : mapping of str to str
-        The unit of each input.
-
-    Raises
-    ------
-    InputError
-        An angle is given twice, or an input is no angle.
-    """
-    result: dict[str, Any] = {}
-    for name, value in names.items():
-        angle = "" if name in units else angle_of(name)
-        if angle not in units:
-            result[name] = value
-            continue
-        check_angle(name, angle, units[angle], names)
-        try:
-            result[angle] = radians(value)
-        except (TypeError, ValueError):
-            what = f"is {short_repr(value)}"
-            raise InputError(what, where=(name,), remedy="write numbers, in degrees") from None
-    return result
-
-
-def check_angle(name: str, angle: str, unit: str, others: Mapping[str, Any] | tuple[str, ...]) -> None:
+def check_angle(name: str, angle: str, unit: str, others: Collection[str]) -> None:
     """Refuse degrees of what is no angle, or is given in radians too."""
     if unit != RADIANS:
         unit = "a plain number" if unit == "1" else f"in {unit}"
         raise InputError(f"{angle} is no angle but {unit}", where=(name,), remedy=f"write {angle}")
     if angle in others:
         raise InputError(f"{angle} is given too", where=(name,), remedy="write one of them")
+
+
+def remark_on_angles(name: str, values: Any, *where: str) -> None:
+    """Warn of angles that can hardly be meant as radians."""
+    if looks_like_degrees(values):
+        what = f"{short_repr(np.asarray(values).tolist())} is taken as radians"
+        remark(what, (*where, name), f"if these are degrees, write {degrees_name(name)}")
 
 
 def as_floats(values: Any) -> Floats:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 from typing import Annotated, Any, Self
 
@@ -173,15 +173,15 @@ EXAMPLES = {
 }
 
 
-def read_tables(raw: Mapping[str, Any], position: str) -> dict[str, Any]:
+def read_tables(raw: Mapping[str, Any], positions: Collection[str]) -> dict[str, Any]:
     """Return the tables of a study with values as a sweep takes them.
 
     Parameters
     ----------
     raw : mapping
         The contents of the file.
-    position : str
-        The name of the input; values of other unknown keys of [cycle] are left to a check of their names.
+    positions : collection of str
+        The names of input positions; values of other unknown keys of [cycle] are left to a check of their names.
 
     Raises
     ------
@@ -191,7 +191,7 @@ def read_tables(raw: Mapping[str, Any], position: str) -> dict[str, Any]:
     try:
         return {"cycle": {}, "run": {}, "output": {}, **_plain(StudyFile.model_validate(raw))}
     except ValidationError as error:
-        raise InputError.of(_problems(error, position)) from None
+        raise InputError.of(_problems(error, positions)) from None
 
 
 def _plain(value: Any) -> Any:
@@ -213,12 +213,12 @@ def _table(where: KeyPath) -> str:
     return f"[{path_text(where[:-1])}]" if where[1:] else "a study"
 
 
-def _problems(error: ValidationError, position: str) -> list[Problem]:
+def _problems(error: ValidationError, positions: Collection[str]) -> list[Problem]:
     """Return the errors of pydantic as problems; a misspelt key stands for the one that is missing."""
     problems, misspelt = [], set()
     for entry in reversed(error.errors(include_url=False)):  # unknown keys come after missing ones
         path, kind = entry["loc"], entry["type"]
-        if path[0] == "cycle" and path[1:] and path[1] not in (*KEYS["cycle"], position):
+        if path[0] == "cycle" and path[1:] and path[1] not in (*KEYS["cycle"], *positions):
             continue
         # The third part of a path is the tag of a number or an axis, except in a sample.
         where = path if SAMPLES.keys() & path[1:2] else (*path[:2], *path[3:])

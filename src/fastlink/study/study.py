@@ -23,6 +23,7 @@ from fastlink.io.reader import is_hdf5
 from fastlink.mechanisms import catalogue as find_catalogue
 from fastlink.options import check_path
 from fastlink.plan.positions import check_keywords
+from fastlink.space.degrees import Degrees, angle_of, degrees_name
 from fastlink.space.design_space import DesignSpace
 from fastlink.space.links import Links
 from fastlink.space.samplers import grid, latin_hypercube, sobol, table
@@ -196,8 +197,8 @@ def read_study(path: str | Path) -> Study:
         examine(tables["mechanism"], space, tables["quantities"], **named, **options)
     problems.stop()
     assert space is not None
-    if positions:
-        (options["angles"],) = positions.values()
+    for name, values in positions.items():
+        options["angles"] = Degrees(values) if angle_of(name) else values
     sources = (path, *([path.parent / design["table"]] if "table" in design else ()))
     return Study(path, text, tables, space, options, sources)
 
@@ -232,7 +233,7 @@ def _tables_of(path: Path, text: str) -> dict[str, Any]:
             unknown = [name for name in cycle if name not in KEYS["cycle"]]
             check_keywords(mechanism, driven, unknown, KEYS["cycle"])
     try:
-        return read_tables(raw, position)
+        return read_tables(raw, (position, degrees_name(position)))
     except InputError as error:
         problems = [*error.problems, *names.noted]
         raise InputError.of(problems, StudyWording(path, {"cycle": cycle})) from None
