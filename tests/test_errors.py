@@ -6,6 +6,7 @@ import pytest
 from typer.testing import CliRunner
 
 import fastlink as fl
+from fastlink._text import short_repr
 from fastlink.cli import app
 from fastlink.errors import InputError, Pair, Problem, Problems, Samples, Setting, Wording
 from tests.support.study_files import GOOD, written
@@ -138,3 +139,26 @@ def test_a_line_is_short_and_shows_on_any_terminal(text):
     assert len(line) < 400
     assert " at 0x" not in line
     assert line.endswith("write planar_4r")
+
+
+class Sulky:
+    def __repr__(self):
+        raise RuntimeError
+
+
+class Long:
+    def __repr__(self):
+        return "<" + "long\n" * 1000 + f" at {hex(id(self))}>"
+
+
+@pytest.mark.parametrize(
+    "value",
+    [object(), len, Sulky(), [Sulky()], {"a": Sulky()}, Long(), 10**5000, "x" * 1000, iter([1])],
+    ids=type,
+)
+def test_any_value_has_a_short_text_that_is_the_same_each_time(value):
+    text = short_repr(value)
+    assert 0 < len(text) < 80
+    assert "\n" not in text
+    assert "0x" not in text
+    assert text == short_repr(value)

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import builtins
 import itertools
 import numbers
+import re
 import reprlib
 import textwrap
 from collections.abc import Iterable, Sequence
+from typing import Any
 
 __all__ = ["aligned", "counted", "duration", "folded", "scaled", "short_number", "short_repr", "size"]
 
@@ -132,9 +135,29 @@ def size(nbytes: int) -> str:
     return scaled(nbytes, BYTES)
 
 
+class _Short(reprlib.Repr):
+    """Short texts of any values: the same each time, without addresses, whatever their classes do."""
+
+    def repr_instance(self, x: Any, level: int) -> str:
+        try:
+            text = re.sub(r" at 0x[0-9a-fA-F]+", "", builtins.repr(x))
+        except Exception:  # whatever a class of somebody's does when it is shown
+            return f"<{type(x).__name__}>"
+        if len(text) > self.maxother:
+            half = (self.maxother - 3) // 2
+            text = f"{text[:half]}...{text[-half:]}"
+        return text
+
+
 def short_repr(value: object) -> str:
-    """Return the repr of a value for a message: short and on one line."""
+    """Return the repr of a value for a message: short and on one line.
+
+    Examples
+    --------
+    >>> short_repr(object()), short_repr("x" * 100)
+    ('<object object>', "'xxxxxxxxxxxx...xxxxxxxxxxxxx'")
+    """
     try:
-        return " ".join(reprlib.repr(value).split())
-    except ValueError:  # a whole number of more digits than Python writes
-        return f"a {type(value).__name__} of too many digits"
+        return " ".join(_Short().repr(value).split())
+    except Exception:  # such as a whole number of more digits than Python writes
+        return f"a value of type {type(value).__name__}"

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from fastlink._text import counted
+from fastlink._text import counted, short_repr
 from fastlink.catalogue.declare import ELIMINATED
 from fastlink.doors import door
 from fastlink.engine.binding import VECTOR, BoundKernel, aligned
@@ -108,7 +108,7 @@ def function(
     names, wanted = list(check_names("inputs", inputs)), check_names("outputs", outputs)
     for name in names:
         if name in fixed:
-            what = f"is among the inputs and given as {fixed[name]!r}"
+            what = f"is among the inputs and given as {short_repr(fixed[name])}"
             raise InputError(what, where=("function", name), remedy="leave one out")
     catalogue, problems = find_catalogue(mechanism, input), Problems()
     known = catalogue.known_inputs(catalogue.variant_inputs)

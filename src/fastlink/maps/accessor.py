@@ -6,6 +6,7 @@ from typing import Any
 
 import xarray as xr
 
+from fastlink._text import short_repr
 from fastlink.doors import door
 from fastlink.errors import InputError, suggest
 from fastlink.maps.finite import finite
@@ -86,7 +87,7 @@ class MapAccessor:
         """
         counted = flag_counts(self._coded(of))
         if counted is None:
-            what = f"{of!r} holds values that are not codes"
+            what = f"{short_repr(of)} holds values that are not codes"
             raise InputError(what, where=("of",), remedy="count before averaging or masking")
         return counted
 
@@ -165,7 +166,7 @@ class MapAccessor:
         if not isinstance(of, str) or of not in self._maps.variables:
             known = [str(name) for name, array in self._maps.data_vars.items() if flags_of(array)]
             remedy = suggest(str(of), known) if known else "the map has no codes with meanings"
-            raise InputError(f"there is no variable {of!r}", where=("of",), remedy=remedy)
+            raise InputError(f"there is no variable {short_repr(of)}", where=("of",), remedy=remedy)
         return self._maps[of]
 
 

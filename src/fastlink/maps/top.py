@@ -65,11 +65,11 @@ def _key(maps: xr.Dataset, by: Any) -> xr.DataArray:
     if isinstance(by, str) and by in numeric:
         return maps[by]
     if isinstance(by, str) and by in maps.data_vars:
-        what = f"{by!r} is {'a code' if flags_of(maps[by]) else 'not a number for each design'}"
+        what = f"{short_repr(by)} is {'a code' if flags_of(maps[by]) else 'not a number for each design'}"
         remedy = f"select by where='MEANING', and rank by a number: {', '.join(numeric[:8])}"
         raise InputError(what, where=("by",), remedy=remedy)
     if isinstance(by, str):
-        raise InputError(f"there is no variable {by!r}", where=("by",), remedy=suggest(by, numeric))
+        raise InputError(f"there is no variable {short_repr(by)}", where=("by",), remedy=suggest(by, numeric))
     remedy = "write the name of a variable; a new one is maps.assign(NAME=...)"
     raise InputError(f"is {short_repr(by)}", where=("by",), remedy=remedy)
 

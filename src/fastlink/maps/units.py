@@ -136,7 +136,7 @@ def _factor(own: str, units: Any, name: str) -> float:
     registry, old, new = _registry(), _parsed(own, name), _parsed(units, name)
     roots = [registry.get_root_units(unit) for unit in (old, new)]
     if dict(roots[0][1]._units) != dict(roots[1][1]._units):
-        what = f"{units!r} is not of the kind of {own!r}"
+        what = f"{short_repr(units)} is not of the kind of {own!r}"
         similar = ", ".join(sorted(map(repr, _EXAMPLES.get(own, (own,)))))
         raise InputError(what, where=(name,), remedy=f"write such as {similar}")
     return float(roots[0][0] / roots[1][0])

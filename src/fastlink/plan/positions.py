@@ -222,7 +222,7 @@ def check_positions(catalogue: Catalogue, given: int | ArrayLike, key: str = "an
     name, noun = catalogue.position.name, "angles in rad" if catalogue.positions is None else "numbers"
     noun = "angles in degrees" if angle_of(key) else noun
     if catalogue.positions is not None and np.ndim(given) == 0:
-        what = f"{given!r} is not an array, and {name} has no bounds"
+        what = f"{short_repr(given)} is not an array, and {name} has no bounds"
         remedies = ("write them all, such as ", Samples(*catalogue.positions))
         raise InputError(what, where=(key,), remedy=remedies)
     if isinstance(given, (int, np.integer)) and not isinstance(given, bool):

@@ -94,7 +94,7 @@ def check_names(parameter: str, given: Iterable[str]) -> tuple[str, ...]:
     where = (parameter,)
     if isinstance(given, str):
         raise InputError(
-            f"is one text, {short_repr(given)}", where=where, remedy=f"write a list: [{given!r}]"
+            f"is one text, {short_repr(given)}", where=where, remedy=f"write a list: [{short_repr(given)}]"
         )
     names: list[str] = []
     try:

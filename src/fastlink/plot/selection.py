@@ -118,7 +118,7 @@ def _fixed(variable: xr.DataArray, at: dict[str, Any]) -> tuple[dict[str, int], 
         remedy: Remedy = suggest(str(dim), known) if known else "it has none"
         if dim == BRANCH:
             remedy = ("choose an assembly mode by ", Setting("branch", 1))
-        what = f"{dim!r} is not a dimension of {variable.name} that can be fixed"
+        what = f"{short_repr(dim)} is not a dimension of {variable.name} that can be fixed"
         raise InputError(what, where=("at",), remedy=remedy)
     return places, {dim: variable[dim].values[place] for dim, place in places.items()}
 

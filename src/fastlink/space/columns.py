@@ -197,7 +197,8 @@ class Columns:
         for name, label in self.labels.items():
             text = next((str(cell) for cell in label.ravel()), "")
             raise refused(
-                f"column {name} holds {text!r}, and no column holds numbers", "write a number for each input"
+                f"column {name} holds {short_repr(text)}, and no column holds numbers",
+                "write a number for each input",
             )
         what = f"holds only single numbers ({', '.join(self.constants)})" if self.constants else "is empty"
         raise refused(f"the table {what}", "give at least one column of values, or use grid")

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from fastlink._text import short_repr
 from fastlink.errors import InputError
 from fastlink.space.columns import Columns, refused
 from fastlink.space.design_space import DESIGN, DesignSpace
@@ -95,7 +96,7 @@ class _Reader:
             if levels > 1 or name in self.results or self.outside & {name, *map(str, one.dims)}:
                 continue
             if not isinstance(key, str):
-                raise refused(f"a variable is named {key!r}", "name it by the input it holds")
+                raise refused(f"a variable is named {short_repr(key)}", "name it by the input it holds")
             self.entries[name] = one
 
     def _is_result(self, variable: Any) -> bool:
@@ -116,7 +117,7 @@ class _Reader:
             for dim in variable.dims if name not in self.dataset.dims and is_column else ():
                 along.setdefault(str(dim), name)
         if len(along) > 1:
-            two = [f"{name} along {dim!r}" for dim, name in along.items()][:2]
+            two = [f"{name} along {short_repr(dim)}" for dim, name in along.items()][:2]
             raise refused(" but ".join(two), "give variables along one common dimension")
         return next(iter(along), "")
 
