@@ -19,9 +19,10 @@ if TYPE_CHECKING:
 
     from fastlink.catalogue.catalogue import Catalogue
     from fastlink.mechanisms.listing import MechanismList
+    from fastlink.typing import MechanismName
 
 _lock = threading.Lock()
-NAMES = ("planar_4r", "minkowski_4r", "focal", "hart", "slider_crank")
+NAMES: tuple[MechanismName, ...] = ("planar_4r", "minkowski_4r", "focal", "hart", "slider_crank")
 
 
 class _Package(ModuleType):

@@ -4,10 +4,14 @@ from __future__ import annotations
 
 import html
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 from fastlink._text import folded
 from fastlink.doors import door
 from fastlink.mechanisms import NAMES, catalogue, inputs_of
+
+if TYPE_CHECKING:
+    from fastlink.typing import MechanismName
 
 __all__ = ["Mechanism", "MechanismList", "mechanisms"]
 
@@ -33,7 +37,7 @@ class Mechanism:
         The command that prints a commented study of it.
     """
 
-    name: str
+    name: MechanismName
     title: str
     inputs: tuple[str, ...]
     quantities: int
