@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import contextlib
 import difflib
 import re
 import sys
 import warnings
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
+from types import TracebackType
 from typing import Self, TypeAlias
 
 __all__ = [
@@ -193,13 +193,9 @@ class Problems:
         """Add a problem."""
         self.noted.append(Problem(what, where, remedy))
 
-    @contextlib.contextmanager
-    def at(self, *where: str | int) -> Iterator[None]:
+    def at(self, *where: str | int) -> _Noting:
         """Add the problems of an InputError, at a path unless they have one, and go on."""
-        try:
-            yield
-        except InputError as error:
-            self.noted += [one if one.where else replace(one, where=where) for one in error.problems]
+        return _Noting(self, where)
 
     def stop(self) -> None:
         """Raise InputError if there are problems."""
@@ -234,6 +230,28 @@ def remark(what: str, where: KeyPath = (), remedy: Remedy = "") -> None:
     while frame.f_back is not None and frame.f_globals.get("__name__", "").partition(".")[0] == __package__:
         frame, level = frame.f_back, level + 1
     warnings.warn(Wording().line(Problem(what, where, remedy)), InputWarning, stacklevel=level)
+
+
+class _Noting:
+    """Context of `Problems.at`: a class, since a generator takes three times as long to enter and to leave."""
+
+    __slots__ = ("problems", "where")
+
+    def __init__(self, problems: Problems, where: KeyPath) -> None:
+        self.problems, self.where = problems, where
+
+    def __enter__(self) -> None:
+        return None
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> bool:
+        if not isinstance(error, InputError):
+            return False
+        self.problems.noted += [
+            one if one.where else replace(one, where=self.where) for one in error.problems
+        ]
+        return True
 
 
 def path_text(where: KeyPath) -> str:
