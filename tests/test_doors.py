@@ -2,6 +2,8 @@
 
 import inspect
 import pickle
+import subprocess
+import sys
 
 import pytest
 
@@ -104,3 +106,36 @@ def test_a_mechanism_or_a_missing_file_is_not_a_study():
     for function in (fl.accuracy, fl.explain, fl.run_study):
         with refused("planar_4r", "`fastlink new planar_4r > study.toml` writes one"):
             function("planar_4r")
+
+
+# -- imports ---------------------------------------------------------------------------------------
+
+IMPORTS = """
+import sys
+
+import fastlink.planar
+from fastlink.hart import integer_designs
+from fastlink.focal import T_deviation as deviation
+from fastlink.minkowski import *
+from fastlink import errors, planar
+import fastlink as fl
+
+assert fl.planar is planar is fastlink.planar is sys.modules["fastlink.planar"]
+assert fl.planar.cognates is sys.modules["fastlink.analysis.planar"].cognates
+assert fl.focal.T_deviation is deviation
+assert sextic is fl.minkowski.sextic
+assert errors is sys.modules["fastlink.errors"]
+assert not hasattr(fl, "nothing_like_it")
+"""
+
+
+def test_functions_of_a_mechanism_are_imported_by_their_public_names():
+    done = subprocess.run([sys.executable, "-c", IMPORTS], capture_output=True, text=True, check=False)
+    assert (done.returncode, done.stderr) == (0, "")
+
+
+def test_a_misspelt_public_name_is_answered_with_the_nearest():
+    with pytest.raises(AttributeError, match=r"no attribute 'swep'; did you mean 'sweep'\?"):
+        fl.swep  # noqa: B018
+    with pytest.raises(ImportError, match=r"cannot import 'swep' .*; did you mean 'sweep'\?"):
+        from fastlink import swep  # noqa: F401

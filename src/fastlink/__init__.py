@@ -9,11 +9,11 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
+    from fastlink import focal as focal
+    from fastlink import hart as hart
+    from fastlink import minkowski as minkowski
+    from fastlink import planar as planar
     from fastlink._version import __version__ as __version__
-    from fastlink.analysis import focal as focal
-    from fastlink.analysis import hart as hart
-    from fastlink.analysis import minkowski as minkowski
-    from fastlink.analysis import planar as planar
     from fastlink.diagnostics import accuracy as accuracy
     from fastlink.diagnostics import accuracy_table as accuracy_table
     from fastlink.diagnostics.explain import explain as explain
@@ -49,11 +49,30 @@ else:
     __all__ = sorted(_MODULES)
 
     def __getattr__(name: str) -> object:
+        from importlib import import_module
+
         if name not in _MODULES:
-            raise AttributeError(f"module 'fastlink' has no attribute {name!r}")
-        value = getattr(__import__(_MODULES[name], fromlist=[name]), name)
+            raise _unknown(name)
+        if _MODULES[name] == __name__:  # a package
+            return import_module(f"{__name__}.{name}")
+        value = getattr(import_module(_MODULES[name]), name)
         # a package of that name is there as soon as it is imported
         return globals().setdefault(name, value)
+
+    def _unknown(name: str) -> Exception:
+        """Return the error of a name that is not public, with the nearest that is.
+
+        Python drops the text of an AttributeError where a name is imported, and keeps that of an ImportError.
+        """
+        import sys
+        from importlib.util import find_spec
+
+        from fastlink.errors import suggest
+
+        imported = sys._getframe(2).f_globals.get("__name__") == "importlib._bootstrap"
+        if imported and find_spec(f"{__name__}.{name}") is None:
+            return ImportError(f"cannot import {name!r} from 'fastlink'; {suggest(name, __all__)}")
+        return AttributeError(f"module 'fastlink' has no attribute {name!r}; {suggest(name, __all__)}")
 
     def __dir__() -> list[str]:
         return __all__
