@@ -45,11 +45,20 @@ def test_every_public_function_refuses_a_call_that_does_not_fit(name):
             function(nothing_like_it=1)
 
 
+def swept(space, **options):
+    return fl.sweep("planar_4r", space, ["theta4"], **options)
+
+
 @pytest.mark.parametrize(
     ("call", "key", "remedy"),
     [
         (lambda: fl.round_bar(raduis=0.01), "raduis", "'radius'"),
         (lambda: fl.sobol(N=64, a1=(1, 2)), "n", "n in place of N"),
+        (lambda: fl.sobol(samples=64, a1=(1, 2)), "n", "n in place of samples"),
+        (lambda: swept(fl.sobol(4, Seed=1, a1=(0.1, 0.2))), "Seed", "'seed'"),
+        (lambda: swept(fl.grid(a1=1.0), n_jobs=2), "n_jobs", "'threads'"),
+        (lambda: swept(fl.grid(a1=1.0), output="maps.h5"), "output", "'to'"),
+        (lambda: fl.sweep("planar_4r", designs=fl.grid(a1=1.0), outputs=["omega4"]), "space", "of designs"),
         (lambda: fl.latin_hypercube(a1=(1, 2)), "n", "latin_hypercube(n, seed=..., **ranges)"),
         (lambda: fl.grid([1.0, 2.0]), "grid", "by name"),
         (lambda: fl.sobol(8, n=8), "n", "once"),

@@ -108,7 +108,7 @@ def _wrong_call(
         for one in parameters
         if one.name in named and one.default is Parameter.empty and one.name not in (*given, *options)
     ]
-    misspelt = {key: near for key in missing if (near := nearest(key, others))}
+    misspelt = {key: name for key in missing for name in reversed(others) if nearest(name, missing) == key}
     for key, near in misspelt.items():
         problems.add("is missing", (name, key), f"write {key} in place of {near}")
     for key in missing:

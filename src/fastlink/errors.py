@@ -34,6 +34,19 @@ __all__ = [
 MOST_SHOWN, MOST_LINES = 12, 20
 #: Signs of a line, and of its end, where the remedy stands, if it has to be cut.
 LONGEST_LINE, LAST_SIGNS = 390, 160
+#: What other programs call an option.
+ELSEWHERE = {
+    "attrs": ("attributes", "metadata"),
+    "block": ("batch", "batch_size", "chunk", "chunks", "chunksize"),
+    "n": ("count", "designs", "n_samples", "num", "number", "points", "samples", "size"),
+    "overwrite": ("clobber", "exist_ok", "force", "replace"),
+    "progress": ("progressbar", "show_progress", "tqdm", "verbose"),
+    "quantities": ("names", "outputs", "results", "variables"),
+    "seed": ("random_seed", "random_state", "rng"),
+    "space": ("data", "design", "designs", "df", "grid", "table"),
+    "threads": ("cores", "cpus", "n_jobs", "n_workers", "processes", "workers"),
+    "to": ("file", "filename", "fname", "out", "outfile", "output", "path", "save", "savefig"),
+}
 #: Begin texts that read on after the path of a problem; a sentence of its own follows a colon.
 PREDICATES = ("is ", "has ", "holds ", "runs ", "belongs ", "gives ", "takes ")
 
@@ -266,14 +279,20 @@ def path_text(where: KeyPath) -> str:
 
 
 def nearest(name: str, known: Iterable[str]) -> str | None:
-    """Return the known name that is nearest to a name by its letters, small or large, if one is near.
+    """Return the known name that is nearest to a name by its letters, small or large, or that other programs call so.
 
     Examples
     --------
     >>> nearest("A1", ["a1", "a2"]), nearest("thread", ["to", "threads"]), nearest("x", ["to"])
     ('a1', 'threads', None)
+    >>> nearest("n_jobs", ["to", "threads"])
+    'threads'
     """
-    folded = {one.casefold(): one for one in sorted(known, reverse=True)}
+    known = sorted(known)
+    for option in known:
+        if name.casefold() in ELSEWHERE.get(option, ()):
+            return option
+    folded = {one.casefold(): one for one in reversed(known)}
     near = difflib.get_close_matches(name.casefold(), list(folded), n=1, cutoff=0.5)
     return folded[near[0]] if near else None
 

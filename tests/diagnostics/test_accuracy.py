@@ -124,8 +124,8 @@ def test_dense_and_eliminated_reactions(folder_of_study):
 @pytest.mark.parametrize(
     ("change", "options", "key", "remedy"),
     [
-        ({}, {"designs": 0}, "designs", "a whole number of at least 1"),
-        ({}, {"seed": -1}, "seed", "a whole number of at least 0"),
+        ({}, {"designs": 0}, "designs", "a whole number from 1 to"),
+        ({}, {"seed": -1}, "seed", "a whole number from 0 to"),
         (
             {'"omega4_max", "transmission_angle", ': ""},
             {},

@@ -119,7 +119,8 @@ def check_inputs(
     """
     known = catalogue.known_inputs(variants)
     problems = Problems()
-    problems.noted += name_problems(catalogue, space.names, known)
+    of_sample = ("n", "seed") if space.kind in ("sobol", "latin_hypercube") else ()
+    problems.noted += name_problems(catalogue, space.names, known, options=of_sample)
     for name in filter(known.__contains__, space.names):
         value = space.constants.get(name)
         if not allow_invalid and (value is None or not allowed(known[name], value)):
