@@ -31,7 +31,8 @@ def check_whole(
     Traceback (most recent call last):
     fastlink.errors.InputError: threads is 0; write a whole number from 1 to 4096
     """
-    if isinstance(value, Integral) and not isinstance(value, bool) and least <= int(value) <= most:
+    whole = isinstance(value, Integral) and not isinstance(value, bool)
+    if whole and type(value).__name__ != "timedelta64" and least <= int(value) <= most:
         return int(value)
     bounds = f"of at least {least}" if most == math.inf else f"from {least} to {most}"
     raise InputError(
@@ -103,7 +104,7 @@ def check_path(where: KeyPath, value: Any, example: str = "maps.h5") -> Path:
     """
     try:
         text = os.fspath(value)
-    except TypeError:
+    except Exception:  # no path, or whatever a class of somebody's does
         text = None
     if not isinstance(text, str):
         remedy = f"write text, such as {example!r}"

@@ -200,3 +200,41 @@ def test_a_grid_of_something_else():
         grid([1.0, 2.0])
     with refused("grid: a1", "write it once"):
         grid({"a1": 1.0}, a1=2.0)
+
+
+WRONG_NUMBERS = {
+    "a quote in a number": ('a1,a2\n0.4,"1.2"5\n', "CSV text"),
+    "an underscore": ("a1,a2\n0.4,1_0\n", "row 0 (line 2) of column a2"),
+    "digits of another script": ("a1,a2\n0.4,١\n", "row 0 (line 2) of column a2"),
+    "a unit in a name": ("a1,a2 [m]\n0.4,1.0\n", "'a2 [m]'"),
+}
+
+
+@pytest.mark.parametrize(("text", "key"), WRONG_NUMBERS.values(), ids=WRONG_NUMBERS)
+def test_what_python_reads_as_another_number_is_refused(tmp_path, text, key):
+    (tmp_path / "d.csv").write_text(text.replace("a2\n", "a2\n0.3,1.0\n", 1) if "row" in key else text)
+    with refused(key.replace("row 0 (line 2)", "row 1 (line 3)")):
+        as_space(tmp_path / "d.csv")
+
+
+NO_NUMBERS = [memoryview(b"12"), b"12", [0.4, True], np.longdouble("1e4000"), np.array([1], "m8[s]")]
+
+
+@pytest.mark.parametrize("values", NO_NUMBERS, ids=lambda values: type(values).__name__)
+def test_what_numpy_takes_for_numbers_is_refused(values):
+    with refused("a1"):
+        grid(a1=values)
+    with refused("a1"):
+        as_space({"a1": values, "a2": 1.0})
+
+
+@pytest.mark.parametrize("name", ["", "a 1", "\0", "é", "a/b"])
+def test_names_that_no_input_has(name):
+    with refused("grid", "such as a2"):
+        grid(**{name: 1.0})
+
+
+@pytest.mark.parametrize("name", ["a/b", "a\nb", "x" * 300])
+def test_names_that_no_coordinate_can_have(name):
+    with refused("table", "short name"):
+        as_space({**COLUMNS, name: ["x", "y"]})

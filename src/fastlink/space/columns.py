@@ -14,6 +14,7 @@ from fastlink.space.design_space import DESIGN, DesignSpace, sampled
 from fastlink.space.values import (
     Floats,
     cells_of,
+    check_input_name,
     check_no_quantity,
     constant,
     first_invalid,
@@ -25,6 +26,7 @@ __all__ = ["Columns", "check_name", "is_label", "label_of", "or_keep", "refused"
 
 #: Names of columns that tell designs apart and are no inputs, whatever they hold; and endings of such names.
 LABELS = frozenset({DESIGN, "id", "uuid", "name", "label", "index", "key"})
+LONGEST_NAME = 200
 LABEL_ENDINGS = ("_id", "_name", "_label")
 #: A result that every map has: a table with such a column is made of the rows of a map.
 OF_EVERY_MAP = "status"
@@ -47,6 +49,13 @@ def check_name(name: Any, position: int, others: Collection[str], inside: str = 
         raise refused(f"{inside}column {position + 1} is named {name!r}", "name it by the input it holds")
     if name in others:
         raise refused(f"{inside}two columns are named {name!r}", "name each by the input it holds")
+
+
+def _check_label_name(name: str) -> None:
+    """Refuse a name that no coordinate of a file can have."""
+    if not name.isprintable() or "/" in name or len(name) > LONGEST_NAME:
+        remedy = "write a short name without '/' and control characters"
+        raise refused(f"a column is named {short_repr(name)}", remedy)
 
 
 def is_label(name: str, keep: Collection[str]) -> bool:
@@ -134,6 +143,7 @@ class Columns:
             if is_label(name, self.keep) or is_text(cells_of(given)):
                 self.add_label(name, given)
                 return
+            check_input_name("table", name)
             values = numbers_of("table", name, given)
             self.units |= units_of(name, given)
             if values.ndim == 0:
@@ -143,6 +153,7 @@ class Columns:
 
     def add_label(self, name: str, given: Any) -> None:
         """Add labels of the designs."""
+        _check_label_name(name)
         values = label_of(given, ("table", name))
         if values.ndim > 1:
             raise refused(f"column {name} has {values.ndim} dimensions", "give one label per design")

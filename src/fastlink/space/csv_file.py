@@ -13,6 +13,7 @@ import numpy as np
 
 from fastlink._text import counted, short_repr
 from fastlink.space.columns import Columns, check_name, is_label, or_keep, refused
+from fastlink.space.values import check_input_name
 
 __all__ = ["read_csv"]
 
@@ -123,6 +124,7 @@ class _Reader:
             if column.name or not np.array_equal(labels, np.arange(len(labels))):  # the index of a DataFrame
                 found.add_label(column.name or "index", labels)
             return
+        check_input_name("table", column.name)
         values = np.array(column.numbers)
         if column.bad is not None and not found.allow_invalid:
             found.doubt(column.name, *column.bad)

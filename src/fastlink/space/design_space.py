@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from fastlink._text import short_repr
 from fastlink.doors import door
 from fastlink.errors import InputError, Problem, suggest
 from fastlink.space.values import Floats, constant, frozen
@@ -85,6 +86,8 @@ class DesignSpace:
     @door
     def values(self, name: str) -> Floats:
         """Return the values of an input, 1-D: its axis, its column or its constant."""
+        if not isinstance(name, str):
+            raise InputError(f"is {short_repr(name)}", where=("values",), remedy="write the name of an input")
         if name in self.constants:
             return np.array([self.constants[name]])
         if name in self.axes:

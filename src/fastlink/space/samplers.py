@@ -16,7 +16,7 @@ from fastlink.memory import check_memory
 from fastlink.options import MOST_SEED, check_whole
 from fastlink.space.design_space import DesignSpace, sampled
 from fastlink.space.table import table
-from fastlink.space.values import Floats, axis_of, constant, numbers_of, units_of
+from fastlink.space.values import Floats, axis_of, check_input_name, constant, numbers_of, units_of
 
 __all__ = ["DesignSpace", "grid", "latin_hypercube", "sobol", "table"]
 
@@ -58,6 +58,7 @@ def grid(axes: Mapping[str, ArrayLike] | None = None, /, **more: ArrayLike) -> D
     problems = Problems()
     for name, given in _keywords(axes, more).items():
         with problems.at("grid", name):
+            check_input_name("grid", name)
             values = numbers_of("grid", name, given)
             units |= units_of(name, given)
             if values.ndim == 0:
@@ -163,6 +164,7 @@ def _sample(
     units: dict[str, str] = {}
     for name, given in ranges.items():
         with problems.at():
+            check_input_name(kind, name)
             values = numbers_of(kind, name, given)
             units |= units_of(name, given)
             if values.ndim == 0:
@@ -173,6 +175,7 @@ def _sample(
         remedy = ("write ", Pair(), " for at least one, or use a grid")
         problems.add("no input has a range", (kind,), remedy)
     problems.stop()
+    n = int(n)
     copies = COPIES[kind]
     check_memory(8 * n * len(bounds) * copies, "a sample of that size", where=(kind, "n"), remedy=FEWER)
     columns = {name: np.empty(n) for name in bounds}

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Collection, Iterator, Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -16,8 +16,12 @@ from fastlink.space.columns import Columns, check_name, refused
 from fastlink.space.csv_file import read_csv
 from fastlink.space.dataset import space_of_dataset
 from fastlink.space.design_space import DESIGN, DesignSpace, flat
+from fastlink.space.values import has
 
 __all__ = ["as_space", "table"]
+
+#: Packages whose tables are read by their own rules: an error inside is a defect, and shows.
+OWN = ("builtins", "numpy", "pandas", "xarray")
 
 SOURCES = "a mapping, an xarray.Dataset, a pandas.DataFrame or the path of a CSV file"
 
@@ -87,20 +91,16 @@ def as_space(source: Any, *, allow_invalid: bool = False) -> DesignSpace:
     space = source if isinstance(source, DesignSpace) else _space_of(source, (), allow_invalid, single=True)
     if space is None:
         remedy = f"give fastlink.grid(...), fastlink.sobol(...), {SOURCES}"
-        if hasattr(source, "dims"):
+        if has(source, "dims"):
             remedy = "give the whole Dataset, whose coordinates are the designs"
         raise InputError(f"is {short_repr(source)}, which gives no designs", where=("space",), remedy=remedy)
     return space
 
 
 def _kept(keep: Any) -> tuple[str, ...]:
-    names = (
-        (keep,)
-        if isinstance(keep, str)
-        else tuple(keep)
-        if isinstance(keep, (Collection, Iterator))
-        else (keep,)
-    )
+    """Return the names of columns to keep, or refuse what are no names."""
+    listed = isinstance(keep, (list, tuple, set, frozenset))
+    names = tuple(keep) if listed else (keep,)
     for name in names:
         if not isinstance(name, str):
             remedy = "write names of columns, such as ['part_no']"
@@ -116,6 +116,20 @@ def _space_of(source: Any, keep: Collection[str], allow_invalid: bool, *, single
         path = check_path(("table",), source, "designs.csv")
         attrs: dict[str, str | int] = {"design_kind": "table", "design_source": path.name}
         return read_csv(path, keep, allow_invalid).space(attrs)
+    try:
+        return _space_in_memory(source, keep, allow_invalid, single=single)
+    except InputError:
+        raise
+    except Exception:
+        if type(source).__module__.partition(".")[0] in OWN:
+            raise
+        return None  # whatever a class of somebody's does when it is asked
+
+
+def _space_in_memory(
+    source: Any, keep: Collection[str], allow_invalid: bool, *, single: bool
+) -> DesignSpace | None:
+    """Return the designs of a table in memory, None of what is no table."""
     if hasattr(source, "data_vars") and hasattr(source, "coords"):
         return space_of_dataset(source, keep, allow_invalid)
     index = _index_entries(source) if hasattr(source, "columns") else {}

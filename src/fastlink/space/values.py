@@ -24,7 +24,7 @@ MOST_DIMS = 64
 
 def units_of(name: str, given: Any) -> dict[str, str]:
     """Return the unit that labelled values state in their attributes, by name; empty without one."""
-    attrs = getattr(given, "attrs", None) if hasattr(given, "dims") or hasattr(given, "dtype") else None
+    attrs = given.attrs if has(given, "dtype") and has(given, "attrs") else None
     unit = attrs.get("units") if isinstance(attrs, Mapping) else None
     return {} if unit is None else {name: str(unit)}
 
@@ -39,7 +39,7 @@ def check_no_quantity(where: str, name: str, given: Any) -> None:
         return
     if unit is not None:
         remedy = "write plain numbers in SI units, angles in rad, such as by .m_as('m') or .to_value('m')"
-        raise InputError(f"has the unit {short_repr(str(unit))}", where=(where, name), remedy=remedy)
+        raise InputError(f"has the unit {short_repr(unit)}", where=(where, name), remedy=remedy)
 
 
 def _unit_of_quantity(given: Any) -> Any:
@@ -59,9 +59,13 @@ def numbers_of(where: str, name: str, given: Any, most_dims: int = 1) -> Floats:
     """Return the values given for an input as a new array of at most so many dimensions, or refuse them."""
     path = (where, name)
     check_no_quantity(where, name, given)
+    if isinstance(given, (bytes, bytearray, memoryview)):
+        raise InputError(f"is {short_repr(given)}, not a number", where=path, remedy=NUMBERS)
+    if isinstance(given, (list, tuple)) and not {bool, np.bool_}.isdisjoint(map(type, given)):
+        _refuse_non_numbers(where, name, given)  # numpy takes True among numbers for 1
     if isinstance(given, np.ma.MaskedArray):
         given = unmasked(given)
-    if not hasattr(given, "dtype") and listed(given) > MOST_LISTED:
+    if not has(given, "dtype") and listed(given) > MOST_LISTED:
         what = f"holds {counted(listed(given), 'value')}"
         raise InputError(what, where=path, remedy=f"write at most {MOST_LISTED}")
     try:
@@ -77,10 +81,19 @@ def numbers_of(where: str, name: str, given: Any, most_dims: int = 1) -> Floats:
     if values.dtype.kind not in "iuf":
         _refuse_non_numbers(where, name, given)
     try:
-        return values.astype(np.float64)
-    except (OverflowError, ValueError):  # Decimal("sNaN") is a ValueError
+        with np.errstate(over="raise"):  # a longer float than a double
+            return values.astype(np.float64)
+    except (OverflowError, ValueError, FloatingPointError):  # Decimal("sNaN") is a ValueError
         what = "holds a number beyond the range of a double"
         raise InputError(what, where=path, remedy="write a smaller one") from None
+
+
+def has(value: Any, name: str) -> bool:
+    """Tell whether an object has an attribute, whatever its class does when it is asked."""
+    try:
+        return hasattr(value, name)
+    except Exception:
+        return False
 
 
 def unmasked(given: np.ma.MaskedArray[Any, Any]) -> NDArray[Any]:
@@ -92,7 +105,7 @@ def unmasked(given: np.ma.MaskedArray[Any, Any]) -> NDArray[Any]:
 def cells_of(given: Any) -> NDArray[Any]:
     """Return the elements of an array in its own type, those of a list as objects; all that is neither as one."""
     try:
-        return np.asarray(given, dtype=None if hasattr(given, "dtype") else object)
+        return np.asarray(given, dtype=None if has(given, "dtype") else object)
     except Exception:  # whatever a class of somebody's does when it is converted
         cell = np.empty((), dtype=object)
         cell[()] = given
@@ -107,6 +120,13 @@ def listed(given: Any) -> int:
         return sys.maxsize
     except Exception:  # whatever a class of somebody's does
         return 0
+
+
+def check_input_name(where: str, name: str) -> None:
+    """Refuse a name that no input can have."""
+    if not (name.isascii() and name.isidentifier()):
+        what, remedy = f"{short_repr(name)} is no name of an input", "name it by the input, such as a2"
+        raise InputError(what, where=(where,), remedy=remedy)
 
 
 def _refuse_non_numbers(where: str, name: str, given: Any) -> None:
