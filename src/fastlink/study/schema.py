@@ -11,7 +11,7 @@ from pydantic import BaseModel, Discriminator, Field, Tag, ValidationError, mode
 from pydantic_core import PydanticCustomError, core_schema
 
 from fastlink._text import short_repr
-from fastlink.errors import InputError, KeyPath, Problem, path_text, suggest
+from fastlink.errors import KeyPath, Problem, path_text, suggest
 
 __all__ = ["A_STUDY", "KEYS", "SAMPLES", "read_tables"]
 
@@ -163,6 +163,9 @@ KEYS = {"cycle": Cycle.model_fields, "run": Run.model_fields, "output": Output.m
 SAMPLES = Design.model_fields
 #: The keys of tables without other keys, by the table of the study that they are in.
 KNOWN = KEYS | {"design": Axis.model_fields, "cycle": Angles.model_fields}
+#: What stands for a required key that is missing, to read the others; how often what is wrong is left out.
+REQUIRED: dict[str, Any] = {"mechanism": "?", "quantities": ["status"], "design": {}}
+PASSES = 4
 #: Examples of required keys.
 EXAMPLES = {
     "mechanism": 'mechanism = "planar_4r"',
@@ -173,8 +176,8 @@ EXAMPLES = {
 }
 
 
-def read_tables(raw: Mapping[str, Any], positions: Collection[str]) -> dict[str, Any]:
-    """Return the tables of a study with values as a sweep takes them.
+def read_tables(raw: Mapping[str, Any], positions: Collection[str]) -> tuple[dict[str, Any], list[Problem]]:
+    """Return the tables of a study with values as a sweep takes them, and the problems of the rest, left out.
 
     Parameters
     ----------
@@ -183,15 +186,40 @@ def read_tables(raw: Mapping[str, Any], positions: Collection[str]) -> dict[str,
     positions : collection of str
         The names of input positions; values of other unknown keys of [cycle] are left to a check of their names.
 
-    Raises
-    ------
-    InputError
-        With every key that is unknown or missing, and every value of another type.
+    Returns
+    -------
+    tables : dict
+        What is without problems.
+    problems : list of Problem
+        Every key that is unknown or missing, and every value of another type.
     """
-    try:
-        return {"cycle": {}, "run": {}, "output": {}, **_plain(StudyFile.model_validate(raw))}
-    except ValidationError as error:
-        raise InputError.of(_problems(error, positions)) from None
+    problems: list[Problem] = []
+    empty: dict[str, Any] = {"cycle": {}, "run": {}, "output": {}}
+    absent: set[str] = set()
+    for _ in range(PASSES):
+        try:
+            tables = _plain(StudyFile.model_validate(raw))
+            return {**empty, **{name: tables[name] for name in tables if name not in absent}}, problems
+        except ValidationError as error:
+            problems += _problems(error, positions)
+            raw = _without(raw, [entry["loc"] for entry in error.errors(include_url=False)], absent)
+    return empty, problems
+
+
+def _without(raw: Mapping[str, Any], paths: list[Any], absent: set[str]) -> dict[str, Any]:
+    """Return a study without the keys of some paths; a placeholder stands for one that a study must have."""
+    rest = {name: dict(value) if isinstance(value, dict) else value for name, value in raw.items()}
+    for head, *inner in paths:
+        if head in REQUIRED and not inner:
+            rest[head] = REQUIRED[head]
+            absent.add(head)
+        elif head == "quantities":
+            rest[head] = [name for name in rest[head] if isinstance(name, str)] or REQUIRED[head]
+        elif inner and isinstance(rest.get(head), dict) and inner[0] in rest[head]:
+            del rest[head][inner[0]]
+        elif not inner or head not in REQUIRED:
+            rest.pop(head, None)
+    return rest
 
 
 def _plain(value: Any) -> Any:

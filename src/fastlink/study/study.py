@@ -2,36 +2,31 @@
 
 from __future__ import annotations
 
-import tomllib
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from fastlink.doors import door
-from fastlink.engine.checks import check
 from fastlink.engine.options import check_options
-from fastlink.engine.resolve import resolve
 from fastlink.engine.sweep import sweep
-from fastlink.errors import (
-    InputError,
-    Problem,
-    Problems,
-)
+from fastlink.errors import InputError, Problems, nearest
 from fastlink.io.partial_file import check_target
-from fastlink.io.reader import is_hdf5
+from fastlink.mechanisms import NAMES
 from fastlink.mechanisms import catalogue as find_catalogue
 from fastlink.options import check_path
-from fastlink.plan.positions import check_keywords
 from fastlink.space.degrees import Degrees, angle_of, degrees_name
 from fastlink.space.design_space import DesignSpace
-from fastlink.space.links import Links
-from fastlink.space.samplers import grid, latin_hypercube, sobol, table
-from fastlink.study.schema import A_STUDY, KEYS, SAMPLES, read_tables
+from fastlink.study.homes import at_home
+from fastlink.study.request import Request
+from fastlink.study.schema import A_STUDY, read_tables
+from fastlink.study.text import contents_of, text_of
 from fastlink.study.wording import StudyWording
 
 if TYPE_CHECKING:
     import xarray as xr
+
+    from fastlink.catalogue.catalogue import Catalogue
 
 __all__ = ["Study", "read_study", "run_study"]
 
@@ -177,92 +172,35 @@ def read_study(path: str | Path) -> Study:
         One line for each problem: the file, the key, what was found, what is allowed.
     """
     path = check_path(("study",), path, "study.toml")
-    text = _text_of(path)
-    tables = _tables_of(path, text)
-    cycle, design = tables["cycle"], tables["design"]
-    positions = {name: values for name, values in cycle.items() if name not in KEYS["cycle"]}
-    options = {name: value for name, value in {**cycle, **tables["run"]}.items() if name not in positions}
-    problems = Problems(StudyWording(path, tables))
-    space = None
-    if "links" in tables:
-        with problems.at():
-            values = dict(tables["links"])
-            options["links"] = Links(values.pop("model"), values)
-    with problems.at():
-        space = _space_of(path, design)
-        problems.wording = StudyWording(path, tables, space)
-    examine: Callable[..., object] = check if problems.noted else resolve
-    with problems.at():
-        named = {"positions": positions, "options": KEYS["cycle"]}
-        examine(tables["mechanism"], space, tables["quantities"], **named, **options)
+    text = text_of(path)
+    contents, problems = contents_of(path, text), Problems(StudyWording(path))
+    driven = _driven(contents, problems)
+    raw, misplaced = at_home(contents, driven)
+    name = "" if driven is None else driven.position.name
+    tables, found = read_tables(raw, (name, degrees_name(name)))
+    problems.noted += [*misplaced, *found]
+    problems.wording = StudyWording(path, raw)
+    if driven is None or "mechanism" not in tables:
+        problems.stop()
+    assert driven is not None
+    request = Request(path, raw, tables, driven, problems)
+    request.check()
     problems.stop()
-    assert space is not None
-    for name, values in positions.items():
-        options["angles"] = Degrees(values) if angle_of(name) else values
+    assert request.space is not None
+    for name, values in request.positions.items():
+        request.options["angles"] = Degrees(values) if angle_of(name) else values
+    design = tables["design"]
     sources = (path, *([path.parent / design["table"]] if "table" in design else ()))
-    return Study(path, text, tables, space, options, sources)
+    return Study(path, text, tables, request.space, request.options, sources)
 
 
-def _text_of(path: Path) -> str:
-    try:
-        return path.read_text(encoding="utf-8-sig")
-    except UnicodeDecodeError as error:
-        if is_hdf5(path):
-            raise InputError(
-                f"{path}: is a map, not a study", remedy=f"`fastlink info {path}` shows it"
-            ) from None
-        raise InputError(f"{path}: is not UTF-8 text ({error.reason} at byte {error.start})") from None
-    except (OSError, ValueError) as error:  # ValueError: a NUL in the path
-        why = getattr(error, "strerror", None) or str(error)
-        raise InputError(f"{path}: cannot be read ({why})", remedy=A_STUDY) from None
-
-
-def _tables_of(path: Path, text: str) -> dict[str, Any]:
-    """Return the tables of a study, or refuse its keys, types and names."""
-    try:
-        raw = tomllib.loads(text)
-    except (tomllib.TOMLDecodeError, RecursionError) as error:
-        raise InputError.of([Problem(f"is not TOML: {error}")], StudyWording(path)) from None
-    mechanism, cycle = raw.get("mechanism"), raw.get("cycle")
-    cycle = cycle if isinstance(cycle, dict) else {}
-    input, position, names = cycle.get("input"), "", Problems()
-    if isinstance(mechanism, str):
-        with names.at():
-            driven = find_catalogue(mechanism, input if isinstance(input, str) else None)
-            position = driven.position.name
-            unknown = [name for name in cycle if name not in KEYS["cycle"]]
-            check_keywords(mechanism, driven, unknown, KEYS["cycle"])
-    try:
-        return read_tables(raw, (position, degrees_name(position)))
-    except InputError as error:
-        problems = [*error.problems, *names.noted]
-        raise InputError.of(problems, StudyWording(path, {"cycle": cycle})) from None
-
-
-def _space_of(path: Path, design: Mapping[str, Any]) -> DesignSpace:
-    """Return the design space of a study, or refuse it with all its problems."""
-    problems = Problems()
-    entries = {name: value for name, value in design.items() if name not in SAMPLES}
-    constants = {name: value for name, value in entries.items() if isinstance(value, float)}
-    swept = [name for name in entries if name not in constants]
-    kinds = [name for name in SAMPLES if name in design]
-    if len(kinds) + bool(swept) > 1:
-        both = [*kinds, *([f"axes ({', '.join(swept)})"] if swept else [])]
-        problems.add(f"has {' and '.join(both)}", ("design",), "write one of them, beside constants")
-    if not design:
-        problems.add("is empty", ("design",), "write a number or an axis for each input")
+def _driven(contents: Mapping[str, Any], problems: Problems) -> Catalogue | None:
+    """Return the mechanism of a study; a misspelt one is noted and taken for the nearest."""
+    mechanism, cycle = contents.get("mechanism"), contents.get("cycle")
+    input = cycle.get("input") if isinstance(cycle, dict) else None
+    if not isinstance(mechanism, str):
+        return None
     with problems.at():
-        space = grid(**entries)
-    if len(kinds) == 1:
-        (kind,) = kinds
-        with problems.at("design", kind):
-            if kind == "table":
-                space = table(path.parent / design["table"])
-            else:
-                space = (sobol if kind == "sobol" else latin_hypercube)(**design[kind])
-            for name in constants:
-                if name in space.names:
-                    what = f"gives {name}, which stands in [design] too"
-                    problems.add(what, ("design", kind), "write it once")
-    problems.stop()
-    return space.with_constants(constants)
+        return find_catalogue(mechanism, input if isinstance(input, str) else None)
+    meant = mechanism if mechanism in NAMES else nearest(mechanism, NAMES)
+    return None if meant is None else find_catalogue(meant, None)

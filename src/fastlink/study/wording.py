@@ -61,13 +61,17 @@ class StudyWording(Wording):
             return ("design", *self._sample(rest), *rest)
         key = PARAMETERS.get(str(head), head)
         for name, keys in KEYS.items():
-            if key in keys or key in self.tables.get(name, ()):
+            if key in keys or key in self._table(name):
                 return (name, key, *rest)
         return where
 
+    def _table(self, name: str) -> Mapping[str, Any]:
+        table = self.tables.get(name)
+        return table if isinstance(table, Mapping) else {}
+
     def _sample(self, rest: Sequence[str | int]) -> KeyPath:
         """Return the key of the sample or the table that gives an input, if one does."""
-        design = self.tables.get("design", {})
+        design = self._table("design")
         if self.space is None or not rest or rest[0] not in self.space.names or rest[0] in design:
             return ()
         return tuple(kind for kind in SAMPLES if kind in design)
