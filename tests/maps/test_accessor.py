@@ -235,6 +235,6 @@ def test_one_design_is_its_own_best():
 
 def test_the_best_designs_are_swept_again_to_the_same_bits(maps):
     rows = maps.sel(branch=2).fastlink.top(7, "omega4_max", where="rotates fully")
-    again = fl.sweep("planar_4r", rows[[]], ["omega4_max", "transmission_angle_min"], branch=2)
+    again = fl.sweep("planar_4r", rows.fastlink.designs, ["omega4_max", "transmission_angle_min"], branch=2)
     for name in ("omega4_max", "transmission_angle_min"):
         assert_array_equal(again[name], rows[name])

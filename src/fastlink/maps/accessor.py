@@ -106,6 +106,11 @@ class MapAccessor:
         return degrees(self._maps)
 
     @property
+    def designs(self) -> xr.Dataset:
+        """The inputs of the map without its results, to be swept again."""
+        return self._maps.drop_vars(list(self._maps.data_vars))
+
+    @property
     def units(self) -> dict[str, str]:
         """The units of each variable and coordinate, in the spelling of CF; ``1`` for pure numbers."""
         return units_of(self._maps)
