@@ -4,6 +4,7 @@ import doctest
 import errno
 import os
 import random
+import re
 import threading
 from concurrent.futures import ThreadPoolExecutor
 
@@ -13,6 +14,7 @@ import numpy as np
 import pytest
 import xarray as xr
 from tests.support.map_files import DESCRIBED, SPACES, Sample, digest, left_in, raising
+from tests.support.refusals import refused
 
 from fastlink.errors import InputError
 from fastlink.io import reader
@@ -317,3 +319,38 @@ def test_the_examples_run():
     result = doctest.testmod(reader)
     assert result.attempted > 0
     assert result.failed == 0
+
+
+def test_files_that_are_none_are_not_waited_for(tmp_path):
+    os.mkfifo(tmp_path / "pipe.h5")
+    Sample().save(tmp_path / "m.h5")
+    for path, remedy in (
+        (tmp_path / "pipe.h5", "a map that a sweep has written"),
+        (f"{tmp_path}/m.h5/", "m.h5'"),
+        ("/dev/null", "a map that a sweep has written"),
+        ("x" * 300 + ".h5", "maps.h5"),
+    ):
+        with pytest.raises(InputError, match=re.escape(remedy)):
+            open_map(path)
+
+
+def test_options_of_xarray_are_passed_on_or_refused(tmp_path):
+    path = Sample().save(tmp_path / "m.h5")
+    with open_map(path) as whole:
+        name = next(iter(whole.data_vars))
+    with open_map(path, drop_variables=[name], cache=False) as opened:
+        assert name not in opened
+    with refused("cach", "'cache'"):
+        open_map(path, cach=False)
+    with refused("engine", "known"):
+        open_map(path, engine="netcdf4")
+    for options in ({"drop_variables": 3}, {"backend_kwargs": 3}):
+        with refused(next(iter(options)), "xarray"):
+            open_map(path, **options)
+
+
+def test_chunks_need_dask(tmp_path, monkeypatch):
+    path = Sample().save(tmp_path / "m.h5")
+    monkeypatch.setattr(reader, "find_spec", lambda name: None)
+    with refused("chunks", "install dask"):
+        open_map(path, chunks="auto")

@@ -64,7 +64,7 @@ def test_unknown_meanings_and_variables_are_refused(maps):
         maps.fastlink.status_is("rotates_fully", of="omega4_max")
     with refused("meanings", "rotates_fully"):
         maps.fastlink.status_is()
-    with refused("meaning", "rotates_fully"):
+    with refused("meanings", "rotates_fully"):
         maps.status.fastlink.status_is(3)
     with refused("status", "before averaging"):
         maps.mean("a1").fastlink.counts()
@@ -220,7 +220,7 @@ def test_rankings_without_sense_are_refused(maps):
         maps.fastlink.top(3, "omega4_max", where=maps.omega4_max)
     with refused("theta1", "same map"):
         maps.fastlink.top(3, "omega4_max", where=maps.theta4 > 0)
-    with refused("meaning", "rotates_fully"):
+    with refused("meanings", "rotates_fully"):
         maps.fastlink.top(3, "omega4_max", where="turns fully")
 
 
@@ -238,3 +238,16 @@ def test_the_best_designs_are_swept_again_to_the_same_bits(maps):
     again = fl.sweep("planar_4r", rows.fastlink.designs, ["omega4_max", "transmission_angle_min"], branch=2)
     for name in ("omega4_max", "transmission_angle_min"):
         assert_array_equal(again[name], rows[name])
+
+
+def test_options_of_the_best_designs_are_switches(maps):
+    for name in ("largest", "infinite"):
+        with refused(name, "True or False"):
+            maps.fastlink.top(2, "omega4_max", **{name: "yes"})
+
+
+@pytest.mark.parametrize("text", ["m**9**9**9**9", "(" * 3 + "m", "m" * 100, "m**99999999"])
+def test_units_that_take_for_ever_are_refused(maps, text):
+    pytest.importorskip("pint")
+    with refused("a1", "rpm"):
+        maps.fastlink.convert(a1=text)

@@ -79,12 +79,12 @@ def open_map(path: str | os.PathLike[str], *, chunks: Any = None, **options: Any
     _check_options(chunks, options)
     try:
         dataset = xr.open_dataset(path, engine="h5netcdf", chunks=chunks, **options)
-    except (OSError, ValueError, KeyError, RuntimeError, TypeError) as error:
+    except Exception as error:  # of h5py, h5netcdf, xarray and dask: there is no list of them
         _refuse_option(path, chunks, options, error)
         if path.suffix == ".toml" and not is_hdf5(path):
             what = f"{path}: is a study, not a map"
             raise InputError(what, remedy=f"`fastlink run {path}` makes its map") from error
-        what = f"{path}: cannot be read as HDF5 ({reason(error)})"
+        what = f"{path}: cannot be read as HDF5 ({_fault(path, error)})"
         raise InputError(what, remedy="give a map that a sweep has written") from error
     version = dataset.attrs.get(FORMAT)
     if isinstance(version, (int, np.integer)) and version <= FORMAT_VERSION:
@@ -138,11 +138,23 @@ def _existing(path: Any) -> Path:
     file = check_path(("path",), path)
     if os.path.isdir(file):
         raise InputError(f"{file}: is a folder", remedy="give the path of a map that a sweep has written")
+    if os.path.exists(file) and not os.path.isfile(file):  # a pipe would be waited for
+        raise InputError(f"{file}: is not a file", remedy="give the path of a map that a sweep has written")
+    if os.fspath(path).endswith(os.sep):
+        raise InputError(f"{path}: is not a folder", remedy=f"write {str(file)!r}")
     if not os.path.exists(file):
         part = part_of(file)
         hint = f"; {part.name} is of a run that has not finished" if os.path.exists(part) else ""
         raise InputError(f"{file}: there is no such file{hint}", remedy="give the path of a written map")
     return file
+
+
+def _fault(path: Path, error: Exception) -> str:
+    """Return why a file cannot be read as HDF5."""
+    try:
+        return reason(error) if is_hdf5(path) else "it does not begin as such a file does"
+    except OSError as unreadable:
+        return reason(unreadable)
 
 
 def _check_options(chunks: Any, options: dict[str, Any]) -> None:
@@ -163,7 +175,7 @@ def _refuse_option(path: Path, chunks: Any, options: dict[str, Any], error: Exce
         return
     try:
         xr.open_dataset(path, engine="h5netcdf").close()
-    except (OSError, ValueError, KeyError, RuntimeError, TypeError):
+    except Exception:
         return
     given = ("chunks",) if chunks is not None else tuple(options)[:1]
     what = f"cannot open {path.name} with such options ({reason(error)})"

@@ -8,11 +8,12 @@ import xarray as xr
 
 from fastlink._text import short_repr
 from fastlink.doors import door
-from fastlink.errors import InputError, suggest
+from fastlink.errors import InputError
 from fastlink.maps.finite import finite
 from fastlink.maps.flags import check_flags, flag_counts, flags_of, has_flag
 from fastlink.maps.top import STATUS, top
 from fastlink.maps.units import convert, converted, degrees, units_of
+from fastlink.options import check_choice
 
 __all__ = ["MapAccessor", "VariableAccessor"]
 
@@ -169,9 +170,9 @@ class MapAccessor:
 
     def _coded(self, of: str) -> xr.DataArray:
         if not isinstance(of, str) or of not in self._maps.variables:
-            known = [str(name) for name, array in self._maps.data_vars.items() if flags_of(array)]
-            remedy = suggest(str(of), known) if known else "the map has no codes with meanings"
-            raise InputError(f"there is no variable {short_repr(of)}", where=("of",), remedy=remedy)
+            check_choice(
+                ("of",), of, [str(name) for name, one in self._maps.data_vars.items() if flags_of(one)]
+            )
         return self._maps[of]
 
 

@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from fastlink._text import short_repr
-from fastlink.errors import InputError, suggest
+from fastlink.errors import InputError
+from fastlink.options import check_choice
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -43,14 +43,8 @@ def check_flags(array: xr.DataArray, where: str, meanings: Sequence[Any]) -> lis
         raise InputError(what, where=(where,), remedy="give a variable with flag_values and flag_meanings")
     if not meanings:
         raise InputError("is empty", where=("meanings",), remedy=f"write one of {', '.join(flags)}")
-    codes = []
-    for meaning in meanings:
-        spelt = meaning.strip().replace(" ", "_") if isinstance(meaning, str) else meaning
-        if not isinstance(spelt, str) or spelt not in flags:
-            what = f"{short_repr(meaning)} is not a meaning of {array.name}"
-            raise InputError(what, where=("meanings",), remedy=suggest(str(spelt), flags))
-        codes.append(flags[spelt])
-    return codes
+    spelt = [one.strip().replace(" ", "_") if isinstance(one, str) else one for one in meanings]
+    return [flags[check_choice(("meanings",), one, list(flags), f" to {array.name}")] for one in spelt]
 
 
 def has_flag(array: xr.DataArray, codes: Sequence[int]) -> xr.DataArray:

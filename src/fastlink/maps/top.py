@@ -11,9 +11,9 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from fastlink._text import short_repr
-from fastlink.errors import InputError, suggest
+from fastlink.errors import InputError
 from fastlink.maps.flags import check_flags, flags_of, has_flag
-from fastlink.options import check_whole
+from fastlink.options import check_choice, check_switch, check_whole
 from fastlink.space.design_space import DESIGN
 
 __all__ = ["top"]
@@ -25,7 +25,9 @@ STATUS = "status"
 
 def top(maps: xr.Dataset, n: int, by: str, *, largest: bool, where: Any, infinite: bool) -> xr.Dataset:
     """Return the rows of a map with the greatest or least values of one variable; see `MapAccessor.top`."""
-    check_whole(("n",), n, 1)
+    n = check_whole(("n",), n, 1)
+    check_switch(("largest",), largest)
+    check_switch(("infinite",), infinite)
     key = _key(maps, by)
     mask = _mask(maps, key, where)
     best, kept = np.empty(0, dtype=np.int64), np.empty(0)
@@ -62,16 +64,14 @@ def _key(maps: xr.Dataset, by: Any) -> xr.DataArray:
         for name, array in maps.data_vars.items()
         if array.dtype.kind in "iuf" and array.ndim and not flags_of(array)
     ]
-    if isinstance(by, str) and by in numeric:
-        return maps[by]
-    if isinstance(by, str) and by in maps.data_vars:
+    if not isinstance(by, str):
+        remedy = "write the name of a variable; a new one is maps.assign(NAME=...)"
+        raise InputError(f"is {short_repr(by)}", where=("by",), remedy=remedy)
+    if by in maps.data_vars and by not in numeric:
         what = f"{short_repr(by)} is {'a code' if flags_of(maps[by]) else 'not a number for each design'}"
         remedy = f"select by where='MEANING', and rank by a number: {', '.join(numeric[:8])}"
         raise InputError(what, where=("by",), remedy=remedy)
-    if isinstance(by, str):
-        raise InputError(f"there is no variable {short_repr(by)}", where=("by",), remedy=suggest(by, numeric))
-    remedy = "write the name of a variable; a new one is maps.assign(NAME=...)"
-    raise InputError(f"is {short_repr(by)}", where=("by",), remedy=remedy)
+    return maps[check_choice(("by",), by, numeric)]
 
 
 def _mask(maps: xr.Dataset, key: xr.DataArray, where: Any) -> xr.DataArray | None:

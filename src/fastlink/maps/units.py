@@ -27,6 +27,8 @@ __all__ = [
 
 RADIAN, DEGREE = "rad", "degree"  # in the spelling of CF
 INSTALL = "python -m pip install 'fastlink-linkages[units]'"
+#: What makes a sum of pint's that may take for ever, such as m**9**9**9.
+ENDLESS = re.compile(r"[()]|\d{4}|(\*\*|\^)[^*^/ ]*(\*\*|\^)|.{80}", re.DOTALL)
 POWER = re.compile(r"(?<=[A-Za-z])(-?\d+)")
 
 T = TypeVar("T", xr.Dataset, xr.DataArray)
@@ -120,7 +122,7 @@ def _parsed(text: Any, name: str) -> Any:
     """Return pint's unit of a text: ``rad s-1`` as CF writes it, or ``rad/s``."""
     registry = _registry()
     try:
-        if not isinstance(text, str) or not text.strip():
+        if not isinstance(text, str) or not text.strip() or ENDLESS.search(text):
             raise ValueError("not a unit")
         return registry.parse_units(POWER.sub(r"**\1", text) if text.strip() != "1" else "")
     except Exception as error:  # pint's parser raises whatever its tokens run into

@@ -13,6 +13,7 @@ from fastlink.errors import InputError, Setting
 from fastlink.io.reader import as_map
 from fastlink.maps.units import degrees as in_degrees
 from fastlink.maps.units import degrees_along
+from fastlink.options import check_switch
 from fastlink.plot.picture import check_picture, require_matplotlib, save
 from fastlink.plot.selection import select
 
@@ -75,7 +76,8 @@ def plot_map(
     from fastlink.plot.draw import draw, style
 
     path = None if to is None else check_picture(to, "to")
-    if at is not None and not isinstance(at, Mapping):
+    check_switch(("degrees",), degrees)
+    if at is not None and (not isinstance(at, Mapping) or hasattr(at, "data_vars")):
         remedy = ("write such as ", Setting("at", {"a4": 1.0}))
         raise InputError(f"is {short_repr(at)}", where=("at",), remedy=remedy)
     with as_map(maps) as dataset:

@@ -13,6 +13,7 @@ import numpy as np
 from fastlink._text import short_number, short_repr
 from fastlink.errors import InputError, Remedy, Setting, suggest
 from fastlink.maps.flags import flags_of
+from fastlink.options import check_choice, check_whole
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -80,13 +81,8 @@ def select(dataset: xr.Dataset, name: str, branch: int | None, at: Mapping[str, 
 
 def _variable(dataset: xr.Dataset, name: Any) -> xr.DataArray:
     """Return a variable of numbers, or refuse its name."""
-    if not isinstance(name, str) or name not in dataset.data_vars:
-        known = [str(key) for key in dataset.data_vars]
-        what = f"there is no variable {short_repr(name)}"
-        raise InputError(
-            what, where=("name",), remedy=suggest(str(name), known) if known else "the map has none"
-        )
-    variable = dataset[name]
+    name = check_choice(("name",), name, [str(key) for key in dataset.data_vars])
+    variable: xr.DataArray = dataset[name]
     if variable.dtype.kind not in "iufb":
         remedy = "draw a variable of numbers"
         raise InputError(f"{name} holds {variable.dtype}, not numbers", where=("name",), remedy=remedy)
@@ -99,9 +95,9 @@ def _one_branch(variable: xr.DataArray, branch: Any) -> xr.DataArray:
         what = f"{variable.name} is the same in every assembly mode"
         raise InputError(what, where=("branch",), remedy="leave it out")
     known = np.atleast_1d(variable[BRANCH].values).tolist()
-    if isinstance(branch, bool) or not isinstance(branch, numbers.Integral) or branch not in known:
-        remedy = f"write one of {', '.join(map(str, known))}"
-        raise InputError(f"{short_repr(branch)} is not in the result", where=("branch",), remedy=remedy)
+    remedy = f"write one of {', '.join(map(str, known))}"
+    if check_whole(("branch",), branch, min(known), max(known), remedy) not in known:
+        raise InputError(f"{branch} is not in the result", where=("branch",), remedy=remedy)
     return variable.isel({BRANCH: [known.index(branch)]}) if BRANCH in variable.dims else variable
 
 
@@ -125,17 +121,29 @@ def _fixed(variable: xr.DataArray, at: dict[str, Any]) -> tuple[dict[str, int], 
 
 def _nearest(dim: str, values: Any, value: Any) -> int:
     """Return the place of the nearest value along a dimension."""
-    if isinstance(value, bool) or not isinstance(value, numbers.Real) or not math.isfinite(value):
+    wanted = _finite(value)
+    if wanted is None:
         raise InputError(f"is {short_repr(value)}", where=("at", dim), remedy="write a finite number")
     if not _is_scale(values):
         what = f"has {'no values' if not values.size else 'coordinates that are not finite numbers'}"
         raise InputError(what, where=("at", dim), remedy=f"select by maps.isel({dim}=0)")
-    wanted, low, high = float(value), float(values.min()), float(values.max())
+    low, high = float(values.min()), float(values.max())
     slack = 1e-9 * max(abs(low), abs(high))
     if not low - slack <= wanted <= high + slack:
         remedy = f"write a number from {low:g} to {high:g}"
         raise InputError(f"is {wanted:g}, outside the result", where=("at", dim), remedy=remedy)
     return int(abs(values - wanted).argmin())
+
+
+def _finite(value: Any) -> float | None:
+    """Return a finite number as a float, None of anything else; a duration passes for a whole number elsewhere."""
+    if not isinstance(value, numbers.Real) or isinstance(value, (bool, np.timedelta64)):
+        return None
+    try:
+        number = float(value)
+    except OverflowError:
+        return None
+    return number if math.isfinite(number) else None
 
 
 def _check_free(variable: xr.DataArray, name: str, free: list[str]) -> None:
