@@ -74,6 +74,11 @@ def test_a_map_of_design_facts_touches_no_angle():
         ((1.0, 2.0, 2.0, 1.0), "change_point"),  # kite
         ((0.1, 0.3, 0.6, 0.4), "change_point"),  # 0.1 + 0.6 = 0.3 + 0.4 but for rounding
         ((1.0, 1.0, 1.0, 1.0), "change_point"),
+        ((1.0, 1.0, 1.0, 3.0), "assembles_in_one_position"),
+        ((3.0, 1.0, 1.0, 1.0), "assembles_in_one_position"),
+        ((1.0, 4.0, 2.0, 1.0), "assembles_in_one_position"),
+        ((0.3, 0.1, 0.7, 0.3), "assembles_in_one_position"),  # 0.3 + 0.1 + 0.3 = 0.7 but for rounding
+        ((1.0, 1.0, 1.0, 3.0 - 1e-14), "assembles_over_part_of_the_turn"),
     ],
 )
 def test_status(lengths, meaning):

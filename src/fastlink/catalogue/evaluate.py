@@ -13,8 +13,9 @@ from typing import Any
 import numpy as np
 
 from fastlink.catalogue.catalogue import Catalogue, Fact, System
+from fastlink.numerics.elementary import context_of
 
-__all__ = ["evaluate_step", "read_facts", "steps_of", "tables_at"]
+__all__ = ["evaluate_on_doubles", "evaluate_step", "read_facts", "steps_of", "tables_at"]
 
 
 def read_facts(
@@ -67,11 +68,20 @@ def _steps(
 
 
 def tables_at(catalogue: Catalogue, theta: Any, names: Iterable[str]) -> dict[str, Any]:
-    """Return the tables at an input position of any type; low parts are zero."""
-    return {
-        name: catalogue.tables[name].function(theta) if name in catalogue.tables else 0 * theta
-        for name in names
-    }
+    """Return the tables at an input position of any type; low parts are zero.
+
+    In mpmath they are right to all digits of its context, whatever the size of the position.
+    """
+    functions = {name: catalogue.tables[name].function for name in names if name in catalogue.tables}
+    context = context_of(theta)
+    if hasattr(context, "workprec") and theta != 0 and context.isfinite(theta):
+        # squares of small angles stand beside 1, whole turns and powers of two beside great ones
+        with context.workprec(context.prec + 2 * abs(context.mag(theta))):
+            tabled = {name: function(theta) for name, function in functions.items()}
+        tabled = {name: +value if hasattr(value, "context") else value for name, value in tabled.items()}
+    else:
+        tabled = {name: function(theta) for name, function in functions.items()}
+    return {name: tabled[name] if name in tabled else 0 * theta for name in names}
 
 
 def evaluate_step(step: Fact | System, known: dict[str, Any]) -> None:
@@ -81,6 +91,20 @@ def evaluate_step(step: Fact | System, known: dict[str, Any]) -> None:
         known.update(zip(step.unknowns, _solve(rows), strict=True))
     else:
         known.update(step.values(known))
+
+
+def evaluate_on_doubles(steps: Iterable[Fact | System], known: dict[str, Any]) -> None:
+    """Add the values of steps to known doubles and arrays of NumPy.
+
+    A number of Python, such as the constant of a case, becomes one of NumPy: of these a quotient by zero is infinite or
+    NaN, as in arrays and in kernels, and no exception.
+    """
+    with np.errstate(all="ignore"):
+        for step in steps:
+            evaluate_step(step, known)
+            for name in step.names:
+                if isinstance(known[name], (float, int)):
+                    known[name] = np.float64(known[name])
 
 
 def _solve(rows: Any) -> list[Any]:

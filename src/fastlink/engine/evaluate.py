@@ -12,7 +12,7 @@ import numpy as np
 
 from fastlink.catalogue.catalogue import Catalogue, Fact, Input, System
 from fastlink.catalogue.declare import ELIMINATED
-from fastlink.catalogue.evaluate import evaluate_step
+from fastlink.catalogue.evaluate import evaluate_on_doubles
 from fastlink.catalogue.tables import angle_tables
 from fastlink.doors import door
 from fastlink.engine.broadcast import MOST_CONFIGURATIONS, broadcast_inputs, like, too_many
@@ -128,9 +128,7 @@ def evaluate(
         remark_on_angles(catalogue.position.name, theta, "evaluate")
     tabled = angle_tables(catalogue, recipe.tables, np.ravel(theta))
     arrays |= zip(recipe.tables, tabled.reshape(len(recipe.tables), *np.shape(theta)), strict=True)
-    with np.errstate(all="ignore"):
-        for step in recipe.steps:
-            evaluate_step(step, arrays)
+    evaluate_on_doubles(recipe.steps, arrays)
     if template is None and not shape:
         return {name: float(arrays[name]) for name in names}
     results = {name: np.broadcast_to(arrays[name], shape) for name in names}

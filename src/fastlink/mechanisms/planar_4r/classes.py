@@ -26,6 +26,7 @@ STATUS_FLAGS = {
     2: "never_assembles",
     3: "change_point",
     4: "invalid_input",
+    5: "assembles_in_one_position",
 }
 CLASS_FLAGS = {
     0: "crank_rocker",
@@ -53,16 +54,25 @@ def assembles(factor_A2: Any, factor_B2: Any, factor_C2: Any, factor_D2: Any, va
     return select(one_too_long, 0.0, select(valid == 1.0, 1.0, 0.0))
 
 
+@planar_4r.quantity(units="1", symbol="rigid", source=STATUS, internal=True)
+def rigid(factor_A2: Any, factor_B2: Any, factor_C2: Any, factor_D2: Any, gap_rounding: Any) -> Any:
+    """1 where one link is as long as the others together: they lie in one line."""
+    crank_or_coupler = (abs(factor_A2) <= gap_rounding) | (abs(factor_B2) <= gap_rounding)
+    output_or_ground = (abs(factor_C2) <= gap_rounding) | (abs(factor_D2) <= gap_rounding)
+    return select(crank_or_coupler | output_or_ground, 1.0, 0.0)
+
+
 @planar_4r.quantity(units="1", symbol="status", source=STATUS, flags=STATUS_FLAGS)
 def status(
-    factor_A1: Any, factor_B1: Any, factor_C1: Any, gap_rounding: Any, assembles: Any, valid: Any
-) -> Any:
+    factor_A1: Any, factor_B1: Any, factor_C1: Any, gap_rounding: Any, rigid: Any, assembles: Any, valid: Any
+) -> Any:  # fmt: skip
     """How the design assembles over a full turn of the input."""
     change_point = (
         (abs(factor_A1) <= gap_rounding) | (abs(factor_B1) <= gap_rounding) | (abs(factor_C1) <= gap_rounding)
     )
     turns = (factor_A1 * factor_B1 >= 0.0) & (factor_C1 <= 0.0)
     code = select(change_point, 3.0, select(turns, 0.0, 1.0))
+    code = select(rigid == 1.0, 5.0, code)
     code = select(assembles == 1.0, code, 2.0)
     return select(valid == 1.0, code, 4.0)
 

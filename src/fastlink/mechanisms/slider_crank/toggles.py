@@ -111,10 +111,14 @@ def assembles(reach_up: Any, reach_down: Any, valid: Any) -> Any:
 
 
 @slider_crank.quantity(units="1", symbol="status", source=STATUS, flags=STATUS_FLAGS)
-def status(less_up: Any, less_down: Any, gap_rounding: Any, assembles: Any, valid: Any) -> Any:
+def status(
+    less_up: Any, less_down: Any, reach_up: Any, reach_down: Any, gap_rounding: Any, assembles: Any, valid: Any
+) -> Any:  # fmt: skip
     """How the design assembles over a full turn of the crank."""
     change_point = (abs(less_up) <= gap_rounding) | (abs(less_down) <= gap_rounding)
     turns = (less_up >= 0.0) & (less_down >= 0.0)
+    rigid = (abs(reach_up) <= gap_rounding) | (abs(reach_down) <= gap_rounding)
     code = select(change_point, 3.0, select(turns, 0.0, 1.0))
+    code = select(rigid, 5.0, code)
     code = select(assembles == 1.0, code, 2.0)
     return select(valid == 1.0, code, 4.0)

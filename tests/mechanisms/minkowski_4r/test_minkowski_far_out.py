@@ -1,0 +1,42 @@
+"""Rapidities of any size: the loop closes as it does near them, and psi follows theta by a constant."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import fastlink as fl
+from fastlink.mechanisms import catalogue
+from fastlink.precision.reference import CONTEXT, HighPrecision
+
+DESIGN = {"a": 1.0, "b": 2.0, "g": 0.5, "h": 3.0}
+NAMES = ("psi", "AB_rapidity", "dpsi_dtheta", "CB_orientation")
+FLAGS = catalogue("minkowski_4r").public["configuration_status"].flags
+
+
+@pytest.mark.parametrize("size", [1e3, 1e20, 1e42, 1e100, 1e300, 1e308])
+@pytest.mark.parametrize("branch", [1, 2])
+def test_the_loop_closes_at_any_rapidity(size, branch):
+    names = (*NAMES, "configuration_status")
+    for sign in (-1.0, 1.0):
+        near = fl.evaluate("minkowski_4r", names, **DESIGN, theta=sign * 300.0, branch=branch)
+        far = fl.evaluate("minkowski_4r", names, **DESIGN, theta=sign * size, branch=branch)
+        assert FLAGS[int(far["configuration_status"])] == "beyond_the_range_of_numbers"  # as e^1000 is
+        assert far["CB_orientation"] == near["CB_orientation"]
+        assert abs(far["dpsi_dtheta"] - near["dpsi_dtheta"]) <= np.exp(-290.0)
+        # beyond 300, e^-theta is nothing beside 1: a rapidity is a constant, or theta and a constant
+        for name in NAMES[:2]:
+            slope = np.rint(near[name] / (sign * 300.0))
+            shift = near[name] - slope * sign * 300.0
+            expected = slope * sign * size + shift
+            # two roundings of 300 near, and three of the value, one of which is that of k log(2)
+            assert abs(far[name] - expected) <= 2.0**-52 * 300.0 + 3 * 2.0**-53 * abs(expected)
+
+
+@pytest.mark.parametrize("theta", [1e20, -1e100, 1e300])
+def test_the_reference_closes_there_too(theta):
+    mechanism = catalogue("minkowski_4r")
+    found = fl.evaluate("minkowski_4r", ["psi"], **DESIGN, theta=theta)["psi"]
+    exact = HighPrecision(mechanism, ["psi"], {**DESIGN, "theta": theta, "branch": 1.0})
+    known = exact.at({**DESIGN, "theta": theta, "branch": 1.0})
+    assert abs(CONTEXT.mpf(found) - known["psi"]) <= 4 * 2.0**-53 * abs(known["psi"])
