@@ -128,6 +128,25 @@ def test_a_sweep_is_explained_with_the_arguments_of_a_sweep(tmp_path):
         fl.explain("study.toml", threads=1)
 
 
+@pytest.mark.parametrize("given", [1.0, {}, None, "map.h5"])
+def test_a_table_of_something_else_is_refused(given):
+    with refused("measured", "give what fastlink.accuracy(STUDY) returns"):
+        fl.accuracy_table(given)
+
+
+def test_all_problems_of_an_explained_sweep_are_told_together():
+    with pytest.raises(fl.InputError) as caught:
+        fl.explain("planar_4r", fl.grid(**LENGTHS), ["thta4"], threads=0, overwrite="no", theta_1=3)
+    assert {one.where[0] for one in caught.value.problems} == {
+        "quantities",
+        "threads",
+        "overwrite",
+        "theta_1",
+    }
+    with refused("measure is 'yes'", "True or False"):
+        fl.explain("planar_4r", fl.grid(**LENGTHS), ["theta4"], measure="yes")
+
+
 @pytest.mark.stress
 @pytest.mark.parametrize(
     "name", ["chebyshev_drive", "quick_return_atlas", "crank_rocker_map", "slider_crank_press"]

@@ -17,6 +17,7 @@ from fastlink.diagnostics.work import HELPERS, KINDS, LoopWork, loop_work
 from fastlink.doors import door
 from fastlink.engine.resolve import ResolvedSweep, resolve
 from fastlink.errors import InputError
+from fastlink.options import check_switch
 from fastlink.plan.program import ExtremaProgram
 from fastlink.precision import DESIGNS
 from fastlink.study.schema import A_STUDY
@@ -177,6 +178,7 @@ def explain(
     >>> needs.memory > 8 * 2 * 360 * 40_000**2  # 9 TB: write it to a file, if there is a disk for it
     True
     """
+    measure = None if measure is None else check_switch(("measure",), measure)
     if space is None and quantities is None:
         for name in options:
             what = "is an option of a sweep, not of a study"
@@ -188,7 +190,7 @@ def explain(
         verify = read.output.get("verify", DESIGNS)
         needs = forecast(request, folder=read.target().parent, verify=verify, measure=measure)
     else:
-        request, given = request_of(str(study), space, quantities, options)
+        request, given = request_of(study, space, quantities, options)
         needs = forecast(request, measure=measure, **given)
     return replace(explain_request(request), forecast=needs)
 

@@ -19,7 +19,7 @@ from fastlink.engine.needs import needs_of
 from fastlink.engine.options import check_options
 from fastlink.engine.resolve import resolve
 from fastlink.engine.sweep import sweep
-from fastlink.errors import InputError
+from fastlink.errors import InputError, Problems
 from fastlink.io.partial_file import check_target
 from fastlink.memory import available_memory
 from fastlink.precision import DESIGNS
@@ -117,7 +117,7 @@ class Forecast:
 
 
 def request_of(
-    mechanism: str, space: Any, quantities: Any, options: Mapping[str, Any]
+    mechanism: Any, space: Any, quantities: Any, options: Mapping[str, Any]
 ) -> tuple[ResolvedSweep, dict[str, Any]]:
     """Return the request of a call of `fastlink.sweep`, and what a forecast takes of its other options."""
     known = signature(sweep).parameters
@@ -128,14 +128,18 @@ def request_of(
         )
     positions = {name: value for name, value in options.items() if name not in known or name == "positions"}
     of_request = {name: value for name, value in options.items() if name not in (*positions, *OF_RUN)}
-    resolved = resolve(
-        mechanism, space, quantities, positions=positions, options=tuple(known)[:-1], **of_request
-    )
-    checked = check_options({name: options.get(name) for name in ("to", "threads", "block", "verify")})
-    to, verify = checked.pop("to"), checked.pop("verify")
+    problems, checked = Problems(), dict[str, Any]()
+    with problems.at():
+        checked = check_options({name: options[name] for name in OF_RUN if name in options})
+    with problems.at():
+        names = tuple(known)[:-1]
+        resolved = resolve(mechanism, space, quantities, positions=positions, options=names, **of_request)
+    problems.stop()
+    to, verify = checked.get("to"), checked.get("verify")
     folder = None if to is None else check_target(to, 0, True).parent
     verify = (0 if to is None else DESIGNS) if verify is None else verify
-    return resolved, {**checked, "folder": folder, "verify": verify}
+    of_run = {name: checked.get(name) for name in ("threads", "block")}
+    return resolved, {**of_run, "folder": folder, "verify": verify}
 
 
 def forecast(

@@ -7,8 +7,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from fastlink._text import aligned
+from fastlink._text import aligned, short_repr
 from fastlink.doors import door
+from fastlink.errors import InputError
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -24,6 +25,18 @@ EQUAL = 2.0**-48
 #: An error that is not smaller than this share of another is not smaller.
 ALIKE = 0.99
 COLUMNS = 2
+#: The coordinates and variables of a result.
+NEEDED = (
+    "way",
+    "quantity",
+    "ns_per_design",
+    "error_max",
+    "error_99",
+    "error_median",
+    "missed",
+    "values",
+    "pareto",
+)
 
 
 def front(measured: xr.Dataset) -> NDArray[np.int8]:
@@ -58,6 +71,11 @@ def accuracy_table(measured: xr.Dataset) -> str:
        way      ns/design  largest     99 %   median   missed
     *  refined        335  4.0e-16  3.0e-16  1.0e-16  0 of 64
     """
+    import xarray as xr
+
+    if not isinstance(measured, xr.Dataset) or not set(NEEDED) <= set(measured.variables):
+        what = f"is {short_repr(measured)}, not a result of fastlink.accuracy"
+        raise InputError(what, where=("measured",), remedy="give what fastlink.accuracy(STUDY) returns")
     head = ("", "way", "ns/design", "largest", "99 %", "median", "missed")
     blocks = []
     for quantity in measured["quantity"].values:

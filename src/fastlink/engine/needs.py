@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from fastlink.codegen.kernel import Kernel
+    from fastlink.engine.executor import Shapes
     from fastlink.engine.resolve import ResolvedSweep
 
 __all__ = ["Needs", "allocated", "check_needs", "designs_per_block", "needs_of"]
@@ -143,11 +144,10 @@ def check_needs(resolved: ResolvedSweep, threads: int, block: int | None, verify
         check_memory(needs.in_memory, "the result", remedy=TO_FILE)
 
 
-def allocated(resolved: ResolvedSweep) -> list[NDArray[Any]]:
-    """Return an array for each result of all designs, or refuse them where the system does."""
+def allocated(shapes: Shapes, size: int) -> list[NDArray[Any]]:
+    """Return an array for each result of so many designs, or refuse them where the system does."""
     try:
-        return [np.empty((resolved.space.size, *shape), dtype) for shape, dtype in resolved.shapes]
+        return [np.empty((size, *shape), dtype) for shape, dtype in shapes]
     except (MemoryError, ValueError):  # ValueError: more bytes than an address has
-        nbytes = row_bytes(resolved.shapes) * resolved.space.size
-        what = f"the result needs {human_size(nbytes)} of memory, which this system refuses"
+        what = f"the result needs {human_size(row_bytes(shapes) * size)} of memory, which this system refuses"
         raise InputError(what, remedy=TO_FILE) from None

@@ -240,7 +240,7 @@ class _Evaluation:
 
     def in_memory(self, show: Sink, attrs: Mapping[str, Any]) -> xr.Dataset:
         """Evaluate all designs, and return the labelled results."""
-        arrays = allocated(self.resolved)
+        arrays = allocated(self.job.shapes, self.resolved.space.size)
         sink, axis = self._sink(show), self.resolved.scaling_axis
         if axis is None:
             run(self.job, targets=arrays, sink=sink, threads=self.threads, block=self.block)
