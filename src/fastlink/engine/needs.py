@@ -24,8 +24,8 @@ if TYPE_CHECKING:
 
 __all__ = ["Needs", "allocated", "check_needs", "designs_per_block", "needs_of"]
 
-#: The size of the buffers of one block is known without a look at the kernels, up to this many positions.
-FEW = 100_000
+#: Buffers are small without a look at the kernels, up to so many positions, designs per block and verified designs.
+FEW = 5_000
 #: The remedy for a result that does not fit memory.
 TO_FILE: Remedy = (
     *("write it to a file with ", Setting("to", "maps.h5")),
