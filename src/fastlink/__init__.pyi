@@ -7,11 +7,11 @@ from typing import Any, Literal, overload
 import xarray as xr
 from numpy.typing import ArrayLike
 
+from fastlink import focal as focal
+from fastlink import hart as hart
+from fastlink import minkowski as minkowski
+from fastlink import planar as planar
 from fastlink._version import __version__ as __version__
-from fastlink.analysis import focal as focal
-from fastlink.analysis import hart as hart
-from fastlink.analysis import minkowski as minkowski
-from fastlink.analysis import planar as planar
 from fastlink.diagnostics import accuracy as accuracy
 from fastlink.diagnostics import accuracy_table as accuracy_table
 from fastlink.diagnostics.explain import explain as explain

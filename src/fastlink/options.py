@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import os
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from numbers import Integral
 from pathlib import Path
 from typing import Any
@@ -56,7 +56,9 @@ def check_switch(where: KeyPath, value: Any) -> bool:
     raise InputError(f"is {short_repr(value)}", where=where, remedy="write True or False")
 
 
-def check_choice(where: KeyPath, value: Any, known: Sequence[str], to: str = "") -> str:
+def check_choice(
+    where: KeyPath, value: Any, known: Sequence[str], to: str = "", meant: Callable[[str], str] | None = None
+) -> str:
     """Return a name among the known ones, or refuse it with the nearest.
 
     Parameters
@@ -69,6 +71,8 @@ def check_choice(where: KeyPath, value: Any, known: Sequence[str], to: str = "")
         The names that it may be.
     to : str
         Of what they are names, such as ``" to planar_4r"``.
+    meant : callable, optional
+        Gives the remedy for a text that means one of them, an empty text for others.
 
     Examples
     --------
@@ -80,7 +84,8 @@ def check_choice(where: KeyPath, value: Any, known: Sequence[str], to: str = "")
         for name in known:
             if name == value:
                 return name
-    remedy = suggest(value if isinstance(value, str) else short_repr(value), known)
+    text = value if isinstance(value, str) else short_repr(value)
+    remedy = (meant(text) if meant else "") or suggest(text, known)
     raise InputError(f"{short_repr(value)} is unknown{to}", where=where, remedy=remedy)
 
 

@@ -1,10 +1,11 @@
 """Suggestions: what users write for quantities and inputs, and what they are told."""
 
 import doctest
+import re
 import time
 
 import pytest
-from tests.support.phrases import INPUTS, QUANTITIES, pairs
+from tests.support.phrases import INPUTS, MECHANISMS, QUANTITIES, pairs
 from tests.support.refusals import refused
 
 import fastlink as fl
@@ -89,6 +90,29 @@ def test_a_suggestion_is_quick():
 def test_the_message_about_a_quantity(mechanism, name, remedy):
     with refused(repr(name), remedy):
         fl.sweep(mechanism, fl.grid(), [name])
+
+
+@pytest.mark.parametrize(("phrase", "name"), pairs(MECHANISMS))
+def test_the_mechanism_that_a_phrase_means_is_suggested(phrase, name):
+    with refused(repr(phrase), f"did you mean {name!r}?"):
+        fl.quantities(phrase)
+
+
+@pytest.mark.parametrize("name", ["crank", "solvr", "brnch"])
+def test_a_keyword_is_an_input_or_an_option(name):
+    with refused(name, {"crank": "'a1'", "solvr": "'solver'", "brnch": "'branch'"}[name]):
+        fl.evaluate("planar_4r", ["omega4"], **DESIGN, theta1=1.0, **{name: 1})
+
+
+@pytest.mark.parametrize("mechanism", NAMES)
+@pytest.mark.parametrize("line", ["", "quantities = 3\n", "quantities = []\n"])
+def test_a_study_without_quantities_is_given_one_of_its_mechanism(mechanism, line, tmp_path):
+    study = tmp_path / "study.toml"
+    study.write_text(f'mechanism = "{mechanism}"\n{line}')
+    with pytest.raises(fl.InputError) as caught:
+        fl.run_study(study)
+    (name,) = re.search(r'quantities.*\["(\w+)"\]', str(caught.value)).groups()
+    assert parse_request(name, find_catalogue(mechanism)).name == name
 
 
 def test_a_quantity_of_other_mechanisms_is_called_so():

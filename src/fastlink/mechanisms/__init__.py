@@ -23,6 +23,14 @@ if TYPE_CHECKING:
 
 _lock = threading.Lock()
 NAMES: tuple[MechanismName, ...] = ("planar_4r", "minkowski_4r", "focal", "hart", "slider_crank")
+#: What mechanisms are called elsewhere, by which they are found.
+KEYWORDS = {
+    "planar_4r": "four-bar, fourbar, 4-bar, four-bar linkage, 4R, crank-rocker, double crank, quadrilateral",
+    "minkowski_4r": "minkowski, minkowskian, lorentz, pseudo-euclidean, spacetime",
+    "focal": "burmester, focal mechanism, focal linkage",
+    "hart": "six-bar, sixbar, straight line, inversor, straight-line linkage",
+    "slider_crank": "crank-slider, crankslider, piston, engine, slider, offset slider",
+}
 
 
 class _Package(ModuleType):
@@ -61,9 +69,18 @@ def catalogue(mechanism: str, input: str | None = None) -> Catalogue:
         return driven[input]()
 
 
+def _meant(text: str) -> str:
+    """Return the remedy for an unknown mechanism that goes by another name, else an empty text."""
+    from fastlink.catalogue.search import Entry, Index, best_names, did_you_mean
+
+    index = Index(Entry(name, keywords=tuple(KEYWORDS[name].split(", "))) for name in NAMES)
+    names = best_names(index.ranked(text))
+    return did_you_mean(names) if names else ""
+
+
 def _package(mechanism: str) -> tuple[Catalogue, dict[str, Callable[[], Catalogue]]]:
     """Return the catalogue of a mechanism, and factories of those by its other inputs, by name."""
-    mechanism = check_choice(("mechanism",), mechanism, NAMES)
+    mechanism = check_choice(("mechanism",), mechanism, NAMES, meant=_meant)
     from importlib import import_module
 
     package = import_module(f"fastlink.mechanisms.{mechanism}")

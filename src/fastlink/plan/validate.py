@@ -17,7 +17,7 @@ from fastlink.catalogue.declare import ELIMINATED
 from fastlink.errors import InputError, KeyPath, Model, Problem, Problems, Remedy, nearest, suggest
 from fastlink.options import check_choice
 from fastlink.plan.query import parse_request
-from fastlink.plan.suggestions import input_remedy
+from fastlink.plan.suggestions import input_remedy, suggest_input
 from fastlink.space.links import MODELS, Links
 from fastlink.space.values import MOST_LISTED, cells_of, listed, unmasked
 
@@ -183,7 +183,8 @@ def unknown_input(
             mend = ("write ", Model(model, tuple(inputs)), ", or leave it out")
             return Problem(f"belongs to links of model {model!r}", (parent, name), mend)
     names = sorted({*known, *(key for inputs in catalogue.variant_inputs.values() for key in inputs)})
-    near_an_option = nearest(name, options) and not nearest(name, names)
+    option = nearest(name, options)
+    near_an_option = option and not nearest(name, names) and not suggest_input(name, catalogue)
     remedy = suggest(name, options) if near_an_option else input_remedy(name, catalogue, names)
     return Problem(f"is unknown to {catalogue.name}", (parent, name), remedy)
 

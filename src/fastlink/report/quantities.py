@@ -21,6 +21,7 @@ from fastlink.facts.names import Derivative, ErrorBound, ListOfExtrema, Reduced,
 from fastlink.facts.names import Quantity as Plain
 from fastlink.mechanisms import NAMES
 from fastlink.mechanisms import catalogue as find_catalogue
+from fastlink.options import check_switch
 from fastlink.plan.pointwise import make_program
 from fastlink.plan.reductions import REDUCTIONS
 from fastlink.plan.suggestions import rank_quantities
@@ -223,6 +224,7 @@ def quantities(
     >>> [row.name for row in fl.quantities("planar_4r", find="mu min")]
     ['transmission_angle_min', 'transmission_angle_least']
     """
+    internal = check_switch(("internal",), internal)
     if mechanism is None and find is None:
         known = ", ".join(map(repr, NAMES))
         remedy = (f"write one of {known}", (", or ", Setting("find", "torque"), " to search them all"))

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import tomllib
 from collections.abc import Collection, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from importlib.resources import files
 from typing import Annotated, Any, Self
 
 import numpy as np
@@ -12,6 +14,7 @@ from pydantic_core import PydanticCustomError, core_schema
 
 from fastlink._text import short_repr
 from fastlink.errors import KeyPath, Problem, path_text, suggest
+from fastlink.mechanisms import NAMES
 
 __all__ = ["A_STUDY", "KEYS", "SAMPLES", "read_tables"]
 
@@ -166,6 +169,8 @@ KNOWN = KEYS | {"design": Axis.model_fields, "cycle": Angles.model_fields}
 #: What stands for a required key that is missing, to read the others; how often what is wrong is left out.
 REQUIRED: dict[str, Any] = {"mechanism": "?", "quantities": ["status"], "design": {}}
 PASSES = 4
+#: The quantity in examples, which stands for one of the mechanism of the study.
+EXAMPLE = "omega4_max"
 #: Examples of required keys.
 EXAMPLES = {
     "mechanism": 'mechanism = "planar_4r"',
@@ -196,14 +201,29 @@ def read_tables(raw: Mapping[str, Any], positions: Collection[str]) -> tuple[dic
     problems: list[Problem] = []
     empty: dict[str, Any] = {"cycle": {}, "run": {}, "output": {}}
     absent: set[str] = set()
+    example = _example(raw.get("mechanism"))
     for _ in range(PASSES):
         try:
             tables = _plain(StudyFile.model_validate(raw))
             return {**empty, **{name: tables[name] for name in tables if name not in absent}}, problems
         except ValidationError as error:
-            problems += _problems(error, positions)
+            problems += [_with_example(one, example) for one in _problems(error, positions)]
             raw = _without(raw, [entry["loc"] for entry in error.errors(include_url=False)], absent)
     return empty, problems
+
+
+def _example(mechanism: Any) -> str:
+    """Return a quantity of a mechanism for messages: the first one of its template."""
+    if mechanism not in NAMES:
+        return EXAMPLE
+    template = files("fastlink").joinpath("mechanisms", str(mechanism), "study.toml")
+    return str(tomllib.loads(template.read_text(encoding="utf-8"))["quantities"][0])
+
+
+def _with_example(problem: Problem, name: str) -> Problem:
+    """Return a problem whose remedy has a quantity of the mechanism for an example."""
+    remedy = problem.remedy
+    return replace(problem, remedy=remedy.replace(EXAMPLE, name)) if isinstance(remedy, str) else problem
 
 
 def _without(raw: Mapping[str, Any], paths: list[Any], absent: set[str]) -> dict[str, Any]:
