@@ -11,6 +11,7 @@ from tests.support.curve_designs import (
     CURVE,
     STEP,
     apart_from_change_points,
+    design_of,
     evaluate,
     motions,
     onto_curve,
@@ -51,11 +52,11 @@ def test_two_configurations_of_the_linkage_meet_at_a_crunode():
 
 def test_a_curve_through_the_pivot_of_the_crank_crosses_itself_there():
     """With |AP| = a1 every coupler angle puts P on O, and two of them put B on its circle."""
-    X, Y, count = crunodes(1.0, 2.5, 2.5, 2.0, 0.6, 0.8)
+    X, Y, count = crunodes(design_of(1.0, 2.5, 2.5, 2.0, 0.6, 0.8))
     assert count >= 1
     # A few roundings of the lengths.
     assert np.nanmin(np.hypot(X, Y)) <= 16 * UNIT_ROUNDING
-    assert crunode_count(1.0, 2.5, 2.5, 2.0, 0.6, 0.8 + 1e-6) == count
+    assert crunode_count(design_of(1.0, 2.5, 2.5, 2.0, 0.6, 0.8 + 1e-6)) == count
 
 
 def closed_arcs(lengths, samples):

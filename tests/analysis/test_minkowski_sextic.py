@@ -5,6 +5,7 @@ from __future__ import annotations
 import mpmath as mp
 import numpy as np
 import pytest
+from tests.support.refusals import refused
 
 import fastlink as fl
 from fastlink.analysis.minkowski import sextic
@@ -267,19 +268,19 @@ def test_designs_broadcast():
 
 
 @pytest.mark.parametrize(
-    ("given", "message"),
+    ("given", "key", "remedy"),
     [
-        ({"a": 0.0}, "sextic: a must be positive and finite"),
-        ({"b": "one"}, "sextic: b is not a number"),
-        ({"h": 1e-26}, r"sextic: h must be in 1e-25 ... 1e\+25, .*; write the design in another unit"),
-        ({"x": np.nan}, r"sextic: x must be in -1e\+25 ... 1e\+25"),
-        ({"g": [4.0, 5.0], "y": [0.0, 1.0, 2.0]}, r"do not broadcast: g \(2,\), y \(3,\)"),
+        ({"a": 0.0}, "a", "write a finite number greater than 0"),
+        ({"b": "one"}, "b", "write a number"),
+        ({"h": 1e-26}, "h", "write 1e-25 to 1e+25, in another unit"),
+        ({"x": np.nan}, "x", "write a finite number"),
+        ({"y": -2e25}, "y", "write -1e+25 to 1e+25"),
+        ({"g": [4.0, 5.0], "y": [0.0, 1.0, 2.0]}, "of g", "give equal lengths"),
     ],
 )
-def test_bad_input_is_refused_in_one_line(given, message):
+def test_bad_input_is_refused_in_one_line(given, key, remedy):
     design = dict(zip(DESIGN, (1.0, 1.0, 4.0, 1.0, 0.5, 0.0), strict=True))
-    with pytest.raises(fl.InputError, match=message) as raised:
+    with refused(key, remedy):
         sextic(**design | given)
-    assert "\n" not in str(raised.value)
     with np.errstate(all="raise"):
         assert np.isfinite(sextic(1e25, 1e25, 1e25, 1e-25, 1e25, -1e25)).all()

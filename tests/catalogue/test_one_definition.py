@@ -8,6 +8,7 @@ from importlib import import_module
 import numpy as np
 import pytest
 from tests.support.configurations import PLANAR
+from tests.support.curve_designs import design_of
 
 from fastlink.analysis.planar.input_output import io_coefficients
 from fastlink.catalogue.catalogue import Fact
@@ -116,7 +117,7 @@ def test_the_coefficients_of_the_equations_are_made_of_the_factors():
         "34": (A1 * C2, B1 * D2, A2 * C1, cross_24, B2 * D1),
     }
     for pair, coefficients in expected.items():
-        np.testing.assert_array_equal(io_coefficients(*lengths, pair=pair), coefficients)
+        np.testing.assert_array_equal(io_coefficients(design_of(*lengths), pair=pair), coefficients)
 
 
 @pytest.mark.parametrize("name", [f"factor_{name}" for name in FACTORS])

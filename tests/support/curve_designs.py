@@ -18,6 +18,11 @@ STEP, STEPS = 0.02, 1000
 ANGLES = np.linspace(-np.pi, np.pi, 37)[:-1] + 0.03
 
 
+def design_of(*numbers: Any) -> dict[str, Any]:
+    """Return lengths, and a coupler point if it is given, by their names."""
+    return dict(zip(CURVE, numbers, strict=False))
+
+
 def random_designs(seed: int, n: int) -> tuple[dict[str, Any], Any]:
     """Lengths of all classes and coupler points anywhere, and input angles."""
     rng = np.random.default_rng(seed)

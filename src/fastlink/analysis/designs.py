@@ -1,69 +1,174 @@
-"""Check and broadcast the numbers of one or many designs for functions of both planes."""
+"""Read the numbers of one or many designs for functions of both planes, by the rules of a sweep."""
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Mapping
 from typing import Any
 
 import numpy as np
 
-from fastlink.errors import InputError
+from fastlink._text import short_repr
+from fastlink.catalogue.catalogue import Catalogue, Input
+from fastlink.engine.broadcast import broadcast_inputs, like
+from fastlink.errors import InputError, Problem, Problems
+from fastlink.options import check_whole
+from fastlink.plan.validate import name_problems, value_problems
+from fastlink.space.values import MOST_DIMS, numbers_of
 
-__all__ = ["CURVE", "broadcast", "check_range", "curve_designs"]
+__all__ = [
+    "BY_NAME",
+    "CURVE",
+    "MOST_SAMPLES",
+    "broadcast",
+    "broadcast_points",
+    "check_range",
+    "check_samples",
+    "read_design",
+]
 
-#: The inputs of planar_4r that must be lengths, and those that determine a coupler curve.
-LENGTHS = ("a1", "a2", "a3", "a4")
-CURVE = (*LENGTHS, "P_u", "P_v")
-#: Those of minkowski_4r.
-MINKOWSKI_LENGTHS = ("a", "b", "g", "h")
+#: The inputs of planar_4r that determine a coupler curve.
+CURVE = ("a1", "a2", "a3", "a4", "P_u", "P_v")
+#: How the functions of planar_4r are called, for who calls them otherwise.
+BY_NAME = "inputs are given by name, such as a1=0.5, or as one mapping"
+#: Most samples of one curve.
+MOST_SAMPLES = 10**6
 
 
-def broadcast(function: str, **numbers: Any) -> list[Any]:
+def read_design(
+    function: str,
+    catalogue: Catalogue,
+    design: Any,
+    inputs: Mapping[str, Any],
+    needed: Iterable[str],
+    *,
+    optional: Iterable[str] = (),
+    further: Iterable[tuple[Input, Any]] = (),
+) -> dict[str, Any]:
+    """Return the inputs of designs that a function needs, as arrays of one shape.
+
+    Parameters
+    ----------
+    function : str
+        The function that was called, for messages.
+    catalogue : Catalogue
+        The mechanism.
+    design : mapping, pandas.DataFrame, xarray.Dataset or None
+        Inputs by name. An input position is not read, nor are columns and variables that are not inputs.
+    inputs : mapping
+        Further inputs by name.
+    needed, optional : iterable of str
+        The names to return; and those to return where they are given.
+    further : iterable of (Input, value)
+        What else is checked and broadcast.
+
+    Raises
+    ------
+    InputError
+        With every input that is unknown, missing, given twice or has an impossible value.
+    """
+    known, problems = catalogue.known_inputs(catalogue.variant_inputs), Problems()
+    given = _entries(function, design, known)
+    given.pop(catalogue.position.name, None)  # of one configuration of the design
+    for name in inputs:
+        if name in given:
+            problems.add("is in the design and given by name", (function, name), "leave one out")
+    given |= inputs
+    problems.noted += name_problems(catalogue, list(given), known, function)
+    for name in needed:
+        if name not in given:
+            what = f"is missing ({known[name].meaning} [{known[name].units}])"
+            problems.add(what, (function, name), "add it to the design")
+    values = {name: given[name] for name in (*needed, *optional) if name in given}
+    declared = {name: known[name] for name in values} | {one.name: one for one, _ in further}
+    values |= {one.name: value for one, value in further}
+    return _broadcast(function, declared, values, problems)
+
+
+def _entries(function: str, design: Any, known: Mapping[str, Input]) -> dict[str, Any]:
+    """Return name and values of each input of a design."""
+    if design is None:
+        return {}
+    if hasattr(design, "columns") and hasattr(design, "to_numpy"):
+        return {name: design[name].to_numpy() for name in design.columns if name in known}
+    if hasattr(design, "data_vars"):
+        return {name: design[name] for name in design.variables if name in known}
+    if isinstance(design, Mapping) and all(isinstance(name, str) for name in design):
+        return dict(design)
+    what, remedy = f"is {short_repr(design)}", "give the inputs by name, such as a1=0.5, or a mapping of them"
+    raise InputError(what, where=(function, "design"), remedy=remedy)
+
+
+def broadcast(function: str, declared: Iterable[Input], *numbers: Any, gaps: bool = False) -> list[Any]:
     """Return numbers as arrays of one shape.
 
     Parameters
     ----------
     function : str
-        The calling function, for messages.
-    **numbers : float or array_like
-        The numbers by name; a1 ... a4 and a, b, g, h must be positive and finite.
+        The function that was called, for messages.
+    declared : iterable of Input
+        The name of each number, and the values that it may have.
+    *numbers : float or array_like
+        The numbers.
+    gaps : bool
+        Whether NaN may stand among them.
 
     Raises
     ------
     InputError
-        A value is not a number or not a length, or the shapes do not broadcast.
+        With every value that is not a number or impossible; or the shapes do not broadcast.
 
     Examples
     --------
-    >>> broadcast("sextic", a1=1.0, P_u=[0.0, 2.0])
-    [array([1., 1.]), array([0., 2.])]
+    >>> lengths = [Input(name, "m", name, "length", "positive") for name in ("a1", "a2")]
+    >>> broadcast("sextic", lengths, 1.0, [0.5, 2.0])
+    [array([1., 1.]), array([0.5, 2. ])]
     """
-    arrays = {}
-    for name, value in numbers.items():
-        try:
-            arrays[name] = np.asarray(value, dtype=float)
-        except (TypeError, ValueError) as error:
-            raise InputError(f"{function}: {name} is not a number or an array of numbers") from error
-        if name in LENGTHS + MINKOWSKI_LENGTHS and not np.all(
-            (arrays[name] > 0.0) & np.isfinite(arrays[name])
-        ):
-            raise InputError(f"{function}: {name} must be positive and finite")
-    try:
-        return list(np.broadcast_arrays(*arrays.values()))
-    except ValueError as error:
-        shapes = ", ".join(f"{name} {array.shape}" for name, array in arrays.items() if array.ndim)
-        raise InputError(f"{function}: shapes do not broadcast: {shapes}") from error
+    named = {one.name: one for one in declared}
+    values = dict(zip(named, numbers, strict=True))
+    return list(_broadcast(function, named, values, Problems(), gaps=gaps).values())
 
 
-def curve_designs(function: str, *numbers: Any) -> list[Any]:
-    """Return the numbers of `CURVE`, in that order, as arrays of one shape."""
-    return broadcast(function, **dict(zip(CURVE, numbers, strict=True)))
+def broadcast_points(function: str, x: Any, y: Any) -> list[Any]:
+    """Return the coordinates of points in the last axis, among which NaN may stand, as arrays of one shape."""
+    declared = (Input(name, "m", name, "coordinate of the points") for name in "xy")
+    points = broadcast(function, declared, x, y, gaps=True)
+    if not points[0].ndim:
+        raise InputError("is one point", where=(function, "x"), remedy="write arrays of points")
+    return points
 
 
-def check_range(function: str, name: str, values: Any, limits: tuple[float, float], products: str) -> None:
+def _broadcast(
+    function: str,
+    declared: Mapping[str, Input],
+    values: Mapping[str, Any],
+    problems: Problems,
+    *,
+    gaps: bool = False,
+) -> dict[str, Any]:
+    read = {}
+    for name, value in values.items():
+        with problems.at():
+            numbers = numbers_of(function, name, value, MOST_DIMS)
+            checked = np.where(np.isnan(numbers), 1.0, numbers) if gaps else numbers
+            problems.noted += value_problems(declared[name], checked, function)
+            read[name] = like(value, numbers)
+    problems.stop()
+    _, plain, shape = broadcast_inputs(function, read)
+    return {name: np.broadcast_to(value, shape) for name, value in plain.items()}
+
+
+def check_range(
+    function: str, declared: Input, values: Any, limits: tuple[float, float], products: str
+) -> None:
     """Refuse lengths whose products, the coefficients of a curve, would overflow or vanish."""
     least, greatest = limits
-    if not np.all((values >= least) & (values <= greatest)):
-        raise InputError(
-            f"{function}: {name} must be in {least:g} ... {greatest:g}, as coefficients are products of {products}; "
-            "write the design in another unit of length"
-        )
+    bad = values[~((values >= least) & (values <= greatest))].ravel()[:1]
+    for value in bad:
+        remedy = f"write {least:g} to {greatest:g}, in another unit of length: coefficients are products of {products}"
+        problem = Problem(f"is {value} ({declared.meaning})", (function, declared.name), remedy)
+        raise InputError.of([problem])
+
+
+def check_samples(function: str, samples: Any, least: int = 1) -> int:
+    """Return a number of samples of a curve, or refuse it."""
+    return check_whole((function, "samples"), samples, least, MOST_SAMPLES)

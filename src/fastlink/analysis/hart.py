@@ -20,7 +20,7 @@ import numpy as np
 import xarray as xr
 
 from fastlink.doors import door
-from fastlink.errors import InputError
+from fastlink.options import check_switch, check_whole
 
 __all__ = ["integer_designs"]
 
@@ -83,11 +83,8 @@ def integer_designs(max_size: int, *, movable: bool = False) -> xr.Dataset:
     >>> int((maps.is_kite > 0).sum())
     2
     """
-    if isinstance(max_size, bool) or not isinstance(max_size, (int, np.integer)):
-        raise InputError(f"integer_designs: max_size is {max_size!r}; write a whole number")
-    if not 1 <= max_size <= GREATEST_SIZE:
-        raise InputError(f"integer_designs: max_size is {max_size}; write 1 to {GREATEST_SIZE}")
-    size = int(max_size)
+    size = check_whole(("integer_designs", "max_size"), max_size, 1, GREATEST_SIZE)
+    movable = check_switch(("integer_designs", "movable"), movable)
     none = (np.zeros((5, 0), dtype=np.int64),)
     columns = np.concatenate((*none, *(_with_kappa(i, j, size, movable) for i, j in _kappas(size))), axis=1)
     i, j, M, N, D = columns

@@ -7,6 +7,7 @@ from typing import Any
 from fastlink.analysis.designs import broadcast, check_range
 from fastlink.analysis.sextics import coupler_sextic
 from fastlink.doors import door
+from fastlink.mechanisms.minkowski_4r import minkowski_4r
 
 __all__ = ["sextic"]
 
@@ -68,9 +69,9 @@ def sextic(a: Any, b: Any, g: Any, h: Any, x: Any, y: Any) -> Any:
     >>> float(np.polynomial.polynomial.polyval2d(5.0, 4.0, c))
     0.0
     """
-    numbers = dict(zip("abghxy", broadcast("sextic", a=a, b=b, g=g, h=h, x=x, y=y), strict=True))
-    for name, values in numbers.items():
-        least = -GREATEST_LENGTH if name in "xy" else 1.0 / GREATEST_LENGTH
-        check_range("sextic", name, values, (least, GREATEST_LENGTH), "six lengths over h^2")
-    a, b, g, h, x, y = numbers.values()
+    declared = [minkowski_4r.inputs[name] for name in "abghxy"]
+    a, b, g, h, x, y = numbers = broadcast("sextic", declared, a, b, g, h, x, y)
+    for one, values in zip(declared, numbers, strict=True):
+        least = -GREATEST_LENGTH if one.name in "xy" else 1.0 / GREATEST_LENGTH
+        check_range("sextic", one, values, (least, GREATEST_LENGTH), "six lengths over h^2")
     return coupler_sextic(1, (a, h, b, g), (x, y))

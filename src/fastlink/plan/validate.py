@@ -19,7 +19,7 @@ from fastlink.options import check_choice
 from fastlink.plan.query import parse_request
 from fastlink.plan.suggestions import input_remedy, suggest_input
 from fastlink.space.links import MODELS, Links
-from fastlink.space.values import MOST_LISTED, cells_of, listed, unmasked
+from fastlink.space.values import MOST_LISTED, cells_of, is_number, listed, unmasked
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -251,7 +251,7 @@ def branch_codes(catalogue: Catalogue, branch: Any) -> NDArray[np.float64]:
 
 
 def _is_branch(catalogue: Catalogue, value: object) -> bool:
-    return isinstance(value, Real) and not isinstance(value, bool) and value in catalogue.branches
+    return is_number(value) and isinstance(value, Real) and value in catalogue.branches
 
 
 def check_branches(catalogue: Catalogue, branch: Any) -> tuple[int, ...]:

@@ -141,7 +141,8 @@ def _refuse_non_numbers(where: str, name: str, given: Any) -> None:
 
 def is_number(cell: object) -> bool:
     """Tell whether an object is a real number; True and False are not."""
-    return isinstance(cell, (numbers.Real, Decimal)) and not isinstance(cell, bool)
+    # to NumPy a duration is a kind of integer
+    return isinstance(cell, (numbers.Real, Decimal)) and not isinstance(cell, (bool, np.timedelta64))
 
 
 def constant(where: str, name: str, given: Any) -> float:

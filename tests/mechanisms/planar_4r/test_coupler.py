@@ -6,7 +6,7 @@ import mpmath as mp
 import numpy as np
 import pytest
 from tests.support.configurations import LENGTHS, PLANAR
-from tests.support.curve_designs import CURVE, evaluate, random_designs
+from tests.support.curve_designs import CURVE, design_of, evaluate, random_designs
 
 import fastlink as fl
 from fastlink.analysis.planar import (
@@ -176,11 +176,11 @@ def test_the_sextic_anywhere_is_the_product_over_both_assemblies_with_the_crank(
 
 
 def test_the_sextic_is_tricircular_and_sees_both_branches_of_a_design():
-    c = sextic([0.4, 0.5], 1.2, 0.8, 1.0, 0.3, 0.2)
+    c = sextic(design_of([0.4, 0.5], 1.2, 0.8, 1.0, 0.3, 0.2))
     top = np.array([[c[0, i, 6 - i] for i in range(7)], [c[1, i, 6 - i] for i in range(7)]])
     np.testing.assert_array_equal(top, [[1, 0, 3, 0, 3, 0, 1]] * 2)
     assert not any(c[:, i, j].any() for i in range(7) for j in range(7 - i, 7))
-    np.testing.assert_array_equal(c[1], sextic(0.5, 1.2, 0.8, 1.0, 0.3, 0.2))
+    np.testing.assert_array_equal(c[1], sextic(design_of(0.5, 1.2, 0.8, 1.0, 0.3, 0.2)))
 
 
 # -- cognates ----------------------------------------------------------------------------------------
@@ -232,7 +232,7 @@ def test_cognates_share_the_sextic_and_the_third_pivot():
             np.abs(again[1].design[name] - inputs[name]) <= 64 * UNIT_ROUNDING * size * inputs["a2"]
         ), name
     # A circle is traced by P = A: the second linkage has shrunk to nothing there.
-    _, shrunk, whole = cognates(dict(zip(CURVE, (0.4, 1.2, 0.8, 1.0, 0.0, 0.0), strict=True)))
+    _, shrunk, whole = cognates(design_of(0.4, 1.2, 0.8, 1.0, 0.0, 0.0))
     assert shrunk.design["a1"] == shrunk.design["a4"] == 0.0
     assert np.isnan(shrunk.design["P_u"])
     assert np.isfinite(whole.design["P_u"])
@@ -249,14 +249,18 @@ def test_length_and_area_against_polygons():
     # A chord is short of its arc by h^2/24 of (curvature speed)^2, a segment's area h^2/12: below h^2 of the size.
     allowed = (2 * np.pi / 20000) ** 2
     length = np.hypot(X - np.roll(X, 1), Y - np.roll(Y, 1)).sum()
-    assert curve_length(*design, branch=2) == pytest.approx(length, rel=allowed)
+    assert curve_length(design_of(*design), branch=2) == pytest.approx(length, rel=allowed)
     area = (np.roll(X, 1) * Y - X * np.roll(Y, 1)).sum() / 2
-    assert curve_area(*design, branch=2) == pytest.approx(area, rel=allowed * length**2 / abs(area))
+    assert curve_area(design_of(*design), branch=2) == pytest.approx(
+        area, rel=allowed * length**2 / abs(area)
+    )
     # Doubling the samples changes nothing: the rule has converged to roundings of a mean over 720.
     for quantity in (curve_length, curve_area):
-        assert quantity(*design, samples=1440) == pytest.approx(quantity(*design), rel=1e-13)
-    several = curve_length([0.4, 0.9], *design[1:], branch=2)
-    assert several[0] == curve_length(*design, branch=2)
+        assert quantity(design_of(*design), samples=1440) == pytest.approx(
+            quantity(design_of(*design)), rel=1e-13
+        )
+    several = curve_length(design_of([0.4, 0.9], *design[1:]), branch=2)
+    assert several[0] == curve_length(design_of(*design), branch=2)
     assert np.isnan(several[1])
 
 
@@ -298,16 +302,19 @@ def test_straightness_of_curves():
 def test_what_is_of_no_use_is_said_in_one_line():
     design = dict(zip(CURVE, (0.4, 1.2, 0.8, 1.0, 0.3, 0.2), strict=True))
     for given, message in (
-        ({"a2": -1.0}, "sextic: a2 must be positive and finite"),
-        ({"P_v": "high"}, "sextic: P_v is not a number"),
-        ({"a1": [0.4, 0.5], "P_u": [1.0, 2.0, 3.0]}, r"do not broadcast: a1 \(2,\), P_u \(3,\)"),
+        ({"a2": -1.0}, "sextic: a2 is -1.0 .*; write a finite number greater than 0"),
+        ({"P_v": "high"}, "sextic: P_v is 'high', not a number; write a number"),
+        (
+            {"a1": [0.4, 0.5], "P_u": [1.0, 2.0, 3.0]},
+            r"P_u has the shape \(3,\), .* broadcast with \(2,\) of a1; give",
+        ),
     ):
         with pytest.raises(fl.InputError, match=message):
             sextic(**design | given)
-    with pytest.raises(fl.InputError, match="the design lacks a4, P_v; give a1, a2, a3, a4, P_u, P_v"):
+    with pytest.raises(fl.InputError, match=r"(?s)a4 is missing.*P_v is missing"):
         cognates({name: design[name] for name in ("a1", "a2", "a3", "P_u")})
     for part in ((2.0, 1.0), (0.0, np.inf)):
-        with pytest.raises(fl.InputError, match="give \\(least, greatest\\) in rad"):
+        with pytest.raises(fl.InputError, match="write \\(least, greatest\\) in rad"):
             curve_straightness(**design, theta1=part)
     with pytest.raises(fl.InputError, match="samples is 0"):
         curve_length(**design, samples=0)
@@ -349,8 +356,10 @@ def test_inflections_against_the_turns_of_polylines(branch):
 
 
 def test_inflections_of_circles_and_of_many_designs():
-    assert inflections(0.4, 1.2, 0.8, 1.0, 0.0, 0.0)[3] == 0
-    theta1, X, _Y, count = inflections([[0.4], [0.3]], 1.2, 0.8, 1.0, [0.0, 0.7, 0.8], 0.5, branch=2)
+    assert inflections(design_of(0.4, 1.2, 0.8, 1.0, 0.0, 0.0))[3] == 0
+    theta1, X, _Y, count = inflections(
+        design_of([[0.4], [0.3]], 1.2, 0.8, 1.0, [0.0, 0.7, 0.8], 0.5), branch=2
+    )
     assert count.shape == (2, 3)
     assert theta1.shape == X.shape == (2, 3, count.max())
     np.testing.assert_array_equal(np.isfinite(theta1).sum(axis=-1), count)

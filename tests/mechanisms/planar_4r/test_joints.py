@@ -8,6 +8,7 @@ import mpmath as mp
 import numpy as np
 import pytest
 from tests.support.configurations import LENGTHS, near_change_point, near_toggle, random_lengths
+from tests.support.curve_designs import design_of
 
 import fastlink as fl
 from fastlink.numerics.compensated import UNIT_ROUNDING
@@ -125,7 +126,9 @@ def test_residuals_notice_a_wrong_joint(pair):
     inputs = configurations("random")
     got = evaluate(TANGENTS, inputs, 2)
     closes = np.isfinite(got["v2"])
-    c = np.moveaxis(fl.planar.io_coefficients(*(inputs[name][closes] for name in LENGTHS), pair=pair), -1, 0)
+    c = np.moveaxis(
+        fl.planar.io_coefficients({name: inputs[name][closes] for name in LENGTHS}, pair=pair), -1, 0
+    )
     x, y = (got[f"v{k}"][closes] for k in pair)
 
     def value(x, y):
@@ -150,9 +153,7 @@ def test_velocity_and_acceleration_equations_hold_for_all_pairs(pair, branch):
     v = {k: got[f"v{k}"] for k in "1234"}
     dv = {k: rate[k] * (1 + v[k] ** 2) / 2 for k in v}
     ddv = {k: (bend[k] + v[k] * rate[k] ** 2) * (1 + v[k] ** 2) / 2 for k in v}
-    A, B, C, K, D = np.moveaxis(
-        fl.planar.io_coefficients(*(inputs[name] for name in LENGTHS), pair=pair), -1, 0
-    )
+    A, B, C, K, D = np.moveaxis(fl.planar.io_coefficients(inputs, pair=pair), -1, 0)
     i, j = pair
     x, y, dx, dy, ddx, ddy = v[i], v[j], dv[i], dv[j], ddv[i], ddv[j]
     velocity = [(2 * A * y**2 * x) * dx, 2 * B * x * dx, K * y * dx]
@@ -252,7 +253,7 @@ def test_io_coefficients_are_those_of_the_loop(pair):
     rng = np.random.default_rng(32)
     for lengths in rng.integers(1, 30, (40, 4)):
         value = exact_coefficients(*lengths, pair)
-        c = [Fraction(float(entry)) for entry in fl.planar.io_coefficients(*lengths, pair=pair)]
+        c = [Fraction(float(entry)) for entry in fl.planar.io_coefficients(design_of(*lengths), pair=pair)]
         ratios = set()
         for x, y in ((2, 3), (1, -1), (0, 5), (7, 0), (-3, 4), (0, 0), (1, 2)):
             x, y = Fraction(x), Fraction(y)
@@ -266,12 +267,14 @@ def test_io_coefficients_are_those_of_the_loop(pair):
 
 
 def test_io_coefficients_broadcast_and_keep_their_digits_near_change_points():
-    c = fl.planar.io_coefficients(np.linspace(0.4, 0.6, 3)[:, None], 1.2, [0.8, 0.9], 1.0, pair="13")
+    c = fl.planar.io_coefficients(
+        design_of(np.linspace(0.4, 0.6, 3)[:, None], 1.2, [0.8, 0.9], 1.0), pair="13"
+    )
     assert c.shape == (3, 2, 5)
-    one = fl.planar.io_coefficients(0.5, 1.2, 0.9, 1.0, pair="13")
+    one = fl.planar.io_coefficients(design_of(0.5, 1.2, 0.9, 1.0), pair="13")
     np.testing.assert_array_equal(c[1, 1], one)
     lengths, _theta = near_change_point(np.random.default_rng(33), 50, 1e-13)
-    got = fl.planar.io_coefficients(*lengths, pair="14")
+    got = fl.planar.io_coefficients(design_of(*lengths), pair="14")
     with mp.workdps(50):
         for k, (a, b, c_, d) in enumerate(lengths.T.tolist()):
             a, b, c_, d = (mp.mpf(value) for value in (a, b, c_, d))
@@ -283,11 +286,11 @@ def test_io_coefficients_broadcast_and_keep_their_digits_near_change_points():
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        ({"pair": "41"}, "pair '41' is unknown"),
-        ({"a2": 0.0}, "a2 must be positive and finite"),
-        ({"a3": float("nan")}, "a3 must be positive and finite"),
-        ({"a4": "long"}, "a4 is not a number"),
-        ({"a1": [1.0, 2.0], "a2": [1.0, 2.0, 3.0]}, "do not broadcast"),
+        ({"pair": "41"}, "pair: '41' is unknown; known: "),
+        ({"a2": 0.0}, "a2 is 0.0 .*; write a finite number greater than 0"),
+        ({"a3": float("nan")}, "a3 is nan .*; write a finite number greater than 0"),
+        ({"a4": "long"}, "a4 is 'long', not a number; write a number"),
+        ({"a1": [1.0, 2.0], "a2": [1.0, 2.0, 3.0]}, "does not broadcast"),
     ],
 )
 def test_io_coefficients_say_what_is_wrong(arguments, message):

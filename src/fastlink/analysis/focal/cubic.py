@@ -9,11 +9,15 @@ from typing import Any
 
 import numpy as np
 
-from fastlink.analysis.designs import broadcast, check_range
+from fastlink.analysis.designs import broadcast, check_range, check_samples
+from fastlink.catalogue.catalogue import Input
 from fastlink.doors import door
+from fastlink.engine.broadcast import like
 from fastlink.engine.evaluate import evaluate
-from fastlink.errors import InputError
+from fastlink.mechanisms.focal import focal
+from fastlink.mechanisms.planar_4r import planar_4r
 from fastlink.numerics.vectors import cross
+from fastlink.plan.validate import branch_codes
 
 __all__ = ["cubic", "cubic_points"]
 
@@ -122,8 +126,7 @@ def cubic_points(a: Any, b: Any, c: Any, d: Any, phi: Any, branch: Any = 1, *, s
     >>> lines.shape
     (328, 2)
     """
-    if not samples >= 2:
-        raise InputError(f"cubic_points: samples is {samples}; give at least 2")
+    samples = check_samples("cubic_points", samples, 2)
     a, b, c, d, phi, branch = _numbers("cubic_points", a, b, c, d, phi, branch)
     size = np.maximum(np.maximum(a, b), np.maximum(c, d))
     k = cubic(a / size, b / size, c / size, d / size, phi, branch)
@@ -155,12 +158,12 @@ def cubic_points(a: Any, b: Any, c: Any, d: Any, phi: Any, branch: Any = 1, *, s
 
 def _numbers(function: str, *numbers: Any) -> list[Any]:
     """Return the numbers of a position as arrays of one shape, checked."""
-    names = ("a", "b", "c", "d", "phi", "branch")
-    arrays = broadcast(function, **dict(zip(names, numbers, strict=True)))
-    for name, values in zip("abcd", arrays, strict=False):
-        check_range(function, name, values, (1.0 / GREATEST_LENGTH, GREATEST_LENGTH), "four lengths")
-    if not np.all((arrays[-1] == 1) | (arrays[-1] == 2)):
-        raise InputError(f"{function}: branch must be 1 or 2")
+    *position, branch = numbers
+    declared = [*(focal.inputs[name] for name in "abcd"), focal.position]
+    mode = Input("branch", "1", "branch", "assembly mode")
+    arrays = broadcast(function, [*declared, mode], *position, like(branch, branch_codes(planar_4r, branch)))
+    for length, values in zip(declared[:-1], arrays, strict=False):
+        check_range(function, length, values, (1.0 / GREATEST_LENGTH, GREATEST_LENGTH), "four lengths")
     return arrays
 
 

@@ -6,7 +6,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from fastlink.analysis.designs import broadcast
+from fastlink.analysis.designs import broadcast_points
 from fastlink.doors import door
 from fastlink.errors import InputError
 from fastlink.io.reader import as_dataset
@@ -83,7 +83,7 @@ def straight_line(x: Any, y: Any) -> StraightLine:
     >>> round(float(line.y), 4), round(float(np.abs(line.deviation).max()), 4)
     (4.2537, 0.6453)
     """
-    return _fitted_line(*broadcast("straight_line", x=x, y=y))
+    return _fitted_line(*broadcast_points("straight_line", x, y))
 
 
 @door

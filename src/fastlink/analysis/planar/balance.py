@@ -14,12 +14,14 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from fastlink.analysis.designs import broadcast
+from fastlink.analysis.designs import BY_NAME, read_design
+from fastlink.catalogue.catalogue import Input
+from fastlink.catalogue.declare import ELIMINATED
 from fastlink.catalogue.evaluate import read_facts
 from fastlink.doors import door
 from fastlink.errors import InputError
-from fastlink.mechanisms import catalogue
-from fastlink.plan.validate import constants_of, variants_of
+from fastlink.mechanisms.planar_4r import planar_4r
+from fastlink.plan.validate import check_model, constants_of, selected_variants
 
 if TYPE_CHECKING:
     from fastlink.space.links import Links
@@ -29,15 +31,16 @@ __all__ = ["force_balance"]
 NEEDED = ("a1", "a2", "a3", "m1", "G1_u", "G1_v", "m2", "G2_u", "G2_v", "m3", "G3_u", "G3_v")
 
 
-@door
+@door(hint=BY_NAME)
 def force_balance(
-    design: Mapping[str, Any],
+    design: Any = None,
     *,
     links: Links | None = None,
     radius1: Any = None,
     mass1: Any = None,
     radius3: Any = None,
     mass3: Any = None,
+    **inputs: Any,
 ) -> dict[str, Any]:
     """Return the counterweights that make the shaking force of a planar 4R zero.
 
@@ -46,14 +49,16 @@ def force_balance(
 
     Parameters
     ----------
-    design : mapping of str to float or array_like
-        The inputs of ``planar_4r`` by name: lengths, masses and mass centres, broadcast against each other.
+    design : mapping, pandas.DataFrame or xarray.Dataset, optional
+        The inputs of ``planar_4r`` by name: lengths, masses and mass centres, broadcast. Other inputs are not read.
     links : Links, optional
         The source of mass data that the design does not give.
     radius1, mass1 : float or array_like, optional
         Radius in m or mass in kg of the counterweight on the crank, one of them; a1 is the radius unless given.
     radius3, mass3 : float or array_like, optional
         The same of the counterweight on the output link; a3 is the radius unless given.
+    **inputs : float, array_like or xarray.DataArray
+        Inputs by name, as in the design.
 
     Returns
     -------
@@ -79,41 +84,44 @@ def force_balance(
     >>> bool(found["shaking_force"] < 1e-10)
     True
     """
-    planar = catalogue("planar_4r")
-    variants = variants_of(planar, links, "eliminated", ())
-    given = constants_of(planar, links, variants) | dict(design)
-    for name in NEEDED:
-        if name not in given and planar.resolve(name, variants) is None:
-            raise InputError(
-                f"force_balance: {name} is missing ({planar.inputs[name].meaning} [{planar.inputs[name].units}]); "
-                "add it to the design, or give links"
-            )
-    lengths = dict(zip(design, broadcast("force_balance", **design), strict=True))
-    facts = read_facts(planar, NEEDED, given | lengths, variants)
+    check_model(planar_4r, links, ELIMINATED)
+    variants = selected_variants(planar_4r, links, ELIMINATED, ())
+    needed = [name for name in NEEDED if planar_4r.resolve(name, variants) is None]
+    given = read_design(
+        "force_balance",
+        planar_4r,
+        design,
+        inputs,
+        needed,
+        optional=[*set(NEEDED).difference(needed), *planar_4r.variant_inputs["round_bar"]],
+        further=[*_chosen(1, radius1, mass1), *_chosen(3, radius3, mass3)],
+    )
+    facts = read_facts(planar_4r, NEEDED, constants_of(planar_4r, links, variants) | given, variants)
     g1, g2, g3 = (np.asarray(facts[f"G{i}_u"]) + 1j * np.asarray(facts[f"G{i}_v"]) for i in (1, 2, 3))
     share = g2 / facts["a2"]
     crank = -(facts["m1"] * g1 + facts["m2"] * facts["a1"] * (1.0 - share))
     output = -(facts["m3"] * g3 + facts["m2"] * facts["a3"] * share)
-    return {
-        **_counterweight(1, crank, radius1, mass1, facts["a1"]),
-        **_counterweight(3, output, radius3, mass3, facts["a3"]),
-    }
+    return _counterweight(1, crank, given, facts["a1"]) | _counterweight(3, output, given, facts["a3"])
 
 
-def _counterweight(link: int, product: Any, radius: Any, mass: Any, length: Any) -> dict[str, Any]:
-    """Return the inputs of a counterweight of a given complex mass times radius."""
+def _chosen(link: int, radius: Any, mass: Any) -> list[tuple[Input, Any]]:
+    """Return what is chosen of a counterweight: its radius, its mass or neither."""
     if radius is not None and mass is not None:
-        raise InputError(
-            f"force_balance: radius{link} and mass{link} are given; write one, the other follows"
-        )
-    name, chosen = (f"mass{link}", mass) if mass is not None else (f"radius{link}", radius)
-    (chosen,) = broadcast("force_balance", **{name: length if chosen is None else chosen})
-    if not np.all((chosen > 0.0) & np.isfinite(chosen)):
-        raise InputError(f"force_balance: {name} must be positive and finite")
+        what, where = f"mass{link} is given too", ("force_balance", f"radius{link}")
+        raise InputError(what, where=where, remedy="write one of them, the other follows")
+    name, units, value = ("mass", "kg", mass) if mass is not None else ("radius", "m", radius)
+    meaning = f"{name} of the counterweight of link {link}"
+    return [] if value is None else [(Input(f"{name}{link}", units, name, meaning, "positive"), value)]
+
+
+def _counterweight(link: int, product: Any, given: Mapping[str, Any], length: Any) -> dict[str, Any]:
+    """Return the inputs of a counterweight of a given complex mass times radius."""
+    mass = given.get(f"mass{link}")
+    chosen = given.get(f"radius{link}", length) if mass is None else mass
     other = np.abs(product) / chosen
     values = {
-        "mass": chosen if mass is not None else other,
-        "radius": other if mass is not None else chosen,
+        "mass": other if mass is None else chosen,
+        "radius": chosen if mass is None else other,
         "direction": np.angle(product),
     }
     arrays = dict(zip(values, np.broadcast_arrays(*values.values()), strict=True))

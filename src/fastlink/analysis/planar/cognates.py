@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
-from fastlink.analysis.designs import CURVE, broadcast, curve_designs
+from fastlink.analysis.designs import BY_NAME, CURVE, broadcast, read_design
+from fastlink.catalogue.catalogue import Input
 from fastlink.doors import door
-from fastlink.errors import InputError
+from fastlink.mechanisms.planar_4r import planar_4r
 
 __all__ = ["Cognate", "cognates"]
 
@@ -50,7 +50,10 @@ class Cognate:
             In the linkage's own frame. The coupler's direction drives both cognates; their branch changes where
             crank and output link of the original are parallel, which is a toggle of theirs.
         """
-        t1, t2, t4 = broadcast("configuration", theta1=theta1, theta2=theta2, theta4=theta4)
+        directions = (
+            Input(name, "rad", name, "direction of a link") for name in ("theta1", "theta2", "theta4")
+        )
+        t1, t2, t4 = broadcast("configuration", directions, theta1, theta2, theta4, gaps=True)
         if self.number == 1:
             return t1, np.where(np.sin(t4 - t2) > 0.0, 2, 1)
         turn = np.sin(t4 - t1) if self.number == 2 else np.sin(t1 - t4)
@@ -58,20 +61,25 @@ class Cognate:
 
     def to_ground(self, x: Any, y: Any) -> tuple[Any, Any]:
         """Return a point (x, y) [m] of the linkage's own ground frame in that of the original."""
+        x, y = broadcast(
+            "to_ground", (Input(name, "m", name, "coordinate") for name in "xy"), x, y, gaps=True
+        )
         ground = self.design["a4"]
         cosine, sine = (self.D_x - self.O_x) / ground, (self.D_y - self.O_y) / ground
         return self.O_x + (cosine * x - sine * y), self.O_y + (sine * x + cosine * y)
 
 
-@door
-def cognates(design: Mapping[str, Any]) -> tuple[Cognate, Cognate, Cognate]:
+@door(hint=BY_NAME)
+def cognates(design: Any = None, **inputs: Any) -> tuple[Cognate, Cognate, Cognate]:
     """Return the three linkages that trace one coupler curve (Roberts, Chebyshev).
 
     Parameters
     ----------
-    design : mapping of str to float or array_like
-        Lengths ``a1`` ... ``a4`` of crank, coupler, output link and ground, and the coupler point ``P_u``, ``P_v``
-        along AB from A and to the left of AB [m]; one design or many, broadcast. It may have other inputs too.
+    design : mapping, pandas.DataFrame or xarray.Dataset, optional
+        Inputs of ``planar_4r`` by name: lengths ``a1`` ... ``a4`` and coupler point ``P_u``, ``P_v`` [m], broadcast.
+        Other inputs are not read.
+    **inputs : float, array_like or xarray.DataArray
+        The same by name.
 
     Returns
     -------
@@ -102,10 +110,7 @@ def cognates(design: Mapping[str, Any]) -> tuple[Cognate, Cognate, Cognate]:
     >>> float(second.D_x), float(second.D_y)
     (0.0, 4.0)
     """
-    missing = [name for name in CURVE if name not in design]
-    if missing:
-        raise InputError(f"cognates: the design lacks {', '.join(missing)}; give {', '.join(CURVE)}")
-    a1, a2, a3, a4, u, v = curve_designs("cognates", *(design[name] for name in CURVE))
+    a1, a2, a3, a4, u, v = read_design("cognates", planar_4r, design, inputs, CURVE).values()
     zero = np.zeros_like(a4)
     along, across = u / a2, v / a2
     E_x, E_y = along * a4, across * a4

@@ -6,31 +6,38 @@ The coupler point and its derivatives are facts of the mechanism, and so is the 
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
 from scipy.spatial import ConvexHull, QhullError
 
-from fastlink.analysis.designs import CURVE, broadcast, curve_designs
+from fastlink._text import short_repr
+from fastlink.analysis.designs import BY_NAME, CURVE, broadcast_points, check_samples, read_design
 from fastlink.analysis.sextics import coupler_sextic
 from fastlink.doors import door
+from fastlink.engine.broadcast import broadcast_inputs
 from fastlink.engine.evaluate import evaluate
 from fastlink.errors import InputError
+from fastlink.mechanisms.planar_4r import planar_4r
 from fastlink.numerics.vectors import cross
+from fastlink.plan.validate import branch_codes
+from fastlink.space.values import numbers_of
 
 __all__ = ["curve_area", "curve_length", "curve_straightness", "sextic", "straightness"]
 
 
-@door
-def sextic(a1: Any, a2: Any, a3: Any, a4: Any, P_u: Any, P_v: Any) -> Any:
+@door(hint=BY_NAME)
+def sextic(design: Any = None, **inputs: Any) -> Any:
     r"""Return the tricircular sextic that every coupler point of a linkage satisfies.
 
     Parameters
     ----------
-    a1, a2, a3, a4 : float or array_like
-        Lengths of crank, coupler, output link and ground [m], broadcast with the coupler point.
-    P_u, P_v : float or array_like
-        The coupler point, along AB from A and to the left of AB [m].
+    design : mapping, pandas.DataFrame or xarray.Dataset, optional
+        Inputs of ``planar_4r`` by name: lengths ``a1`` ... ``a4`` and coupler point ``P_u``, ``P_v`` [m], broadcast.
+        Other inputs are not read.
+    **inputs : float, array_like or xarray.DataArray
+        The same by name.
 
     Returns
     -------
@@ -67,44 +74,48 @@ def sextic(a1: Any, a2: Any, a3: Any, a4: Any, P_u: Any, P_v: Any) -> Any:
     --------
     >>> import numpy as np
     >>> import fastlink as fl
-    >>> c = fl.planar.sextic(3.0, 4.0, 5.0, 6.0, 0.0, 0.0)  # P = A, on the circle of radius 3
+    >>> c = fl.planar.sextic(a1=3.0, a2=4.0, a3=5.0, a4=6.0, P_u=0.0, P_v=0.0)  # P = A, on the circle of radius 3
     >>> float(np.polynomial.polynomial.polyval2d(0.0, 3.0, c))
     0.0
     """
-    numbers = curve_designs("sextic", a1, a2, a3, a4, P_u, P_v)
+    numbers = [*read_design("sextic", planar_4r, design, inputs, CURVE).values()]
     return coupler_sextic(-1, numbers[:4], numbers[4:])
 
 
-def _along(
-    quantities: list[str], theta1: Any, branch: int, function: str, design: tuple[Any, ...]
-) -> dict[str, Any]:
-    """Return quantities along the curve at unit speed, with angles in the last axis."""
-    inputs = dict(zip(CURVE, curve_designs(function, *design), strict=True))
-    columns = {name: value[..., None] for name, value in inputs.items()}
-    return evaluate("planar_4r", quantities, branch=branch, theta1=theta1, omega1=1.0, **columns)
+def curve_inputs(function: str, design: Any, inputs: Mapping[str, Any], branch: Any) -> dict[str, Any]:
+    """Return what determines a coupler curve, with its assembly mode, as arrays of one shape."""
+    read = read_design(function, planar_4r, design, inputs, CURVE)
+    _, arrays, shape = broadcast_inputs(function, read | {"branch": branch_codes(planar_4r, branch)})
+    return {name: np.broadcast_to(values, shape) for name, values in arrays.items()}
 
 
-def one_turn(samples: int) -> Any:
+def along_curve(names: list[str], curve: Mapping[str, Any], theta1: Any) -> dict[str, Any]:
+    """Return quantities of each curve at unit speed, with angles in the last axis."""
+    columns = {name: values[..., None] for name, values in curve.items()}
+    return evaluate("planar_4r", names, theta1=theta1, omega1=1.0, allow_invalid=True, **columns)
+
+
+def one_turn(function: str, samples: Any) -> Any:
     """Return input angles half a step off theta1 = 0, where rates may not exist."""
-    if samples < 1:
-        raise InputError(f"samples is {samples}; give at least 1")
-    return (np.arange(samples) + 0.5) * (2.0 * np.pi / samples)
+    count = check_samples(function, samples)
+    return (np.arange(count) + 0.5) * (2.0 * np.pi / count)
 
 
-@door
-def curve_length(
-    a1: Any, a2: Any, a3: Any, a4: Any, P_u: Any, P_v: Any, *, branch: int = 1, samples: int = 720
-) -> Any:
+@door(hint=BY_NAME)
+def curve_length(design: Any = None, *, branch: Any = 1, samples: int = 720, **inputs: Any) -> Any:
     """Return the length of the path of the coupler point over one turn of the input [m].
 
     Parameters
     ----------
-    a1, a2, a3, a4, P_u, P_v : float or array_like
-        Lengths and coupler point [m], broadcast.
-    branch : int
-        Assembly mode.
+    design : mapping, pandas.DataFrame or xarray.Dataset, optional
+        Inputs of ``planar_4r`` by name: lengths ``a1`` ... ``a4`` and coupler point ``P_u``, ``P_v`` [m], broadcast.
+        Other inputs are not read.
+    branch : int or array_like
+        Assembly mode, broadcast with the design.
     samples : int
         Input angles over the turn.
+    **inputs : float, array_like or xarray.DataArray
+        The same by name.
 
     Returns
     -------
@@ -119,28 +130,30 @@ def curve_length(
     Examples
     --------
     >>> import fastlink as fl
-    >>> round(float(fl.planar.curve_length(0.5, 1.2, 0.8, 1.0, 0.0, 0.0)), 12)  # P = A: 2 pi a1
+    >>> design = dict(a1=0.5, a2=1.2, a3=0.8, a4=1.0, P_u=0.0, P_v=0.0)
+    >>> round(float(fl.planar.curve_length(design)), 12)  # P = A: 2 pi a1
     3.14159265359
     """
-    design = (a1, a2, a3, a4, P_u, P_v)
-    path = _along(["P_speed"], one_turn(samples), branch, "curve_length", design)
+    curve = curve_inputs("curve_length", design, inputs, branch)
+    path = along_curve(["P_speed"], curve, one_turn("curve_length", samples))
     return 2.0 * np.pi * np.mean(path["P_speed"], axis=-1)
 
 
-@door
-def curve_area(
-    a1: Any, a2: Any, a3: Any, a4: Any, P_u: Any, P_v: Any, *, branch: int = 1, samples: int = 720
-) -> Any:
+@door(hint=BY_NAME)
+def curve_area(design: Any = None, *, branch: Any = 1, samples: int = 720, **inputs: Any) -> Any:
     """Return the area that the coupler curve encloses over one turn of the input [m2].
 
     Parameters
     ----------
-    a1, a2, a3, a4, P_u, P_v : float or array_like
-        Lengths and coupler point [m], broadcast.
-    branch : int
-        Assembly mode.
+    design : mapping, pandas.DataFrame or xarray.Dataset, optional
+        Inputs of ``planar_4r`` by name: lengths ``a1`` ... ``a4`` and coupler point ``P_u``, ``P_v`` [m], broadcast.
+        Other inputs are not read.
+    branch : int or array_like
+        Assembly mode, broadcast with the design.
     samples : int
         Input angles over the turn.
+    **inputs : float, array_like or xarray.DataArray
+        The same by name.
 
     Returns
     -------
@@ -156,11 +169,12 @@ def curve_area(
     Examples
     --------
     >>> import fastlink as fl
-    >>> round(float(fl.planar.curve_area(0.5, 1.2, 0.8, 1.0, 0.0, 0.0)), 12)  # P = A: pi a1^2
+    >>> design = dict(a1=0.5, a2=1.2, a3=0.8, a4=1.0, P_u=0.0, P_v=0.0)
+    >>> round(float(fl.planar.curve_area(design)), 12)  # P = A: pi a1^2
     0.785398163397
     """
-    design = (a1, a2, a3, a4, P_u, P_v)
-    path = _along(["P_x", "P_y", "P_vx", "P_vy"], one_turn(samples), branch, "curve_area", design)
+    curve = curve_inputs("curve_area", design, inputs, branch)
+    path = along_curve(["P_x", "P_y", "P_vx", "P_vy"], curve, one_turn("curve_area", samples))
     return np.pi * np.mean(path["P_x"] * path["P_vy"] - path["P_y"] * path["P_vx"], axis=-1)
 
 
@@ -208,37 +222,36 @@ def straightness(x: Any, y: Any) -> Any:
     >>> float(fl.planar.straightness([0.0, 2.0, 4.0, 6.0], [1.0, -1.0, -1.0, 1.0]))
     1.0
     """
-    points = np.stack(broadcast("straightness", x=x, y=y), axis=-1)
+    points = np.stack(broadcast_points("straightness", x, y), axis=-1)
     curves = points.reshape(-1, *points.shape[-2:])
     half_widths = [_half_width(curve[np.isfinite(curve).all(axis=-1)]) for curve in curves]
     return np.array(half_widths).reshape(points.shape[:-2])[()]
 
 
-@door
+@door(hint=BY_NAME)
 def curve_straightness(
-    a1: Any,
-    a2: Any,
-    a3: Any,
-    a4: Any,
-    P_u: Any,
-    P_v: Any,
+    design: Any = None,
     *,
     theta1: tuple[float, float] | None = None,
-    branch: int = 1,
+    branch: Any = 1,
     samples: int = 720,
+    **inputs: Any,
 ) -> Any:
     """Return the `straightness` of the coupler curve or of a part of it [m].
 
     Parameters
     ----------
-    a1, a2, a3, a4, P_u, P_v : float or array_like
-        Lengths and coupler point [m], broadcast.
+    design : mapping, pandas.DataFrame or xarray.Dataset, optional
+        Inputs of ``planar_4r`` by name: lengths ``a1`` ... ``a4`` and coupler point ``P_u``, ``P_v`` [m], broadcast.
+        Other inputs are not read.
     theta1 : (float, float), optional
         Least and greatest input angle [rad] of the part; the whole curve of the branch unless given.
-    branch : int
-        Assembly mode.
+    branch : int or array_like
+        Assembly mode, broadcast with the design.
     samples : int
         Input angles.
+    **inputs : float, array_like or xarray.DataArray
+        The same by name.
 
     Returns
     -------
@@ -250,17 +263,21 @@ def curve_straightness(
     Chebyshev's straight line of the lambda linkage, 1 : 2.5 : 2.5 : 2 with P at 2 a2:
 
     >>> import fastlink as fl
-    >>> part = fl.planar.curve_straightness(1.0, 2.5, 2.5, 2.0, 5.0, 0.0, theta1=(2.1, 4.2), branch=2)
-    >>> whole = fl.planar.curve_straightness(1.0, 2.5, 2.5, 2.0, 5.0, 0.0, branch=2)
+    >>> design = dict(a1=1.0, a2=2.5, a3=2.5, a4=2.0, P_u=5.0, P_v=0.0)
+    >>> part = fl.planar.curve_straightness(design, theta1=(2.1, 4.2), branch=2)
+    >>> whole = fl.planar.curve_straightness(design, branch=2)
     >>> round(float(part), 4), round(float(whole), 4)
     (0.0049, 0.4495)
     """
-    angles = one_turn(samples)
+    curve, angles = (
+        curve_inputs("curve_straightness", design, inputs, branch),
+        one_turn("curve_straightness", samples),
+    )
     if theta1 is not None:
-        low, high = theta1
-        if not (np.isfinite([low, high]).all() and low < high):
-            raise InputError(f"curve_straightness: theta1 is {theta1}; give (least, greatest) in rad")
-        angles = np.linspace(low, high, samples)
-    design = (a1, a2, a3, a4, P_u, P_v)
-    path = _along(["P_x", "P_y"], angles, branch, "curve_straightness", design)
+        ends = numbers_of("curve_straightness", "theta1", theta1)
+        if ends.shape != (2,) or not np.isfinite(ends).all() or not ends[0] < ends[1]:
+            where, remedy = ("curve_straightness", "theta1"), "write (least, greatest) in rad"
+            raise InputError(f"is {short_repr(theta1)}", where=where, remedy=remedy)
+        angles = np.linspace(float(ends[0]), float(ends[1]), angles.size)
+    path = along_curve(["P_x", "P_y"], curve, angles)
     return straightness(path["P_x"], path["P_y"])

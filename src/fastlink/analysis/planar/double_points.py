@@ -21,13 +21,16 @@ on its moving centrode, and rests. The curve has a cusp there.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
 
-from fastlink.analysis.designs import curve_designs
+from fastlink.analysis.designs import BY_NAME, CURVE, read_design
 from fastlink.doors import door
 from fastlink.errors import InputError
+from fastlink.mechanisms.planar_4r import planar_4r
+from fastlink.space.values import constant
 
 __all__ = ["crunode_count", "crunodes", "cusp_count", "cusps"]
 
@@ -74,9 +77,9 @@ def _real_roots(k: Any) -> tuple[Any, Any]:
     return x / size, y / size
 
 
-def _double_points(function: str, *design: Any) -> tuple[Any, Any, Any]:
+def _double_points(function: str, design: Any, inputs: Mapping[str, Any]) -> tuple[Any, Any, Any]:
     """Return the real double points X, Y and 1 - |c|, three in the last axis or NaN."""
-    a1, a2, a3, a4, u, v = curve_designs(function, *design)
+    a1, a2, a3, a4, u, v = read_design(function, planar_4r, design, inputs, CURVE).values()
     p, q = np.hypot(u, v), np.hypot(u - a2, v)
     with np.errstate(invalid="ignore", divide="ignore"):  # P is A or B
         cosine, sine = (u * (u - a2) + v * v) / (p * q), a2 * v / (p * q)
@@ -116,27 +119,41 @@ def _selected(X: Any, Y: Any, chosen: Any) -> tuple[Any, Any, Any]:
     return np.take_along_axis(X, order, axis=-1), np.take_along_axis(Y, order, axis=-1), count
 
 
-def _check_tolerance(function: str, tolerance: float) -> None:
-    if not 0.0 < tolerance < 0.1:
-        raise InputError(
-            f"{function}: tolerance is {tolerance}; give a number between 0 and 0.1, such as 1e-9"
-        )
-
-
-@door
-def crunodes(
-    a1: Any, a2: Any, a3: Any, a4: Any, P_u: Any, P_v: Any, *, tolerance: float = TOLERANCE
+def _crunodes(
+    function: str, design: Any, inputs: Mapping[str, Any], tolerance: float
 ) -> tuple[Any, Any, Any]:
+    limit = _check_tolerance(function, tolerance)
+    X, Y, excess = _double_points(function, design, inputs)
+    return _selected(X, Y, excess > limit)
+
+
+def _cusps(function: str, design: Any, inputs: Mapping[str, Any], tolerance: float) -> tuple[Any, Any, Any]:
+    limit = _check_tolerance(function, tolerance)
+    X, Y, excess = _double_points(function, design, inputs)
+    return _selected(X, Y, np.abs(excess) <= limit)
+
+
+def _check_tolerance(function: str, tolerance: Any) -> float:
+    limit = constant(function, "tolerance", tolerance)
+    if not 0.0 < limit < 0.1:
+        remedy = "write a number between 0 and 0.1, such as 1e-9"
+        raise InputError(f"is {limit}", where=(function, "tolerance"), remedy=remedy)
+    return limit
+
+
+@door(hint=BY_NAME)
+def crunodes(design: Any = None, *, tolerance: float = TOLERANCE, **inputs: Any) -> tuple[Any, Any, Any]:
     """Return the points where the coupler curve of a linkage crosses itself.
 
     Parameters
     ----------
-    a1, a2, a3, a4 : float or array_like
-        Lengths of crank, coupler, output link and ground [m], broadcast with the coupler point.
-    P_u, P_v : float or array_like
-        The coupler point, along AB from A and to the left of AB [m].
+    design : mapping, pandas.DataFrame or xarray.Dataset, optional
+        Inputs of ``planar_4r`` by name: lengths ``a1`` ... ``a4`` and coupler point ``P_u``, ``P_v`` [m], broadcast.
+        Other inputs are not read.
     tolerance : float
         Double points within it count as cusps, see `cusps`.
+    **inputs : float, array_like or xarray.DataArray
+        The same by name.
 
     Returns
     -------
@@ -156,31 +173,28 @@ def crunodes(
     Examples
     --------
     >>> import fastlink as fl
-    >>> X, Y, count = fl.planar.crunodes(1.0, 2.5, 2.5, 2.0, 1.25, 1.0)
+    >>> X, Y, count = fl.planar.crunodes(a1=1.0, a2=2.5, a3=2.5, a4=2.0, P_u=1.25, P_v=1.0)
     >>> int(count), round(float(X[0]), 4), round(float(Y[0]), 4)
     (1, 1.7287, -0.9459)
     """
-    _check_tolerance("crunodes", tolerance)
-    X, Y, excess = _double_points("crunodes", a1, a2, a3, a4, P_u, P_v)
-    return _selected(X, Y, excess > tolerance)
+    return _crunodes("crunodes", design, inputs, tolerance)
 
 
-@door
-def cusps(
-    a1: Any, a2: Any, a3: Any, a4: Any, P_u: Any, P_v: Any, *, tolerance: float = TOLERANCE
-) -> tuple[Any, Any, Any]:
+@door(hint=BY_NAME)
+def cusps(design: Any = None, *, tolerance: float = TOLERANCE, **inputs: Any) -> tuple[Any, Any, Any]:
     """Return the cusps of the coupler curve of a linkage, where P rests.
 
     Parameters
     ----------
-    a1, a2, a3, a4 : float or array_like
-        Lengths of crank, coupler, output link and ground [m], broadcast with the coupler point.
-    P_u, P_v : float or array_like
-        The coupler point, along AB from A and to the left of AB [m].
+    design : mapping, pandas.DataFrame or xarray.Dataset, optional
+        Inputs of ``planar_4r`` by name: lengths ``a1`` ... ``a4`` and coupler point ``P_u``, ``P_v`` [m], broadcast.
+        Other inputs are not read.
     tolerance : float
         A double point of the curve is a cusp if its two coupler directions differ by an angle 2 x with 1 - cos x at
         most this. Only designs that satisfy an equation have a cusp; one within the tolerance has a cusp, or a loop
         of length about tolerance times the lengths, or a turn as sharp without a double point.
+    **inputs : float, array_like or xarray.DataArray
+        The same by name.
 
     Returns
     -------
@@ -194,23 +208,24 @@ def cusps(
     At theta1 = 90 degrees OA and DB meet in (0, 8), the pole of the coupler, which is its point (0, 6):
 
     >>> import fastlink as fl
-    >>> X, Y, count = fl.planar.cusps(2.0, 4.5, 2.5, 6.0, 0.0, 6.0)
+    >>> X, Y, count = fl.planar.cusps(a1=2.0, a2=4.5, a3=2.5, a4=6.0, P_u=0.0, P_v=6.0)
     >>> int(count), round(float(X[0]), 9), round(float(Y[0]), 9)
     (1, 0.0, 8.0)
     """
-    _check_tolerance("cusps", tolerance)
-    X, Y, excess = _double_points("cusps", a1, a2, a3, a4, P_u, P_v)
-    return _selected(X, Y, np.abs(excess) <= tolerance)
+    return _cusps("cusps", design, inputs, tolerance)
 
 
-@door
-def crunode_count(a1: Any, a2: Any, a3: Any, a4: Any, P_u: Any, P_v: Any) -> Any:
+@door(hint=BY_NAME)
+def crunode_count(design: Any = None, **inputs: Any) -> Any:
     """Return the number of crunodes of the coupler curve of a linkage.
 
     Parameters
     ----------
-    a1, a2, a3, a4, P_u, P_v : float or array_like
-        Lengths and coupler point [m], broadcast.
+    design : mapping, pandas.DataFrame or xarray.Dataset, optional
+        Inputs of ``planar_4r`` by name: lengths ``a1`` ... ``a4`` and coupler point ``P_u``, ``P_v`` [m], broadcast.
+        Other inputs are not read.
+    **inputs : float, array_like or xarray.DataArray
+        The same by name.
 
     Returns
     -------
@@ -220,20 +235,23 @@ def crunode_count(a1: Any, a2: Any, a3: Any, a4: Any, P_u: Any, P_v: Any) -> Any
     Examples
     --------
     >>> import fastlink as fl
-    >>> fl.planar.crunode_count(1.0, 2.5, 2.5, 2.0, 1.25, [1.0, 9.0])
+    >>> fl.planar.crunode_count(a1=1.0, a2=2.5, a3=2.5, a4=2.0, P_u=1.25, P_v=[1.0, 9.0])
     array([1, 0])
     """
-    return crunodes(a1, a2, a3, a4, P_u, P_v)[2]
+    return _crunodes("crunode_count", design, inputs, TOLERANCE)[2]
 
 
-@door
-def cusp_count(a1: Any, a2: Any, a3: Any, a4: Any, P_u: Any, P_v: Any) -> Any:
+@door(hint=BY_NAME)
+def cusp_count(design: Any = None, **inputs: Any) -> Any:
     """Return the number of cusps of the coupler curve of a linkage.
 
     Parameters
     ----------
-    a1, a2, a3, a4, P_u, P_v : float or array_like
-        Lengths and coupler point [m], broadcast.
+    design : mapping, pandas.DataFrame or xarray.Dataset, optional
+        Inputs of ``planar_4r`` by name: lengths ``a1`` ... ``a4`` and coupler point ``P_u``, ``P_v`` [m], broadcast.
+        Other inputs are not read.
+    **inputs : float, array_like or xarray.DataArray
+        The same by name.
 
     Returns
     -------
@@ -243,7 +261,7 @@ def cusp_count(a1: Any, a2: Any, a3: Any, a4: Any, P_u: Any, P_v: Any) -> Any:
     Examples
     --------
     >>> import fastlink as fl
-    >>> fl.planar.cusp_count(2.0, 4.5, 2.5, 6.0, 0.0, [6.0, 7.0])
+    >>> fl.planar.cusp_count(a1=2.0, a2=4.5, a3=2.5, a4=6.0, P_u=0.0, P_v=[6.0, 7.0])
     array([1, 0])
     """
-    return cusps(a1, a2, a3, a4, P_u, P_v)[2]
+    return _cusps("cusp_count", design, inputs, TOLERANCE)[2]

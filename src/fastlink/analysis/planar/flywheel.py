@@ -5,12 +5,14 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-import numpy as np
-
+from fastlink.catalogue.catalogue import Input
 from fastlink.doors import door
+from fastlink.engine.broadcast import like
 from fastlink.errors import InputError
 from fastlink.io.reader import as_dataset
 from fastlink.maps.units import check_units
+from fastlink.plan.validate import value_problems
+from fastlink.space.values import MOST_DIMS, numbers_of
 
 __all__ = ["flywheel_inertia"]
 
@@ -54,13 +56,14 @@ def flywheel_inertia(maps: Any, C_s: Any) -> Any:
     >>> round(float(fl.planar.flywheel_inertia(maps, C_s=0.02)), 2)
     26.34
     """
-    bounds = np.asarray(getattr(C_s, "values", C_s), dtype=float)
-    if not np.all((bounds > 0.0) & np.isfinite(bounds)):
-        raise InputError(f"flywheel_inertia: C_s is {C_s!r}; write a positive number, such as 0.02")
+    bound = Input("C_s", "1", "C_s", "coefficient of speed fluctuation", "positive")
+    numbers = numbers_of("flywheel_inertia", "C_s", C_s, MOST_DIMS)
+    if problems := value_problems(bound, numbers, "flywheel_inertia"):
+        raise InputError.of(problems)
     if isinstance(maps, Mapping) and not hasattr(maps, "data_vars"):
-        return _inertia(maps, C_s)
+        return _inertia(maps, like(C_s, numbers))
     with as_dataset(maps) as dataset:
-        inertia = _inertia(dataset, C_s)
+        inertia = _inertia(dataset, like(C_s, numbers))
         inertia.attrs = {"units": "kg m2", "long_name": "Moment of inertia of the flywheel", "symbol": "I_S"}
         return inertia.rename("flywheel_inertia").load()
 
@@ -69,11 +72,19 @@ def _inertia(maps: Mapping[Any, Any], C_s: Any) -> Any:
     """Return the moment of inertia from the swing of the energy and the speed of the crank."""
     where = ("flywheel_inertia", "maps")
     crank_speed = "omega" if "omega" in maps else "omega1"
-    for name, units in {"T41_fluctuation": "N m", crank_speed: "rad s-1"}.items():
+    units_of = {"T41_fluctuation": "N m", crank_speed: "rad s-1"}
+    for name, units in units_of.items():
         if name not in maps:
             raise InputError(
                 f"{name!r} is missing", where=where, remedy=f"sweep {name!r} and give the whole result"
             )
         check_units(maps[name], units, (*where, name))
-    speed = maps[crank_speed]
-    return maps["T41_fluctuation"] / (C_s * (speed * speed))
+    swing, speed = (
+        like(maps[name], numbers_of(*where[:1], name, maps[name], MOST_DIMS)) for name in units_of
+    )
+    try:
+        return swing / (C_s * (speed * speed))
+    except ValueError as error:  # arrays of other shapes, or DataArrays of other coordinates
+        remedy = "write one number, or one for each value of the maps"
+        what = f"does not go with the maps ({error})"
+        raise InputError(what, where=("flywheel_inertia", "C_s"), remedy=remedy) from None

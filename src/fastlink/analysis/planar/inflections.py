@@ -6,8 +6,8 @@ from typing import Any
 
 import numpy as np
 
-from fastlink.analysis.designs import CURVE, curve_designs
-from fastlink.analysis.planar.curves import one_turn
+from fastlink.analysis.designs import BY_NAME
+from fastlink.analysis.planar.curves import curve_inputs, one_turn
 from fastlink.doors import door
 from fastlink.engine.evaluate import evaluate
 
@@ -17,17 +17,18 @@ __all__ = ["inflections"]
 STEPS = 40
 
 
-def _turn(inputs: dict[str, Any], theta1: Any, branch: int) -> Any:
+def _turn(curve: dict[str, Any], theta1: Any) -> Any:
     """Return P' x P'', whose only poles are those of the rates."""
-    path = evaluate("planar_4r", ["curvature", "P_speed"], branch=branch, theta1=theta1, omega1=1.0, **inputs)
+    names = ["curvature", "P_speed"]
+    path = evaluate("planar_4r", names, theta1=theta1, omega1=1.0, allow_invalid=True, **curve)
     return path["curvature"] * path["P_speed"] ** 3
 
 
-def _refined(inputs: dict[str, Any], branch: int, low: Any, high: Any, at_low: Any, at_high: Any) -> Any:
+def _refined(curve: dict[str, Any], low: Any, high: Any, at_low: Any, at_high: Any) -> Any:
     """Return the zeros between angles of opposite signs by the Illinois algorithm."""
     for _ in range(STEPS):
         middle = high - at_high * ((high - low) / (at_high - at_low))
-        at_middle = _turn(inputs, middle, branch)
+        at_middle = _turn(curve, middle)
         crossed = np.signbit(at_middle) != np.signbit(at_high)
         # The newest point is `high`; an end that stays twice counts half, so that it moves next time.
         low, at_low = np.where(crossed, high, low), np.where(crossed, at_high, 0.5 * at_low)
@@ -41,20 +42,23 @@ def _refined(inputs: dict[str, Any], branch: int, low: Any, high: Any, at_low: A
     return high
 
 
-@door
+@door(hint=BY_NAME)
 def inflections(
-    a1: Any, a2: Any, a3: Any, a4: Any, P_u: Any, P_v: Any, *, branch: int = 1, samples: int = 720
+    design: Any = None, *, branch: Any = 1, samples: int = 720, **inputs: Any
 ) -> tuple[Any, Any, Any, Any]:
     """Return the points where the curvature of the coupler curve changes sign.
 
     Parameters
     ----------
-    a1, a2, a3, a4, P_u, P_v : float or array_like
-        Lengths and coupler point [m], broadcast.
-    branch : int
-        Assembly mode.
+    design : mapping, pandas.DataFrame or xarray.Dataset, optional
+        Inputs of ``planar_4r`` by name: lengths ``a1`` ... ``a4`` and coupler point ``P_u``, ``P_v`` [m], broadcast.
+        Other inputs are not read.
+    branch : int or array_like
+        Assembly mode, broadcast with the design.
     samples : int
         Input angles over the turn at which the sign of the curvature is read; two changes within one step are missed.
+    **inputs : float, array_like or xarray.DataArray
+        The same by name.
 
     Returns
     -------
@@ -72,30 +76,31 @@ def inflections(
     Examples
     --------
     >>> import fastlink as fl
-    >>> theta1, X, Y, count = fl.planar.inflections(0.4, 1.2, 0.8, 1.0, 0.7, 0.5)
-    >>> int(count), fl.planar.inflections(0.4, 1.2, 0.8, 1.0, 0.0, 0.0)[3].tolist()  # P = A: a circle
+    >>> links = dict(a1=0.4, a2=1.2, a3=0.8, a4=1.0)
+    >>> theta1, X, Y, count = fl.planar.inflections(links, P_u=0.7, P_v=0.5)
+    >>> int(count), fl.planar.inflections(links, P_u=0.0, P_v=0.0)[3].tolist()  # P = A: a circle
     (2, 0)
     """
-    numbers = curve_designs("inflections", a1, a2, a3, a4, P_u, P_v)
-    shape = numbers[0].shape
-    columns = {name: value.reshape(-1) for name, value in zip(CURVE, numbers, strict=True)}
-    angles = one_turn(samples)
+    arrays = curve_inputs("inflections", design, inputs, branch)
+    shape = arrays["a1"].shape
+    columns = {name: value.reshape(-1) for name, value in arrays.items()}
+    angles = one_turn("inflections", samples)
     ends = np.append(angles, angles[0] + 2.0 * np.pi)
-    turn = _turn({name: value[:, None] for name, value in columns.items()}, ends, branch)
+    turn = _turn({name: value[:, None] for name, value in columns.items()}, ends)
     changes = np.isfinite(turn[:, :-1] * turn[:, 1:]) & (np.signbit(turn[:, :-1]) != np.signbit(turn[:, 1:]))
-    design, k = np.nonzero(changes)
-    inputs = {name: value[design] for name, value in columns.items()}
-    theta1 = _refined(inputs, branch, ends[k], ends[k + 1], turn[design, k], turn[design, k + 1])
+    row, k = np.nonzero(changes)
+    curve = {name: value[row] for name, value in columns.items()}
+    theta1 = _refined(curve, ends[k], ends[k + 1], turn[row, k], turn[row, k + 1])
     theta1 = np.mod(theta1, 2.0 * np.pi)
-    point = evaluate("planar_4r", ["P_x", "P_y"], branch=branch, theta1=theta1, **inputs)
+    point = evaluate("planar_4r", ["P_x", "P_y"], theta1=theta1, allow_invalid=True, **curve)
     # NaN: between the two angles the linkage does not assemble.
     assembles = np.isfinite(point["P_x"])
-    design = design[assembles]
-    count = np.bincount(design, minlength=turn.shape[0])
-    rank = np.arange(design.size) - (np.cumsum(count) - count)[design]
+    row = row[assembles]
+    count = np.bincount(row, minlength=turn.shape[0])
+    rank = np.arange(row.size) - (np.cumsum(count) - count)[row]
     width = int(count.max(initial=0))
     padded = np.full((3, count.size, width), np.nan)
-    padded[:, design, rank] = theta1[assembles], point["P_x"][assembles], point["P_y"][assembles]
+    padded[:, row, rank] = theta1[assembles], point["P_x"][assembles], point["P_y"][assembles]
     order = np.argsort(padded[0], axis=-1)
     angle, X, Y = np.take_along_axis(padded, order[None], axis=-1).reshape(3, *shape, width)
     return angle, X, Y, count.reshape(shape)

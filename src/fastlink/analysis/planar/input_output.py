@@ -6,17 +6,18 @@ from typing import Any
 
 import numpy as np
 
-from fastlink.analysis.designs import broadcast
+from fastlink._text import short_repr
+from fastlink.analysis.designs import BY_NAME, read_design
 from fastlink.doors import door
-from fastlink.errors import InputError, suggest
+from fastlink.errors import InputError, listed
 from fastlink.mechanisms.planar_4r import planar_4r
 from fastlink.mechanisms.planar_4r.residuals import IO_CROSS, IO_PRODUCTS
 
 __all__ = ["io_coefficients"]
 
 
-@door
-def io_coefficients(a1: Any, a2: Any, a3: Any, a4: Any, pair: str = "14") -> Any:
+@door(hint=BY_NAME)
+def io_coefficients(design: Any = None, *, pair: str = "14", **inputs: Any) -> Any:
     """Return the coefficients of an input-output equation, eqs. (1) to (6) of Hayes.
 
     With v_i = tan(joint_angle_i/2) for the joint angles of the closed polygon a1, a2, a3, a4 (quantities ``v1``
@@ -30,10 +31,12 @@ def io_coefficients(a1: Any, a2: Any, a3: Any, a4: Any, pair: str = "14") -> Any
 
     Parameters
     ----------
-    a1, a2, a3, a4 : array_like
-        Lengths of crank, coupler, output link and ground link in m, positive; broadcast against each other.
+    design : mapping, pandas.DataFrame or xarray.Dataset, optional
+        Inputs of ``planar_4r`` by name: the lengths ``a1`` ... ``a4`` [m], broadcast. Other inputs are not read.
     pair : {"12", "13", "14", "23", "24", "34"}
         The two joints: eqs. (2), (3), (1), (4), (5), (6).
+    **inputs : float, array_like or xarray.DataArray
+        The same by name.
 
     Returns
     -------
@@ -48,12 +51,13 @@ def io_coefficients(a1: Any, a2: Any, a3: Any, a4: Any, pair: str = "14") -> Any
     Examples
     --------
     >>> import fastlink as fl
-    >>> fl.planar.io_coefficients(4.0, 12.0, 8.0, 10.0, pair="14")
+    >>> fl.planar.io_coefficients(a1=4.0, a2=12.0, a3=8.0, a4=10.0, pair="14")
     array([-140.,   52., -108., -256.,  340.])
     """
-    if pair not in IO_PRODUCTS:
-        raise InputError(f"io_coefficients: pair {pair!r} is unknown; {suggest(str(pair), IO_PRODUCTS)}")
-    lengths = broadcast("io_coefficients", a1=a1, a2=a2, a3=a3, a4=a4)
+    if not isinstance(pair, str) or pair not in IO_PRODUCTS:
+        where, remedy = ("io_coefficients", "pair"), listed(list(IO_PRODUCTS))
+        raise InputError(f"{short_repr(pair)} is unknown", where=where, remedy=remedy)
+    lengths = [*read_design("io_coefficients", planar_4r, design, inputs, ("a1", "a2", "a3", "a4")).values()]
 
     def factor(name: str) -> Any:
         return planar_4r.facts[f"factor_{name}"].function(*lengths)[0]
