@@ -102,7 +102,8 @@ def test_each_argument_is_checked(called, step):
                 with pytest.raises(fl.InputError) as caught:
                     function(**given)
                 for line in str(caught.value).splitlines():
-                    assert re.search(rf"\b{name}\b.*; (write|known|sweep|give)", line), line
+                    key = "" if name == "maps" and isinstance(value, str) else name  # the path of a map
+                    assert re.search(rf"\b{key}\b.*; (write|known|sweep|give)", line), line
             elif type(value) not in (int, float, type(None)) and 0.1 <= abs(number_of(value)) <= 10.0:
                 number = int(value) if name == "samples" else number_of(value)
                 results = (function(**usual | {name: one}) for one in (value, number))
@@ -205,7 +206,7 @@ def test_points_are_numbers_or_gaps(function):
 
 
 def test_maps_are_maps():
-    for wrong in (None, 3, "map", [1.0], xr.DataArray([1.0]), b""):
+    for wrong in (None, 3, [1.0], xr.DataArray([1.0]), b""):
         with refused("maps", "give the"):
             fl.planar.flywheel_inertia(wrong, 0.02)
         with refused("maps", "give the"):

@@ -13,6 +13,7 @@ from fastlink.engine.broadcast import broadcast_inputs, like
 from fastlink.errors import InputError, Problem, Problems
 from fastlink.options import check_whole
 from fastlink.plan.validate import name_problems, value_problems
+from fastlink.space.degrees import angle_of
 from fastlink.space.values import MOST_DIMS, numbers_of
 
 __all__ = [
@@ -67,13 +68,14 @@ def read_design(
         With every input that is unknown, missing, given twice or has an impossible value.
     """
     known, problems = catalogue.known_inputs(catalogue.variant_inputs), Problems()
-    given = _entries(function, design, known)
-    given.pop(catalogue.position.name, None)  # of one configuration of the design
+    of_position = (catalogue.position.name, f"{catalogue.position.name}_deg")
+    given = {name: of for name, of in _entries(function, design, known).items() if name not in of_position}
     for name in inputs:
         if name in given:
             problems.add("is in the design and given by name", (function, name), "leave one out")
     given |= inputs
-    problems.noted += name_problems(catalogue, list(given), known, function)
+    names = [name for name in given if angle_of(name) not in known]  # no angle is needed
+    problems.noted += name_problems(catalogue, names, known, function)
     for name in needed:
         if name not in given:
             what = f"is missing ({known[name].meaning} [{known[name].units}])"

@@ -19,6 +19,7 @@ from fastlink.engine.broadcast import MOST_CONFIGURATIONS, broadcast_inputs, lik
 from fastlink.errors import InputError, Problem, Problems, Setting
 from fastlink.mechanisms import NAMES, inputs_of
 from fastlink.mechanisms import catalogue as find_catalogue
+from fastlink.options import check_switch
 from fastlink.plan.positions import check_keywords, radian_keywords
 from fastlink.plan.query import check_names
 from fastlink.plan.suggestions import require_quantity
@@ -104,6 +105,7 @@ def evaluate(
         names = check_names("quantities", quantities)
         _check_quantities(catalogue, version, names)
     with problems.at():
+        check_switch(("allow_invalid",), allow_invalid)
         check_model(catalogue, links, solver)
     of_links = links.values if isinstance(links, Links) else {}
     variants = selected_variants(catalogue, links, solver, inputs)
