@@ -105,7 +105,8 @@ class ResolvedSweep:
         for kernel in self.kernels:
             digest.update(kernel.text.encode())
         space = self.space
-        described = space.dims, space.shape, sorted(space.constants.items()), sorted(space.attrs.items())
+        texts = sorted(space.attrs.items()), sorted(space.comments.items())
+        described = space.dims, space.shape, sorted(space.constants.items()), texts
         digest.update(repr(described).encode())
         for name, values in sorted({**space.axes, **space.columns}.items()):
             digest.update(name.encode() + values.tobytes())
