@@ -59,6 +59,12 @@ def test_samples_beyond_memory_are_refused(small_machine):
             sample(2**30, a1=(0.1, 0.4))
 
 
+def test_a_function_of_too_many_designs_is_refused(small_machine):
+    function = fl.function("planar_4r", ["a2"], ["swing"], a1=0.4, a3=0.8, a4=1.0)
+    with refused("the result", "pass fewer designs at once"):
+        function(np.broadcast_to(1.1, (1, 10**5, 10**4)))
+
+
 def test_an_allocation_that_the_system_refuses_is_one_line_too(monkeypatch):
     monkeypatch.setattr(memory, "available_memory", lambda: None)
     with refused("the result", "to='maps.h5'"):

@@ -20,6 +20,7 @@ from fastlink.engine.resolve import ResolvedSweep, resolve
 from fastlink.errors import InputError, Problems
 from fastlink.mechanisms import NAMES, inputs_of
 from fastlink.mechanisms import catalogue as find_catalogue
+from fastlink.memory import check_memory
 from fastlink.plan.positions import radian_keywords
 from fastlink.plan.query import check_names
 from fastlink.plan.validate import allowed, check_inputs, selected_variants, unknown_input
@@ -220,6 +221,8 @@ class Function:
             kernels = self._of_thread.kernels = self._bind(self._block)
         if given.ndim == 1:
             return self._evaluate_one(given, kernels)
+        doubles = given.size + math.prod((given.size // len(self.inputs), len(self.outputs), *self.shape))
+        check_memory(8 * doubles, "the result", where=("function", "x"), remedy="pass fewer designs at once")
         flat = given.reshape(len(self.inputs), -1)
         result = np.empty((len(self.outputs), flat.shape[1], *self.shape))
         for start in range(0, flat.shape[1], self._block):
