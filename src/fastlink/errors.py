@@ -34,6 +34,8 @@ __all__ = [
 MOST_SHOWN, MOST_LINES = 12, 20
 #: Signs of a line, and of its end, where the remedy stands, if it has to be cut.
 LONGEST_LINE, LAST_SIGNS = 390, 160
+#: Letters of the longest name that is compared with known ones, which takes a second for 100,000.
+LONGEST_NAME = 200
 #: What other programs call an option.
 ELSEWHERE = {
     "attrs": ("attributes", "metadata"),
@@ -297,8 +299,10 @@ def nearest(name: str, known: Iterable[str]) -> str | None:
     return folded[near[0]] if near else None
 
 
-def suggest(name: str, known: Iterable[str]) -> str:
+def suggest(name: object, known: Iterable[str]) -> str:
     """Return the remedy for an unknown name: the nearest known name, or all of them.
+
+    A value that is no text, or longer than any name, has none that is near.
 
     Examples
     --------
@@ -306,7 +310,8 @@ def suggest(name: str, known: Iterable[str]) -> str:
     "did you mean 'omega4'?"
     """
     options = sorted(known)
-    if (near := nearest(name, options)) is not None:
+    comparable = isinstance(name, str) and len(name) <= LONGEST_NAME
+    if comparable and (near := nearest(str(name), options)) is not None:
         return f"did you mean {near!r}?"
     return listed(options)
 

@@ -36,7 +36,7 @@ from fastlink.plan.validate import (
 )
 from fastlink.space.degrees import RADIANS, angle_of, remark_on_angles
 from fastlink.space.links import Links
-from fastlink.space.values import MOST_DIMS, numbers_of
+from fastlink.space.values import MOST_DIMS, has, numbers_of
 
 __all__ = ["evaluate"]
 
@@ -249,8 +249,9 @@ def _checked(declared: Input, value: Any, allow_invalid: bool) -> Any:
     """Return the values of an input as doubles of any shape, labelled if they are, or refuse them."""
     if type(value) is float and (allow_invalid or allowed(declared, value)):
         return np.float64(value)  # 5 us less than by an array
-    if hasattr(value, "dtype") and np.size(value) > MOST_CONFIGURATIONS:
-        raise too_many(np.size(value), "evaluate", declared.name)
+    size = value.size if has(value, "dtype") else 0
+    if isinstance(size, int) and size > MOST_CONFIGURATIONS:
+        raise too_many(size, "evaluate", declared.name)
     numbers = numbers_of("evaluate", declared.name, value, MOST_DIMS)[()]
     if not allow_invalid and not np.all(allowed(declared, numbers)):
         keep = ((", or pass ", Setting("allow_invalid", True), " to get NaN there"),)

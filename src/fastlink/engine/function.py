@@ -147,7 +147,7 @@ def function(
     _refuse_choices(resolved, varying)
     function_again: Any = function
     recipe = partial(function_again, mechanism, names, list(wanted), **options, **fixed)
-    return Function(resolved, names, isinstance(branch, (int, np.integer)), recipe)
+    return Function(resolved, names, resolved.one_branch, recipe)
 
 
 #: The keywords of a function besides its fixed inputs and the name of the input.

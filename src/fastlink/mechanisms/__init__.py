@@ -36,7 +36,7 @@ KEYWORDS = {
 class _Package(ModuleType):
     """A package that can be called: a user's ``fastlink.mechanisms`` is both a function and this package."""
 
-    def __call__(self, *args: Any, **options: Any) -> MechanismList:
+    def __call__(self, /, *args: Any, **options: Any) -> MechanismList:
         from fastlink.mechanisms.listing import mechanisms
 
         return mechanisms(*args, **options)

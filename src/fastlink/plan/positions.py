@@ -24,7 +24,7 @@ from fastlink.space.degrees import (
     radians,
     remark_on_angles,
 )
-from fastlink.space.values import MOST_DIMS, first_invalid, listed, numbers_of
+from fastlink.space.values import MOST_DIMS, MOST_LISTED, first_invalid, listed, numbers_of
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
@@ -74,6 +74,14 @@ def check_keywords(
     problems.stop()
 
 
+def _are_several(values: Any) -> bool:
+    """Tell whether input positions are an array, or at least no scalar."""
+    try:
+        return np.ndim(values) > 0
+    except Exception:  # ragged lists, and whatever a class of somebody's does; `check_positions` refuses them
+        return True
+
+
 def given_angles(catalogue: Catalogue, angles: Any, positions: Mapping[str, Any]) -> tuple[str, Any]:
     """Return the input positions that were given, and by which name; else the usual ones.
 
@@ -102,7 +110,7 @@ def given_angles(catalogue: Catalogue, angles: Any, positions: Mapping[str, Any]
             return degrees_name(name), _from_degrees(catalogue, values.values)
         if key == degrees_name(name):
             return key, _from_degrees(catalogue, values)
-        if catalogue.position.units == RADIANS and np.ndim(values):
+        if catalogue.position.units == RADIANS and _are_several(values):
             remark_on_angles(name, values)
         return key, values
     return name, ANGLES if catalogue.positions is None else np.linspace(*catalogue.positions)
@@ -117,7 +125,7 @@ def _from_degrees(catalogue: Catalogue, values: Any) -> NDArray[Any]:
     """Return input positions in radians, or refuse what is no array of degrees."""
     name = catalogue.position.name
     key = degrees_name(name)
-    if listed(values) == 0 or np.ndim(values) == 0:
+    if listed(values) == 0 or not _are_several(values):
         other = f"; {name} may be a number of angles" if catalogue.positions is None else ""
         raise InputError(
             f"is {short_repr(values)}", where=(key,), remedy=f"write a flat array of degrees{other}"
@@ -170,7 +178,7 @@ def check_extrema(extrema: str | None, catalogue: Catalogue, angles: Any) -> Ext
     InputError
         The search is unknown, or does not go with an array of angles.
     """
-    chosen = np.ndim(angles) > 0
+    chosen = _are_several(angles)
     if extrema is None:
         return "sampled" if chosen else "refined"
     extrema = check_choice(("extrema",), extrema, EXTREMA)
@@ -191,7 +199,7 @@ def check_turn(catalogue: Catalogue, names: Iterable[str], angles: Any) -> None:
     InputError
         With the name of the reduction.
     """
-    if np.ndim(angles) == 0:
+    if not _are_several(angles):
         return
     problems = Problems()
     for k, request in enumerate(parse_request(name, catalogue) for name in names):
@@ -221,22 +229,23 @@ def check_positions(catalogue: Catalogue, given: int | ArrayLike, key: str = "an
     """
     name, noun = catalogue.position.name, "angles in rad" if catalogue.positions is None else "numbers"
     noun = "angles in degrees" if angle_of(key) else noun
-    if catalogue.positions is not None and np.ndim(given) == 0:
+    if catalogue.positions is not None and not _are_several(given):
         what = f"{short_repr(given)} is not an array, and {name} has no bounds"
         remedies = ("write them all, such as ", Samples(*catalogue.positions))
         raise InputError(what, where=(key,), remedy=remedies)
-    if isinstance(given, (int, np.integer)) and not isinstance(given, bool):
-        if given < 1:
-            what, remedy = f"{given} input angles", "write a number of at least 1, or an array in rad"
+    if isinstance(given, (int, np.integer)) and not isinstance(given, (bool, np.timedelta64)):
+        if not 1 <= given <= MOST_LISTED:
+            what = f"{short_repr(given)} input angles"
+            remedy = f"write a number from 1 to {MOST_LISTED}, or an array in rad"
             raise InputError(what, where=(key,), remedy=remedy)
         return np.arange(int(given)) * (2.0 * np.pi / int(given))
+    turning = "a number of angles, or " if catalogue.positions is None else ""
+    remedy = f"write {turning}a flat array of {noun}"
     try:
-        values = np.asarray(given, dtype=np.float64)
-    except (TypeError, ValueError):
-        values = np.empty((0, 0))
-    if values.ndim != 1 or isinstance(given, (bool, str)):
-        turning = "a number of angles, or " if catalogue.positions is None else ""
-        remedy = f"write {turning}a flat array of {noun}"
+        values = numbers_of("", key, given)
+    except InputError as error:
+        raise InputError(error.what, where=error.where[1:], remedy=remedy) from None
+    if values.ndim != 1:
         raise InputError(f"is {short_repr(given)}", where=(key,), remedy=remedy)
     if values.size == 0:
         raise InputError("the array of input positions is empty", where=(key,), remedy="give at least one")

@@ -102,7 +102,7 @@ def check_names(parameter: str, given: Iterable[str]) -> tuple[str, ...]:
             names = list(islice(given, MOST_NAMES + 1))
         elif given:
             raise TypeError
-    except TypeError:
+    except Exception:  # no list, or whatever a class of somebody's does
         raise InputError(f"is {short_repr(given)}", where=where, remedy="write a list of names") from None
     if not names:
         raise InputError("is empty", where=where, remedy="write at least one name")

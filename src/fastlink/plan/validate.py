@@ -19,7 +19,7 @@ from fastlink.options import check_choice
 from fastlink.plan.query import parse_request
 from fastlink.plan.suggestions import input_remedy, suggest_input
 from fastlink.space.links import MODELS, Links
-from fastlink.space.values import MOST_LISTED, cells_of, is_number, listed, unmasked
+from fastlink.space.values import MOST_LISTED, cells_of, has, is_number, listed, unmasked
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -237,7 +237,7 @@ def branch_codes(catalogue: Catalogue, branch: Any) -> NDArray[np.float64]:
     if isinstance(branch, np.ma.MaskedArray):
         branch = unmasked(branch)
     remedy = f"write some of {', '.join(map(str, catalogue.branches))}"
-    if not hasattr(branch, "dtype") and listed(branch) > MOST_LISTED:
+    if not has(branch, "dtype") and listed(branch) > MOST_LISTED:
         raise InputError(f"holds {counted(listed(branch), 'value')}", where=("branch",), remedy=remedy)
     values = cells_of(branch)
     if values.dtype.kind in "iuf":

@@ -111,7 +111,7 @@ def _fixed(variable: xr.DataArray, at: dict[str, Any]) -> tuple[dict[str, int], 
             places[str(key)] = 0
     for dim in at:
         known = [str(key) for key in variable.dims if key != BRANCH]
-        remedy: Remedy = suggest(str(dim), known) if known else "it has none"
+        remedy: Remedy = suggest(dim, known) if known else "it has none"
         if dim == BRANCH:
             remedy = ("choose an assembly mode by ", Setting("branch", 1))
         what = f"{short_repr(dim)} is not a dimension of {variable.name} that can be fixed"

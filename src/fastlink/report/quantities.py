@@ -233,7 +233,8 @@ def quantities(
         return _found(
             find, [find_catalogue(name, input) for name in (NAMES if mechanism is None else [mechanism])]
         )
-    catalogue = find_catalogue(str(mechanism), input)
+    assert mechanism is not None
+    catalogue = find_catalogue(mechanism, input)
     rows = public_rows(catalogue)
     if internal:
         every = (DESIGN, BRANCH, catalogue.position.name)

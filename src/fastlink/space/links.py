@@ -32,13 +32,13 @@ class Links:
     def __post_init__(self) -> None:
         if not isinstance(self.model, str) or self.model not in MODELS:
             what = f"{short_repr(self.model)} is unknown"
-            raise InputError(what, where=("links", "model"), remedy=suggest(str(self.model), MODELS))
+            raise InputError(what, where=("links", "model"), remedy=suggest(self.model, MODELS))
         problems, known = Problems(), MODELS[self.model]
         numbers: dict[str, float] = {}
         for name, value in self.values.items():
             where = ("links", name)
             if name not in known:
-                problems.add(f"{self.model} has no {name!r}", where, suggest(str(name), known))
+                problems.add(f"{self.model} has no {short_repr(name)}", where, suggest(name, known))
             elif isinstance(value, bool) or not isinstance(value, Real):
                 remedy = f"write one number, or leave it out and give {name} in the design"
                 problems.add(f"is {short_repr(value)}", where, remedy)

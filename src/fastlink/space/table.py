@@ -130,9 +130,9 @@ def _space_in_memory(
     source: Any, keep: Collection[str], allow_invalid: bool, *, single: bool
 ) -> DesignSpace | None:
     """Return the designs of a table in memory, None of what is no table."""
-    if hasattr(source, "data_vars") and hasattr(source, "coords"):
+    if has(source, "data_vars") and has(source, "coords"):
         return space_of_dataset(source, keep, allow_invalid)
-    index = _index_entries(source) if hasattr(source, "columns") else {}
+    index = _index_entries(source) if has(source, "columns") else {}
     entries = _entries(source, index)
     if entries is None:
         return None
@@ -146,7 +146,7 @@ def _space_in_memory(
 
 def _entries(source: Any, index: dict[Any, Any]) -> dict[Any, Any] | None:
     """Return the entries of a table in memory by name, those of its index first; None of what is no table."""
-    if hasattr(source, "columns") and hasattr(source, "to_numpy"):
+    if has(source, "columns") and has(source, "to_numpy"):
         entries = dict(index)
         for position, name in enumerate(source.columns):
             check_name(name, position, entries)
@@ -154,7 +154,7 @@ def _entries(source: Any, index: dict[Any, Any]) -> dict[Any, Any] | None:
         return entries
     if isinstance(source, Mapping):
         return dict(source)
-    if hasattr(source, "index") and hasattr(source, "to_dict"):  # a row of a DataFrame
+    if has(source, "index") and has(source, "to_dict"):  # a row of a DataFrame
         return dict(source.to_dict())
     names = getattr(getattr(source, "dtype", None), "names", None)
     if names:  # an array of records
@@ -204,8 +204,8 @@ def _rows(rows: Sequence[Mapping[Any, Any]]) -> dict[Any, Any]:
         for name in row:
             if name not in names:
                 raise refused(
-                    f"row {number} (counted from 0) gives {name!r}, row 0 does not",
-                    suggest(str(name), map(str, names)),
+                    f"row {number} (counted from 0) gives {short_repr(name)}, row 0 does not",
+                    suggest(name, map(str, names)),
                 )
         for name in names:
             if name not in row:
