@@ -318,5 +318,7 @@ def suggest(name: object, known: Iterable[str]) -> str:
 
 def listed(options: Sequence[str]) -> str:
     """Return the remedy that lists known names, the first of many."""
+    if not options:
+        return "there is none"
     more = f", ... ({len(options)} in all)" if len(options) > MOST_SHOWN else ""
     return f"known: {', '.join(options[:MOST_SHOWN])}{more}"

@@ -251,3 +251,51 @@ def test_units_that_take_for_ever_are_refused(maps, text):
     pytest.importorskip("pint")
     with refused("a1", "rpm"):
         maps.fastlink.convert(a1=text)
+
+
+def test_averages_of_codes_are_no_codes(maps):
+    """The mean of 0 and 2 is not 1."""
+    for call in (
+        lambda mean: mean.fastlink.status_is("rotates_fully"),
+        lambda mean: mean.status.fastlink.status_is("rotates_fully"),
+        lambda mean: mean.fastlink.where_status("rotates_fully"),
+        lambda mean: mean.fastlink.top(2, "omega4_max", where="rotates_fully"),
+    ):
+        with refused("status", "before averaging"):
+            call(maps.mean("a1"))
+
+
+def test_stacked_maps(maps):
+    stacked = maps.stack(both=("a1", "theta1"))
+    assert_array_equal(fl.finite(stacked).theta4, stacked.theta4)
+    assert stacked.fastlink.where_status("rotates_fully").theta4.sizes == stacked.theta4.sizes
+    with refused("theta1", "unstack"):
+        stacked.fastlink.degrees()
+    assert maps.stack(both=("a1", "a2")).fastlink.degrees().theta4.attrs["units"] == "degree"
+
+
+def test_a_map_whose_file_is_gone_is_refused(maps, tmp_path):
+    maps.to_netcdf(tmp_path / "gone.h5", engine="h5netcdf")
+    opened = fl.open(tmp_path / "gone.h5")
+    opened.close()
+    (tmp_path / "gone.h5").unlink()
+    for call in (
+        lambda: fl.finite(opened),
+        lambda: fl.plot_map(opened, "omega4_max", at={"a4": 1.0}),
+        lambda: opened.fastlink.top(1, "omega4_max"),
+        opened.fastlink.counts,
+        opened.fastlink.degrees,
+    ):
+        with refused("maps", "give the result of a sweep"):
+            call()
+
+
+def test_a_map_without_variables(maps):
+    empty = maps.fastlink.designs
+    for call in (
+        empty.fastlink.counts,
+        lambda: empty.fastlink.top(1, "omega4_max"),
+        lambda: fl.plot_map(empty, "omega4_max"),
+    ):
+        with refused("unknown", "there is none"):
+            call()

@@ -122,7 +122,11 @@ def as_map(maps: Any) -> Iterator[xr.Dataset]:
 def as_dataset(maps: Any) -> Iterator[xr.Dataset]:
     """Yield a Dataset, whether or not it has all attributes of a map; or the map at a path."""
     if isinstance(maps, xr.Dataset):
-        yield maps
+        try:
+            yield maps
+        except FileNotFoundError as error:
+            what = f"is of a file that is not there any more ({reason(error).partition(' (')[0]})"
+            raise InputError(what, where=("maps",), remedy=GIVE_A_MAP) from error
     elif isinstance(maps, (str, os.PathLike)):
         with open_map(maps) as opened:
             yield opened

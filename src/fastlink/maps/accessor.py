@@ -9,6 +9,7 @@ import xarray as xr
 from fastlink._text import short_repr
 from fastlink.doors import door
 from fastlink.errors import InputError
+from fastlink.io.reader import as_dataset
 from fastlink.maps.finite import finite
 from fastlink.maps.flags import check_flags, flag_counts, flags_of, has_flag
 from fastlink.maps.top import STATUS, top
@@ -71,7 +72,7 @@ class MapAccessor:
         """
         mask = self.status_is(*meanings, of=of)
         numbers = {
-            name: array.where(mask).transpose(*array.dims, ...).assign_attrs(array.attrs)
+            name: array.where(mask).transpose(*array.dims, ...).assign_attrs(array.attrs).variable
             for name, array in self._maps.data_vars.items()
             if array.dtype.kind == "f" and set(mask.dims) <= set(array.dims)
         }
@@ -86,7 +87,8 @@ class MapAccessor:
         of : str, default "status"
             The variable.
         """
-        counted = flag_counts(self._coded(of))
+        with as_dataset(self._maps):
+            counted = flag_counts(self._coded(of))
         if counted is None:
             what = f"{short_repr(of)} holds values that are not codes"
             raise InputError(what, where=("of",), remedy="count before averaging or masking")
@@ -104,7 +106,8 @@ class MapAccessor:
 
         Rates, such as rad s-1, stay as they are: see `convert`.
         """
-        return degrees(self._maps)
+        with as_dataset(self._maps) as maps:
+            return degrees(maps)
 
     @property
     def designs(self) -> xr.Dataset:
@@ -130,7 +133,8 @@ class MapAccessor:
         InputError
             A name or unit is unknown, a unit is of another kind, or pint is missing.
         """
-        return convert(self._maps, units)
+        with as_dataset(self._maps) as maps:
+            return convert(maps, units)
 
     @door
     def top(
@@ -166,7 +170,8 @@ class MapAccessor:
         InputError
             There is no such variable, or the mask is not one of the same map.
         """
-        return top(self._maps, n, by, largest=largest, where=where, infinite=infinite)
+        with as_dataset(self._maps) as maps:
+            return top(maps, n, by, largest=largest, where=where, infinite=infinite)
 
     def _coded(self, of: str) -> xr.DataArray:
         if not isinstance(of, str) or of not in self._maps.variables:

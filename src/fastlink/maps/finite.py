@@ -52,7 +52,7 @@ def finite(maps: Any) -> Any:
     if isinstance(maps, xr.DataArray):
         return _finite(maps)
     with as_dataset(maps) as dataset:
-        result = dataset.assign({name: _finite(array) for name, array in dataset.data_vars.items()})
+        result = dataset.assign({name: _finite(array).variable for name, array in dataset.data_vars.items()})
         return result.load() if isinstance(maps, (str, os.PathLike)) else result
 
 

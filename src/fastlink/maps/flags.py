@@ -41,6 +41,9 @@ def check_flags(array: xr.DataArray, where: str, meanings: Sequence[Any]) -> lis
     if not flags:
         what = f"{array.name!r} has no codes with meanings"
         raise InputError(what, where=(where,), remedy="give a variable with flag_values and flag_meanings")
+    if array.dtype.kind not in "iu":
+        what = f"{array.name!r} holds values that are not codes"
+        raise InputError(what, where=(where,), remedy="make masks before averaging, and before masking codes")
     if not meanings:
         raise InputError("is empty", where=("meanings",), remedy=f"write one of {', '.join(flags)}")
     spelt = [one.strip().replace(" ", "_") if isinstance(one, str) else one for one in meanings]

@@ -65,14 +65,16 @@ def degrees(maps: T) -> T:
     if isinstance(result, xr.DataArray):
         return _scaled(result, np.rad2deg, DEGREE) if _is_angle(result) else result
     angles = {name: array for name, array in result.data_vars.items() if _is_angle(array)}
-    return result.assign({name: _scaled(array, np.rad2deg, DEGREE) for name, array in angles.items()})
+    return result.assign(
+        {name: _scaled(array, np.rad2deg, DEGREE).variable for name, array in angles.items()}
+    )
 
 
 def degrees_along(maps: T) -> T:
     """Return a copy whose coordinates in radians are in degrees."""
     angles = {name: array for name, array in maps.coords.items() if _is_angle(array)}
     changed = {name: _scaled(array, np.rad2deg, DEGREE).variable for name, array in angles.items()}
-    return maps.assign_coords(changed)
+    return _along(maps, changed)
 
 
 def convert(maps: xr.Dataset, given: dict[str, Any]) -> xr.Dataset:
@@ -85,7 +87,7 @@ def convert(maps: xr.Dataset, given: dict[str, Any]) -> xr.Dataset:
     changed = {name: converted(maps[name], units, name) for name, units in given.items()}
     along = {name: array.variable for name, array in changed.items() if name in maps.coords}
     results = {name: array.variable for name, array in changed.items() if name not in along}
-    return maps.assign(results).assign_coords(along)
+    return _along(maps.assign(results), along)
 
 
 def converted(array: xr.DataArray, units: Any, name: str = "units") -> xr.DataArray:
@@ -96,6 +98,15 @@ def converted(array: xr.DataArray, units: Any, name: str = "units") -> xr.DataAr
         raise InputError(what, where=(name,), remedy="give numbers with the attribute 'units'")
     factor = _factor(str(own), units, name)
     return _scaled(array, lambda values: values * factor, units)
+
+
+def _along(maps: T, changed: dict[Any, xr.Variable]) -> T:
+    """Return a copy with other coordinates; those of a stacked dimension are bound together."""
+    for name in changed:
+        index = maps.indexes.get(name)
+        if index is not None and index.nlevels + (name not in maps.dims) > 1:
+            raise InputError("is of a stacked dimension", where=(str(name),), remedy="unstack the map first")
+    return maps.assign_coords(changed)
 
 
 def _is_angle(array: xr.DataArray) -> bool:

@@ -54,6 +54,7 @@ def summary(maps: Any) -> str:
                     0  never assembles                    0.0 %
                     1  change point                      50.0 %
                     0  invalid input                      0.0 %
+                    0  assembles in one position          0.0 %
     configurations  1,440
     <BLANKLINE>
     """
