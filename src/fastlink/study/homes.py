@@ -63,4 +63,4 @@ def at_home(raw: Mapping[str, Any], catalogue: Catalogue | None) -> tuple[dict[s
 def _problem(key: str, place: str, home: str) -> Problem:
     what = f"stands under [{place}]" if place else "stands outside of every table"
     remedy = f"write it under [{home}]" if home else WRITE_ABOVE
-    return Problem(f"{key} {what}", (), remedy)
+    return Problem(f"{key} {what}", ("study", key), remedy)

@@ -67,7 +67,7 @@ class Request:
         self.raw = raw
         self.space: DesignSpace | None = None
         #: Tables with problems: what follows from their absence is not a problem of its own.
-        self.broken = {str(one.where[0]) for one in problems.noted if one.where}
+        self.broken = {str(one.where[0]) for one in problems.noted if one.where} - {"study"}
 
     def check(self) -> None:
         """Read links and designs, and check all parts together."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -75,7 +76,7 @@ class Study:
 
     def target(self, to: str | Path | None = None) -> Path:
         """Return the file to write: a given one, else its own, else one of its name in the current folder."""
-        return Path(to or self.output.get("file") or f"{self.path.stem}.h5").expanduser()
+        return Path(os.path.expanduser(to or self.output.get("file") or f"{self.path.stem}.h5"))
 
 
 @door(hint=A_STUDY)

@@ -82,4 +82,4 @@ def contents_of(path: Path, text: str) -> dict[str, Any]:
 
 
 def _refused(path: Path, what: str, remedy: str) -> InputError:
-    return InputError.of([Problem(what, (), remedy)], StudyWording(path))
+    return InputError.of([Problem(what, ("study",), remedy)], StudyWording(path))

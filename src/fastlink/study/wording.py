@@ -50,7 +50,7 @@ class StudyWording(Wording):
 
     def path(self, where: KeyPath) -> str:
         """Return a path as the key of the study."""
-        return path_text(self._key(where))
+        return "" if where[:1] == ("study",) else path_text(self._key(where))
 
     def _key(self, where: KeyPath) -> KeyPath:
         where = where[1:] if where[:1] == ("attrs",) else where  # the title, and the names of files
