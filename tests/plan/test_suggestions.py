@@ -65,6 +65,34 @@ def test_keywords_are_of_names_that_exist(mechanism):
         assert len(set(phrases)) == len(phrases)
 
 
+@pytest.mark.parametrize(
+    "text",
+    [
+        "x" * 100_000,
+        "max omega4 " * 9000,
+        "d" * 50_000,
+        "d d " * 5000,
+        "1" * 5000,
+        "\ud800",
+        "a\0b",
+        "",
+        " ",
+        "_d_",
+        "²",
+    ],
+)
+def test_any_text_is_answered_at_once(text):
+    """A search of all letters of the longest text would take hours; that of its first ones takes 0.02 s."""
+    catalogue, listed = find_catalogue("planar_4r"), fl.quantities("planar_4r")
+    suggest_quantity("torque", catalogue)
+    started = time.process_time()
+    assert len(suggest_quantity(text, catalogue)) <= 3
+    assert len(suggest_input(text, catalogue)) <= 3
+    with pytest.raises(fl.InputError):
+        listed[text]
+    assert time.process_time() - started < 2.0
+
+
 def test_a_suggestion_is_quick():
     """The fastest of five takes 4 ms on an idle core; the time of a whole search of letters alone would be 80 ms."""
     catalogue = find_catalogue("planar_4r")

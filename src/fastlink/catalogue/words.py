@@ -44,6 +44,8 @@ SYNONYMS = (
     "greatest maximum max maximal peak largest highest",
     "least minimum min minimal smallest lowest",
 )
+#: Characters of a text that are read: no name or phrase has more, and a search takes the square of its length.
+LONGEST = 120
 _CANONICAL = {word: group.split()[0] for group in SYNONYMS for word in group.split()}
 STOP = frozenset(["of", "the", "in", "on", "to", "and", "for", "with", "by", "from", "an", "is", "its"])
 _CAMEL = re.compile("(?<=[a-z])(?=[A-Z][a-z])")
@@ -71,7 +73,7 @@ def parts(text: str) -> list[str]:
     >>> parts("dω₄/da2"), parts("maxTorque")
     (['d', 'omega', '4', 'da', '2'], ['max', 'torque'])
     """
-    return _PART.findall(_INERTIA.sub("inertia", _CAMEL.sub(" ", _latin(text)).casefold()))
+    return _PART.findall(_INERTIA.sub("inertia", _CAMEL.sub(" ", _latin(text[:LONGEST])).casefold()))
 
 
 def canonical(spelt: Iterable[str]) -> tuple[str, ...]:
