@@ -181,3 +181,35 @@ def test_numbers_of_angles_get_none():
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         fl.sweep("planar_4r", fl.grid(**DESIGN), ["omega4"], theta1=360)
+
+
+class Hostile:
+    """An object whose conversion to an array fails in its own way."""
+
+    def __array__(self, *args, **options):
+        raise RuntimeError("no array")
+
+
+NO_POSITIONS = [
+    memoryview(b"12"),
+    10**400,
+    [10**400],
+    2**40,
+    np.array(1 + 1j),
+    [1.0, True],
+    np.timedelta64(1),
+    Hostile(),
+]
+
+
+@pytest.mark.parametrize("values", NO_POSITIONS, ids=lambda values: type(values).__name__)
+@pytest.mark.parametrize("name", ["angles", "theta1", "theta1_deg"])
+def test_what_is_no_array_of_positions_is_refused_as_such(values, name):
+    with refused(name, "write"):
+        fl.sweep("planar_4r", fl.grid(**DESIGN), ["omega4"], **{name: values})
+
+
+def test_labelled_positions_in_degrees():
+    angles = xr.DataArray(ANGLES, dims="k", attrs={"units": "degrees"})
+    got = fl.sweep("planar_4r", fl.grid(**DESIGN), ["omega4"], theta1=angles)
+    assert_array_equal(got.theta1, [exact(value) for value in ANGLES])

@@ -15,6 +15,7 @@ from fastlink.mechanisms import NAMES, inputs_of
 from fastlink.options import check_choice
 from fastlink.plan.query import Extrema, parse_request
 from fastlink.space.degrees import (
+    DEGREES,
     RADIANS,
     Degrees,
     angle_of,
@@ -24,7 +25,7 @@ from fastlink.space.degrees import (
     radians,
     remark_on_angles,
 )
-from fastlink.space.values import MOST_DIMS, MOST_LISTED, first_invalid, listed, numbers_of
+from fastlink.space.values import MOST_DIMS, MOST_LISTED, first_invalid, listed, numbers_of, units_of
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
@@ -109,6 +110,8 @@ def given_angles(catalogue: Catalogue, angles: Any, positions: Mapping[str, Any]
         if isinstance(values, Degrees):
             return degrees_name(name), _from_degrees(catalogue, values.values)
         if key == degrees_name(name):
+            return key, _from_degrees(catalogue, values)
+        if catalogue.position.units == RADIANS and units_of(name, values).get(name) in DEGREES:
             return key, _from_degrees(catalogue, values)
         if catalogue.position.units == RADIANS and _are_several(values):
             remark_on_angles(name, values)

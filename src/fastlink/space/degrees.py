@@ -95,6 +95,8 @@ def looks_like_degrees(values: Any) -> bool:
     >>> looks_like_degrees([40, 80, 120]), looks_like_degrees([0.0, 3.1]), looks_like_degrees([0, 1, 2, 3, 4, 5, 6])
     (True, False, False)
     """
+    if isinstance(values, (bytes, bytearray, memoryview)):
+        return False  # refused as such
     try:
         numbers: NDArray[Any] = np.asarray(values, dtype=np.float64)
     except Exception:  # whatever a class of somebody's does when it is converted

@@ -156,7 +156,7 @@ def _entries(source: Any, index: dict[Any, Any]) -> dict[Any, Any] | None:
         return dict(source)
     if has(source, "index") and has(source, "to_dict"):  # a row of a DataFrame
         return dict(source.to_dict())
-    names = getattr(getattr(source, "dtype", None), "names", None)
+    names = source.dtype.names if isinstance(source, np.ndarray) else None
     if names:  # an array of records
         return {name: source[name] for name in names}
     if isinstance(source, (list, tuple)) and source and all(isinstance(row, Mapping) for row in source):
