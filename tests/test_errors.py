@@ -130,7 +130,9 @@ def test_the_command_line_names_its_options(folder, arguments, line):
         assert "--overwrite" in result.stderr
 
 
-@pytest.mark.parametrize("text", ["\x00", "a\nb", "\x1b[31m", "\ud800", "\u2028", "x" * 5000, str(object())])
+@pytest.mark.parametrize(
+    "text", ["\x00", "a\nb", "\x1b[31m", "\ud800", "\u2028", "x" * 5000, "<object object at 0x7f00>"]
+)
 def test_a_line_is_short_and_shows_on_any_terminal(text):
     error = InputError(f"{text!s} is unknown", where=("mechanism", text), remedy="write planar_4r")
     (line,) = str(error).split("\n")

@@ -19,18 +19,18 @@ SPACE = fl.grid(a1=0.4, a2=[1.1, 1.2], a3=0.8, a4=1.0, omega1=25.0)
 
 SWITCHES = [1, 0, "no", "false", None, [True], np.array([True, False])]
 PATHS = [
-    (b"maps.h5", "maps.h5"),
-    (5, "maps.h5"),
-    (True, "maps.h5"),
-    ({"maps.h5"}, "maps.h5"),
-    (["maps.h5"], "maps.h5"),
-    ("", "maps.h5"),
-    (" ", "maps.h5"),
-    ("a\0b.h5", "maps.h5"),
-    ("a\nb.h5", "maps.h5"),
-    ("a\ud800.h5", "maps.h5"),
-    ("x" * 300, "maps.h5"),
-    ("d/" * 3000 + "m.h5", "maps.h5"),
+    (b"maps.h5", "such as"),
+    (5, "such as"),
+    (True, "such as"),
+    ({"maps.h5"}, "such as"),
+    (["maps.h5"], "such as"),
+    ("", "such as"),
+    (" ", "such as"),
+    ("a\0b.h5", "such as"),
+    ("a\nb.h5", "such as"),
+    ("a\ud800.h5", "such as"),
+    ("x" * 300, "such as"),
+    ("d/" * 3000 + "m.h5", "such as"),
 ]
 
 
@@ -40,6 +40,11 @@ def sweep(**options):
 
 def function(**options):
     return fl.function("planar_4r", ["a2"], ["omega4_max"], a1=0.4, a3=0.8, a4=1.0, omega1=25.0, **options)
+
+
+def evaluate(**options):
+    inputs = {"a1": 0.4, "a2": 1.1, "a3": 0.8, "a4": 1.0, "theta1": 1.0}
+    return fl.evaluate("planar_4r", ["theta4"], **inputs, **options)
 
 
 def study(**options):
@@ -56,6 +61,26 @@ def folder(tmp_path, monkeypatch):
     return tmp_path
 
 
+def table(**options):
+    return fl.table({"a1": [1.0, 2.0]}, **options)
+
+
+def plot_map(**options):
+    return fl.plot_map(sweep(), "omega4_max", **options)
+
+
+def quantities(**options):
+    return fl.quantities("planar_4r", **options)
+
+
+def explain(**options):
+    return fl.explain(written(GOOD), **options)
+
+
+def integer_designs(**options):
+    return fl.hart.integer_designs(**({"max_size": 3} | options))
+
+
 #: The options of each door, with values that it refuses and a part of the remedy.
 WRONG = {
     "threads": [
@@ -65,6 +90,12 @@ WRONG = {
     "overwrite": [(value, "True or False") for value in SWITCHES],
     "progress": [(value, "True or False") for value in ("yes", 1, [], {})],
     "allow_invalid": [(value, "True or False") for value in SWITCHES],
+    "degrees": [(value, "True or False") for value in SWITCHES],
+    "internal": [(value, "True or False") for value in SWITCHES],
+    "movable": [(value, "True or False") for value in SWITCHES],
+    "measure": [(value, "True or False") for value in ("yes", 1, [], {})],
+    "max_size": [(value, "from 1 to 500") for value in (0, 501, 1.5, True, "8")],
+    "angles": [(value, "from 1 to") for value in (0, -1, 10**30)],
     "outside": [(value, "True or False") for value in SWITCHES],
     "block": [(value, "at least 1") for value in (0, -1, 1.5, True, "64", np.array([1, 2]))],
     "designs": [(value, "from 1 to") for value in (0, -1, 1.5, True, 10**12, None)],
@@ -81,8 +112,14 @@ WRONG = {
     "input": [(value, "theta1") for value in (1, {"theta1"}, ["theta1"], b"theta1", np.array(["a", "b"]))],
 }
 DOORS = {
-    sweep: "threads verify overwrite progress allow_invalid block to attrs solver extrema backend input",
-    function: "solver extrema backend input",
+    sweep: "angles threads verify overwrite progress allow_invalid block to attrs solver extrema backend input",
+    evaluate: "allow_invalid solver input",
+    table: "allow_invalid",
+    plot_map: "degrees to",
+    quantities: "internal input",
+    explain: "measure",
+    integer_designs: "max_size movable",
+    function: "angles solver extrema backend input",
     study: "threads verify overwrite progress to",
     accuracy: "designs outside seed to picture overwrite announce",
 }

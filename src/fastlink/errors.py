@@ -280,7 +280,7 @@ def path_text(where: KeyPath) -> str:
     return "".join(f"[{part}]" if isinstance(part, int) else f".{part}" for part in where).removeprefix(".")
 
 
-def nearest(name: str, known: Iterable[str]) -> str | None:
+def nearest(name: object, known: Iterable[str]) -> str | None:
     """Return the known name that is nearest to a name by its letters, small or large, or that other programs call so.
 
     Examples
@@ -291,11 +291,15 @@ def nearest(name: str, known: Iterable[str]) -> str | None:
     'threads'
     """
     known = sorted(known)
+    try:
+        name = str(name).casefold()
+    except Exception:  # whatever a class of somebody's does
+        return None
     for option in known:
-        if name.casefold() in ELSEWHERE.get(option, ()):
+        if name in ELSEWHERE.get(option, ()):
             return option
     folded = {one.casefold(): one for one in reversed(known)}
-    near = difflib.get_close_matches(name.casefold(), list(folded), n=1, cutoff=0.5)
+    near = difflib.get_close_matches(name, list(folded), n=1, cutoff=0.5)
     return folded[near[0]] if near else None
 
 

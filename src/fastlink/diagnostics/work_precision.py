@@ -64,7 +64,7 @@ CHECKS: dict[str, Check] = {
     "announce": optional(_check_announce),
     "designs": partial(check_whole, least=1, most=MOST_DESIGNS),
     "outside": check_switch,
-    "picture": optional(check_path),
+    "picture": optional(partial(check_path, example="map.png")),
     "seed": partial(check_whole, least=0, most=MOST_SEED),
 }
 

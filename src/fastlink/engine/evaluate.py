@@ -105,8 +105,9 @@ def evaluate(
         names = check_names("quantities", quantities)
         _check_quantities(catalogue, version, names)
     with problems.at():
-        check_switch(("allow_invalid",), allow_invalid)
         check_model(catalogue, links, solver)
+    with problems.at():
+        allow_invalid = check_switch(("allow_invalid",), allow_invalid)
     of_links = links.values if isinstance(links, Links) else {}
     variants = selected_variants(catalogue, links, solver, inputs)
     given = _given(catalogue, version, mechanism, variants, tuple(of_links), tuple(inputs))
@@ -117,7 +118,7 @@ def evaluate(
     for name, value in {**of_links, **inputs}.items():
         if name in given.declared:
             try:  # a context per input takes 1 us each
-                values[name] = _checked(given.declared[name], value, allow_invalid)
+                values[name] = _checked(given.declared[name], value, allow_invalid is True)
             except InputError as error:
                 problems.noted += error.problems
     if not problems.noted:

@@ -51,7 +51,7 @@ def inputs_of(mechanism: str) -> tuple[str, ...]:
     return (first.position.name, *driven)
 
 
-def catalogue(mechanism: str, input: str | None = None) -> Catalogue:
+def catalogue(mechanism: str | None, input: str | None = None) -> Catalogue:
     """Return the catalogue of a mechanism by its name, driven by the named input or else by its first.
 
     Raises
@@ -78,7 +78,7 @@ def _meant(text: str) -> str:
     return did_you_mean(names) if names else ""
 
 
-def _package(mechanism: str) -> tuple[Catalogue, dict[str, Callable[[], Catalogue]]]:
+def _package(mechanism: str | None) -> tuple[Catalogue, dict[str, Callable[[], Catalogue]]]:
     """Return the catalogue of a mechanism, and factories of those by its other inputs, by name."""
     mechanism = check_choice(("mechanism",), mechanism, NAMES, meant=_meant)
     from importlib import import_module

@@ -42,6 +42,8 @@ __all__ = [
 
 EXTREMA: tuple[Extrema, ...] = ("refined", "sampled")
 ANGLES = 360
+#: Most input angles of a turn: 80 MB.
+MOST_POSITIONS = 10_000_000
 
 
 def check_keywords(
@@ -107,6 +109,11 @@ def given_angles(catalogue: Catalogue, angles: Any, positions: Mapping[str, Any]
     if catalogue.position.units != RADIANS:
         given.pop(degrees_name(name), None)  # see `check_keywords`
     for key, values in given.items():
+        try:
+            np.ndim(values)
+        except Exception:  # whatever a class of somebody's does when it is converted
+            remedy = "write a flat array of numbers"
+            raise InputError(f"is {short_repr(values)}", where=(key,), remedy=remedy) from None
         if isinstance(values, Degrees):
             return degrees_name(name), _from_degrees(catalogue, values.values)
         if key == degrees_name(name):

@@ -156,7 +156,7 @@ def _sample(
     """Scale the points that ``chunks(n, dimensions, seed)`` yields to the ranges."""
     problems = Problems()
     with problems.at():
-        check_whole((kind, "n"), n, 1, MOST_SAMPLES, f"write an integer from 1 to {MOST_SAMPLES}")
+        n = check_whole((kind, "n"), n, 1, MOST_SAMPLES, f"write an integer from 1 to {MOST_SAMPLES}")
     with problems.at():
         check_whole((kind, "seed"), seed, 0, MOST_SEED, f"write an integer from 0 to {MOST_SEED}")
     constants: dict[str, float] = {}

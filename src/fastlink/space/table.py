@@ -11,7 +11,7 @@ import numpy as np
 from fastlink._text import short_repr
 from fastlink.doors import door
 from fastlink.errors import InputError, suggest
-from fastlink.options import check_path
+from fastlink.options import check_path, check_switch
 from fastlink.space.columns import Columns, check_name, refused
 from fastlink.space.csv_file import read_csv
 from fastlink.space.dataset import space_of_dataset
@@ -57,6 +57,7 @@ def table(source: Any, *, keep: Sequence[str] = (), allow_invalid: bool = False)
     >>> space.dims, space.size, space.constants
     (('design',), 3, {'a4': 1.0})
     """
+    allow_invalid = check_switch(("table", "allow_invalid"), allow_invalid)
     kept = _kept(keep)
     space = _space_of(source, kept, allow_invalid, single=False)
     if space is None:
