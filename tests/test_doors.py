@@ -70,11 +70,11 @@ def swept(space, **options):
         (lambda: fl.sweep("planar_4r", fl.grid(a1=1.0), ["omega4"], 360), "sweep", "links=..."),
         (lambda: fl.sweep("planar_4r", fl.grid(a1=1.0)), "quantities", "sweep(mechanism, space, quantities"),
         (lambda: fl.accuracy("planar_4r", fl.grid(a1=1.0), ["omega4"]), "accuracy", "fastlink new"),
-        (lambda: fl.accuracy("planar_4r"), "planar_4r", "fastlink new"),
+        (lambda: fl.accuracy("planar_4r"), "study", "fastlink new"),
         (lambda: fl.run_study("s.toml", thraeds=2), "thraeds", "'threads'"),
         (lambda: fl.grid(a1=1.0).values(), "values", "values(name)"),
         (lambda: fl.DesignSpace("grid"), "dims", "grid, table, sobol"),
-        (lambda: fl.planar.cognates(), "cognates", "cognates("),
+        (lambda: fl.planar.cognates(1, 2, 3), "cognates", "cognates("),
         (lambda: fl.hart.integer_designs(8, moveable=True), "moveable", "'movable'"),
     ],
 )
