@@ -102,7 +102,8 @@ class _PointwiseWriter(Schedule):
             for k, name in enumerate(self.program.inputs):
                 text.add(f"{name} = designs[{k}, i0 + i]")
             self.paste(self.design_steps)
-            for name in dict.fromkeys((*self.lane_needs, *(o.request.quantity for o in self.per_design))):
+            per_design = [output.request.quantity for output in self.per_design]
+            for name in dict.fromkeys((*self.lane_needs, *per_design, *self.toggles)):
                 text.add(f"{self.row(name)} = {name}  # {name}")
             for value in self.accumulated:
                 initial = {name: value.reduction.accumulators[key][0] for key, name in value.slots.items()}
@@ -249,6 +250,10 @@ class _PointwiseWriter(Schedule):
                 result = self.row(*value.position_slots)
             else:
                 result = value.reduction.finish.format(**rows)
+            if value.output.toggles:
+                self.text.use("numerics.elementary", "select", "sqrt")
+                meets = " | ".join(f"({self.row(name)} > 0.0)" for name in value.output.toggles)
+                result = f"select({meets}, {value.reduction.at_toggle.format(**rows)}, {result})"
             for k in self.branches_of(value):
                 self.text.add(f"out_{value.output.name}[i0 + i, {k}] = {result}")
 

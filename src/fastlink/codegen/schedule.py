@@ -98,6 +98,8 @@ class Schedule:
             if (reduction := output.request.reduction) is not None
             for suffix, _ in self.suffixes(output.request.quantity)
         ]
+        #: The facts of the design that tell where an integral over the turn meets a toggle.
+        self.toggles = list(dict.fromkeys(name for o in program.outputs for name in o.toggles))
         self.accumulated = [value for value in self.cycle_values if not value.reduction.whole]
         #: The values whose whole cycle is needed at once.
         self.whole_curves = list(dict.fromkeys(v.name for v in self.cycle_values if v.reduction.whole))

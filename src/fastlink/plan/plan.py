@@ -14,6 +14,7 @@ from fastlink.plan.extrema import extrema_programs, find_extremum_search
 from fastlink.plan.pointwise import output_of, pointwise_programs
 from fastlink.plan.program import ExtremumSearch, Output, Program
 from fastlink.plan.query import Extrema, Request, parse_request
+from fastlink.plan.toggles import toggles_of
 
 __all__ = ["Plan", "make_plan"]
 
@@ -104,11 +105,16 @@ def make_plan(
                 refined.add(request.name)
             elif request.listed:
                 raise _not_refined(request, catalogue)
-    outputs = tuple(output_of(r, catalogue, refined=r.name in refined) for r in requests)
+    whole_turn = extrema == "refined"
+    met = [toggles_of(catalogue, r, given, variants) if whole_turn else () for r in requests]
+    outputs = tuple(
+        output_of(r, catalogue, refined=r.name in refined, toggles=toggles)
+        for r, toggles in zip(requests, met, strict=True)
+    )
     setting: dict[str, Any] = {"given": given, "branches": branches, "variants": variants}
     programs: list[Program] = []
     if sampled := [output.name for output in outputs if not output.refined]:
-        programs += pointwise_programs(catalogue, sampled, angles, **setting)
+        programs += pointwise_programs(catalogue, sampled, angles, whole_turn=whole_turn, **setting)
     searched = [search for search in searches.values() if search is not None]
     if searched:
         programs += extrema_programs(catalogue, [o for o in outputs if o.refined], searched, **setting)

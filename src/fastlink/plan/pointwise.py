@@ -12,6 +12,7 @@ from typing import Any
 from fastlink.catalogue.catalogue import Catalogue, System
 from fastlink.plan.program import EXTREMUM, Lanes, Output, Program
 from fastlink.plan.query import Request, parse_request
+from fastlink.plan.toggles import toggles_of
 
 __all__ = ["ANGLES_FOR_LANES", "make_program", "output_of", "pointwise_programs"]
 
@@ -28,6 +29,7 @@ def make_program(
     variants: Sequence[str] = (),
     angles: int = 360,
     lanes: Lanes | None = None,
+    whole_turn: bool = False,
 ) -> Program:
     """Resolve requested names into one program.
 
@@ -47,6 +49,8 @@ def make_program(
         Number of input positions: decides, with the request, what the lanes are.
     lanes : {"designs", "angles"}, optional
         Force one; both give the same bits.
+    whole_turn : bool
+        Whether reductions are integrals over the turn, which may not exist, or means of samples.
 
     Raises
     ------
@@ -57,12 +61,16 @@ def make_program(
     position = catalogue.position.name
     tables = (position, *catalogue.tables, *catalogue.table_low_parts)
     leaves = (*given, *tables, "branch")
-    steps = tuple(catalogue.dependencies([request.quantity for request in requests], leaves, variants))
+    met = {r.name: toggles_of(catalogue, r, given, variants) if whole_turn else () for r in requests}
+    needed = [request.quantity for request in requests] + [
+        name for toggles in met.values() for name in toggles
+    ]
+    steps = tuple(catalogue.dependencies(dict.fromkeys(needed), leaves, variants))
     read = {need for step in steps for need in step.depends_on}
     read_tables = tuple(name for name in tables if name in read)
     if any(request.is_position for request in requests) and position not in read_tables:
         read_tables = (position, *read_tables)
-    outputs = tuple(output_of(request, catalogue) for request in requests)
+    outputs = tuple(output_of(request, catalogue, toggles=met[request.name]) for request in requests)
     has_cycle = any(request.reduction for request in requests)
     has_system = any(isinstance(step, System) for step in steps)
     if lanes is None:
@@ -104,7 +112,9 @@ def pointwise_programs(
     ]
 
 
-def output_of(request: Request, catalogue: Catalogue, *, refined: bool = False) -> Output:
+def output_of(
+    request: Request, catalogue: Catalogue, *, refined: bool = False, toggles: tuple[str, ...] = ()
+) -> Output:
     """Return the result of a request."""
     fact = catalogue.public_fact(request.quantity)
     axes: tuple[str, ...] = ("branch",)
@@ -115,4 +125,4 @@ def output_of(request: Request, catalogue: Catalogue, *, refined: bool = False) 
     elif not request.listed and request.reduction is None:
         axes = ("branch", catalogue.position.name)
     is_code = (bool(fact.flags) and request.is_of_quantity) or request.listed in ("count", "kind")
-    return Output(request, axes, "int8" if is_code else "float64", refined)
+    return Output(request, axes, "int8" if is_code else "float64", refined, toggles)

@@ -30,6 +30,8 @@ class Output:
     axes: tuple[str, ...]
     dtype: str
     refined: bool = False
+    #: The facts of the design that are positive where its integral over the turn meets a toggle that it cannot pass.
+    toggles: tuple[str, ...] = ()
 
     @property
     def name(self) -> str:

@@ -60,6 +60,11 @@ class Reduction:
         such power, so that no axis of a sweep only scales the result.
     units : str
         Those of the result, where `power` is None.
+    toggle_order : int, optional
+        A quantity that grows as this power of 1/sigma at a toggle, or a greater one, sigma as the root of the distance
+        from it, has no such integral over the turn.
+    at_toggle : str
+        Kernel text of the result there, over accumulators.
     whole : str
         ``MODULE.FUNCTION`` of ``fastlink.codegen.runtime``: takes the whole curve at once, of equal steps over a turn,
         instead of `accumulators` and `finish`. A curve with a gap gives NaN.
@@ -78,6 +83,8 @@ class Reduction:
     sign: int = 0
     power: int | None = 1
     units: str = ""
+    toggle_order: int | None = None
+    at_toggle: str = "nan"
     whole: str = ""
     keywords: tuple[str, ...] = ()
 
@@ -98,7 +105,8 @@ class Reduction:
     def _check_text(self) -> None:
         names = set(self.accumulators)
         updates = [text for pair in self.accumulators.values() for text in pair]
-        for text, known in (*((text, names | {"value", "better"}) for text in updates), (self.finish, names)):
+        finals = ((text, names) for text in (self.finish, self.at_toggle))
+        for text, known in (*((text, names | {"value", "better"}) for text in updates), *finals):
             read = {name for _, name, _, _ in Formatter().parse(text) if name is not None}
             if unknown := read - known:
                 raise CatalogueError(f"reduction {self.suffix}: {text!r} reads {', '.join(sorted(unknown))}")
@@ -232,6 +240,8 @@ register(
             "count": COUNT,
         },
         finish="sqrt({total} / {count})",
+        toggle_order=1,
+        at_toggle="select({total} == 0.0, sqrt({total} / {count}), inf)",
         keywords=("effective", "quadratic"),
     )
 )
@@ -245,6 +255,8 @@ register(
             "count": COUNT,
         },
         finish="{total} / {count}",
+        toggle_order=2,
+        at_toggle="select({total} == 0.0, {total} / {count}, nan)",
         keywords=("average", "avg", "averaged"),
     )
 )
@@ -254,6 +266,7 @@ register(
         phrase="greatest minus least integral over the input angle of what exceeds the mean",
         reference=_fluctuation,
         whole="fluctuation.fluctuation_lanes",
+        toggle_order=0,  # the curve has a gap, be it between two samples
         keywords=("variation", "ripple"),
     )
 )

@@ -86,6 +86,8 @@ def sampled(sample: Sample, outputs: Sequence[Output], share: int) -> dict[str, 
         for design, curve in enumerate(curves[:compared]):
             value = float(sample.result(output.name, design))
             exact, size = _reduced(reduction, curve)
+            if output.toggles and curve.any() and _meets_toggle(sample, output, design):
+                exact = CONTEXT.nan  # the integral does not exist, or is infinite
             if reduction.has_position and not CONTEXT.isnan(exact):
                 best = int(np.flatnonzero(curve == float(exact))[0])
                 if output.request.is_position:
@@ -95,6 +97,13 @@ def sampled(sample: Sample, outputs: Sequence[Output], share: int) -> dict[str, 
             measured.add(value, exact, size)
         errors[output.name] = measured
     return errors
+
+
+def _meets_toggle(sample: Sample, output: Output, design: int) -> bool:
+    """Tell whether the turn of a design has a toggle."""
+    at = sample.configuration(design, sample.branches[design], sample.positions[0])
+    known = sample.facts(output.toggles).at(at)
+    return any(known[name] > 0 for name in output.toggles)
 
 
 def _reduced(reduction: Reduction, curve: NDArray[Any]) -> tuple[Any, Any]:
