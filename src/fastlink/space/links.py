@@ -5,11 +5,14 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
-from numbers import Real
+from typing import Any
+
+import numpy as np
 
 from fastlink._text import short_repr
 from fastlink.doors import door
 from fastlink.errors import InputError, Problems, suggest
+from fastlink.space.values import is_number
 
 __all__ = ["Links", "round_bar"]
 
@@ -37,9 +40,10 @@ class Links:
         numbers: dict[str, float] = {}
         for name, value in self.values.items():
             where = ("links", name)
+            value = value[()] if isinstance(value, np.ndarray) and value.ndim == 0 else value
             if name not in known:
                 problems.add(f"{self.model} has no {short_repr(name)}", where, suggest(name, known))
-            elif isinstance(value, bool) or not isinstance(value, Real):
+            elif not is_number(value):
                 remedy = f"write one number, or leave it out and give {name} in the design"
                 problems.add(f"is {short_repr(value)}", where, remedy)
             else:
@@ -50,10 +54,10 @@ class Links:
         object.__setattr__(self, "values", numbers)
 
 
-def _as_float(value: Real) -> float:
+def _as_float(value: Any) -> float:
     try:
         return float(value)
-    except OverflowError:
+    except (OverflowError, ValueError):  # Decimal("sNaN") is a ValueError
         return math.inf
 
 

@@ -1,0 +1,94 @@
+"""Calls that need a file or a check of their own; cases name them."""
+
+from __future__ import annotations
+
+import io
+from contextlib import redirect_stderr
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from typer.testing import CliRunner
+
+import fastlink as fl
+from fastlink.cli import app
+from fastlink.errors import InputError
+from fastlink.study.study import read_study
+from tests.hostile.judge import complaint_about
+from tests.hostile.studies import meant
+
+USAGE = 2
+
+
+def written(data: bytes, name: str = "table.csv") -> str:
+    """Write a file, and return its path."""
+    Path(name).write_bytes(data)
+    return name
+
+
+def _checked(maps: Any) -> Any:
+    """Return a small map of the planar 4R, checked against the facts that are not compiled."""
+    if "theta4" in maps and maps.attrs["mechanism"] == "planar_4r" and "theta1" in maps.theta4.dims:
+        given = {name: maps[name] for name in ("a1", "a2", "a3", "a4")}
+        facts = fl.evaluate("planar_4r", ["theta4"], **given, theta1=maps.theta1, branch=maps.branch)[
+            "theta4"
+        ]
+        facts = facts.broadcast_like(maps.theta4).transpose(*maps.theta4.dims)
+        assert np.array_equal(maps.theta4, facts, equal_nan=True), "theta4 differs from evaluate"
+    return maps
+
+
+def swept(space: Any, **options: Any) -> Any:
+    """Return a small map of some designs."""
+    return _checked(fl.sweep("planar_4r", space, ["theta4", "omega4_max"], angles=8, threads=1, **options))
+
+
+def read(data: bytes) -> Any:
+    """Read a study, and return its designs, which are those that it means."""
+    study = read_study(written(data, "changed.toml"))
+    for name, wanted in meant(data).items():
+        assert np.array_equal(study.space.values(name), np.atleast_1d(wanted)), f"{name} is not {wanted!r}"
+    return study.space
+
+
+def explained(data: bytes) -> str:
+    """Return the explanation of a study, whose designs are those that it means."""
+    read(data)
+    return str(fl.explain("changed.toml"))
+
+
+def ran(data: bytes) -> Any:
+    """Run a small study, and return its map, whose designs are those that it means."""
+    with fl.run_study(
+        written(data, "changed.toml"), to="changed.h5", overwrite=True, threads=1, progress=False
+    ) as maps:
+        maps = maps.load()
+    for name, wanted in meant(data).items():
+        assert np.array_equal(maps[name], wanted), f"{name} is not {wanted!r}"
+    return _checked(maps)
+
+
+def commanded(data: bytes) -> Any:
+    """Run a small study by the command line, and return its map."""
+    to_end("run", written(data, "changed.toml"), "--to", "changed.h5", "--overwrite", "--threads", "1")
+    with fl.open("changed.h5") as maps:
+        return _checked(maps.load())
+
+
+def to_end(*words: str) -> str:
+    """Run a command, and return what it prints; its refusal is an InputError with its lines."""
+    with redirect_stderr(io.StringIO()):
+        result = CliRunner().invoke(app, list(words), catch_exceptions=False)
+    if result.exit_code == 0:
+        return result.stdout
+    assert result.exit_code == USAGE, f"ends with {result.exit_code}"
+    assert not result.stdout, f"prints {result.stdout[:80]!r} although it refuses"
+    # a line about usage, by typer, repeats a word however long it is
+    wrong = (
+        ""
+        if result.stderr.startswith("Usage: ")
+        else complaint_about(result.stderr.replace("fastlink: ", ""))
+    )
+    assert not wrong, f"its refusal {wrong}"
+    assert result.stderr.strip(), "its refusal is empty"
+    raise InputError(result.stderr.strip(), where=("command",), remedy="see the lines")

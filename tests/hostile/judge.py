@@ -1,0 +1,204 @@
+"""One oracle for every case: refused with a remedy, or taken with the numbers of the plain value; nothing else."""
+
+from __future__ import annotations
+
+import contextlib
+import resource
+import signal
+import warnings
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, fields, is_dataclass
+from types import CodeType
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+from fastlink.engine.function import Function
+from fastlink.errors import InputError, InputWarning, Wording
+from fastlink.space.design_space import DesignSpace
+from tests.hostile.values import REFUSED, TAKEN
+
+#: Of processor time, for one case; the longest good one takes some tenths.
+SECONDS = 5.0
+#: Of memory beyond what the process has: what does not fit is to be refused before it is asked for.
+BYTES = 12 << 30
+LONGEST_LINE = 400
+
+
+class Hang(BaseException):
+    """A case ran too long."""
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """What came of a case.
+
+    Attributes
+    ----------
+    verdict : str
+        ``"refused"``, ``"taken"`` or ``"failed"``.
+    why : str
+        What is wrong, if it failed.
+    """
+
+    verdict: str
+    why: str = ""
+
+
+@contextlib.contextmanager
+def limits() -> Iterator[None]:
+    """Bound processor time and memory of what runs inside."""
+
+    def stop(*_: object) -> None:
+        raise Hang
+
+    soft, hard = resource.getrlimit(resource.RLIMIT_AS)
+    with open("/proc/self/statm") as file:
+        now = int(file.read().split()[0]) * resource.getpagesize()
+    before = signal.signal(signal.SIGPROF, stop)
+    resource.setrlimit(resource.RLIMIT_AS, (now + BYTES, hard))
+    signal.setitimer(signal.ITIMER_PROF, SECONDS)
+    try:
+        yield
+    finally:
+        signal.setitimer(signal.ITIMER_PROF, 0)
+        resource.setrlimit(resource.RLIMIT_AS, (soft, hard))
+        signal.signal(signal.SIGPROF, before)
+
+
+def attempt(
+    code: CodeType | Callable[[], Any], namespace: dict[str, Any]
+) -> tuple[Any, BaseException | None]:
+    """Return what a call gives, or what it raises; warnings are errors."""
+    try:
+        with warnings.catch_warnings(), limits():
+            warnings.simplefilter("error")
+            warnings.simplefilter("ignore", InputWarning)  # a remark that fastlink makes
+            return (eval(code, dict(namespace)) if isinstance(code, CodeType) else code()), None
+    except Hang as error:
+        return None, error
+    except Exception as error:
+        return None, error
+
+
+def complaint_about(text: str) -> str:
+    """Return what is wrong with the lines of a refusal, or an empty text."""
+    try:
+        text.encode()
+    except UnicodeError:
+        return "cannot be printed"
+    longest = max(map(len, text.split("\n")))
+    if longest >= LONGEST_LINE:
+        return f"has a line of {longest} characters"
+    if "Traceback" in text or " at 0x" in text or "0x7f" in text:
+        return "shows an address or a traceback"
+    if not text.strip() or any(ord(sign) < 32 for sign in text if sign != "\n"):
+        return "is empty or has control characters"
+    return ""
+
+
+def complaint(error: InputError) -> str:
+    """Return what is wrong with a refusal, or an empty text."""
+    try:
+        text = str(error)
+    except Exception as why:
+        return f"has a text that fails: {type(why).__name__}"
+    if wrong := complaint_about(text):
+        return wrong
+    wording = error.wording or Wording()
+    for problem in error.problems:
+        if not wording.remedy(problem.remedy).strip():
+            return f"has no remedy: {problem.what[:60]}"
+        if not problem.where and ": " not in wording.line(problem):
+            return f"says not where: {problem.what[:60]}"
+    return ""
+
+
+def described(error: BaseException) -> str:
+    """Return an exception as one short line."""
+    try:
+        text = " ".join(str(error).split())
+    except Exception:
+        text = "(its text fails)"
+    return f"{type(error).__name__}: {text[:200]}"
+
+
+def judged(verdict: str, text: str, plain: str, namespace: dict[str, Any], check: Any = None) -> Outcome:
+    """Return what came of a call, compared with the same call with plain values."""
+    code = compile(text, "<case>", "eval")
+    result, error = attempt(code, namespace)
+    if isinstance(error, InputError):
+        if verdict == TAKEN:
+            return Outcome("failed", f"refuses a good value: {str(error)[:200]}")
+        if wrong := complaint(error):
+            return Outcome("failed", f"its refusal {wrong}")
+        _, again = attempt(code, namespace)
+        if not isinstance(again, InputError) or str(again) != str(error):
+            return Outcome("failed", f"another verdict the second time: {again}"[:200])
+        return Outcome("refused")
+    if error is not None:
+        return Outcome("failed", "hangs" if isinstance(error, Hang) else described(error))
+    if verdict == REFUSED:
+        return Outcome("failed", f"accepted, gives {shown(result)}")
+    if plain == text and check is None:  # the call has checked its result itself
+        return Outcome("taken")
+    wanted, error = attempt(compile(plain, "<plain>", "eval"), namespace)
+    if error is not None:
+        return Outcome("failed", f"accepted, but the plain call raises {described(error)}")
+    if not same(result, wanted):
+        return Outcome("failed", f"gives {shown(result)}, the plain value {shown(wanted)}")
+    if check is not None and (wrong := check(result)):
+        return Outcome("failed", wrong)
+    return Outcome("taken")
+
+
+def shown(result: Any) -> str:
+    """Return a result on one short line."""
+    try:
+        return " ".join(repr(plain_of(result)).split())[:160]
+    except Exception as error:
+        return type(error).__name__
+
+
+def plain_of(result: Any) -> Any:
+    """Return a result as plain containers of arrays."""
+    if isinstance(result, xr.Dataset):
+        return {str(name): (one.dims, one.values) for name, one in result.variables.items()}
+    if isinstance(result, xr.DataArray):
+        return result.dims, result.values
+    if isinstance(result, DesignSpace):
+        return {name: getattr(result, name) for name in ("dims", "shape", "constants", "axes", "columns")}
+    if isinstance(result, Function):
+        sample = np.linspace(0.7, 1.3, 3)[None].repeat(len(result.inputs), axis=0)
+        return result.inputs, result.outputs, result(sample)
+    if is_dataclass(result) and not isinstance(result, type):
+        return {one.name: getattr(result, one.name) for one in fields(result)}
+    if type(result).__name__ == "Figure":
+        return [len(axes.get_children()) for axes in result.axes]
+    return result
+
+
+def same(one: Any, other: Any) -> bool:
+    """Tell whether two results are the same, bit for bit; a labelled array may stand for a plain one."""
+    if isinstance(one, xr.Dataset) and isinstance(other, xr.Dataset):  # labels of designs may come along
+        one = one.drop_vars([name for name in one.coords if name not in other.variables])
+    if isinstance(one, xr.DataArray) and not isinstance(other, xr.DataArray):
+        one = one.values
+    one, other = plain_of(one), plain_of(other)
+    if isinstance(one, dict):
+        return (
+            isinstance(other, dict) and list(one) == list(other) and all(same(one[k], other[k]) for k in one)
+        )
+    if isinstance(one, (list, tuple)):
+        alike = isinstance(other, (list, tuple)) and len(one) == len(other)
+        return alike and all(map(same, one, other))
+    if isinstance(one, (np.ndarray, np.generic, float)):
+        first, second = np.asarray(one), np.asarray(other)
+        if first.shape != second.shape or first.dtype != second.dtype:
+            return False
+        return bool(np.array_equal(first, second, equal_nan=first.dtype.kind in "fc"))
+    return bool(one == other)
+
+
+__all__ = ["Outcome", "attempt", "complaint", "complaint_about", "judged", "limits", "same"]
