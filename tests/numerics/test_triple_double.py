@@ -93,7 +93,7 @@ def test_tables_do_not_depend_on_company_or_order():
 @pytest.mark.parametrize("function", FUNCTIONS, ids=[name for name, _ in FUNCTIONS.values()])
 def test_almost_every_rounding_is_certain(function):
     """Bounds are 2^-122 of most values; low parts have a place of 2^-107 or, the lesser they are, less."""
-    x = TripleDouble((np.random.default_rng(5).uniform(-7.0, 7.0, 20_000), 0.0, 0.0))
+    x = TripleDouble.of(np.random.default_rng(5).uniform(-7.0, 7.0, 20_000))
     with np.errstate(all="ignore"):
         _, _, sure, low_sure = function(x).doubles()
     assert np.mean(sure) > 0.99999
@@ -104,7 +104,7 @@ def test_usual_angles_need_no_other_way():
     """Zero is exact, and whole numbers of quarters are as near to those of pi as doubles are."""
     for function, (name, has_low) in FUNCTIONS.items():
         for angle in (0.0, 1.0, np.pi, -np.pi, np.pi / 2, 2.0 * np.pi):
-            _, _, sure, low_sure = function(TripleDouble((angle, 0.0, 0.0))).doubles()
+            _, _, sure, low_sure = function(TripleDouble.of(angle)).doubles()
             cancels = name.startswith("slider_crank") and angle == np.pi / 2
             assert (low_sure if has_low else sure) or cancels, (name, angle)
 

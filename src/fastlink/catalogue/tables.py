@@ -58,7 +58,7 @@ def words(functions: Sequence[tuple[Function, bool]], theta: NDArray[Any]) -> li
         return [_kept(*function, given) for function in functions]
     found = [np.empty((2, theta.size)) for _ in functions]
     for part in _parts(theta):
-        x = TripleDouble((theta[part], 0.0, 0.0))
+        x = TripleDouble.of(theta[part])
         for function, both in zip(functions, found, strict=True):
             both[:, part] = _certain(*function, x)
     return found
@@ -81,7 +81,7 @@ def _numbers(theta: bytes) -> list[TripleDouble]:
     """Return angles, one by one or in parts, as numbers that keep their sines."""
     angles = np.frombuffer(theta)
     each = angles.tolist() if angles.size <= FEW else [angles[part] for part in _parts(angles)]
-    return [TripleDouble((angle, 0.0, 0.0)) for angle in each]
+    return [TripleDouble.of(angle) for angle in each]
 
 
 def _parts(theta: NDArray[Any]) -> list[slice]:
