@@ -11,7 +11,7 @@ from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
 
 from fastlink.codegen.extrema_schedule import ExtremaSchedule
-from fastlink.codegen.runtime import cells, results, roots, sampling
+from fastlink.codegen.runtime import cells, results, roots, sampling, subdivision
 from fastlink.codegen.runtime.cells import ITEM_ROWS, LANES, MOST_LANES, STATE_ROWS
 from fastlink.codegen.source import Array, Source, Text, paste_fact
 
@@ -69,10 +69,12 @@ class _ExtremaWriter(ExtremaSchedule):
             Array("marks", "int8", (samples, LANES)),
             Array("valleys", "float64", (ITEM_ROWS, room * self.samples + MOST_LANES)),
             Array("roots", "float64", (ITEM_ROWS, 3 * room * self.samples + MOST_LANES)),
+            Array("unresolved", "float64", (ITEM_ROWS, room * self.samples + MOST_LANES)),
+            Array("fine", "float64", (subdivision.FINE_SAMPLES, LANES)),
             Array("ends", "float64", (ITEM_ROWS, 2 * room + MOST_LANES)),
             Array("flags", "int8", (LANES,)),
             Array("vectors", "int64", (LANES // MOST_LANES,)),
-            Array("counts", "int64", (3,)),
+            Array("counts", "int64", (4,)),
             Array("best", "float64", (results.BEST_ROWS, columns)),
             Array("lists", "float64", (3, columns, kept)),
         )
@@ -178,9 +180,18 @@ class _ExtremaWriter(ExtremaSchedule):
         return suffix if "branch" in self.program.axes[name] else ""
 
     def scaled(self, search: ExtremumSearch, suffix: str = "") -> str:
-        """Return the derivative times the power of sin mu that keeps it finite and not zero at a toggle."""
-        factors = [search.slope, *[self.program.graded.bounded_factor] * search.slope_order]
-        return " * ".join(self.copy_for(name, suffix) for name in factors)
+        """Return the derivative times the power of sin mu that keeps it finite and not zero at a toggle.
+
+        That of a magnitude is half the derivative of the square, which has no kink where the vector is almost zero.
+        """
+        bounded = self.copy_for(self.program.graded.bounded_factor, suffix)
+        factors = [self.copy_for(search.slope, suffix), *[bounded] * search.slope_order]
+        if search.magnitude:
+            value = self.copy_for(search.quantity, suffix)
+            # the sign is the same without this factor, where it would overflow or underflow
+            factors.append(f"({value} if ({value} > 1e-100) & ({value} < 1e100) else 1.0)")
+            factors += [bounded] * search.order
+        return " * ".join(factors)
 
     def paste(self, step: Fact, suffix: str = "") -> None:
         """Append a fact, reading the copies of one branch."""
@@ -191,12 +202,17 @@ class _ExtremaWriter(ExtremaSchedule):
 
     def write_search(self, number: int) -> None:
         """Write the search for the cells that hold a zero of one function, their refinement, and the extrema there."""
-        text = self.text
-        text.add(f"counts[{cells.VALLEYS}] = 0")
-        text.add(f"counts[{cells.ROOTS}] = 0")
+        text, search = self.text, self.program.searches[number]
+        for kind in (cells.VALLEYS, cells.ROOTS, cells.UNRESOLVED):
+            text.add(f"counts[{kind}] = 0")
         for half in range(self.halves):
-            text.call(sampling.mark_ends, f"samples, marks, part_{number}_{half}, width")
-            text.call(sampling.collect, f"samples, marks, part_{number}_{half}, counts, roots, valleys")
+            part = f"part_{number}_{half}"
+            text.call(sampling.mark_ends, f"samples, marks, {part}, width")
+            if search.divided:
+                text.call(subdivision.mark_unresolved, f"samples, marks, {part}, width")
+            text.call(sampling.collect, f"samples, marks, {part}, counts, roots, valleys, unresolved")
+        if search.divided:
+            self.write_division(number)
         for items, count in (("valleys", cells.VALLEYS), ("roots", cells.ROOTS)):
             with text.block(f"for start in range(0, counts[{count}], {LANES}):"):
                 text.call(cells.gather, f"{items}, start, counts[{count}], w, rows_{number}, state", "filled")
@@ -208,6 +224,21 @@ class _ExtremaWriter(ExtremaSchedule):
                     text.call(roots.begin_roots, "state, filled, vectors, flags", "n_open")
                     self.write_steps(number, roots.advance_roots)
                     self.write_extrema(number, results.extrema_at_zeros, "state, filled, table")
+
+    def write_division(self, number: int) -> None:
+        """Write the division of unresolved cells, and of their parts that are still unresolved."""
+        text = self.text
+        text.add("divided = 0")
+        with text.block(f"while divided < counts[{cells.UNRESOLVED}]:"):
+            items = f"unresolved, divided, counts[{cells.UNRESOLVED}]"
+            text.call(cells.gather, f"{items}, w, rows_{number}, state", "filled")
+            text.call(roots.every_vector, "vectors, filled", "n_open")
+            with text.block(f"for k in range({subdivision.FINE_SAMPLES}):"):
+                text.call(subdivision.place_fine, "state, filled, k")
+                text.add(f"slope_{number}(state, vectors, n_open)")
+                text.call(subdivision.keep_fine, "state, filled, k, fine")
+            text.call(subdivision.divide, "state, filled, fine, counts, unresolved, roots, valleys")
+            text.add("divided = divided + filled")
 
     def write_steps(self, number: int, advance: Callable[..., Any]) -> None:
         """Write the steps of a refinement."""

@@ -50,7 +50,8 @@ class ExtremaSchedule:
 
     def slope_names(self, *searches: ExtremumSearch) -> list[str]:
         """Return the values that the sampled functions are products of."""
-        return [self.program.graded.bounded_factor, *(search.slope for search in searches)]
+        magnitudes = (search.quantity for search in searches if search.magnitude)
+        return [self.program.graded.bounded_factor, *(search.slope for search in searches), *magnitudes]
 
     def needs_ends(self, search: ExtremumSearch) -> bool:
         """Tell whether the ends of the range count: where a greatest or least value is requested."""

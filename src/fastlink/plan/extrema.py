@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import ast
 from collections.abc import Iterable, Sequence
 from dataclasses import replace
 
 from fastlink.catalogue.catalogue import Catalogue, CatalogueError, Fact, System
 from fastlink.facts.names import derivative_name
+from fastlink.numerics.compiler import syntax
+from fastlink.numerics.vectors import magnitude
 from fastlink.plan.program import ExtremaProgram, ExtremumSearch, Output
 from fastlink.symbolic.asymptotics import asymptotics
 from fastlink.symbolic.derivative import NoDerivative
@@ -46,8 +49,17 @@ def find_extremum_search(
         max(round(grades[slope].order), 0),
         grade.parity,
         -grade.parity,  # the input position is odd
-        graded.reciprocal not in needed and not grade.choice,
+        at_limit=graded.reciprocal not in needed and not grade.choice,
+        divided=quantity not in graded.cells,
+        magnitude=_is_magnitude(next(step for step in steps if quantity in step.names)),
     )
+
+
+def _is_magnitude(step: Fact | System) -> bool:
+    """Tell whether a fact is the magnitude of a vector and nothing else."""
+    result = syntax(step.function).body[-1]
+    called = getattr(getattr(result, "value", None), "func", None)
+    return isinstance(called, ast.Name) and step.function.__globals__.get(called.id) is magnitude
 
 
 def _steps(
@@ -79,7 +91,14 @@ def extrema_programs(
     bounded = {output.request.quantity for output in outputs if output.request.can_be_refined}
     # The fact that vanishes there is the sine of the angle times a length: odd where the angle is.
     jumps = [
-        replace(s, slope=graded.wraps_at[s.quantity], slope_order=0, slope_parity=s.parity, onto=s.quantity)
+        replace(
+            s,
+            slope=graded.wraps_at[s.quantity],
+            slope_order=0,
+            slope_parity=s.parity,
+            magnitude=False,
+            onto=s.quantity,
+        )
         for s in searches
         if s.quantity in bounded and s.quantity in graded.wraps_at
     ]

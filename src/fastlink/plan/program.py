@@ -111,6 +111,10 @@ class ExtremumSearch:
         What the mirror does to them: 1, -1, or 0 for no symmetry.
     at_limit : bool
         Whether the quantity has a value exactly at a toggle.
+    divided : bool
+        Whether cells are divided whose samples cannot exclude further extrema; the others have none that hide.
+    magnitude : bool
+        Whether it is the magnitude of a vector: its square is smooth where it comes close to zero.
     onto : str
         Where `slope` vanishes at jumps by 2 pi instead: the quantity, which reaches pi and -pi there.
     """
@@ -124,6 +128,8 @@ class ExtremumSearch:
     parity: int
     slope_parity: int
     at_limit: bool
+    divided: bool
+    magnitude: bool
     onto: str = ""
 
 

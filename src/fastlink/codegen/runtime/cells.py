@@ -9,7 +9,17 @@ from typing import Any
 
 from fastlink.numerics.compiler import inlined, lanes, merged, outlined
 
-__all__ = ["ITEM_ROWS", "LANES", "MOST_LANES", "STATE_ROWS", "append_item", "gather", "padded", "set_bracket"]
+__all__ = [
+    "ITEM_ROWS",
+    "LANES",
+    "MOST_LANES",
+    "STATE_ROWS",
+    "append_item",
+    "append_unresolved",
+    "gather",
+    "padded",
+    "set_bracket",
+]
 
 LANES = 64
 #: Doubles in the widest vectors: loops over lanes run over whole numbers of these.
@@ -33,8 +43,8 @@ NUMBER, ONTO, ORDER, PARITY, AT_LIMIT = range(5)
 # continues it beyond both ends, number of the half, -1 where a zero at a sample counts for the cell on its other side
 # (else 1), half the number of cells.
 FIRST, BEYOND, PART, SIGN, CELLS = range(5)
-# How many designs, valleys and roots there are at hand.
-DESIGNS, VALLEYS, ROOTS = range(3)
+# How many designs, valleys, roots and unresolved cells there are at hand.
+DESIGNS, VALLEYS, ROOTS, UNRESOLVED = range(4)
 
 
 @inlined
@@ -62,6 +72,13 @@ def append_item(items: Any, count: int, lane: int, half: int, upper: bool) -> in
     items[HALF, count] = half
     items[UPPER, count] = 1.0 if upper else 0.0
     return count + 1 if count + MOST_LANES <= items.shape[1] else count
+
+
+@merged
+def append_unresolved(items: Any, count: int, level: int, sign: float, owner: bool) -> None:
+    """Write how often the next item was divided, its sign, and whether a valley at its first end is its own."""
+    items[XC, count] = level
+    items[FC, count] = 2.0 * sign if owner else sign
 
 
 @outlined

@@ -18,9 +18,11 @@ from fastlink.codegen.runtime.cells import (
     PART,
     ROOTS,
     SIGN,
+    UNRESOLVED,
     VALLEYS,
     XC,
     append_item,
+    append_unresolved,
     padded,
     set_bracket,
 )
@@ -29,7 +31,7 @@ from fastlink.numerics.elementary import sqrt, trailing_zeros
 
 __all__ = ["collect", "mark", "mark_ends", "place_samples", "silenced"]
 
-ROOT, VALLEY = 1, 2
+ROOT, VALLEY, UNRESOLVED_CELL = 1, 2, 4
 # At 0.85 one pair of extremes of a rate in 10^6 was lost, at 1 a search takes a third longer.
 SHALLOW = 0.97
 # Of a derivative, over its terms: some ten roundings.
@@ -149,23 +151,82 @@ def _add_root(samples: Any, part: Any, j: int, lane: int, counts: Any, roots: An
 
 
 @merged
+def _is_unresolved(marks: Any, part: Any, j: int, lane: int) -> Any:
+    """Tell whether the cell that begins with a sample is divided; there is none beyond the ends."""
+    if (j < 0) | (j >= 2 * part[CELLS]):
+        return False
+    return marks[part[FIRST] + j, lane] & UNRESOLVED_CELL != 0
+
+
+@merged
+def _add_unresolved(
+    samples: Any, marks: Any, part: Any, j: int, lane: int, counts: Any, unresolved: Any
+) -> None:
+    """Make an item of the cell that begins with a sample, to be divided."""
+    cells, n = part[CELLS], counts[UNRESOLVED]
+    at, upper = part[FIRST] + j, j >= cells
+    a, b = _position(samples, cells, j, upper, lane), _position(samples, cells, j + 1, upper, lane)
+    set_bracket(unresolved, n, a, samples[at, lane], b, samples[at + 1, lane])
+    append_unresolved(unresolved, n, 1, float(part[SIGN]), not _is_unresolved(marks, part, j - 1, lane))
+    counts[UNRESOLVED] = append_item(unresolved, n, lane, part[PART], upper)
+    marks[at, lane] = UNRESOLVED_CELL
+
+
+@merged
+def _in_one_sign(samples: Any, part: Any, j: int, lane: int) -> Any:
+    """Tell whether a sample and those beside it have one sign."""
+    first, middle = part[FIRST], samples[part[FIRST] + j, lane]
+    left, right = samples[first + max(j - 1, 0), lane], samples[first + min(j + 1, 2 * part[CELLS]), lane]
+    return ((left > 0.0) == (middle > 0.0)) & ((right > 0.0) == (middle > 0.0))
+
+
+@merged
 def _add_valley(samples: Any, part: Any, j: int, lane: int, counts: Any, valleys: Any) -> None:
-    """Make an item of the cells about a sample, if the function has one sign at their ends."""
+    """Make an item of the cells about a sample."""
     cells, first, n = part[CELLS], part[FIRST], counts[VALLEYS]
     left, right = max(j - 1, 0), min(j + 1, 2 * cells)
-    fa, fb, middle = samples[first + left, lane], samples[first + right, lane], samples[first + j, lane]
-    if (fa > 0.0) == (middle > 0.0) and (fb > 0.0) == (middle > 0.0):
-        upper = left >= cells
-        a, b = _position(samples, cells, left, upper, lane), _position(samples, cells, right, upper, lane)
-        set_bracket(valleys, n, a, fa, b, fb)
-        valleys[XC, n] = _position(samples, cells, j, upper, lane)
-        valleys[FC, n] = middle
-        counts[VALLEYS] = append_item(valleys, n, lane, part[PART], upper)
+    upper = left >= cells
+    a, b = _position(samples, cells, left, upper, lane), _position(samples, cells, right, upper, lane)
+    set_bracket(valleys, n, a, samples[first + left, lane], b, samples[first + right, lane])
+    valleys[XC, n] = _position(samples, cells, j, upper, lane)
+    valleys[FC, n] = samples[first + j, lane]
+    counts[VALLEYS] = append_item(valleys, n, lane, part[PART], upper)
 
 
 @outlined
-def collect(samples: Any, marks: Any, part: Any, counts: Any, roots: Any, valleys: Any) -> None:
-    """Make items of the cells of one half of the range that hold a zero or may hold two.
+def _add_others(
+    samples: Any,
+    marks: Any,
+    part: Any,
+    j: int,
+    lane: int,
+    flag: int,
+    counts: Any,
+    valleys: Any,
+    unresolved: Any,
+) -> None:
+    """Make items of a valley about a sample and of an unresolved cell that begins there.
+
+    A valley that an unresolved cell is part of is divided with it.
+    """
+    divided = flag & UNRESOLVED_CELL != 0
+    if flag & VALLEY != 0 and _in_one_sign(samples, part, j, lane):
+        before = _is_unresolved(marks, part, j - 1, lane)
+        if divided | before:
+            if j > 0 and not before:
+                _add_unresolved(samples, marks, part, j - 1, lane, counts, unresolved)
+            divided = True
+        else:
+            _add_valley(samples, part, j, lane, counts, valleys)
+    if divided and j < 2 * part[CELLS]:
+        _add_unresolved(samples, marks, part, j, lane, counts, unresolved)
+
+
+@outlined
+def collect(
+    samples: Any, marks: Any, part: Any, counts: Any, roots: Any, valleys: Any, unresolved: Any
+) -> None:
+    """Make items of the cells of one half of the range that hold a zero, or may hold two, or are unresolved.
 
     Parameters
     ----------
@@ -173,7 +234,7 @@ def collect(samples: Any, marks: Any, part: Any, counts: Any, roots: Any, valley
         As for `mark_ends`.
     counts : array of int
         How many designs there are, and how many items of each kind.
-    roots, valleys : array (rows of an item, items)
+    roots, valleys, unresolved : array (rows of an item, items)
         The items.
     """
     first, last, count = part[FIRST], 2 * part[CELLS], counts[DESIGNS]
@@ -185,12 +246,15 @@ def collect(samples: Any, marks: Any, part: Any, counts: Any, roots: Any, valley
             word = words[k]
             while word != 0:
                 shift = trailing_zeros(word) & 56
-                flag = (word >> shift) & (ROOT | VALLEY)
+                flag = (word >> shift) & (ROOT | VALLEY | UNRESOLVED_CELL)
                 word = word ^ (flag << shift)
                 lane = 8 * k + (shift >> 3)
                 if lane >= count:
                     break
-                if flag & ROOT and j < last:
-                    _add_root(samples, part, j, lane, counts, roots)
-                if flag & VALLEY:
-                    _add_valley(samples, part, j, lane, counts, valleys)
+                if flag == ROOT:
+                    if j < last:
+                        _add_root(samples, part, j, lane, counts, roots)
+                else:
+                    _add_others(samples, marks, part, j, lane, flag, counts, valleys, unresolved)
+                    if flag & (ROOT | UNRESOLVED_CELL) == ROOT and j < last:
+                        _add_root(samples, part, j, lane, counts, roots)
