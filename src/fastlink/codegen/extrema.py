@@ -71,6 +71,7 @@ class _ExtremaWriter(ExtremaSchedule):
             Array("roots", "float64", (ITEM_ROWS, 3 * room * self.samples + MOST_LANES)),
             Array("unresolved", "float64", (ITEM_ROWS, room * self.samples + MOST_LANES)),
             Array("fine", "float64", (subdivision.FINE_SAMPLES, LANES)),
+            Array("fine_marks", "int8", (subdivision.FINE_SAMPLES, LANES)),
             Array("ends", "float64", (ITEM_ROWS, 2 * room + MOST_LANES)),
             Array("flags", "int8", (LANES,)),
             Array("vectors", "int64", (LANES // MOST_LANES,)),
@@ -237,7 +238,10 @@ class _ExtremaWriter(ExtremaSchedule):
                 text.call(subdivision.place_fine, "state, filled, k")
                 text.add(f"slope_{number}(state, vectors, n_open)")
                 text.call(subdivision.keep_fine, "state, filled, k, fine")
-            text.call(subdivision.divide, "state, filled, fine, counts, unresolved, roots, valleys")
+            text.call(subdivision.mark_fine, "state, filled, fine, fine_marks")
+            text.call(
+                subdivision.divide, "state, filled, fine, fine_marks, counts, unresolved, roots, valleys"
+            )
             text.add("divided = divided + filled")
 
     def write_steps(self, number: int, advance: Callable[..., Any]) -> None:

@@ -32,7 +32,7 @@ from fastlink.codegen.runtime.cells import (
 from fastlink.codegen.runtime.sampling import ROOT, UNRESOLVED_CELL, VALLEY, mark
 from fastlink.numerics.compiler import inlined, lanes, merged, outlined
 
-__all__ = ["FINE_SAMPLES", "divide", "keep_fine", "mark_unresolved", "place_fine"]
+__all__ = ["FINE_SAMPLES", "divide", "keep_fine", "mark_fine", "mark_unresolved", "place_fine"]
 
 #: Parts of a cell that is divided, and samples then: those beyond its ends show what is a valley at an end.
 PARTS = 8
@@ -116,6 +116,43 @@ def keep_fine(s: Any, count: int, k: int, fine: Any) -> None:
         fine[k, i] = s[F, i]
 
 
+@outlined
+def mark_fine(s: Any, count: int, fine: Any, marks: Any) -> None:
+    """Mark the fine samples of items as `mark` and `mark_unresolved` do; beyond an end of the range, extrapolate first.
+
+    Parameters
+    ----------
+    s, count : array, int
+        State of the items, and how many they are.
+    fine, marks : array (FINE_SAMPLES, lanes)
+        Their fine samples, and the marks of these.
+    """
+    width = padded(count)
+    for upper in range(2):
+        end, step = (FINE_SAMPLES - 1, -1) if upper == 1 else (0, 1)
+        t = (end - 1) / PARTS
+        for i in lanes(width):
+            beyond = s[XA, i] + t * (s[XB, i] - s[XA, i]) < 0.0
+            f1, f2, f3 = fine[end + step, i], fine[end + 2 * step, i], fine[end + 3 * step, i]
+            cubic = 4.0 * (f1 + f3) - 6.0 * f2 - fine[end + 4 * step, i]
+            fine[end, i] = cubic if beyond else fine[end, i]
+    for k in range(1, PARTS + 2):
+        m0, m1 = min(max(k, 2), PARTS), min(max(k + 1, 2), PARTS)
+        after = min(k + 2, PARTS + 2)
+        for i in lanes(width):
+            a, b, c = fine[k - 1, i], fine[k, i], fine[k + 1, i]
+            outer0, inner0 = fine[m0 - 2, i] + fine[m0 + 2, i], fine[m0 - 1, i] + fine[m0 + 1, i]
+            outer1, inner1 = fine[m1 - 2, i] + fine[m1 + 2, i], fine[m1 - 1, i] + fine[m1 + 1, i]
+            fourth0 = outer0 - 4.0 * inner0 + 6.0 * fine[m0, i]
+            fourth1 = outer1 - 4.0 * inner1 + 6.0 * fine[m1, i]
+            one_sign = ((a > 0.0) == (b > 0.0)) & ((c > 0.0) == (b > 0.0))
+            sign = 1.0 if s[FC, i] > 0.0 else -1.0
+            flag = mark(a, b, c, sign) & (ROOT | VALLEY if one_sign else ROOT)
+            marks[k, i] = flag | (
+                UNRESOLVED_CELL if unresolved(a, b, c, fine[after, i], fourth0, fourth1) else 0
+            )
+
+
 @merged
 def _position(s: Any, i: int, k: int) -> float:
     """Return the position of a fine sample, negative beyond an end of the range."""
@@ -123,97 +160,65 @@ def _position(s: Any, i: int, k: int) -> float:
 
 
 @merged
-def _fourth(fine: Any, k: int, i: int) -> float:
-    """Return a fourth difference of fine samples."""
-    k = min(max(k, 2), PARTS)
-    outer, inner = fine[k - 2, i] + fine[k + 2, i], fine[k - 1, i] + fine[k + 1, i]
-    return float(outer - 4.0 * inner + 6.0 * fine[k, i])
-
-
-@merged
-def _is_valley(fine: Any, k: int, i: int) -> Any:
-    """Tell whether two zeros may hide about a fine sample, its neighbours being of one sign."""
-    a, b, c = fine[k - 1, i], fine[k, i], fine[k + 1, i]
-    one_sign = ((a > 0.0) == (b > 0.0)) & ((c > 0.0) == (b > 0.0))
-    return one_sign and (mark(a, b, c, 1.0) & VALLEY) != 0
-
-
-@merged
-def _divided_parts(fine: Any, i: int, valleys: int, owner: bool) -> int:
+def _divided_parts(marks: Any, i: int, owner: bool) -> int:
     """Return the parts of an item that are divided again, as bits: unresolved ones, and those about a valley with one.
 
     A valley at an end of the item may reach into another item, so its part is divided too.
     """
     parts = 0
     for k in range(1, PARTS + 1):
-        f0, f1, fourth0, fourth1 = fine[k, i], fine[k + 1, i], _fourth(fine, k, i), _fourth(fine, k + 1, i)
-        if unresolved(fine[k - 1, i], f0, f1, fine[k + 2, i], fourth0, fourth1):
+        if marks[k, i] & UNRESOLVED_CELL != 0:
             parts = parts | (1 << k)
-    if not owner:
-        parts = parts | (valleys & 2)
-    parts = parts | ((valleys >> 1) & (1 << PARTS))
+    if marks[1, i] & VALLEY != 0 and not owner:
+        parts = parts | 2
+    if marks[PARTS + 1, i] & VALLEY != 0:
+        parts = parts | (1 << PARTS)
     for k in range(1, PARTS + 2):
         both = 3 << (k - 1)
-        if (valleys >> k) & 1 != 0 and parts & both != 0:
+        if marks[k, i] & VALLEY != 0 and parts & both != 0:
             parts = parts | both
     return parts & ((2 << PARTS) - 2)
 
 
 @outlined
-def divide(s: Any, count: int, fine: Any, counts: Any, items: Any, roots: Any, valleys: Any) -> None:
+def divide(
+    s: Any, count: int, fine: Any, marks: Any, counts: Any, items: Any, roots: Any, valleys: Any
+) -> None:
     """Make items of the parts of cells by their fine samples: of zeros, of valleys, and of parts to be divided again.
 
     Parameters
     ----------
-    s, count : array, int
-        State of the items, and how many they are.
-    fine : array (FINE_SAMPLES, lanes)
-        Their fine samples.
+    s, count, fine, marks
+        As for `mark_fine`.
     counts : array of int
         How many items of each kind there are.
     items, roots, valleys : array (rows of an item, items)
         Unresolved cells, zeros and valleys.
     """
-    end = PARTS + 2
     for i in range(count):
-        if _position(s, i, 0) < 0.0:
-            fine[0, i] = 4.0 * fine[1, i] - 6.0 * fine[2, i] + 4.0 * fine[3, i] - fine[4, i]
-        if _position(s, i, end) < 0.0:
-            inner = 4.0 * fine[end - 1, i] - 6.0 * fine[end - 2, i] + 4.0 * fine[end - 3, i]
-            fine[end, i] = inner - fine[end - 4, i]
         lane, half, upper, level = int(s[LANE, i]), int(s[HALF, i]), s[UPPER, i] > 0.0, int(s[XC, i])
         owner = abs(s[FC, i]) > 1.0
         sign = 1.0 if s[FC, i] > 0.0 else -1.0
-        bits, parts = 0, 0
-        for k in range(1, end):
-            if _is_valley(fine, k, i):
-                bits = bits | (1 << k)
-        if level < LEVELS:
-            parts = _divided_parts(fine, i, bits, owner)
-        for k in range(1, end):
-            a, b, fa, fb = _position(s, i, k), _position(s, i, k + 1), fine[k, i], fine[k + 1, i]
-            before = _position(s, i, k - 1)
-            if (bits >> k) & 1 != 0 and (parts >> (k - 1)) & 3 == 0 and (k > 1 or owner):
+        parts = _divided_parts(marks, i, owner) if level < LEVELS else 0
+        for k in range(1, PARTS + 2):
+            first = k > 1 or owner
+            if marks[k, i] & VALLEY != 0 and (parts >> (k - 1)) & 3 == 0 and first:
                 # at an end of the range the bracket begins at the end itself
-                begin, stop = (k if before < 0.0 else k - 1), (k if b < 0.0 else k + 1)
-                set_bracket(
-                    valleys,
-                    counts[VALLEYS],
-                    _position(s, i, begin),
-                    fine[begin, i],
-                    _position(s, i, stop),
-                    fine[stop, i],
-                )
-                valleys[XC, counts[VALLEYS]] = a
-                valleys[FC, counts[VALLEYS]] = fa
-                counts[VALLEYS] = append_item(valleys, counts[VALLEYS], lane, half, upper)
+                begin = k if _position(s, i, k - 1) < 0.0 else k - 1
+                stop = k if _position(s, i, k + 1) < 0.0 else k + 1
+                n, a, b = counts[VALLEYS], _position(s, i, begin), _position(s, i, stop)
+                set_bracket(valleys, n, a, fine[begin, i], b, fine[stop, i])
+                valleys[XC, n] = _position(s, i, k)
+                valleys[FC, n] = fine[k, i]
+                counts[VALLEYS] = append_item(valleys, n, lane, half, upper)
             if k > PARTS:
                 continue
             if (parts >> k) & 1 != 0:
-                n = counts[UNRESOLVED]
-                set_bracket(items, n, a, fa, b, fb)
-                append_unresolved(items, n, level + 1, sign, (parts >> (k - 1)) & 1 == 0 and (k > 1 or owner))
+                n, a, b = counts[UNRESOLVED], _position(s, i, k), _position(s, i, k + 1)
+                set_bracket(items, n, a, fine[k, i], b, fine[k + 1, i])
+                append_unresolved(items, n, level + 1, sign, (parts >> (k - 1)) & 1 == 0 and first)
                 counts[UNRESOLVED] = append_item(items, n, lane, half, upper)
-            elif mark(fa, fa, fb, sign) & ROOT != 0:
-                set_bracket(roots, counts[ROOTS], a, fa, b, fb)
-                counts[ROOTS] = append_item(roots, counts[ROOTS], lane, half, upper)
+            elif marks[k, i] & ROOT != 0:
+                n, a, b = counts[ROOTS], _position(s, i, k), _position(s, i, k + 1)
+                set_bracket(roots, n, a, fine[k, i], b, fine[k + 1, i])
+                counts[ROOTS] = append_item(roots, n, lane, half, upper)
