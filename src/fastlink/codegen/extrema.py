@@ -70,8 +70,7 @@ class _ExtremaWriter(ExtremaSchedule):
             Array("valleys", "float64", (ITEM_ROWS, room * self.samples + MOST_LANES)),
             Array("roots", "float64", (ITEM_ROWS, 3 * room * self.samples + MOST_LANES)),
             Array("unresolved", "float64", (ITEM_ROWS, room * self.samples + MOST_LANES)),
-            Array("fine", "float64", (subdivision.FINE_SAMPLES, LANES)),
-            Array("fine_marks", "int8", (subdivision.FINE_SAMPLES, LANES)),
+            Array("fine_marks", "int8", (cells.FINE_SAMPLES, LANES)),
             Array("ends", "float64", (ITEM_ROWS, 2 * room + MOST_LANES)),
             Array("flags", "int8", (LANES,)),
             Array("vectors", "int64", (LANES // MOST_LANES,)),
@@ -172,28 +171,6 @@ class _ExtremaWriter(ExtremaSchedule):
         self.text.add(f"{near} = rest if {upper} else square * rest")
         self.text.add(f"{far} = square * rest if {upper} else rest")
 
-    def copy_for(self, name: str, suffix: str) -> str:
-        """Return the name of a value, of one branch's copy where there are copies."""
-        return name + self.suffix_for(name, suffix)
-
-    def suffix_for(self, name: str, suffix: str) -> str:
-        """Return the ending of the names of one branch's copies, where a value has such."""
-        return suffix if "branch" in self.program.axes[name] else ""
-
-    def scaled(self, search: ExtremumSearch, suffix: str = "") -> str:
-        """Return the derivative times the power of sin mu that keeps it finite and not zero at a toggle.
-
-        That of a magnitude is half the derivative of the square, which has no kink where the vector is almost zero.
-        """
-        bounded = self.copy_for(self.program.graded.bounded_factor, suffix)
-        factors = [self.copy_for(search.slope, suffix), *[bounded] * search.slope_order]
-        if search.magnitude:
-            value = self.copy_for(search.quantity, suffix)
-            # the sign is the same without this factor, where it would overflow or underflow
-            factors.append(f"({value} if ({value} > 1e-100) & ({value} < 1e100) else 1.0)")
-            factors += [bounded] * search.order
-        return " * ".join(factors)
-
     def paste(self, step: Fact, suffix: str = "") -> None:
         """Append a fact, reading the copies of one branch."""
         values = [self.copy_for(name, suffix) for name in step.depends_on]
@@ -211,7 +188,8 @@ class _ExtremaWriter(ExtremaSchedule):
             text.call(sampling.mark_ends, f"samples, marks, {part}, width")
             if search.divided:
                 text.call(subdivision.mark_unresolved, f"samples, marks, {part}, width")
-            text.call(sampling.collect, f"samples, marks, {part}, counts, roots, valleys, unresolved")
+                text.call(sampling.collect_unresolved, f"samples, marks, {part}, counts, unresolved")
+            text.call(sampling.collect, f"samples, marks, {part}, counts, roots, valleys")
         if search.divided:
             self.write_division(number)
         for items, count in (("valleys", cells.VALLEYS), ("roots", cells.ROOTS)):
@@ -234,14 +212,13 @@ class _ExtremaWriter(ExtremaSchedule):
             items = f"unresolved, divided, counts[{cells.UNRESOLVED}]"
             text.call(cells.gather, f"{items}, w, rows_{number}, state", "filled")
             text.call(roots.every_vector, "vectors, filled", "n_open")
-            with text.block(f"for k in range({subdivision.FINE_SAMPLES}):"):
+            with text.block(f"for k in range({cells.FINE_SAMPLES}):"):
                 text.call(subdivision.place_fine, "state, filled, k")
                 text.add(f"slope_{number}(state, vectors, n_open)")
-                text.call(subdivision.keep_fine, "state, filled, k, fine")
-            text.call(subdivision.mark_fine, "state, filled, fine, fine_marks")
-            text.call(
-                subdivision.divide, "state, filled, fine, fine_marks, counts, unresolved, roots, valleys"
-            )
+                text.call(subdivision.keep_fine, "state, filled, k")
+            text.call(subdivision.mark_fine, "state, filled, fine_marks")
+            text.call(subdivision.divide, "state, filled, fine_marks, counts, unresolved")
+            text.call(subdivision.collect_fine, "state, filled, fine_marks, counts, roots, valleys")
             text.add("divided = divided + filled")
 
     def write_steps(self, number: int, advance: Callable[..., Any]) -> None:

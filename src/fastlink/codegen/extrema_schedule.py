@@ -62,6 +62,30 @@ class ExtremaSchedule:
         """Return the number of the search for a quantity's extrema, which stands before that for its jumps."""
         return [search.quantity for search in self.program.searches].index(quantity)
 
+    # -- names of values ---------------------------------------------------------------------------
+
+    def copy_for(self, name: str, suffix: str) -> str:
+        """Return the name of a value, of one branch's copy where there are copies."""
+        return name + self.suffix_for(name, suffix)
+
+    def suffix_for(self, name: str, suffix: str) -> str:
+        """Return the ending of the names of one branch's copies, where a value has such."""
+        return suffix if "branch" in self.program.axes[name] else ""
+
+    def scaled(self, search: ExtremumSearch, suffix: str = "") -> str:
+        """Return the derivative times the power of sin mu that keeps it finite and not zero at a toggle.
+
+        That of a magnitude is half the derivative of the square, which has no kink where the vector is almost zero.
+        """
+        bounded = self.copy_for(self.program.graded.bounded_factor, suffix)
+        factors = [self.copy_for(search.slope, suffix), *[bounded] * search.slope_order]
+        if search.magnitude:
+            value = self.copy_for(search.quantity, suffix)
+            # the sign is the same without this factor, where it would overflow or underflow
+            factors.append(f"({value} if ({value} > 1e-100) & ({value} < 1e100) else 1.0)")
+            factors += [bounded] * search.order
+        return " * ".join(factors)
+
     # -- branches and halves of the range ----------------------------------------------------------
 
     @property

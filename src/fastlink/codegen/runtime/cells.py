@@ -31,7 +31,11 @@ ITEM_ROWS = 9
 X, F, X1, F1, X2, F2, TOLERANCE, STEPS, OPEN = range(ITEM_ROWS, ITEM_ROWS + 9)
 # The extremum: value, input position, mirror image of that, kind.
 VALUE, THETA, IMAGE, KIND = range(ITEM_ROWS + 9, ITEM_ROWS + 13)
-STATE_ROWS = ITEM_ROWS + 13
+# Of a cell that is divided: the fine samples' positions, negative beyond an end of the range, and values there.
+PARTS = 8
+FINE_SAMPLES = PARTS + 3
+FINE_AT, FINE = ITEM_ROWS + 13, ITEM_ROWS + 13 + FINE_SAMPLES
+STATE_ROWS = FINE + FINE_SAMPLES
 # Entries of the table of a kernel: rows of the lane values (the lower end's, the upper end's follows each), sides,
 # halves and branches, and for each searched branch where its results go, and those of its mirror (-1 for nowhere).
 START, TOGGLE, SIDES, HALVES, BRANCHES, OWN, MIRROR = 0, 1, 2, 3, 4, 5, 7

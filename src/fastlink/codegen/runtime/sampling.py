@@ -29,9 +29,11 @@ from fastlink.codegen.runtime.cells import (
 from fastlink.numerics.compiler import inlined, lanes, merged, outlined
 from fastlink.numerics.elementary import sqrt, trailing_zeros
 
-__all__ = ["collect", "mark", "mark_ends", "place_samples", "silenced"]
+__all__ = ["collect", "collect_unresolved", "mark", "mark_ends", "place_samples", "silenced"]
 
 ROOT, VALLEY, UNRESOLVED_CELL = 1, 2, 4
+# Eight marks at once.
+UNRESOLVED_CELLS = 0x0404040404040404
 # At 0.85 one pair of extremes of a rate in 10^6 was lost, at 1 a search takes a third longer.
 SHALLOW = 0.97
 # Of a derivative, over its terms: some ten roundings.
@@ -159,74 +161,23 @@ def _is_unresolved(marks: Any, part: Any, j: int, lane: int) -> Any:
 
 
 @merged
-def _add_unresolved(
-    samples: Any, marks: Any, part: Any, j: int, lane: int, counts: Any, unresolved: Any
-) -> None:
-    """Make an item of the cell that begins with a sample, to be divided."""
-    cells, n = part[CELLS], counts[UNRESOLVED]
-    at, upper = part[FIRST] + j, j >= cells
-    a, b = _position(samples, cells, j, upper, lane), _position(samples, cells, j + 1, upper, lane)
-    set_bracket(unresolved, n, a, samples[at, lane], b, samples[at + 1, lane])
-    append_unresolved(unresolved, n, 1, float(part[SIGN]), not _is_unresolved(marks, part, j - 1, lane))
-    counts[UNRESOLVED] = append_item(unresolved, n, lane, part[PART], upper)
-    marks[at, lane] = UNRESOLVED_CELL
-
-
-@merged
-def _in_one_sign(samples: Any, part: Any, j: int, lane: int) -> Any:
-    """Tell whether a sample and those beside it have one sign."""
-    first, middle = part[FIRST], samples[part[FIRST] + j, lane]
-    left, right = samples[first + max(j - 1, 0), lane], samples[first + min(j + 1, 2 * part[CELLS]), lane]
-    return ((left > 0.0) == (middle > 0.0)) & ((right > 0.0) == (middle > 0.0))
-
-
-@merged
 def _add_valley(samples: Any, part: Any, j: int, lane: int, counts: Any, valleys: Any) -> None:
-    """Make an item of the cells about a sample."""
+    """Make an item of the cells about a sample, if the function has one sign at their ends."""
     cells, first, n = part[CELLS], part[FIRST], counts[VALLEYS]
     left, right = max(j - 1, 0), min(j + 1, 2 * cells)
-    upper = left >= cells
-    a, b = _position(samples, cells, left, upper, lane), _position(samples, cells, right, upper, lane)
-    set_bracket(valleys, n, a, samples[first + left, lane], b, samples[first + right, lane])
-    valleys[XC, n] = _position(samples, cells, j, upper, lane)
-    valleys[FC, n] = samples[first + j, lane]
-    counts[VALLEYS] = append_item(valleys, n, lane, part[PART], upper)
+    fa, fb, middle = samples[first + left, lane], samples[first + right, lane], samples[first + j, lane]
+    if (fa > 0.0) == (middle > 0.0) and (fb > 0.0) == (middle > 0.0):
+        upper = left >= cells
+        a, b = _position(samples, cells, left, upper, lane), _position(samples, cells, right, upper, lane)
+        set_bracket(valleys, n, a, fa, b, fb)
+        valleys[XC, n] = _position(samples, cells, j, upper, lane)
+        valleys[FC, n] = middle
+        counts[VALLEYS] = append_item(valleys, n, lane, part[PART], upper)
 
 
 @outlined
-def _add_others(
-    samples: Any,
-    marks: Any,
-    part: Any,
-    j: int,
-    lane: int,
-    flag: int,
-    counts: Any,
-    valleys: Any,
-    unresolved: Any,
-) -> None:
-    """Make items of a valley about a sample and of an unresolved cell that begins there.
-
-    A valley that an unresolved cell is part of is divided with it.
-    """
-    divided = flag & UNRESOLVED_CELL != 0
-    if flag & VALLEY != 0 and _in_one_sign(samples, part, j, lane):
-        before = _is_unresolved(marks, part, j - 1, lane)
-        if divided | before:
-            if j > 0 and not before:
-                _add_unresolved(samples, marks, part, j - 1, lane, counts, unresolved)
-            divided = True
-        else:
-            _add_valley(samples, part, j, lane, counts, valleys)
-    if divided and j < 2 * part[CELLS]:
-        _add_unresolved(samples, marks, part, j, lane, counts, unresolved)
-
-
-@outlined
-def collect(
-    samples: Any, marks: Any, part: Any, counts: Any, roots: Any, valleys: Any, unresolved: Any
-) -> None:
-    """Make items of the cells of one half of the range that hold a zero, or may hold two, or are unresolved.
+def collect(samples: Any, marks: Any, part: Any, counts: Any, roots: Any, valleys: Any) -> None:
+    """Make items of the cells of one half of the range that hold a zero or may hold two, but for unresolved ones.
 
     Parameters
     ----------
@@ -234,7 +185,7 @@ def collect(
         As for `mark_ends`.
     counts : array of int
         How many designs there are, and how many items of each kind.
-    roots, valleys, unresolved : array (rows of an item, items)
+    roots, valleys : array (rows of an item, items)
         The items.
     """
     first, last, count = part[FIRST], 2 * part[CELLS], counts[DESIGNS]
@@ -251,10 +202,44 @@ def collect(
                 lane = 8 * k + (shift >> 3)
                 if lane >= count:
                     break
-                if flag == ROOT:
-                    if j < last:
-                        _add_root(samples, part, j, lane, counts, roots)
-                else:
-                    _add_others(samples, marks, part, j, lane, flag, counts, valleys, unresolved)
-                    if flag & (ROOT | UNRESOLVED_CELL) == ROOT and j < last:
-                        _add_root(samples, part, j, lane, counts, roots)
+                if flag & UNRESOLVED_CELL != 0:
+                    continue
+                if flag & ROOT and j < last:
+                    _add_root(samples, part, j, lane, counts, roots)
+                if flag & VALLEY and not _is_unresolved(marks, part, j - 1, lane):
+                    _add_valley(samples, part, j, lane, counts, valleys)
+
+
+@outlined
+def collect_unresolved(samples: Any, marks: Any, part: Any, counts: Any, unresolved: Any) -> None:
+    """Make items of the unresolved cells of one half of the range.
+
+    Parameters
+    ----------
+    samples, marks, part, counts
+        As for `collect`.
+    unresolved : array (rows of an item, items)
+        The items.
+    """
+    first, cells, count = part[FIRST], part[CELLS], counts[DESIGNS]
+    n_words = padded(count) >> 3
+    for j in range(2 * cells):
+        at, upper = first + j, j >= cells
+        words = marks[at].view(np.int64)
+        for k in range(n_words):
+            word = words[k] & UNRESOLVED_CELLS
+            while word != 0:
+                shift = trailing_zeros(word) & 56
+                word = word & (word - 1)
+                lane = 8 * k + (shift >> 3)
+                if lane >= count:
+                    break
+                n = counts[UNRESOLVED]
+                a, b = (
+                    _position(samples, cells, j, upper, lane),
+                    _position(samples, cells, j + 1, upper, lane),
+                )
+                set_bracket(unresolved, n, a, samples[at, lane], b, samples[at + 1, lane])
+                owner = not _is_unresolved(marks, part, j - 1, lane)
+                append_unresolved(unresolved, n, 1, float(part[SIGN]), owner)
+                counts[UNRESOLVED] = append_item(unresolved, n, lane, part[PART], upper)

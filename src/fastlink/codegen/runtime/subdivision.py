@@ -12,10 +12,15 @@ from typing import Any
 from fastlink.codegen.runtime.cells import (
     CELLS,
     FC,
+    FINE,
+    FINE_AT,
+    FINE_SAMPLES,
     FIRST,
     HALF,
     LANE,
+    PARTS,
     ROOTS,
+    STEPS,
     UNRESOLVED,
     UPPER,
     VALLEYS,
@@ -30,13 +35,12 @@ from fastlink.codegen.runtime.cells import (
     set_bracket,
 )
 from fastlink.codegen.runtime.sampling import ROOT, UNRESOLVED_CELL, VALLEY, mark
-from fastlink.numerics.compiler import inlined, lanes, merged, outlined
+from fastlink.numerics.compiler import inlined, lanes, outlined
 
-__all__ = ["FINE_SAMPLES", "divide", "keep_fine", "mark_fine", "mark_unresolved", "place_fine"]
+__all__ = ["collect_fine", "divide", "keep_fine", "mark_fine", "mark_unresolved", "place_fine"]
 
-#: Parts of a cell that is divided, and samples then: those beyond its ends show what is a valley at an end.
-PARTS = 8
-FINE_SAMPLES = PARTS + 3
+# The row of the state that tells which parts are divided again: free until a search for a least magnitude begins.
+DIVIDED = STEPS
 #: How often a cell is divided again; of 10^6 designs with random masses none needs the last.
 LEVELS = 4
 # Of a fourth difference. A cubic through four equally spaced samples is off by 3/128 of it between the middle two where
@@ -99,126 +103,140 @@ def mark_unresolved(samples: Any, marks: Any, part: Any, width: int) -> None:
             marks[at1, i] = marks[at1, i] | (
                 UNRESOLVED_CELL if unresolved(f0, f1, f2, f3, fourth, fourth) else 0
             )
+    # a valley with an unresolved cell: both of its cells are divided
+    for j in range(first + 1, last):
+        for i in lanes(width):
+            before, here = marks[j - 1, i], marks[j, i]
+            both = (
+                (here & VALLEY != 0)
+                & ((before | here) & ROOT == 0)
+                & ((before | here) & UNRESOLVED_CELL != 0)
+            )
+            flag = UNRESOLVED_CELL if both else 0
+            marks[j - 1, i] = before | flag
+            marks[j, i] = here | flag
 
 
 @outlined
 def place_fine(s: Any, count: int, k: int) -> None:
-    """Put items at the k-th of their fine samples; beyond an end of the range, where it is mirrored."""
+    """Put items at the k-th of their fine samples; beyond an end of the range, mirrored."""
     t = (k - 1) / PARTS
     for i in lanes(padded(count)):
-        s[X, i] = abs(s[XA, i] + t * (s[XB, i] - s[XA, i]))
+        position = s[XA, i] + t * (s[XB, i] - s[XA, i])
+        s[FINE_AT + k, i] = position
+        s[X, i] = abs(position)
 
 
 @outlined
-def keep_fine(s: Any, count: int, k: int, fine: Any) -> None:
+def keep_fine(s: Any, count: int, k: int) -> None:
     """Keep the values at the k-th fine samples."""
     for i in lanes(padded(count)):
-        fine[k, i] = s[F, i]
+        s[FINE + k, i] = s[F, i]
 
 
 @outlined
-def mark_fine(s: Any, count: int, fine: Any, marks: Any) -> None:
+def mark_fine(s: Any, count: int, marks: Any) -> None:
     """Mark the fine samples of items as `mark` and `mark_unresolved` do; beyond an end of the range, extrapolate first.
 
     Parameters
     ----------
     s, count : array, int
         State of the items, and how many they are.
-    fine, marks : array (FINE_SAMPLES, lanes)
-        Their fine samples, and the marks of these.
+    marks : array (FINE_SAMPLES, lanes)
+        The marks.
     """
     width = padded(count)
     for upper in range(2):
         end, step = (FINE_SAMPLES - 1, -1) if upper == 1 else (0, 1)
-        t = (end - 1) / PARTS
+        f = FINE + end
         for i in lanes(width):
-            beyond = s[XA, i] + t * (s[XB, i] - s[XA, i]) < 0.0
-            f1, f2, f3 = fine[end + step, i], fine[end + 2 * step, i], fine[end + 3 * step, i]
-            cubic = 4.0 * (f1 + f3) - 6.0 * f2 - fine[end + 4 * step, i]
-            fine[end, i] = cubic if beyond else fine[end, i]
+            cubic = (
+                4.0 * (s[f + step, i] + s[f + 3 * step, i]) - 6.0 * s[f + 2 * step, i] - s[f + 4 * step, i]
+            )
+            s[f, i] = cubic if s[FINE_AT + end, i] < 0.0 else s[f, i]
     for k in range(1, PARTS + 2):
-        m0, m1 = min(max(k, 2), PARTS), min(max(k + 1, 2), PARTS)
-        after = min(k + 2, PARTS + 2)
+        f, after = FINE + k, FINE + min(k + 2, PARTS + 2)
+        m0, m1 = FINE + min(max(k, 2), PARTS), FINE + min(max(k + 1, 2), PARTS)
         for i in lanes(width):
-            a, b, c = fine[k - 1, i], fine[k, i], fine[k + 1, i]
-            outer0, inner0 = fine[m0 - 2, i] + fine[m0 + 2, i], fine[m0 - 1, i] + fine[m0 + 1, i]
-            outer1, inner1 = fine[m1 - 2, i] + fine[m1 + 2, i], fine[m1 - 1, i] + fine[m1 + 1, i]
-            fourth0 = outer0 - 4.0 * inner0 + 6.0 * fine[m0, i]
-            fourth1 = outer1 - 4.0 * inner1 + 6.0 * fine[m1, i]
+            a, b, c = s[f - 1, i], s[f, i], s[f + 1, i]
+            fourth0 = (s[m0 - 2, i] + s[m0 + 2, i]) - 4.0 * (s[m0 - 1, i] + s[m0 + 1, i]) + 6.0 * s[m0, i]
+            fourth1 = (s[m1 - 2, i] + s[m1 + 2, i]) - 4.0 * (s[m1 - 1, i] + s[m1 + 1, i]) + 6.0 * s[m1, i]
             one_sign = ((a > 0.0) == (b > 0.0)) & ((c > 0.0) == (b > 0.0))
             sign = 1.0 if s[FC, i] > 0.0 else -1.0
+            doubt = unresolved(a, b, c, s[after, i], fourth0, fourth1)
             flag = mark(a, b, c, sign) & (ROOT | VALLEY if one_sign else ROOT)
-            marks[k, i] = flag | (
-                UNRESOLVED_CELL if unresolved(a, b, c, fine[after, i], fourth0, fourth1) else 0
-            )
-
-
-@merged
-def _position(s: Any, i: int, k: int) -> float:
-    """Return the position of a fine sample, negative beyond an end of the range."""
-    return float(s[XA, i]) + ((k - 1) / PARTS) * (float(s[XB, i]) - float(s[XA, i]))
-
-
-@merged
-def _divided_parts(marks: Any, i: int, owner: bool) -> int:
-    """Return the parts of an item that are divided again, as bits: unresolved ones, and those about a valley with one.
-
-    A valley at an end of the item may reach into another item, so its part is divided too.
-    """
-    parts = 0
-    for k in range(1, PARTS + 1):
-        if marks[k, i] & UNRESOLVED_CELL != 0:
-            parts = parts | (1 << k)
-    if marks[1, i] & VALLEY != 0 and not owner:
-        parts = parts | 2
-    if marks[PARTS + 1, i] & VALLEY != 0:
-        parts = parts | (1 << PARTS)
-    for k in range(1, PARTS + 2):
-        both = 3 << (k - 1)
-        if marks[k, i] & VALLEY != 0 and parts & both != 0:
-            parts = parts | both
-    return parts & ((2 << PARTS) - 2)
+            marks[k, i] = flag | (UNRESOLVED_CELL if doubt else 0)
 
 
 @outlined
-def divide(
-    s: Any, count: int, fine: Any, marks: Any, counts: Any, items: Any, roots: Any, valleys: Any
-) -> None:
-    """Make items of the parts of cells by their fine samples: of zeros, of valleys, and of parts to be divided again.
+def divide(s: Any, count: int, marks: Any, counts: Any, items: Any) -> None:
+    """Make items of the parts of cells that are divided again: unresolved ones, and those about a valley with one.
+
+    A valley at an end of a cell may reach into another one that is divided, so its part is divided too. The parts are
+    bits of `DIVIDED`.
 
     Parameters
     ----------
-    s, count, fine, marks
+    s, count, marks
         As for `mark_fine`.
     counts : array of int
         How many items of each kind there are.
-    items, roots, valleys : array (rows of an item, items)
-        Unresolved cells, zeros and valleys.
+    items : array (rows of an item, items)
+        Unresolved cells.
     """
     for i in range(count):
-        lane, half, upper, level = int(s[LANE, i]), int(s[HALF, i]), s[UPPER, i] > 0.0, int(s[XC, i])
-        owner = abs(s[FC, i]) > 1.0
-        sign = 1.0 if s[FC, i] > 0.0 else -1.0
-        parts = _divided_parts(marks, i, owner) if level < LEVELS else 0
+        level, owner, parts = int(s[XC, i]), abs(s[FC, i]) > 1.0, 0
         for k in range(1, PARTS + 2):
-            first = k > 1 or owner
-            if marks[k, i] & VALLEY != 0 and (parts >> (k - 1)) & 3 == 0 and first:
-                # at an end of the range the bracket begins at the end itself
-                begin = k if _position(s, i, k - 1) < 0.0 else k - 1
-                stop = k if _position(s, i, k + 1) < 0.0 else k + 1
-                n, a, b = counts[VALLEYS], _position(s, i, begin), _position(s, i, stop)
-                set_bracket(valleys, n, a, fine[begin, i], b, fine[stop, i])
-                valleys[XC, n] = _position(s, i, k)
-                valleys[FC, n] = fine[k, i]
-                counts[VALLEYS] = append_item(valleys, n, lane, half, upper)
-            if k > PARTS:
-                continue
+            if marks[k, i] & UNRESOLVED_CELL != 0 and k <= PARTS:
+                parts = parts | (1 << k)
+        if marks[1, i] & VALLEY != 0 and not owner:
+            parts = parts | 2
+        if marks[PARTS + 1, i] & VALLEY != 0:
+            parts = parts | (1 << PARTS)
+        for k in range(1, PARTS + 2):
+            both = 3 << (k - 1)
+            if marks[k, i] & VALLEY != 0 and parts & both != 0:
+                parts = parts | both
+        parts = parts & ((2 << PARTS) - 2) if level < LEVELS else 0
+        s[DIVIDED, i] = parts
+        for k in range(1, PARTS + 1):
             if (parts >> k) & 1 != 0:
-                n, a, b = counts[UNRESOLVED], _position(s, i, k), _position(s, i, k + 1)
-                set_bracket(items, n, a, fine[k, i], b, fine[k + 1, i])
-                append_unresolved(items, n, level + 1, sign, (parts >> (k - 1)) & 1 == 0 and first)
-                counts[UNRESOLVED] = append_item(items, n, lane, half, upper)
-            elif marks[k, i] & ROOT != 0:
-                n, a, b = counts[ROOTS], _position(s, i, k), _position(s, i, k + 1)
-                set_bracket(roots, n, a, fine[k, i], b, fine[k + 1, i])
+                n = counts[UNRESOLVED]
+                set_bracket(
+                    items, n, s[FINE_AT + k, i], s[FINE + k, i], s[FINE_AT + k + 1, i], s[FINE + k + 1, i]
+                )
+                first = (parts >> (k - 1)) & 1 == 0 and (k > 1 or owner)
+                append_unresolved(items, n, level + 1, 1.0 if s[FC, i] > 0.0 else -1.0, first)
+                counts[UNRESOLVED] = append_item(
+                    items, n, int(s[LANE, i]), int(s[HALF, i]), s[UPPER, i] > 0.0
+                )
+
+
+@outlined
+def collect_fine(s: Any, count: int, marks: Any, counts: Any, roots: Any, valleys: Any) -> None:
+    """Make items of the zeros and valleys of cells by their fine samples, but for the parts that are divided again.
+
+    Parameters
+    ----------
+    s, count, marks, counts
+        As for `divide`, after it.
+    roots, valleys : array (rows of an item, items)
+        The items.
+    """
+    for i in range(count):
+        lane, half, upper, parts = int(s[LANE, i]), int(s[HALF, i]), s[UPPER, i] > 0.0, int(s[DIVIDED, i])
+        owner = abs(s[FC, i]) > 1.0
+        for k in range(1, PARTS + 2):
+            at, f = FINE_AT + k, FINE + k
+            if marks[k, i] & VALLEY != 0 and (parts >> (k - 1)) & 3 == 0 and (k > 1 or owner):
+                # at an end of the range the bracket begins at the end itself
+                a, b = (0 if s[at - 1, i] < 0.0 else 1), (0 if s[at + 1, i] < 0.0 else 1)
+                n = counts[VALLEYS]
+                set_bracket(valleys, n, s[at - a, i], s[f - a, i], s[at + b, i], s[f + b, i])
+                valleys[XC, n] = s[at, i]
+                valleys[FC, n] = s[f, i]
+                counts[VALLEYS] = append_item(valleys, n, lane, half, upper)
+            if k <= PARTS and (parts >> k) & 1 == 0 and marks[k, i] & ROOT != 0:
+                n = counts[ROOTS]
+                set_bracket(roots, n, s[at, i], s[f, i], s[at + 1, i], s[f + 1, i])
                 counts[ROOTS] = append_item(roots, n, lane, half, upper)
