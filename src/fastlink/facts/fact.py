@@ -143,7 +143,7 @@ class GradedRange:
     not_differentiable: tuple[str, ...] = ()
     wraps_at: Mapping[str, str] = field(default_factory=dict)
     cells_otherwise: int = 32
-    max_extrema_otherwise: int = 12
+    max_extrema_otherwise: int = 16
     axis: float = 0.0
 
 

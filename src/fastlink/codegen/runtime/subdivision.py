@@ -11,6 +11,8 @@ from typing import Any
 
 from fastlink.codegen.runtime.cells import (
     CELLS,
+    FA,
+    FB,
     FC,
     FINE,
     FINE_AT,
@@ -122,7 +124,7 @@ def place_fine(s: Any, count: int, k: int) -> None:
     """Put items at the k-th of their fine samples; beyond an end of the range, mirrored."""
     t = (k - 1) / PARTS
     for i in lanes(padded(count)):
-        position = s[XA, i] + t * (s[XB, i] - s[XA, i])
+        position = (1.0 - t) * s[XA, i] + t * s[XB, i]  # exact at both ends
         s[FINE_AT + k, i] = position
         s[X, i] = abs(position)
 
@@ -146,6 +148,10 @@ def mark_fine(s: Any, count: int, marks: Any) -> None:
         The marks.
     """
     width = padded(count)
+    for i in lanes(width):
+        # what the signs at the ends of a cell are was decided by its samples
+        s[FINE + 1, i] = s[FA, i]
+        s[FINE + PARTS + 1, i] = s[FB, i]
     for upper in range(2):
         end, step = (FINE_SAMPLES - 1, -1) if upper == 1 else (0, 1)
         f = FINE + end
