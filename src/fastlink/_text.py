@@ -82,6 +82,17 @@ def counted(number: int, noun: str) -> str:
     return f"{number:,} {noun}{'' if number == 1 else 's'}"
 
 
+def joined(parts: Sequence[str]) -> str:
+    """Return texts as an enumeration.
+
+    Examples
+    --------
+    >>> joined(["a1", "a2", "a3"]), joined(["a1"])
+    ('a1, a2 and a3', 'a1')
+    """
+    return " and ".join((", ".join(parts[:-1]), parts[-1])) if len(parts) > 1 else "".join(parts)
+
+
 def duration(seconds: float) -> str:
     """Return a time in words.
 

@@ -7,7 +7,7 @@ from collections.abc import Callable, Mapping, Sequence
 from inspect import Parameter, Signature, signature
 from typing import Any, ParamSpec, TypeVar, overload
 
-from fastlink._text import counted
+from fastlink._text import counted, joined
 from fastlink.errors import InputError, Problem, Problems, nearest, suggest
 
 __all__ = ["CallError", "door"]
@@ -111,9 +111,11 @@ def _wrong_call(
     misspelt = {key: name for key in missing for name in reversed(others) if nearest(name, missing) == key}
     for key, near in misspelt.items():
         problems.add("is missing", (name, key), f"write {key} in place of {near}")
-    for key in missing:
-        if key not in misspelt:
-            problems.add("is missing", (name, key), form)
+    absent = [key for key in missing if key not in misspelt]
+    if len(absent) == 1:
+        problems.add("is missing", (name, *absent), form)
+    elif absent:
+        problems.add(f"{joined(absent)} are missing", (name,), form)
     if not any(one.kind is Parameter.VAR_KEYWORD for one in parameters):
         for key in (key for key in others if key not in misspelt.values()):
             problems.add("is not a parameter", (name, key), suggest(key, named) if named else form)

@@ -171,3 +171,25 @@ def test_differential_evolution_finds_the_best_of_a_grid(vectorized):
     assert function(best.x)[1] >= np.radians(30.0)
     # it stops when the population of 30 agrees to eight digits, the steps of the grid are a hundredth
     assert best.fun <= on_grid
+
+
+def test_a_name_that_is_no_input_is_refused_among_the_inputs():
+    fixed = {"a2": 1.2, "a3": 0.8, "a4": 1.0, "omega1": 25.0}
+    with refused("psi_deg"):
+        fl.function("planar_4r", ["a1", "psi_deg"], ["omega4_max"], **fixed)
+    for name in ("theta1", "theta1_deg", "branch"):
+        with refused(repr(name), f"write {name} as an option of the function"):
+            fl.function("planar_4r", ["a1", name], ["omega4_max"], **fixed)
+
+
+def test_what_is_wrong_with_inputs_and_outputs_is_told_together():
+    with pytest.raises(fl.InputError) as caught:
+        fl.function("planar_4r", ["a9"], ["omega9_max"], a1=0.4, alpha9=1.0, solver="x")
+    where = sorted(str(one.where) for one in caught.value.problems)
+    assert where == ["('function', 'alpha9')", "('inputs', 'a9')", "('outputs', 0)", "('solver',)"]
+
+
+def test_numbers_by_position_are_refused_with_the_form():
+    function = fl.function("planar_4r", ["a1", "a2"], ["omega4_max"], a3=0.8, a4=1.0, omega1=25.0)
+    with refused("function", "a row for each input"):
+        function(0.4, 1.2)

@@ -5,6 +5,7 @@ import re
 import numpy as np
 import pytest
 from tests.support.configurations import draw
+from tests.support.refusals import refused
 from tests.support.study_files import written
 
 import fastlink as fl
@@ -97,3 +98,10 @@ def test_a_misspelt_option_is_refused_with_the_right_one():
         fl.sweep("planar_4r", space, ["theta4"], brch=1)
     with pytest.raises(fl.InputError, match="did you mean 'solver'"):
         fl.function("planar_4r", ["a1"], ["theta4"], solvr="dense", a2=1.2, a3=0.8, a4=1.0)
+
+
+@pytest.mark.parametrize("name", ["theta1", "theta1_deg", "angles"])
+def test_a_range_of_more_positions_than_can_be_read_is_refused_at_once(name):
+    design = {"a1": 0.4, "a2": 1.2, "a3": 0.8, "a4": 1.0}
+    with refused(name, "at most"):
+        fl.sweep("planar_4r", design, ["theta4"], **{name: range(10**12)})

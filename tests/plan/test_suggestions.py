@@ -166,9 +166,16 @@ def test_evaluate_answers_in_the_same_words(name, remedy):
 def test_missing_masses_name_the_links(name):
     with pytest.raises(fl.InputError) as caught:
         fl.sweep("planar_4r", fl.grid(**DESIGN), [name])
-    assert all(
-        "links=fl.round_bar(density=..., radius=...)" in line for line in str(caught.value).splitlines()
-    )
+    (line,) = str(caught.value).splitlines()
+    assert "links=fl.round_bar(density=..., radius=...)" in line
+    assert all(mass in line for mass in ("m2", "m3", "G2_u"))
+
+
+def test_masses_that_several_quantities_need_are_one_line():
+    with refused("m1", "T41_max and shaking_force_max depend on them"):
+        fl.sweep("planar_4r", fl.grid(**DESIGN), ["T41_max", "shaking_force_max"])
+    with refused("m2", "links=fl.round_bar(density=..., radius=...)"):
+        fl.evaluate("planar_4r", ["T41", "F32"], **DESIGN, theta1=1.0)
 
 
 def test_an_input_of_links_names_the_links():

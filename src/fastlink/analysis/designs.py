@@ -13,7 +13,7 @@ from fastlink.engine.broadcast import broadcast_inputs, like
 from fastlink.errors import InputError, Problem, Problems
 from fastlink.options import check_whole
 from fastlink.plan.validate import name_problems, value_problems
-from fastlink.space.degrees import angle_of
+from fastlink.space.degrees import angle_of, in_unit
 from fastlink.space.values import MOST_DIMS, numbers_of
 
 __all__ = [
@@ -150,7 +150,8 @@ def _broadcast(
     read = {}
     for name, value in values.items():
         with problems.at():
-            numbers = numbers_of(function, name, value, MOST_DIMS)
+            stated = numbers_of(function, name, value, MOST_DIMS)
+            numbers = in_unit((function, name), value, stated, declared[name].units)
             checked = np.where(np.isnan(numbers), 1.0, numbers) if gaps else numbers
             problems.noted += value_problems(declared[name], checked, function)
             read[name] = like(value, numbers)

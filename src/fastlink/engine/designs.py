@@ -17,13 +17,16 @@ from fastlink.plan.validate import unknown_input
 from fastlink.space.columns import or_keep
 from fastlink.space.degrees import (
     COMMENT,
+    DEGREE_UNIT,
     DEGREES,
     RADIANS,
     angle_of,
     as_floats,
     check_angle,
     degrees_name,
+    has_unit,
     remark_on_angles,
+    unit_remedy,
 )
 from fastlink.space.links import MODELS
 from fastlink.space.values import axis_of
@@ -38,14 +41,6 @@ __all__ = ["designs_of"]
 BRANCH = "branch"
 #: The attribute of a result that names what stood beside its designs and is ignored.
 IGNORED = "design_ignored"
-#: What labelled values call units, by the catalogue's own text.
-SAME_UNITS = {
-    "m": {"m", "meter", "metre", "meters", "metres"},
-    "rad": {"rad", "radian", "radians"},
-    "1": {"1", "", "dimensionless"},
-    "kg": {"kg", "kilogram", "kilograms"},
-    "N": {"N", "newton", "newtons"},
-}
 
 
 def designs_of(
@@ -149,18 +144,12 @@ def _check_units(space: DesignSpace, known: Mapping[str, Input], problems: Probl
         angle = "" if name in known else angle_of(name)
         if name not in space.names or not (name in known or angle in known):
             continue
-        expected = "deg" if angle else known[name].units
+        expected = DEGREE_UNIT if angle else known[name].units
         if unit in DEGREES and expected == RADIANS:
             degrees.append(name)
-        elif not (unit in DEGREES if angle else _same_unit(unit, expected)):
-            remedy = f"convert it to {'degrees' if angle else expected}, or leave the attribute 'units' out"
-            problems.add(f"has the unit {unit!r}", ("design", name), remedy)
+        elif not has_unit(unit, expected):
+            problems.add(f"has the unit {unit!r}", ("design", name), unit_remedy(expected))
     return _renamed(space, {name: name for name in degrees}, problems)
-
-
-def _same_unit(unit: str, expected: str) -> bool:
-    plain = unit.translate(str.maketrans("", "", "^* ."))
-    return plain == expected.replace(" ", "") or unit.strip() in SAME_UNITS.get(expected, ())
 
 
 def _in_radians(space: DesignSpace, known: Mapping[str, Input], problems: Problems) -> DesignSpace:

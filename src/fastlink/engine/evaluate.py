@@ -16,7 +16,7 @@ from fastlink.catalogue.evaluate import evaluate_on_doubles
 from fastlink.catalogue.tables import angle_tables
 from fastlink.doors import door
 from fastlink.engine.broadcast import MOST_CONFIGURATIONS, broadcast_inputs, like, too_many
-from fastlink.errors import InputError, Problem, Problems, Setting
+from fastlink.errors import InputError, KeyPath, Problem, Problems, Setting
 from fastlink.mechanisms import NAMES, inputs_of
 from fastlink.mechanisms import catalogue as find_catalogue
 from fastlink.options import check_switch
@@ -29,12 +29,13 @@ from fastlink.plan.validate import (
     branch_codes,
     check_model,
     constants_of,
+    joined_missing,
     missing_inputs,
     name_problems,
     selected_variants,
     value_problems,
 )
-from fastlink.space.degrees import RADIANS, angle_of, remark_on_angles
+from fastlink.space.degrees import RADIANS, angle_of, in_unit, remark_on_angles
 from fastlink.space.links import Links
 from fastlink.space.values import MOST_DIMS, has, numbers_of
 
@@ -229,12 +230,11 @@ def _recipe(catalogue: Catalogue, version: int, names: tuple[str, ...], given: _
     try:
         steps = tuple(catalogue.dependencies(names, {*given.names, *tables}, given.variants))
     except InputError as error:
-        problems = Problems()
+        missing: dict[KeyPath, Problem] = {}
         for name in names:
-            missing = missing_inputs(catalogue, name, given.variants, given.names, "evaluate")
-            problems.noted += [one for one in missing if one not in problems.noted]
-        problems.stop()
-        raise error
+            absent = missing_inputs(catalogue, name, given.variants, given.names, "evaluate")
+            missing |= {one.where: one for one in absent if one.where not in missing}
+        raise InputError.of(joined_missing(missing.values())) if missing else error from None
     read = {*names, *(need for step in steps for need in step.depends_on)}
     return _Recipe(tuple(name for name in tables if name in read), steps)
 
@@ -253,7 +253,8 @@ def _checked(declared: Input, value: Any, allow_invalid: bool) -> Any:
     size = value.size if has(value, "dtype") else 0
     if isinstance(size, int) and size > MOST_CONFIGURATIONS:
         raise too_many(size, "evaluate", declared.name)
-    numbers = numbers_of("evaluate", declared.name, value, MOST_DIMS)[()]
+    path = ("evaluate", declared.name)
+    numbers = in_unit(path, value, numbers_of(*path, value, MOST_DIMS), declared.units)[()]
     if not allow_invalid and not np.all(allowed(declared, numbers)):
         keep = ((", or pass ", Setting("allow_invalid", True), " to get NaN there"),)
         raise InputError.of(value_problems(declared, np.asarray(numbers), "evaluate", keep))

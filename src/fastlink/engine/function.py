@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import threading
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property, partial
 from inspect import signature
@@ -12,10 +12,12 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from fastlink._text import counted, short_repr
+from fastlink._text import short_repr
 from fastlink.catalogue.declare import ELIMINATED
 from fastlink.doors import door
 from fastlink.engine.binding import VECTOR, BoundKernel, aligned
+from fastlink.engine.checks import check
+from fastlink.engine.fixed_inputs import constants, refuse_choices, wrong_inputs
 from fastlink.engine.resolve import ResolvedSweep, resolve
 from fastlink.errors import InputError, Problems
 from fastlink.mechanisms import NAMES, inputs_of
@@ -26,7 +28,6 @@ from fastlink.plan.query import check_names
 from fastlink.plan.validate import allowed, check_inputs, selected_variants, unknown_input
 from fastlink.space.degrees import angle_of, degrees_name
 from fastlink.space.design_space import DESIGN, DesignSpace
-from fastlink.space.samplers import grid
 from fastlink.space.values import MOST_DIMS, numbers_of
 
 if TYPE_CHECKING:
@@ -120,31 +121,38 @@ def function(
                 "takes radians", ("function", degrees_name(angle)), f"write {angle} among the inputs"
             )
     drives = {name for other in NAMES for name in inputs_of(other)} - known.keys()
+    strange = [name for name in fixed if not {name, angle_of(name)} & {*known, *drives}]
     problems.noted += [
         unknown_input(catalogue, name, known, "function", (*_OPTIONS, catalogue.position.name))
-        for name in fixed
-        if name not in known and name not in drives and angle_of(name) not in drives
+        for name in strange
     ]
+    problems.noted += wrong_inputs(catalogue, names)
     with problems.at():
-        constants = _constants({name: value for name, value in fixed.items() if name in known})
-        variants = selected_variants(catalogue, links, solver, [*names, *constants])
-        check_inputs(catalogue, DesignSpace("grid", (), (), constants), variants, False)
+        fixed_numbers = constants({name: value for name, value in fixed.items() if name in known}, known)
+        variants = selected_variants(catalogue, links, solver, [*names, *fixed_numbers])
+        check_inputs(catalogue, DesignSpace("grid", (), (), fixed_numbers), variants, False)
+    named: dict[str, Any] = {
+        "positions": {name: values for name, values in fixed.items() if name not in (*known, *strange)},
+        "options": [*_OPTIONS, *known],
+        "parameter": "outputs",
+        "companions": False,
+    }
+    if problems.noted:
+        with problems.at():
+            check(mechanism, None, wanted, **named, **options)
     problems.stop()
     varying = DesignSpace(
-        "table", (DESIGN,), (1,), constants, columns={name: np.full(1, np.nan) for name in names}
+        "table", (DESIGN,), (1,), fixed_numbers, columns={name: np.full(1, np.nan) for name in names}
     )
     resolved = resolve(
         mechanism,
         varying,
         wanted,
-        positions={name: values for name, values in fixed.items() if name not in known},
-        options=[*_OPTIONS, *known],
         allow_invalid=True,  # the fixed values are checked above, the others at each call
-        companions=False,
-        parameter="outputs",
+        **named,
         **options,
     )
-    _refuse_choices(resolved, varying)
+    refuse_choices(resolved, varying)
     function_again: Any = function
     recipe = partial(function_again, mechanism, names, list(wanted), **options, **fixed)
     return Function(resolved, names, resolved.one_branch, recipe)
@@ -208,6 +216,7 @@ class Function:
         self._block = max(1, min(BLOCK, BLOCK_BYTES // row // 64 * 64))
         self._of_thread = threading.local()
 
+    @door(name="function", hint="x is one array, with a row for each input")
     def __call__(self, x: ArrayLike) -> NDArray[np.float64]:
         """Return the outputs (outputs, ...) of designs (inputs, ...)."""
         plain = type(x) is np.ndarray and x.dtype == np.float64
@@ -295,25 +304,6 @@ class Function:
             kernel.run(count)
             for k, result in kernel.results:
                 outputs[k] = result[:count].reshape(count, *self._shapes[k])
-
-
-def _constants(fixed: Mapping[str, Any]) -> dict[str, float]:
-    space = grid(**fixed)
-    if space.dims:
-        name = space.dims[0]
-        what = f"is given {counted(space.shape[0], 'value')}"
-        remedy = "write one number, or name it among the inputs"
-        raise InputError(what, where=("function", name), remedy=remedy)
-    return space.constants
-
-
-def _refuse_choices(resolved: ResolvedSweep, varying: DesignSpace) -> None:
-    """Refuse a missing code, of which a sweep would evaluate every choice."""
-    known = resolved.catalogue.known_inputs(resolved.plan.variants)
-    for name in resolved.space.axes:
-        if name not in varying.names:
-            codes = ", ".join(f"{code} ({meaning})" for code, meaning in known[name].choices.items())
-            raise InputError("is missing", where=("function", name), remedy=f"give it, one of {codes}")
 
 
 def _axes(outputs: Sequence[Output]) -> tuple[str, ...]:

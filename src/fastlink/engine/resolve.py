@@ -17,14 +17,14 @@ from fastlink.engine.checks import CheckedRequest, all_declared, check
 from fastlink.engine.designs import designs_of
 from fastlink.engine.executor import Job, Shapes
 from fastlink.engine.scaling import ScalingAxis, find_scaling_axis
-from fastlink.errors import InputError, Problems
+from fastlink.errors import InputError, KeyPath, Problem, Problems
 from fastlink.mechanisms import catalogue as find_catalogue
 from fastlink.plan.plan import Plan, make_plan
 from fastlink.plan.pointwise import ANGLES_FOR_LANES
 from fastlink.plan.positions import in_degrees
 from fastlink.plan.program import EXTREMUM
 from fastlink.plan.query import Extrema, with_lists
-from fastlink.plan.validate import all_choices, constants_of, missing_inputs
+from fastlink.plan.validate import all_choices, constants_of, joined_missing, missing_inputs
 from fastlink.space.degrees import COMMENT
 from fastlink.space.table import as_space
 
@@ -206,14 +206,15 @@ def _problem_of_each(
 ) -> InputError | None:
     """Return every missing input, once, and the other problems of each quantity."""
     catalogue, problems = checked.catalogue, Problems()
+    missing: dict[KeyPath, Problem] = {}
     for k, name in enumerate(checked.names):
         with problems.at(parameter, k):
-            missing = missing_inputs(catalogue, name, checked.variants, planning["given"])
-            known = [one.where for one in problems.noted]
-            problems.noted += [one for one in missing if one.where not in known]
-            if not missing:
+            absent = missing_inputs(catalogue, name, checked.variants, planning["given"])
+            missing |= {one.where: one for one in absent if one.where not in missing}
+            if not absent:
                 make_plan(catalogue, [name], **planning)
-    return InputError.of(problems.noted) if problems.noted else None
+    noted = [*joined_missing(missing.values()), *problems.noted]
+    return InputError.of(noted) if noted else None
 
 
 def cached_plan(

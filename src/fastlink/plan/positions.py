@@ -15,6 +15,7 @@ from fastlink.mechanisms import NAMES, inputs_of
 from fastlink.options import check_choice
 from fastlink.plan.query import Extrema, parse_request
 from fastlink.space.degrees import (
+    DEGREE_UNIT,
     DEGREES,
     RADIANS,
     Degrees,
@@ -22,10 +23,21 @@ from fastlink.space.degrees import (
     as_floats,
     check_angle,
     degrees_name,
+    has_unit,
+    in_unit,
     radians,
     remark_on_angles,
+    unit_remedy,
 )
-from fastlink.space.values import MOST_DIMS, MOST_LISTED, first_invalid, listed, numbers_of, units_of
+from fastlink.space.values import (
+    MOST_DIMS,
+    MOST_LISTED,
+    check_length,
+    first_invalid,
+    listed,
+    numbers_of,
+    units_of,
+)
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
@@ -42,8 +54,6 @@ __all__ = [
 
 EXTREMA: tuple[Extrema, ...] = ("refined", "sampled")
 ANGLES = 360
-#: Most input angles of a turn: 80 MB.
-MOST_POSITIONS = 10_000_000
 
 
 def check_keywords(
@@ -79,6 +89,8 @@ def check_keywords(
 
 def _are_several(values: Any) -> bool:
     """Tell whether input positions are an array, or at least no scalar."""
+    if isinstance(values, (list, tuple, range)):  # one of 10^8 takes 10 s to convert
+        return True
     try:
         return np.ndim(values) > 0
     except Exception:  # ragged lists, and whatever a class of somebody's does; `check_positions` refuses them
@@ -109,16 +121,22 @@ def given_angles(catalogue: Catalogue, angles: Any, positions: Mapping[str, Any]
     if catalogue.position.units != RADIANS:
         given.pop(degrees_name(name), None)  # see `check_keywords`
     for key, values in given.items():
+        check_length((key,), values)
         try:
-            np.ndim(values)
+            if not isinstance(values, (list, tuple, range)):
+                np.ndim(values)
         except Exception:  # whatever a class of somebody's does when it is converted
             remedy = "write a flat array of numbers"
             raise InputError(f"is {short_repr(values)}", where=(key,), remedy=remedy) from None
         if isinstance(values, Degrees):
             return degrees_name(name), _from_degrees(catalogue, values.values)
-        if key == degrees_name(name):
+        unit = units_of(key, values).get(key, "")
+        expected = DEGREE_UNIT if key == degrees_name(name) else catalogue.position.units
+        if unit in DEGREES and expected == RADIANS:
             return key, _from_degrees(catalogue, values)
-        if catalogue.position.units == RADIANS and units_of(name, values).get(name) in DEGREES:
+        if unit and not has_unit(unit, expected):
+            raise InputError(f"has the unit {unit!r}", where=(key,), remedy=unit_remedy(expected))
+        if key == degrees_name(name):
             return key, _from_degrees(catalogue, values)
         if catalogue.position.units == RADIANS and _are_several(values):
             remark_on_angles(name, values)
@@ -172,11 +190,19 @@ def radian_keywords(
             continue
         try:
             check_angle(name, angle, declared[angle].units, given)
-            plain = radians(numbers_of(door, name, value, MOST_DIMS))
-            result[angle] = value.copy(data=plain) if hasattr(value, "dims") else plain
+            numbers = numbers_of(door, name, value, MOST_DIMS)
+            plain = radians(in_unit((door, name), value, numbers, DEGREE_UNIT))
+            result[angle] = _relabelled(value, plain) if hasattr(value, "dims") else plain
         except InputError as error:
             problems.noted += [replace(one, where=(door, name, *one.where[2:])) for one in error.problems]
             result.setdefault(angle, 0.5)  # so that it is not reported as missing too
+    return result
+
+
+def _relabelled(value: Any, numbers: Any) -> Any:
+    """Return other numbers with the dimensions and coordinates of labelled ones."""
+    result = value.copy(data=numbers)
+    result.attrs = {}  # with the unit
     return result
 
 

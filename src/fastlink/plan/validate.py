@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from fastlink._text import counted, short_repr
+from fastlink._text import joined, short_repr
 from fastlink.catalogue.catalogue import Catalogue, Input
 from fastlink.catalogue.declare import ELIMINATED
 from fastlink.errors import InputError, KeyPath, Model, Problem, Problems, Remedy, nearest, suggest
@@ -19,7 +19,7 @@ from fastlink.options import check_choice
 from fastlink.plan.query import parse_request
 from fastlink.plan.suggestions import input_remedy, suggest_input
 from fastlink.space.links import MODELS, Links
-from fastlink.space.values import MOST_LISTED, cells_of, has, is_number, listed, unmasked
+from fastlink.space.values import cells_of, check_length, is_number, unmasked
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -34,6 +34,7 @@ __all__ = [
     "check_inputs",
     "check_model",
     "constants_of",
+    "joined_missing",
     "missing_inputs",
     "name_problems",
     "selected_variants",
@@ -226,6 +227,22 @@ def missing_inputs(
     ]
 
 
+def joined_missing(problems: Iterable[Problem]) -> list[Problem]:
+    """Return missing inputs with one problem for all mass data that a model of the links would give at once."""
+    groups: dict[tuple[KeyPath, Remedy], list[Problem]] = {}
+    for one in problems:
+        models = one.remedy[1:] if isinstance(one.remedy, tuple) else ()
+        groups.setdefault((one.where[:-1], models) if models else (one.where, ""), []).append(one)
+    return [group[0] if len(group) == 1 else _joined(group) for group in groups.values()]
+
+
+def _joined(group: Sequence[Problem]) -> Problem:
+    names = joined([str(one.where[-1]) for one in group])
+    dependents = list(dict.fromkeys(str(one.remedy[0]).partition(" ")[0] for one in group))
+    needed = f"{joined(dependents)} depend{'' if dependents[1:] else 's'} on them: add them"
+    return Problem(f"{names} are missing", group[0].where[:-1], (needed, *group[0].remedy[1:]))
+
+
 def branch_codes(catalogue: Catalogue, branch: Any) -> NDArray[np.float64]:
     """Return assembly modes as numbers of the same shape.
 
@@ -237,8 +254,7 @@ def branch_codes(catalogue: Catalogue, branch: Any) -> NDArray[np.float64]:
     if isinstance(branch, np.ma.MaskedArray):
         branch = unmasked(branch)
     remedy = f"write some of {', '.join(map(str, catalogue.branches))}"
-    if not has(branch, "dtype") and listed(branch) > MOST_LISTED:
-        raise InputError(f"holds {counted(listed(branch), 'value')}", where=("branch",), remedy=remedy)
+    check_length(("branch",), branch, remedy)
     values = cells_of(branch)
     if values.dtype.kind in "iuf":
         bad = values[~np.isin(values, tuple(catalogue.branches))].ravel()[:1].tolist()

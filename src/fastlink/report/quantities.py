@@ -12,7 +12,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import astuple, fields
 from typing import Any, SupportsIndex, overload
 
-from fastlink._text import folded
+from fastlink._text import folded, joined
 from fastlink.catalogue.catalogue import Catalogue
 from fastlink.catalogue.search import index_of_inputs
 from fastlink.doors import door
@@ -172,7 +172,7 @@ class QuantityList(list[Quantity]):
             f"`{ListOfExtrema(NAME, 'count')}` and `{ListOfExtrema(NAME, 'kind')}`. "
         )
         return (
-            f"Any NAME with the dimension `{position.name}` has {_and(reductions)}, and {_and(positions)} (the "
+            f"Any NAME with the dimension `{position.name}` has {joined(reductions)}, and {joined(positions)} (the "
             f"{position.name}{unit} there), with the dimensions ({DESIGN}, {BRANCH}). "
             f"{lists if catalogue.graded is not None else ''}"
             "Configurations that do not assemble are NaN and do not count. "
@@ -277,10 +277,6 @@ def document() -> str:
         "`fastlink quantities MECHANISM` prints the same."
     )
     return "\n\n".join((head, *(quantities(name).markdown() for name in NAMES))) + "\n"
-
-
-def _and(parts: Sequence[str]) -> str:
-    return " and ".join((", ".join(parts[:-1]), parts[-1])) if len(parts) > 1 else "".join(parts)
 
 
 def _cells(row: Quantity) -> tuple[str, ...]:

@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from fastlink._text import short_repr
-from fastlink.errors import InputError, remark
+from fastlink.errors import InputError, KeyPath, remark
 from fastlink.numerics.compensated import two_product, two_sum
-from fastlink.space.values import Floats
+from fastlink.space.values import Floats, units_of
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -19,20 +19,35 @@ if TYPE_CHECKING:
 __all__ = [
     "COMMENT",
     "DEGREES",
+    "DEGREE_UNIT",
     "RADIANS",
     "Degrees",
     "angle_of",
     "as_floats",
     "check_angle",
     "degrees_name",
+    "has_unit",
+    "in_unit",
     "looks_like_degrees",
     "radians",
     "remark_on_angles",
+    "unit_remedy",
 ]
 
 ENDING = "_deg"
 #: The unit of angles, and the texts by which labelled values say that theirs is the degree.
 RADIANS, DEGREES = "rad", frozenset({"deg", "degree", "degrees", "°"})
+#: The unit of an input whose name ends in ``_deg``.
+DEGREE_UNIT = "deg"
+#: What labelled values call units, by the catalogue's own text.
+SAME_UNITS = {
+    "m": {"m", "meter", "metre", "meters", "metres"},
+    "rad": {"rad", "radian", "radians"},
+    "1": {"1", "", "dimensionless"},
+    "kg": {"kg", "kilogram", "kilograms"},
+    "N": {"N", "newton", "newtons"},
+    DEGREE_UNIT: DEGREES,
+}
 #: The comment of a coordinate whose values were converted.
 COMMENT = "given in degrees"
 #: pi/180 as an unevaluated sum of two doubles, 106 bits of it.
@@ -116,6 +131,33 @@ def check_angle(name: str, angle: str, unit: str, others: Collection[str]) -> No
         raise InputError(f"{angle} is no angle but {unit}", where=(name,), remedy=f"write {angle}")
     if angle in others:
         raise InputError(f"{angle} is given too", where=(name,), remedy="write one of them")
+
+
+def has_unit(unit: str, expected: str) -> bool:
+    """Tell whether labelled values state the unit that is expected, by whatever spelling.
+
+    Examples
+    --------
+    >>> has_unit("rad/s", "rad s-1"), has_unit("rad s-1", "rad s-1"), has_unit("mm", "m"), has_unit("°", "deg")
+    (False, True, False, True)
+    """
+    plain = unit.translate(str.maketrans("", "", "^* ."))
+    return plain == expected.replace(" ", "") or unit.strip() in SAME_UNITS.get(expected, ())
+
+
+def unit_remedy(expected: str) -> str:
+    """Return the remedy for values that state another unit."""
+    return f"convert it to {'degrees' if expected == DEGREE_UNIT else expected}, or leave the attribute 'units' out"
+
+
+def in_unit(where: KeyPath, given: Any, numbers: Floats, expected: str) -> Floats:
+    """Return the numbers of labelled values in the expected unit: degrees are converted, other units refused."""
+    for unit in units_of("", given).values():
+        if unit in DEGREES and expected == RADIANS:
+            return as_floats(numbers)
+        if not has_unit(unit, expected):
+            raise InputError(f"has the unit {unit!r}", where=where, remedy=unit_remedy(expected))
+    return numbers
 
 
 def remark_on_angles(name: str, values: Any, *where: str) -> None:

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fastlink._text import counted, short_repr
-from fastlink.errors import InputError
+from fastlink.errors import InputError, KeyPath
 
 Floats = NDArray[np.float64]
 NUMBERS = "write a number or a flat list of numbers"
@@ -65,9 +65,7 @@ def numbers_of(where: str, name: str, given: Any, most_dims: int = 1) -> Floats:
         _refuse_non_numbers(where, name, given)  # numpy takes True among numbers for 1
     if isinstance(given, np.ma.MaskedArray):
         given = unmasked(given)
-    if not has(given, "dtype") and listed(given) > MOST_LISTED:
-        what = f"holds {counted(listed(given), 'value')}"
-        raise InputError(what, where=path, remedy=f"write at most {MOST_LISTED}")
+    check_length(path, given)
     try:
         values = np.asarray(given)
     except ValueError:  # nested lists of unequal length
@@ -86,6 +84,12 @@ def numbers_of(where: str, name: str, given: Any, most_dims: int = 1) -> Floats:
     except (OverflowError, ValueError, FloatingPointError):  # Decimal("sNaN") is a ValueError
         what = "holds a number beyond the range of a double"
         raise InputError(what, where=path, remedy="write a smaller one") from None
+
+
+def check_length(where: KeyPath, given: Any, remedy: str = f"write at most {MOST_LISTED}") -> None:
+    """Refuse a list or a range of more values than can be read in seconds."""
+    if not has(given, "dtype") and listed(given) > MOST_LISTED:
+        raise InputError(f"holds {counted(listed(given), 'value')}", where=where, remedy=remedy)
 
 
 def has(value: Any, name: str) -> bool:

@@ -1,0 +1,65 @@
+"""The unit that labelled values state is that of their input, is converted, or is refused; at every door."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+import xarray as xr
+from tests.support.refusals import refused
+
+import fastlink as fl
+
+LENGTHS = {"a1": 0.4, "a2": 1.2, "a3": 0.8, "a4": 1.0}
+DESIGN = LENGTHS | {"omega1": 25.0}
+POINT = {"P_u": 0.5, "P_v": 0.1}
+
+
+def labelled(values, units):
+    values = np.asarray(values)
+    return xr.DataArray(values, dims=["x"][: values.ndim], attrs={"units": units})
+
+
+DOORS = {
+    "sweep": lambda given: fl.sweep("planar_4r", fl.grid({**DESIGN, **given}), ["omega4_max"]),
+    "evaluate": lambda given: fl.evaluate("planar_4r", ["omega4"], **{**DESIGN, **given}, theta1=1.0),
+    "function": lambda given: fl.function("planar_4r", ["a4"], ["omega4_max"], **without(given)),
+    "curve_length": lambda given: fl.planar.curve_length({**LENGTHS, **POINT, **given}),
+}
+
+
+def without(given):
+    return {name: value for name, value in {**DESIGN, **given}.items() if name != "a4"}
+
+
+@pytest.mark.parametrize("door", DOORS)
+def test_another_unit_is_refused(door):
+    with refused("a1", "convert it to m"):
+        DOORS[door]({"a1": labelled(400.0, "mm")})
+
+
+@pytest.mark.parametrize("door", DOORS)
+def test_the_unit_of_the_input_is_taken(door):
+    DOORS[door]({"a1": labelled(0.4, "metre")})
+
+
+@pytest.mark.parametrize("name", ["theta1", "theta1_deg"])
+def test_positions_in_another_unit_are_refused(name):
+    remedy = "convert it to degrees" if name.endswith("_deg") else "convert it to rad"
+    for call in (
+        lambda: fl.sweep("planar_4r", DESIGN, ["omega4"], **{name: labelled([0.1, 0.2], "turn")}),
+        lambda: fl.evaluate("planar_4r", ["omega4"], **DESIGN, **{name: labelled(0.1, "turn")}),
+        lambda: fl.function(
+            "planar_4r", ["a4"], ["omega4"], **without({}), **{name: labelled([0.1], "turn")}
+        ),
+    ):
+        with refused(name, remedy):
+            call()
+
+
+def test_labelled_degrees_are_converted_alike():
+    degrees = fl.evaluate("planar_4r", ["omega4"], **DESIGN, theta1=labelled(60.0, "degree"))["omega4"]
+    by_name = fl.evaluate("planar_4r", ["omega4"], **DESIGN, theta1_deg=60.0)["omega4"]
+    both = fl.evaluate("planar_4r", ["omega4"], **DESIGN, theta1_deg=labelled(60.0, "degree"))["omega4"]
+    assert float(degrees) == by_name == float(both)
+    swept = fl.sweep("planar_4r", DESIGN, ["omega4"], theta1=labelled([60.0], "deg"), branch=1)
+    assert swept.omega4.item() == by_name
