@@ -6,6 +6,7 @@ import math
 import re
 from collections.abc import Callable
 from decimal import Decimal
+from fractions import Fraction
 from numbers import Real
 from typing import Any
 
@@ -13,6 +14,7 @@ import numpy as np
 import pandas as pd
 import pytest
 import xarray as xr
+from tests.hostile.objects import BadAttributes, Everything
 from tests.support.hostile_values import arrays, scalars
 from tests.support.refusals import refused
 
@@ -203,6 +205,79 @@ def test_points_are_numbers_or_gaps(function):
             function([0.0, 1.0], bad)
     with_gap, without = (function(x, x) for x in ([0.0, 1.0, np.nan], [0.0, 1.0]))
     np.testing.assert_equal(np.ravel(list(flat(with_gap)))[:3], np.ravel(list(flat(without)))[:3])
+
+
+@pytest.mark.parametrize(
+    "called", ["sextic", "curve_area", "inflections", "cusps", "cognates", "io_coefficients"]
+)
+def test_lengths_whose_products_overflow_are_refused(called):
+    """They gave infinity or NaN, with warnings; the least and greatest give numbers, without any."""
+    function, usual = CALLS[called]
+    for name, value in (("a1", 1.1e25), ("a2", 1e-200), ("a4", 5e-324), ("P_u", -1.7e308), ("P_v", 1e26)):
+        if name in usual:
+            with refused(name, "in another unit of length"):
+                function(**usual | {name: [1.0, value]})
+    lengths = [name for name in usual if name in CURVE]
+    for one in lengths:
+        for value, others in ((1e25, 1e-25), (1e-25, 1e25)):
+            function(**usual | dict.fromkeys(lengths, others) | {one: value})
+    with pytest.raises(fl.InputError) as caught:
+        function(**usual | dict.fromkeys(lengths, 1e30))
+    assert len(caught.value.problems) == len(lengths)
+
+
+@pytest.mark.parametrize("scale", [2.0**1000, 2.0**-1000])
+def test_points_of_any_size(scale):
+    """A strip and a line of points whose sums, differences and squares leave the range of doubles."""
+    x, y = np.random.default_rng(8).uniform(-8e6, 8e6, (2, 9))  # below 2^23: the greatest is 2^1023
+    assert fl.planar.straightness(scale * x, scale * y) == scale * fl.planar.straightness(x, y)
+    plain, other = fl.focal.straight_line(x, y), fl.focal.straight_line(scale * x, scale * y)
+    np.testing.assert_equal(other[:2], [scale * value for value in plain[:2]])
+    assert other.direction == plain.direction
+    np.testing.assert_array_equal(other.deviation, scale * plain.deviation)
+
+
+def test_no_points_give_no_line():
+    assert fl.focal.cubic_points(**FOCAL | {"a": []}, samples=3).shape == (0, 32, 2)
+    for x in ([], np.zeros((2, 0))):
+        assert np.isnan(fl.focal.straight_line(x, x).direction).all()
+        assert np.isnan(fl.planar.straightness(x, x)).all()
+
+
+def test_a_configuration_with_a_gap_has_no_branch():
+    """The branch was 1."""
+    for cognate in fl.planar.cognates(CURVE):
+        for gap in range(3):
+            angles = [[1.0, np.nan] if k == gap else 0.5 + k for k in range(3)]
+            assert np.isnan(cognate.configuration(*angles)[1]).tolist() == [False, True]
+
+
+@pytest.mark.parametrize(
+    ("swing", "speed", "C_s"), [(6.0, 1e200, 0.02), (1e6, 1e5, 1e300), (1e-300, 1e-200, 1.0)]
+)
+def test_a_flywheel_within_the_range_of_doubles(swing, speed, C_s):
+    """The square of the speed is not."""
+    exact = Fraction(swing) / (Fraction(C_s) * Fraction(speed) ** 2)
+    inertia = fl.planar.flywheel_inertia({"T41_fluctuation": swing, "omega1": speed}, C_s)
+    least, greatest = Fraction(5e-324), Fraction(np.finfo(float).max)
+    if least < exact < greatest:  # three quotients, and one rounding to the spacing of small numbers
+        assert abs(Fraction(float(inertia)) - exact) <= exact * Fraction(3, 2**53) + least
+    else:
+        assert inertia == (np.inf if exact > greatest else 0.0)
+
+
+def test_counterweights_beyond_doubles_are_refused():
+    """They were infinite, with warnings."""
+    with refused("force_balance", "usual sizes"):
+        fl.planar.force_balance(MASSES | {"m2": 1.7e308, "a1": 10.0}, radius1=1e-3)
+    with refused("radius1", "in another unit"):
+        fl.planar.force_balance(MASSES, radius1=5e-324)
+
+
+def test_objects_that_answer_to_everything_are_no_designs():
+    for wrong in (Everything(), BadAttributes()):
+        with refused("design", "give the inputs by name"):
+            fl.planar.cognates(wrong)
 
 
 def test_maps_are_maps():

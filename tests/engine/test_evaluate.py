@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from tests.support.registry import ENTRIES
 
 import fastlink as fl
 
@@ -43,6 +44,24 @@ def test_branches_may_be_arrays():
         fl.evaluate("planar_4r", ["theta4"], theta1=1.0, branch=k, **DESIGN)["theta4"] for k in (1, 2)
     )
     assert values.tolist() == [one, other, one]
+
+
+@pytest.mark.parametrize("entry", [entry for entry in ENTRIES if entry.moves], ids=str)
+def test_a_gap_among_branches_is_a_gap_in_what_depends_on_them(entry):
+    """A branch of NaN comes with a configuration of NaN, such as that of a cognate where nothing assembles."""
+    one = {name: float(values[0]) for name, values in entry.drawn(next(iter(entry.families)), 5, 1).items()}
+    one.pop("branch", None)
+    given = {"input": entry.input, "solver": entry.solver, **one}
+    modes = [fl.evaluate(entry.mechanism, entry.names, branch=branch, **given) for branch in (1, 2)]
+    for gap in ([1, np.nan], np.array([1.0, np.nan]), np.ma.array([1, 1], mask=[0, 1])):
+        found = fl.evaluate(entry.mechanism, entry.names, branch=gap, allow_invalid=True, **given)
+        for name, values in found.items():
+            first, second = np.broadcast_to(values, 2)
+            np.testing.assert_equal(first, modes[0][name], err_msg=name)
+            if modes[0][name] != modes[1][name]:
+                assert np.isnan(second), name
+    with pytest.raises(fl.InputError):
+        fl.evaluate(entry.mechanism, entry.names, branch=gap, **given)
 
 
 def test_text_is_not_a_number():

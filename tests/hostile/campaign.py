@@ -19,7 +19,7 @@ import xarray as xr
 
 import fastlink as fl
 from tests.hostile import doings, objects
-from tests.hostile.doors import DOORS, LEFT_OUT, Door
+from tests.hostile.doors import DOORS, Door
 from tests.hostile.judge import Outcome, attempt, judged
 from tests.hostile.lines import command_lines
 from tests.hostile.studies import ROOT, studies
@@ -142,9 +142,7 @@ def values_of(door: Door, name: str) -> list[Value]:
     optional = {"None"} if slot.base == "None" else set()
     good = {*slot.good, slot.base, *optional}
     x = slot.x or slot.base
-    left_out = LEFT_OUT.get(door.name, ())
-    values = (value for value in ROLES[slot.role] if value.text not in good and value.kind not in left_out)
-    return [value.about(x) for value in values]
+    return [value.about(x) for value in ROLES[slot.role] if value.text not in good]
 
 
 def case_of(number: int, door: Door, chosen: dict[str, Value]) -> Case:

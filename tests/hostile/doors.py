@@ -143,28 +143,6 @@ DATASETS = (
     "{x}.assign_attrs(designs='many').drop_vars('status', errors='ignore')",
 )
 
-#: Kinds of hostility that a door does not withstand yet.
-LEFT_OUT: dict[str, set[str]] = {
-    # NaN in, a number out
-    "planar.Cognate.configuration": {"not finite", "masked", "lists with others"},
-    "planar.Cognate.to_ground": {"not finite", "masked", "lists with others"},
-    # warnings of NumPy where lengths beyond 1e100 overflow
-    **{
-        f"planar.{name}": {"extreme numbers"}
-        for name in (
-            "sextic",
-            "crunodes",
-            "cusps",
-            "crunode_count",
-            "cusp_count",
-            "cognates",
-            "io_coefficients",
-        )
-    },
-    "planar.curve_straightness": {"extreme numbers"},
-    "focal.cubic_points": {"empty"},
-}
-
 ONE_DESIGN = "dict(a1=0.5, a2=1.0, a3=0.75, a4=2.0, P_u=0.0, P_v=2.0)"
 
 DOORS: list[Door] = [
@@ -281,7 +259,7 @@ DOORS: list[Door] = [
     Door(
         "maps.fastlink.convert",
         "MAPS.fastlink.convert(omega4_max=$units)",
-        _slots(units=("name", "'rad s-1'", "rad s-1", "'{x} '", "'{x}\\x00'")),
+        _slots(units=("name", "'rad s-1'", "rad s-1", "'{x} '")),
         "" if find_spec("pint") else "refused",
     ),
     Door(
@@ -362,7 +340,7 @@ DOORS: list[Door] = [
     Door(
         "planar.sextic",
         "fl.planar.sextic($design)",
-        _slots(design=("mapping", ONE_DESIGN, "1", "BadAttributes()", "Everything()")),
+        _slots(design=("mapping", ONE_DESIGN, "1")),
         "",
     ),
     Door(
@@ -386,27 +364,27 @@ DOORS: list[Door] = [
     Door(
         "planar.cognates",
         "fl.planar.cognates($design)",
-        _slots(design=("mapping", ONE_DESIGN, "1", "BadAttributes()", "Everything()")),
+        _slots(design=("mapping", ONE_DESIGN, "1")),
         "",
     ),
     Door(
         "planar.Cognate.configuration",
         "COGNATE.configuration($theta1, $theta2, $theta4)",
-        _slots(theta1="reals 1.0", theta2="reals 2.0", theta4="reals 2.5"),
+        _slots(theta1="gapped 1.0", theta2="gapped 2.0", theta4="gapped 2.5"),
         "",
     ),
-    Door("planar.Cognate.to_ground", "COGNATE.to_ground($x, $y)", _slots(x="reals 1.0", y="reals 2.0"), ""),
+    Door("planar.Cognate.to_ground", "COGNATE.to_ground($x, $y)", _slots(x="gapped 1.0", y="gapped 2.0"), ""),
     Door(
         "planar.force_balance",
         f"fl.planar.force_balance({{**dict({_of('', 'a1 a2 a3')}, a4=1.0), **$more}}, "
         "links=$links, radius1=$radius1, mass1=$mass1, radius3=$radius3, mass3=$mass3)",
         {name: slot for name, slot in LENGTHS.items() if name != "a4"}
         | _slots(
-            more=("design", "{}"),
+            more=("design", "{}", "{}", "{'a4': -1.0}"),  # a4 is not read
             links=("thing", "BARS", "1.0"),
-            radius1="lengths 0.1",
+            radius1=("lengths", "0.1", "0.1", "None"),
             mass1=("thing", "None", "1.0", "None"),
-            radius3="lengths 0.2",
+            radius3=("lengths", "0.2", "0.2", "None"),
             mass3=("thing", "None", "1.0", "None"),
         ),
         "",

@@ -542,6 +542,21 @@ ROLES: dict[str, list[Value]] = {
         ),
     ],
 }
+#: Among whose numbers NaN stands for a gap, which stays one.
+GAPPED = _meant(
+    "gaps",
+    TAKEN,
+    ("float('nan')", "np.array(np.nan)"),
+    ("np.float32('nan')", "np.array(np.nan)"),
+    ("Decimal('NaN')", "np.array(np.nan)"),
+    ("np.array(np.nan)", "np.array(np.nan)"),
+    ("[{x}, np.nan]", "np.array([{x}, np.nan])"),
+    ("np.ma.masked", "np.array(np.nan)"),
+    ("np.ma.array([{x}], mask=[True])", "np.array([np.nan])"),
+    ("np.ma.array([{x}, {x}], mask=[False, True])", "np.array([{x}, np.nan])"),
+    ("np.ma.array({x}, mask=True)", "np.array(np.nan)"),
+    ("pd.array([None], dtype='Float64')", "np.array([np.nan])"),
+)
 _POSITIONS = [
     *GARBAGE,
     *TEXTS,
@@ -582,6 +597,7 @@ _POSITIONS = [
 ROLES |= {
     "positions": _POSITIONS,
     "length": [value for value in ROLES["positive"]],
+    "gapped": [value for value in ROLES["reals"] if value.text not in {gap.text for gap in GAPPED}] + GAPPED,
     "code": [
         *NOT_A_NUMBER,
         *EMPTY_ARRAYS,
@@ -728,7 +744,11 @@ ROLES |= {
             "[1.2, pd.NA, 1, 2]",
         ),
         *_refused("beyond doubles", "[1.2, 10**400, 1, 2]", "np.array([1.2, 10**400, 1, 2], dtype=object)"),
-        *_refused("masked", "np.ma.array([1.2, 0.8, 1, 2], mask=[0, 1, 0, 0])"),
+        *_meant(
+            "masked", TAKEN, ("np.ma.array([1.2, 0.8, 1, 2], mask=[0, 1, 0, 0])", "[1.2, np.nan, 1.0, 2.0]")
+        ),
+        *_meant("masked", TAKEN, ("pd.array([1.2, None, 1, 2], dtype='Float64')", "[1.2, np.nan, 1.0, 2.0]")),
+        *_meant("empty", EITHER, ("np.zeros((3, 0))", "np.zeros((3, 0))"), ("[]", "np.array([])")),
         *_refused("dates", "np.array([1, 2, 3, 4], dtype='m8[s]')"),
         *_meant(
             "arrays of numbers",
@@ -748,6 +768,7 @@ ROLES |= {
         *_meant(
             "extreme numbers", EITHER, ("[np.inf, 0.0, 1.0, 2.0]",) * 2, ("[1e200, -1e200, 0.0, 1.0]",) * 2
         ),
+        *_meant("extreme numbers", EITHER, ("[1.7e308, 1e308, 1.7e308, 1.6e308]",) * 2),
     ],
     "space": [
         *[value for value in GARBAGE if value.kind != "mappings"],

@@ -10,19 +10,20 @@ import numpy as np
 from fastlink._text import short_repr
 from fastlink.catalogue.catalogue import Catalogue, Input
 from fastlink.engine.broadcast import broadcast_inputs, like
-from fastlink.errors import InputError, Problem, Problems
+from fastlink.errors import InputError, Problems
 from fastlink.options import check_whole
 from fastlink.plan.validate import name_problems, value_problems
 from fastlink.space.degrees import angle_of, in_unit
-from fastlink.space.values import MOST_DIMS, numbers_of
+from fastlink.space.values import MOST_DIMS, has, numbers_of, read_or_none
 
 __all__ = [
     "BY_NAME",
     "CURVE",
+    "GREATEST_LENGTH",
     "MOST_SAMPLES",
     "broadcast",
     "broadcast_points",
-    "check_range",
+    "check_lengths",
     "check_samples",
     "read_design",
 ]
@@ -31,6 +32,9 @@ __all__ = [
 CURVE = ("a1", "a2", "a3", "a4", "P_u", "P_v")
 #: How the functions of planar_4r are called, for who calls them otherwise.
 BY_NAME = "inputs are given by name, such as a1=0.5, or as one mapping"
+#: Lengths of whole designs are at most this, and links at least its inverse: no product of six over a squared one
+#: overflows.
+GREATEST_LENGTH = 1e25
 #: Most samples of one curve.
 MOST_SAMPLES = 10**6
 
@@ -65,7 +69,8 @@ def read_design(
     Raises
     ------
     InputError
-        With every input that is unknown, missing, given twice or has an impossible value.
+        With every input that is unknown, missing, given twice or has an impossible value, and every length beyond
+        `GREATEST_LENGTH`.
     """
     known, problems = catalogue.known_inputs(catalogue.variant_inputs), Problems()
     of_position = (catalogue.position.name, f"{catalogue.position.name}_deg")
@@ -83,21 +88,31 @@ def read_design(
     values = {name: given[name] for name in (*needed, *optional) if name in given}
     declared = {name: known[name] for name in values} | {one.name: one for one, _ in further}
     values |= {one.name: value for one, value in further}
-    return _broadcast(function, declared, values, problems)
+    numbers = _broadcast(function, declared, values, problems)
+    check_lengths(function, declared.values(), numbers.values())
+    return numbers
 
 
 def _entries(function: str, design: Any, known: Mapping[str, Input]) -> dict[str, Any]:
     """Return name and values of each input of a design."""
     if design is None:
         return {}
-    if hasattr(design, "columns") and hasattr(design, "to_numpy"):
-        return {name: design[name].to_numpy() for name in design.columns if name in known}
-    if hasattr(design, "data_vars"):
-        return {name: design[name] for name in design.variables if name in known}
-    if isinstance(design, Mapping) and all(isinstance(name, str) for name in design):
-        return dict(design)
+    entries = read_or_none(_entries_of, design, known)
+    if entries is not None:
+        return entries
     what, remedy = f"is {short_repr(design)}", "give the inputs by name, such as a1=0.5, or a mapping of them"
     raise InputError(what, where=(function, "design"), remedy=remedy)
+
+
+def _entries_of(design: Any, known: Mapping[str, Input]) -> dict[str, Any] | None:
+    """Return name and values of each input of a DataFrame, a Dataset or a mapping; None of what is none of these."""
+    if has(design, "data_vars") and has(design, "variables"):
+        return {name: design[name] for name in design.variables if name in known}
+    if has(design, "columns") and has(design, "to_numpy"):
+        return {name: design[name].to_numpy() for name in design.columns if name in known}
+    if isinstance(design, Mapping) and all(isinstance(name, str) for name in design):
+        return dict(design)
+    return None
 
 
 def broadcast(function: str, declared: Iterable[Input], *numbers: Any, gaps: bool = False) -> list[Any]:
@@ -160,16 +175,31 @@ def _broadcast(
     return {name: np.broadcast_to(value, shape) for name, value in plain.items()}
 
 
-def check_range(
-    function: str, declared: Input, values: Any, limits: tuple[float, float], products: str
+def check_lengths(
+    function: str,
+    declared: Iterable[Input],
+    values: Iterable[Any],
+    greatest: float = GREATEST_LENGTH,
+    products: str = "six lengths over a squared one",
 ) -> None:
-    """Refuse lengths whose products, the coefficients of a curve, would overflow or vanish."""
-    least, greatest = limits
-    bad = values[~((values >= least) & (values <= greatest))].ravel()[:1]
-    for value in bad:
-        remedy = f"write {least:g} to {greatest:g}, in another unit of length: coefficients are products of {products}"
-        problem = Problem(f"is {value} ({declared.meaning})", (function, declared.name), remedy)
-        raise InputError.of([problem])
+    """Refuse lengths whose products would overflow or vanish: those beyond a greatest, links below its inverse.
+
+    Raises
+    ------
+    InputError
+        With the first such value of each length; inputs in other units are not looked at.
+    """
+    problems = Problems()
+    for one, numbers in zip(declared, values, strict=True):
+        least = 1.0 / greatest if one.rule == "positive" else -greatest
+        if one.units != "m" or bool(np.all((numbers >= least) & (numbers <= greatest))):
+            continue
+        bad = numbers[~((numbers >= least) & (numbers <= greatest))].flat[0]
+        remedy = (
+            f"write {least:g} to {greatest:g}, in another unit of length: products of {products} are computed"
+        )
+        problems.add(f"is {bad} ({one.meaning})", (function, one.name), remedy)
+    problems.stop()
 
 
 def check_samples(function: str, samples: Any, least: int = 1) -> int:

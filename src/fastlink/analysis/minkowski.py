@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from fastlink.analysis.designs import broadcast, check_range
+from fastlink.analysis.designs import broadcast, check_lengths
 from fastlink.analysis.sextics import coupler_sextic
 from fastlink.doors import door
 from fastlink.mechanisms.minkowski_4r import minkowski_4r
@@ -14,10 +14,6 @@ __all__ = ["sextic"]
 
 def __dir__() -> list[str]:
     return __all__
-
-
-#: Lengths are at most this, and links at least its inverse: no coefficient overflows.
-GREATEST_LENGTH = 1e25
 
 
 @door
@@ -71,7 +67,5 @@ def sextic(a: Any, b: Any, g: Any, h: Any, x: Any, y: Any) -> Any:
     """
     declared = [minkowski_4r.inputs[name] for name in "abghxy"]
     a, b, g, h, x, y = numbers = broadcast("sextic", declared, a, b, g, h, x, y)
-    for one, values in zip(declared, numbers, strict=True):
-        least = -GREATEST_LENGTH if one.name in "xy" else 1.0 / GREATEST_LENGTH
-        check_range("sextic", one, values, (least, GREATEST_LENGTH), "six lengths over h^2")
+    check_lengths("sextic", declared, numbers)
     return coupler_sextic(1, (a, h, b, g), (x, y))

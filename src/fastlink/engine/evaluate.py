@@ -74,8 +74,8 @@ def evaluate(
     solver : {"eliminated", "dense"}
         As in `fastlink.sweep`.
     allow_invalid : bool, default False
-        Evaluate impossible values too (NaN, a length that is not positive) instead of refusing them; what depends on
-        them is NaN or flagged.
+        Evaluate impossible values too (NaN, a length that is not positive, NaN in an array of assembly modes) instead
+        of refusing them; what depends on them is NaN or flagged.
     **inputs : float, array_like or xarray.DataArray
         The inputs and the input position (angles in degrees by names such as ``theta1_deg``), broadcast against each
         other: arrays by their shapes, DataArrays by the names of their dimensions, whose coordinates must agree. A
@@ -115,7 +115,7 @@ def evaluate(
     problems.noted += given.problems
     values: dict[str, Any] = dict(given.defaults)
     with problems.at():
-        values["branch"] = _branches(catalogue, branch)
+        values["branch"] = _branches(catalogue, branch, allow_invalid is True)
     for name, value in {**of_links, **inputs}.items():
         if name in given.declared:
             try:  # a context per input takes 1 us each
@@ -133,6 +133,8 @@ def evaluate(
     tabled = angle_tables(catalogue, recipe.tables, np.ravel(theta))
     arrays |= zip(recipe.tables, tabled.reshape(len(recipe.tables), *np.shape(theta)), strict=True)
     evaluate_on_doubles(recipe.steps, arrays)
+    if allow_invalid:
+        _leave_gaps(recipe.steps, arrays)
     if template is None and not shape:
         return {name: float(arrays[name]) for name in names}
     results = {name: np.broadcast_to(arrays[name], shape) for name in names}
@@ -239,11 +241,23 @@ def _recipe(catalogue: Catalogue, version: int, names: tuple[str, ...], given: _
     return _Recipe(tuple(name for name in tables if name in read), steps)
 
 
-def _branches(catalogue: Catalogue, branch: Any) -> Any:
+def _branches(catalogue: Catalogue, branch: Any, allow_invalid: bool) -> Any:
     """Return assembly modes as doubles of any shape, labelled if they are."""
     if type(branch) is int and branch in catalogue.branches:  # 2 us less than by an array
         return np.float64(branch)
-    return like(branch, branch_codes(catalogue, branch))
+    return like(branch, branch_codes(catalogue, branch, gaps=allow_invalid))
+
+
+def _leave_gaps(steps: Iterable[Fact | System], arrays: dict[str, Any]) -> None:
+    """Put NaN in place of all that depends on the assembly mode where that is NaN."""
+    gaps = np.isnan(arrays["branch"])
+    if not np.any(gaps):
+        return
+    dependent = {"branch"}
+    for step in steps:
+        if not dependent.isdisjoint(step.depends_on):
+            dependent.update(step.names)
+            arrays.update({name: np.where(gaps, np.nan, arrays[name]) for name in step.names})
 
 
 def _checked(declared: Input, value: Any, allow_invalid: bool) -> Any:

@@ -133,7 +133,7 @@ def _parsed(text: Any, name: str) -> Any:
     """Return pint's unit of a text: ``rad s-1`` as CF writes it, or ``rad/s``."""
     registry = _registry()
     try:
-        if not isinstance(text, str) or not text.strip() or ENDLESS.search(text):
+        if not isinstance(text, str) or not text.strip() or not text.isprintable() or ENDLESS.search(text):
             raise ValueError("not a unit")
         return registry.parse_units(POWER.sub(r"**\1", text) if text.strip() != "1" else "")
     except Exception as error:  # pint's parser raises whatever its tokens run into

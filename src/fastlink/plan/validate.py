@@ -243,8 +243,8 @@ def _joined(group: Sequence[Problem]) -> Problem:
     return Problem(f"{names} are missing", group[0].where[:-1], (needed, *group[0].remedy[1:]))
 
 
-def branch_codes(catalogue: Catalogue, branch: Any) -> NDArray[np.float64]:
-    """Return assembly modes as numbers of the same shape.
+def branch_codes(catalogue: Catalogue, branch: Any, *, gaps: bool = False) -> NDArray[np.float64]:
+    """Return assembly modes as numbers of the same shape, among which NaN may stand if there may be gaps.
 
     Raises
     ------
@@ -257,9 +257,11 @@ def branch_codes(catalogue: Catalogue, branch: Any) -> NDArray[np.float64]:
     check_length(("branch",), branch, remedy)
     values = cells_of(branch)
     if values.dtype.kind in "iuf":
-        bad = values[~np.isin(values, tuple(catalogue.branches))].ravel()[:1].tolist()
+        known = np.isin(values, tuple(catalogue.branches))
+        bad = values[~(known | np.isnan(values) if gaps else known)].ravel()[:1].tolist()
     else:
-        bad = [value for value in values.ravel().tolist() if not _is_branch(catalogue, value)][:1]
+        cells = values.ravel().tolist()
+        bad = [cell for cell in cells if not (_is_branch(catalogue, cell) or (gaps and _is_gap(cell)))][:1]
     for value in bad:
         what = f"{short_repr(value)} is not an assembly mode of {catalogue.name}"
         raise InputError(what, where=("branch",), remedy=remedy)
@@ -268,6 +270,10 @@ def branch_codes(catalogue: Catalogue, branch: Any) -> NDArray[np.float64]:
 
 def _is_branch(catalogue: Catalogue, value: object) -> bool:
     return is_number(value) and isinstance(value, Real) and value in catalogue.branches
+
+
+def _is_gap(value: object) -> bool:
+    return isinstance(value, float) and math.isnan(value)
 
 
 def check_branches(catalogue: Catalogue, branch: Any) -> tuple[int, ...]:

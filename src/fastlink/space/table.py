@@ -16,12 +16,9 @@ from fastlink.space.columns import Columns, check_name, refused
 from fastlink.space.csv_file import read_csv
 from fastlink.space.dataset import space_of_dataset
 from fastlink.space.design_space import DESIGN, DesignSpace, flat
-from fastlink.space.values import has
+from fastlink.space.values import has, read_or_none
 
 __all__ = ["as_space", "table"]
-
-#: Packages whose tables are read by their own rules: an error inside is a defect, and shows.
-OWN = ("builtins", "numpy", "pandas", "xarray")
 
 SOURCES = "a mapping, an xarray.Dataset, a pandas.DataFrame or the path of a CSV file"
 
@@ -117,14 +114,7 @@ def _space_of(source: Any, keep: Collection[str], allow_invalid: bool, *, single
         path = check_path(("table",), source, "designs.csv")
         attrs: dict[str, str | int] = {"design_kind": "table", "design_source": path.name}
         return read_csv(path, keep, allow_invalid).space(attrs)
-    try:
-        return _space_in_memory(source, keep, allow_invalid, single=single)
-    except InputError:
-        raise
-    except Exception:
-        if type(source).__module__.partition(".")[0] in OWN:
-            raise
-        return None  # whatever a class of somebody's does when it is asked
+    return read_or_none(_space_in_memory, source, keep, allow_invalid, single=single)
 
 
 def _space_in_memory(

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numbers
 import sys
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from decimal import Decimal
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,12 +14,15 @@ from numpy.typing import NDArray
 from fastlink._text import counted, short_repr
 from fastlink.errors import InputError, KeyPath
 
+T = TypeVar("T")
 Floats = NDArray[np.float64]
 NUMBERS = "write a number or a flat list of numbers"
 #: Most values of a list or range: 10^8 take 10 s and 0.8 GB to read.
 MOST_LISTED = 10**8
 #: Most axes of an array of NumPy.
 MOST_DIMS = 64
+#: Packages whose objects are read by their own rules: an error inside is a defect, and shows.
+OWN = ("builtins", "numpy", "pandas", "xarray")
 
 
 def units_of(name: str, given: Any) -> dict[str, str]:
@@ -98,6 +101,27 @@ def has(value: Any, name: str) -> bool:
         return hasattr(value, name)
     except Exception:
         return False
+
+
+def read_or_none(read: Callable[..., T], source: Any, *args: Any, **options: Any) -> T | None:
+    """Return what a function reads from an object, None where somebody's class fails when it is read.
+
+    Examples
+    --------
+    >>> class Sulky:
+    ...     def __len__(self):
+    ...         raise RuntimeError
+    >>> read_or_none(len, [1.0, 2.0]), read_or_none(len, Sulky())
+    (2, None)
+    """
+    try:
+        return read(source, *args, **options)
+    except InputError:
+        raise
+    except Exception:  # whatever a class of somebody's does when it is asked
+        if type(source).__module__.partition(".")[0] in OWN:
+            raise
+        return None
 
 
 def unmasked(given: np.ma.MaskedArray[Any, Any]) -> NDArray[Any]:

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from fastlink.analysis.designs import broadcast, check_range, check_samples
+from fastlink.analysis.designs import broadcast, check_lengths, check_samples
 from fastlink.catalogue.catalogue import Input
 from fastlink.doors import door
 from fastlink.engine.broadcast import like
@@ -153,7 +153,7 @@ def cubic_points(a: Any, b: Any, c: Any, d: Any, phi: Any, branch: Any = 1, *, s
     arcs[..., 1:, :][through_infinity] = np.nan
     arcs[~np.isfinite(distance)] = np.nan
     gaps = np.full((*arcs.shape[:-2], 1, 2), np.nan)
-    return np.concatenate([arcs, gaps], axis=-2).reshape(*d.shape, -1, 2)
+    return np.concatenate([arcs, gaps], axis=-2).reshape(*d.shape, 2 * ARCS * (samples + 1), 2)
 
 
 def _numbers(function: str, *numbers: Any) -> list[Any]:
@@ -162,8 +162,7 @@ def _numbers(function: str, *numbers: Any) -> list[Any]:
     declared = [*(focal.inputs[name] for name in "abcd"), focal.position]
     mode = Input("branch", "1", "branch", "assembly mode")
     arrays = broadcast(function, [*declared, mode], *position, like(branch, branch_codes(planar_4r, branch)))
-    for length, values in zip(declared[:-1], arrays, strict=False):
-        check_range(function, length, values, (1.0 / GREATEST_LENGTH, GREATEST_LENGTH), "four lengths")
+    check_lengths(function, declared, arrays[:-1], GREATEST_LENGTH, "four lengths")
     return arrays
 
 

@@ -37,17 +37,23 @@ def _fitted_line(x: Any, y: Any) -> StraightLine:
     """Return the line of least squares for each row of points; NaN is skipped."""
     finite = np.isfinite(x) & np.isfinite(y)
     count = np.where(finite.any(axis=-1), finite.sum(axis=-1), np.nan)
-    middle_x, middle_y = (np.where(finite, values, 0.0).sum(axis=-1) / count for values in (x, y))
+    # over a power of two, so that no sum and no difference leaves the range of doubles
+    x, y = (np.where(finite, values, 0.0) for values in (x, y))
+    scale = np.frexp(np.maximum(abs(x), abs(y)).max(axis=-1, initial=0.0))[1]
+    x, y = (np.ldexp(values, -scale[..., None]) for values in (x, y))
+    middle_x, middle_y = (values.sum(axis=-1) / count for values in (x, y))
     along = np.where(finite, x - middle_x[..., None], 0.0)
     across = np.where(finite, y - middle_y[..., None], 0.0)
-    # over a power of two, so that no square leaves the range of doubles
-    power = np.frexp(np.maximum(abs(along), abs(across)).max(axis=-1))[1]
+    # and so that no square does
+    power = np.frexp(np.maximum(abs(along), abs(across)).max(axis=-1, initial=0.0))[1]
     along, across = (np.ldexp(values, -power[..., None]) for values in (along, across))
     squares = ((along - across) * (along + across)).sum(axis=-1)
     direction = 0.5 * np.arctan2(2.0 * (along * across).sum(axis=-1), squares) + 0.0 * middle_x
     cosine, sine = np.cos(direction)[..., None], np.sin(direction)[..., None]
-    deviation = np.where(finite, np.ldexp(across * cosine - along * sine, power[..., None]), np.nan)
-    return StraightLine(middle_x, middle_y, direction, deviation)
+    with np.errstate(over="ignore"):  # points beyond 1e308 may be farther off than a double says
+        deviation = np.ldexp(across * cosine - along * sine, (power + scale)[..., None])
+    middle_x, middle_y = (np.ldexp(values, scale) for values in (middle_x, middle_y))
+    return StraightLine(middle_x, middle_y, direction, np.where(finite, deviation, np.nan))
 
 
 @door

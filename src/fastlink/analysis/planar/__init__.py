@@ -1,4 +1,8 @@
-"""Functions of the planar 4R alone: algebraic equations, coupler curves, balancing."""
+"""Functions of the planar 4R alone: algebraic equations, coupler curves, balancing.
+
+Lengths are 1e-25 to 1e25 m, coordinates at most 1e25 m: others are refused, as their products may leave the range of
+doubles.
+"""
 
 from fastlink.analysis.planar.balance import force_balance
 from fastlink.analysis.planar.cognates import Cognate, cognates

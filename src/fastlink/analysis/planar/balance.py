@@ -19,7 +19,7 @@ from fastlink.catalogue.catalogue import Input
 from fastlink.catalogue.declare import ELIMINATED
 from fastlink.catalogue.evaluate import read_facts
 from fastlink.doors import door
-from fastlink.errors import InputError
+from fastlink.errors import InputError, Problems
 from fastlink.mechanisms.planar_4r import planar_4r
 from fastlink.plan.validate import check_model, constants_of, selected_variants
 
@@ -96,12 +96,21 @@ def force_balance(
         optional=[*set(NEEDED).difference(needed), *planar_4r.variant_inputs["round_bar"]],
         further=[*_chosen(1, radius1, mass1), *_chosen(3, radius3, mass3)],
     )
-    facts = read_facts(planar_4r, NEEDED, constants_of(planar_4r, links, variants) | given, variants)
-    g1, g2, g3 = (np.asarray(facts[f"G{i}_u"]) + 1j * np.asarray(facts[f"G{i}_v"]) for i in (1, 2, 3))
-    share = g2 / facts["a2"]
-    crank = -(facts["m1"] * g1 + facts["m2"] * facts["a1"] * (1.0 - share))
-    output = -(facts["m3"] * g3 + facts["m2"] * facts["a3"] * share)
-    return _counterweight(1, crank, given, facts["a1"]) | _counterweight(3, output, given, facts["a3"])
+    with np.errstate(over="ignore", invalid="ignore"):  # of masses beyond 1e200, which are refused
+        facts = read_facts(planar_4r, NEEDED, constants_of(planar_4r, links, variants) | given, variants)
+        g1, g2, g3 = (np.asarray(facts[f"G{i}_u"]) + 1j * np.asarray(facts[f"G{i}_v"]) for i in (1, 2, 3))
+        share = g2 / facts["a2"]
+        crank = -(facts["m1"] * g1 + facts["m2"] * facts["a1"] * (1.0 - share))
+        output = -(facts["m3"] * g3 + facts["m2"] * facts["a3"] * share)
+        weights = _counterweight(1, crank, given, facts["a1"]) | _counterweight(3, output, given, facts["a3"])
+    problems = Problems()
+    for name, values in weights.items():
+        if not np.all(np.isfinite(values)):
+            problems.add(
+                f"{name} is not finite", ("force_balance",), "write masses and a radius of usual sizes"
+            )
+    problems.stop()
+    return weights
 
 
 def _chosen(link: int, radius: Any, mass: Any) -> list[tuple[Input, Any]]:

@@ -48,16 +48,19 @@ class Cognate:
         -------
         theta1, branch : ndarray
             In the linkage's own frame. The coupler's direction drives both cognates; their branch changes where
-            crank and output link of the original are parallel, which is a toggle of theirs.
+            crank and output link of the original are parallel, which is a toggle of theirs. The branch is NaN where
+            a direction is, such as where the original does not assemble.
         """
         directions = (
             Input(name, "rad", name, "direction of a link") for name in ("theta1", "theta2", "theta4")
         )
         t1, t2, t4 = broadcast("configuration", directions, theta1, theta2, theta4, gaps=True)
-        if self.number == 1:
-            return t1, np.where(np.sin(t4 - t2) > 0.0, 2, 1)
-        turn = np.sin(t4 - t1) if self.number == 2 else np.sin(t1 - t4)
-        return t2, np.where(turn > 0.0, 2, 1)
+        own = t1 if self.number == 1 else t2
+        one, other = {1: (t2, t4), 2: (t1, t4), 3: (t4, t1)}[self.number]
+        with np.errstate(over="ignore"):  # of directions beyond 1e308
+            turn = other - one
+        known = np.isfinite(turn) & ~np.isnan(own)
+        return own, np.where(known, np.where(np.sin(np.where(known, turn, 0.0)) > 0.0, 2.0, 1.0), np.nan)
 
     def to_ground(self, x: Any, y: Any) -> tuple[Any, Any]:
         """Return a point (x, y) [m] of the linkage's own ground frame in that of the original."""

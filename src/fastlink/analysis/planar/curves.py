@@ -6,6 +6,7 @@ The coupler point and its derivatives are facts of the mechanism, and so is the 
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from typing import Any
 
@@ -182,6 +183,12 @@ def _half_width(points: Any) -> float:
     """Return half the width of the narrowest strip that holds all points (n, 2)."""
     if points.size == 0:
         return float("nan")
+    power = np.frexp(np.abs(points).max())[1] + 1  # so that no difference leaves the range of doubles
+    return float(np.ldexp(_half_width_of_small(np.ldexp(points, -power)), power))
+
+
+def _half_width_of_small(points: Any) -> float:
+    """Return half the width of the narrowest strip that holds all points (n, 2), which are less than 1."""
     points = points - points[0]
     distance = np.hypot(*points.T)
     size = distance.max()
@@ -223,7 +230,7 @@ def straightness(x: Any, y: Any) -> Any:
     1.0
     """
     points = np.stack(broadcast_points("straightness", x, y), axis=-1)
-    curves = points.reshape(-1, *points.shape[-2:])
+    curves = points.reshape(math.prod(points.shape[:-2]), *points.shape[-2:])
     half_widths = [_half_width(curve[np.isfinite(curve).all(axis=-1)]) for curve in curves]
     return np.array(half_widths).reshape(points.shape[:-2])[()]
 
@@ -275,7 +282,7 @@ def curve_straightness(
     )
     if theta1 is not None:
         ends = numbers_of("curve_straightness", "theta1", theta1)
-        if ends.shape != (2,) or not np.isfinite(ends).all() or not ends[0] < ends[1]:
+        if ends.shape != (2,) or not 0.0 < float(ends[1]) - float(ends[0]) < np.inf:
             where, remedy = ("curve_straightness", "theta1"), "write (least, greatest) in rad"
             raise InputError(f"is {short_repr(theta1)}", where=where, remedy=remedy)
         angles = np.linspace(float(ends[0]), float(ends[1]), angles.size)

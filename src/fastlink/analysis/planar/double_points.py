@@ -81,7 +81,7 @@ def _double_points(function: str, design: Any, inputs: Mapping[str, Any]) -> tup
     """Return the real double points X, Y and 1 - |c|, three in the last axis or NaN."""
     a1, a2, a3, a4, u, v = read_design(function, planar_4r, design, inputs, CURVE).values()
     p, q = np.hypot(u, v), np.hypot(u - a2, v)
-    with np.errstate(invalid="ignore", divide="ignore"):  # P is A or B
+    with np.errstate(invalid="ignore", divide="ignore", over="ignore"):  # P is A or B, or nearly
         cosine, sine = (u * (u - a2) + v * v) / (p * q), a2 * v / (p * q)
         first, last = (q - a3) * (q + a3) * p, (p - a1) * (p + a1) * q
         square = a4 * a4

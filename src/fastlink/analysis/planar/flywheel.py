@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
+import numpy as np
+
 from fastlink.catalogue.catalogue import Input
 from fastlink.doors import door
 from fastlink.engine.broadcast import like
@@ -83,7 +85,10 @@ def _inertia(maps: Mapping[Any, Any], C_s: Any) -> Any:
         like(maps[name], numbers_of(*where[:1], name, maps[name], MOST_DIMS)) for name in units_of
     )
     try:
-        return swing / (C_s * (speed * speed))
+        with np.errstate(
+            all="ignore"
+        ):  # a square of the speed may leave the range of doubles where the inertia does not
+            return swing / speed / speed / C_s
     except ValueError as error:  # arrays of other shapes, or DataArrays of other coordinates
         remedy = "write one number, or one for each value of the maps"
         what = f"does not go with the maps ({error})"
