@@ -244,7 +244,8 @@ def remark(what: str, where: KeyPath = (), remedy: Remedy = "") -> None:
     frame, level = sys._getframe(1), 2
     while frame.f_back is not None and frame.f_globals.get("__name__", "").partition(".")[0] == __package__:
         frame, level = frame.f_back, level + 1
-    warnings.warn(Wording().line(Problem(what, where, remedy)), InputWarning, stacklevel=level)
+    text = printable(Wording().line(Problem(what, where, remedy)))
+    warnings.warn(text, InputWarning, stacklevel=level)
 
 
 class _Noting:

@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+import contextlib
 import functools
-from collections.abc import Callable
+import warnings
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Annotated, Any, TypeVar, get_type_hints
 
 import typer
 
-from fastlink.errors import InputError, KeyPath, Piece, Setting, Wording
+from fastlink.errors import InputError, InputWarning, KeyPath, Piece, Setting, Wording
 
 __all__ = ["MapFile", "MechanismName", "Overwrite", "StudyFile", "app", "command"]
 
@@ -65,13 +67,33 @@ class _Options(Wording):
         return " ".join([option, *texts])
 
 
+@contextlib.contextmanager
+def _remarks_as_lines() -> Iterator[None]:
+    """Print each remark on the input as a line, once, in place of Python's two that name a file of code."""
+    said: set[str] = set()
+    show_other = warnings.showwarning
+
+    def show(message: Warning | str, category: type[Warning], *place: Any, **named: Any) -> None:
+        if not issubclass(category, InputWarning):
+            show_other(message, category, *place, **named)
+        elif str(message) not in said:
+            said.add(str(message))
+            typer.echo(f"fastlink: {message}", err=True)
+
+    with warnings.catch_warnings():
+        warnings.simplefilter("always", InputWarning)
+        warnings.showwarning = show
+        yield
+
+
 def command(function: C) -> C:
-    """Return a command that prints a line for each problem, never a traceback."""
+    """Return a command that prints a line for each problem and each remark, never a traceback."""
 
     @functools.wraps(function)
     def guarded(*args: Any, **options: Any) -> None:
         try:
-            function(*args, **options)
+            with _remarks_as_lines():
+                function(*args, **options)
         except InputError as error:
             for line in error.lines(_Options(function)):
                 typer.echo(f"fastlink: {line}", err=True)

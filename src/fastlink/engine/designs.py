@@ -11,7 +11,6 @@ import numpy as np
 
 from fastlink._text import short_repr
 from fastlink.errors import InputError, Problem, Problems, remark
-from fastlink.plan.program import EXTREMUM
 from fastlink.plan.query import parse_request
 from fastlink.plan.validate import unknown_input
 from fastlink.space.columns import or_keep
@@ -28,6 +27,7 @@ from fastlink.space.degrees import (
     remark_on_angles,
     unit_remedy,
 )
+from fastlink.space.design_space import BRANCH, EXTREMUM
 from fastlink.space.links import MODELS
 from fastlink.space.values import axis_of
 
@@ -38,7 +38,6 @@ if TYPE_CHECKING:
 
 __all__ = ["designs_of"]
 
-BRANCH = "branch"
 #: The attribute of a result that names what stood beside its designs and is ignored.
 IGNORED = "design_ignored"
 
@@ -87,8 +86,8 @@ def designs_of(
             remark_on_angles(name, space.values(name), "design")
     if space.ignored and not problems.noted:
         names = ", ".join(space.ignored)
-        what = f"holds results beside the designs, which are ignored: {names}"
-        remark(what, ("space",), "leave them out, and nothing is said")
+        what = f"results beside the designs are ignored: {names}"
+        remark(what, remedy="leave them out, and nothing is said")
         space = replace(space, attrs={**space.attrs, IGNORED: names})
     return space
 
