@@ -11,7 +11,17 @@ import textwrap
 from collections.abc import Iterable, Sequence
 from typing import Any
 
-__all__ = ["aligned", "counted", "duration", "folded", "scaled", "short_number", "short_repr", "size"]
+__all__ = [
+    "aligned",
+    "counted",
+    "duration",
+    "folded",
+    "scaled",
+    "short_number",
+    "short_repr",
+    "size",
+    "unwritable",
+]
 
 BYTES = (" B", " kB", " MB", " GB", " TB")
 
@@ -144,6 +154,19 @@ def size(nbytes: int) -> str:
     ('512 B', '268 MB')
     """
     return scaled(nbytes, BYTES)
+
+
+def unwritable(text: str) -> str:
+    r"""Return the first sign of a text that no file can hold, NUL or half a letter; an empty text without any.
+
+    Examples
+    --------
+    >>> unwritable("crank"), unwritable("crank" + chr(0))
+    ('', '\x00')
+    """
+    if text.isprintable():
+        return ""
+    return next((sign for sign in text if sign == "\0" or "\ud800" <= sign <= "\udfff"), "")
 
 
 class _Short(reprlib.Repr):

@@ -12,7 +12,7 @@ from typing import Any
 from fastlink._text import short_repr
 from fastlink.errors import InputError, KeyPath, suggest
 
-__all__ = ["MOST_SEED", "check_choice", "check_path", "check_switch", "check_whole"]
+__all__ = ["MOST_SEED", "check_choice", "check_path", "check_switch", "check_whole", "not_a_file"]
 
 #: The greatest seed: a file holds no greater whole number.
 MOST_SEED = 2**63 - 1
@@ -118,6 +118,19 @@ def check_path(where: KeyPath, value: Any, example: str = "maps.h5") -> Path:
     if (fault := _fault(text)) is not None:
         raise InputError(f"{short_repr(text)} {fault}", where=where, remedy=f"write such as {example!r}")
     return Path(text)
+
+
+def not_a_file(path: Path) -> str:
+    """Return what stands at a path in place of a file, an empty text if nothing does; a pipe would be waited for.
+
+    Examples
+    --------
+    >>> not_a_file(Path("/")), not_a_file(Path("no such file"))
+    ('is a folder', '')
+    """
+    if os.path.isfile(path) or not os.path.exists(path):
+        return ""
+    return "is a folder" if os.path.isdir(path) else "is a device or a pipe"
 
 
 def _fault(path: str) -> str | None:

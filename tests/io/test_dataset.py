@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 from numpy.testing import assert_array_equal
 
-from fastlink.io.dataset import FORMAT, FORMAT_VERSION, Variable, assemble, coordinates, plain_attrs
+from fastlink.io.dataset import FORMAT_VERSION, Variable, assemble, coordinates, plain_attrs
+from fastlink.space.dataset import FORMAT
 from fastlink.space.samplers import grid, table
 
 METRE = {"units": "m", "long_name": "length", "symbol": "a"}

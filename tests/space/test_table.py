@@ -222,6 +222,8 @@ def test_files_that_cannot_be_read(tmp_path):
         table("~nobody-of-that-name/d.csv")
     with refused(str(tmp_path), "the path of a CSV file"):
         table(tmp_path)
+    with refused("is a device or a pipe", "the path of a CSV file"):
+        table("/dev/zero")
     binary = tmp_path / "binary.csv"
     binary.write_bytes(b"a1,a2\n\xff\xfe\x00\n")
     with refused("binary.csv", "UTF-8"):

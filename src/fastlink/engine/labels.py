@@ -13,9 +13,9 @@ from fastlink.catalogue.catalogue import Catalogue, Fact, Input
 from fastlink.engine.resolve import ResolvedSweep, axis_lengths
 from fastlink.io.dataset import Variable, assemble, coordinates, marked, plain_attrs
 from fastlink.plan.plan import Plan
-from fastlink.plan.program import EXTREMUM, Output
+from fastlink.plan.program import Output
 from fastlink.plan.query import Request
-from fastlink.space.design_space import DesignSpace
+from fastlink.space.design_space import BRANCH, EXTREMUM, DesignSpace
 from fastlink.space.values import frozen
 
 if TYPE_CHECKING:
@@ -23,9 +23,6 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 __all__ = ["global_attrs", "labelled", "request_labels", "sweep_coordinates", "variables"]
-
-#: The dimension of assembly modes.
-BRANCH = "branch"
 
 
 def variables(plan: Plan, space: DesignSpace, positions: int, *, one_branch: bool = False) -> list[Variable]:

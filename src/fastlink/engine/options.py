@@ -8,10 +8,10 @@ from typing import Any
 
 from fastlink.errors import InputError, KeyPath, Problems
 from fastlink.io.attributes import check_attrs
-from fastlink.io.dataset import FORMAT
 from fastlink.mechanisms import NAMES, inputs_of
 from fastlink.options import check_path, check_switch, check_whole
 from fastlink.precision import check_verify
+from fastlink.space.dataset import FORMAT
 
 __all__ = ["CHECKS", "Check", "check_options", "is_reserved", "optional"]
 

@@ -22,10 +22,10 @@ from fastlink.mechanisms import catalogue as find_catalogue
 from fastlink.plan.plan import Plan, make_plan
 from fastlink.plan.pointwise import ANGLES_FOR_LANES
 from fastlink.plan.positions import in_degrees
-from fastlink.plan.program import EXTREMUM
 from fastlink.plan.query import Extrema, with_lists
 from fastlink.plan.validate import all_choices, constants_of, joined_missing, missing_inputs
 from fastlink.space.degrees import COMMENT
+from fastlink.space.design_space import EXTREMUM
 from fastlink.space.table import as_space
 
 if TYPE_CHECKING:

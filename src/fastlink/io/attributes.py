@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from fastlink._text import short_repr
+from fastlink._text import short_repr, unwritable
 from fastlink.errors import InputError, KeyPath, Problems
 
 __all__ = ["check_attrs"]
@@ -74,11 +74,8 @@ def _fault_of_name(name: object) -> str | None:
 def _fault_of_value(value: Any) -> str | None:
     """Return why a file cannot hold a value, None where it can."""
     if isinstance(value, str):
-        try:
-            value.encode()
-        except UnicodeEncodeError as error:
-            return f"holds {value[error.start]!r}, which is half a letter"
-        return "holds the character '\\x00'" if "\0" in value else None
+        sign = unwritable(value)
+        return f"holds {sign!r}, which no file can hold" if sign else None
     if isinstance(value, (bool, np.bool_)):
         return None
     if isinstance(value, int):

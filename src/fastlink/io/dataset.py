@@ -11,9 +11,9 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
+from fastlink.space.dataset import FORMAT
 from fastlink.space.design_space import DESIGN, DesignSpace
 
-FORMAT = "fastlink_map"  # global attribute: version of the layout; absent from a file that is not complete
 FORMAT_VERSION = 1
 
 Further = Mapping[str, tuple[tuple[str, ...], NDArray[Any], Mapping[str, Any]]]

@@ -13,7 +13,7 @@ from pathlib import Path
 
 from fastlink._text import size
 from fastlink.errors import InputError, Remedy, Setting
-from fastlink.options import check_path
+from fastlink.options import check_path, not_a_file
 
 try:
     import fcntl
@@ -96,12 +96,13 @@ def check_place(path: Path, where: str = "to", example: str = "maps.h5") -> None
         A name for a file of its kind.
     """
     try:
-        if path.is_dir():
-            raise _refused(f"{path} is a folder", f"add a file name, for instance {path / example}", where)
+        if other := not_a_file(path):
+            remedy = (
+                f"add a file name, for instance {path / example}" if path.is_dir() else "choose another name"
+            )
+            raise _refused(f"{path} {other}", remedy, where)
         if not path.parent.is_dir():
             raise _refused(f"{path}: there is no folder {path.parent}", "create it or choose another", where)
-        if path.exists() and not path.is_file():
-            raise _refused(f"{path} is a device or a pipe", "choose another name", where)
         with tempfile.TemporaryFile(dir=path.parent):
             pass
     except OSError as error:

@@ -16,9 +16,10 @@ import xarray as xr
 from fastlink._text import short_repr
 from fastlink.doors import door
 from fastlink.errors import InputError, suggest
-from fastlink.io.dataset import FORMAT, FORMAT_VERSION
+from fastlink.io.dataset import FORMAT_VERSION
 from fastlink.io.partial_file import part_of, reason
-from fastlink.options import check_path
+from fastlink.options import check_path, not_a_file
+from fastlink.space.dataset import FORMAT
 
 __all__ = ["as_dataset", "as_map", "is_hdf5", "open_map"]
 
@@ -140,10 +141,8 @@ def as_dataset(maps: Any) -> Iterator[xr.Dataset]:
 def _existing(path: Any) -> Path:
     """Return the path of a file, or refuse it."""
     file = check_path(("path",), path)
-    if os.path.isdir(file):
-        raise InputError(f"{file}: is a folder", remedy="give the path of a map that a sweep has written")
-    if os.path.exists(file) and not os.path.isfile(file):  # a pipe would be waited for
-        raise InputError(f"{file}: is not a file", remedy="give the path of a map that a sweep has written")
+    if other := not_a_file(file):
+        raise InputError(f"{file}: {other}", remedy="give the path of a map that a sweep has written")
     if os.fspath(path).endswith(os.sep):
         raise InputError(f"{path}: is not a folder", remedy=f"write {str(file)!r}")
     if not os.path.exists(file):

@@ -22,10 +22,11 @@ from numpy.typing import NDArray
 
 from fastlink.errors import InputError
 from fastlink.io import partial_file
-from fastlink.io.dataset import FORMAT, FORMAT_VERSION, Variable, check_dims, plain_attrs
+from fastlink.io.dataset import FORMAT_VERSION, Variable, check_dims, plain_attrs
 from fastlink.io.finished import marks, stamp
 from fastlink.io.journal import Journal, Range, joined, journal_of, missing, read_journal
 from fastlink.io.skeleton import lay_out, set_attrs
+from fastlink.space.dataset import FORMAT
 
 __all__ = ["Writer"]
 

@@ -10,9 +10,10 @@ from collections.abc import Iterable, Sequence
 from typing import Any
 
 from fastlink.catalogue.catalogue import Catalogue, System
-from fastlink.plan.program import EXTREMUM, Lanes, Output, Program
+from fastlink.plan.program import Lanes, Output, Program
 from fastlink.plan.query import Request, parse_request
 from fastlink.plan.toggles import toggles_of
+from fastlink.space.design_space import BRANCH, EXTREMUM
 
 __all__ = ["ANGLES_FOR_LANES", "make_program", "output_of", "pointwise_programs"]
 
@@ -117,12 +118,12 @@ def output_of(
 ) -> Output:
     """Return the result of a request."""
     fact = catalogue.public_fact(request.quantity)
-    axes: tuple[str, ...] = ("branch",)
+    axes: tuple[str, ...] = (BRANCH,)
     if not catalogue.varies(fact.name):
         axes = ()
     elif request.listed and request.listed != "count":
-        axes = ("branch", EXTREMUM)
+        axes = (BRANCH, EXTREMUM)
     elif not request.listed and request.reduction is None:
-        axes = ("branch", catalogue.position.name)
+        axes = (BRANCH, catalogue.position.name)
     is_code = (bool(fact.flags) and request.is_of_quantity) or request.listed in ("count", "kind")
     return Output(request, axes, "int8" if is_code else "float64", refined, toggles)

@@ -15,11 +15,9 @@ if TYPE_CHECKING:
 
     from fastlink.facts.fact import GradedRange
 
-__all__ = ["EXTREMUM", "ExtremaProgram", "ExtremumSearch", "Lanes", "Output", "Program"]
+__all__ = ["ExtremaProgram", "ExtremumSearch", "Lanes", "Output", "Program"]
 
 Lanes = Literal["designs", "angles"]
-#: The dimension along which the extremes of a quantity stand.
-EXTREMUM = "extremum"
 
 
 @dataclass(frozen=True)

@@ -31,7 +31,8 @@ from fastlink.plot.colours import (
     near,
 )
 from fastlink.plot.labels import constants_of, label_of, plain, title_of
-from fastlink.plot.selection import BRANCH, Selection
+from fastlink.plot.selection import Selection
+from fastlink.space.design_space import BRANCH
 
 if TYPE_CHECKING:
     import xarray as xr

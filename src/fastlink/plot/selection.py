@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import numbers
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
@@ -14,13 +13,15 @@ from fastlink._text import short_number, short_repr
 from fastlink.errors import InputError, Remedy, Setting, suggest
 from fastlink.maps.flags import flags_of
 from fastlink.options import check_choice, check_whole
+from fastlink.space.design_space import BRANCH
+from fastlink.space.values import is_number
 
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["BRANCH", "Selection", "select"]
+__all__ = ["Selection", "select"]
 
-BRANCH, STATUS = "branch", "status"
+STATUS = "status"
 MOST_CELLS = 1600  # along each side, more than the pixels of a picture
 COUNTS = {1: "one", 2: "two", 3: "three"}
 
@@ -136,12 +137,12 @@ def _nearest(dim: str, values: Any, value: Any) -> int:
 
 
 def _finite(value: Any) -> float | None:
-    """Return a finite number as a float, None of anything else; a duration passes for a whole number elsewhere."""
-    if not isinstance(value, numbers.Real) or isinstance(value, (bool, np.timedelta64)):
+    """Return a finite number as a float, None of anything else."""
+    if not is_number(value):
         return None
     try:
         number = float(value)
-    except OverflowError:
+    except (OverflowError, ValueError):  # Decimal("sNaN")
         return None
     return number if math.isfinite(number) else None
 

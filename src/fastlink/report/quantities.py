@@ -26,8 +26,6 @@ from fastlink.plan.pointwise import make_program
 from fastlink.plan.reductions import REDUCTIONS
 from fastlink.plan.suggestions import rank_quantities
 from fastlink.report.rows import (
-    BRANCH,
-    DESIGN,
     GivenInput,
     Quantity,
     given_inputs,
@@ -35,6 +33,7 @@ from fastlink.report.rows import (
     row_of,
     step_row,
 )
+from fastlink.space.design_space import BRANCH, DESIGN
 
 __all__ = ["GivenInput", "Quantity", "QuantityList", "quantities"]
 

@@ -8,13 +8,11 @@ from dataclasses import dataclass, field
 
 from fastlink.catalogue.catalogue import Catalogue, Fact, Input
 from fastlink.engine.labels import request_labels
-from fastlink.plan.program import EXTREMUM
 from fastlink.plan.query import parse_request
 from fastlink.plan.validate import RULES
+from fastlink.space.design_space import BRANCH, DESIGN, EXTREMUM
 
 __all__ = [
-    "BRANCH",
-    "DESIGN",
     "GROUPS",
     "GivenInput",
     "Quantity",
@@ -24,7 +22,6 @@ __all__ = [
     "step_row",
 ]
 
-DESIGN, BRANCH = "design", "branch"
 COMPONENT = re.compile("(?<=_)[av]?[xy]$")
 
 #: The groups of a list, in its order.

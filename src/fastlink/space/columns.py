@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from fastlink._text import counted, short_repr
+from fastlink._text import counted, short_repr, unwritable
 from fastlink.errors import InputError, KeyPath, Problem, Problems, Remedy, Setting
 from fastlink.space.design_space import DESIGN, DesignSpace, sampled
 from fastlink.space.values import (
@@ -95,18 +95,10 @@ def label_of(values: Any, where: KeyPath) -> NDArray[Any]:
         return array.astype(str)
     cells = ["" if _is_missing(cell) else str(cell) for cell in np.asarray(values, dtype=object).ravel()]
     for row, cell in enumerate(cells):
-        if "\0" in cell or (not cell.isprintable() and _is_no_utf8(cell)):
-            what = f"is {short_repr(cell)}, which no file can hold as a text"
+        if sign := unwritable(cell):
+            what = f"holds {sign!r}, which no file can hold"
             raise InputError(what, where=(*where, row), remedy="write letters alone")
     return np.array(cells, dtype=str).reshape(array.shape)
-
-
-def _is_no_utf8(text: str) -> bool:
-    try:
-        text.encode()
-    except UnicodeEncodeError:
-        return True
-    return False
 
 
 class Columns:

@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 
 from fastlink._text import counted, short_repr
+from fastlink.options import not_a_file
 from fastlink.space.columns import Columns, check_name, is_label, or_keep, refused
 from fastlink.space.values import check_input_name
 
@@ -29,16 +30,14 @@ def read_csv(path: Path, keep: Collection[str], allow_invalid: bool) -> Columns:
     InputError
         With the line of the file and what to write there.
     """
+    if other := not_a_file(path):
+        raise refused(f"{path} {other}", "give the path of a CSV file")
     try:
         with path.open(encoding="utf-8-sig", newline="") as file:
             return _Reader(path.name, file).columns(keep, allow_invalid)
     except OSError as error:
         raise refused(f"cannot read {path}: {error.strerror}", "give the path of a CSV file") from error
-    except ValueError as error:
-        if not isinstance(error, UnicodeDecodeError):
-            raise
-        raise refused(f"{path} is not CSV text ({error})", "save it as comma-separated UTF-8") from error
-    except csv.Error as error:
+    except (UnicodeDecodeError, csv.Error) as error:
         raise refused(f"{path} is not CSV text ({error})", "save it as comma-separated UTF-8") from error
 
 

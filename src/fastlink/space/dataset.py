@@ -11,13 +11,15 @@ import numpy as np
 from fastlink._text import short_repr
 from fastlink.errors import InputError
 from fastlink.space.columns import Columns, refused
-from fastlink.space.design_space import DESIGN, DesignSpace
+from fastlink.space.design_space import BRANCH, DESIGN, EXTREMUM, DesignSpace
 from fastlink.space.values import Floats, axis_of, numbers_of, units_of
 
-__all__ = ["space_of_dataset"]
+__all__ = ["FORMAT", "space_of_dataset"]
 
-#: The attribute by which a map says what it is, and the dimensions of its results that are none of designs.
-FORMAT, OF_RESULTS = "fastlink_map", ("branch", "extremum")
+#: Global attribute of a map: the version of its layout; absent from a file that is not complete.
+FORMAT = "fastlink_map"
+#: The dimensions of the results of a map that are none of designs.
+OF_RESULTS = (BRANCH, EXTREMUM)
 
 
 def space_of_dataset(dataset: Any, keep: Collection[str], allow_invalid: bool) -> DesignSpace:

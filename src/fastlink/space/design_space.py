@@ -15,8 +15,8 @@ from fastlink.doors import door
 from fastlink.errors import InputError, Problem, suggest
 from fastlink.space.values import Floats, constant, frozen
 
-#: The dimension of designs that span no grid.
-DESIGN = "design"
+#: Dimensions: designs that span no grid, assembly modes, the extremes of a quantity.
+DESIGN, BRANCH, EXTREMUM = "design", "branch", "extremum"
 MAKERS = "grid, table, sobol and latin_hypercube make design spaces"
 
 

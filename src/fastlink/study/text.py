@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import re
-import stat
 import tomllib
 from pathlib import Path
 from typing import Any
@@ -11,6 +10,7 @@ from typing import Any
 from fastlink._text import size
 from fastlink.errors import InputError, Problem
 from fastlink.io.reader import is_hdf5
+from fastlink.options import not_a_file
 from fastlink.study.schema import A_STUDY
 from fastlink.study.wording import StudyWording
 
@@ -37,16 +37,14 @@ def text_of(path: Path) -> str:
         It is a folder, a device, a map, too long, or cannot be read.
     """
     try:
-        known = path.stat()
-        if stat.S_ISDIR(known.st_mode):
-            raise _refused(path, "is a folder, not a study", A_STUDY)
-        if not stat.S_ISREG(known.st_mode):
-            raise _refused(path, "is a device or a pipe, not a study", A_STUDY)
+        length = path.stat().st_size
+        if other := not_a_file(path):
+            raise _refused(path, f"{other}, not a study", A_STUDY)
         if is_hdf5(path):
             raise _refused(path, "is a map, not a study", f"`fastlink info {path}` shows it")
-        if known.st_size > LONGEST:
+        if length > LONGEST:
             remedy = 'keep designs in a CSV file: [design] table = "designs.csv"'
-            raise _refused(path, f"has {size(known.st_size)}, too long for a study", remedy)
+            raise _refused(path, f"has {size(length)}, too long for a study", remedy)
         return path.read_text(encoding="utf-8-sig")
     except UnicodeDecodeError as error:
         what = f"is not UTF-8 text ({error.reason} at byte {error.start})"
