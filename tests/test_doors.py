@@ -59,9 +59,11 @@ def swept(space, **options):
         (lambda: swept(fl.grid(a1=1.0), n_jobs=2), "n_jobs", "'threads'"),
         (lambda: swept(fl.grid(a1=1.0), output="maps.h5"), "output", "'to'"),
         (lambda: fl.sweep("planar_4r", designs=fl.grid(a1=1.0), outputs=["omega4"]), "space", "of designs"),
-        (lambda: fl.latin_hypercube(a1=(1, 2)), "n", "latin_hypercube(n, seed=..., **ranges)"),
+        (lambda: fl.latin_hypercube(a1=(1, 2)), "n", "latin_hypercube(n, ranges=..., seed=..., **more)"),
         (lambda: fl.grid([1.0, 2.0]), "grid", "by name"),
         (lambda: fl.sobol(8, n=8), "n", "once"),
+        (lambda: fl.sobol(8, n=(1.0, 2.0)), "n", "in a mapping"),
+        (lambda: fl.focal.cubic(a=1.0), "b, c, d and phi", "cubic(a, b, c, d, phi, branch=...)"),
         (lambda: fl.summary(), "summary", "summary("),
         (lambda: fl.plot_map("maps.h5"), "name", "plot_map(maps, name"),
         (lambda: fl.mechanisms(3), "mechanisms", "mechanisms()"),
@@ -103,7 +105,7 @@ def test_an_error_inside_a_right_call_is_passed_on():
 
 
 def test_a_guarded_function_keeps_its_signature_and_travels():
-    assert list(inspect.signature(fl.sobol).parameters) == ["n", "seed", "ranges"]
+    assert list(inspect.signature(fl.sobol).parameters) == ["n", "ranges", "seed", "more"]
     assert pickle.loads(pickle.dumps(fl.sobol)) is fl.sobol
     with pytest.raises(CallError) as caught:
         fl.sobol()

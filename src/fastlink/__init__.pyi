@@ -613,6 +613,7 @@ def grid(
 ) -> DesignSpace: ...
 def latin_hypercube(
     n: int,
+    ranges: Mapping[str, ArrayLike] | None = ...,
     *,
     seed: int = ...,
     a1: ArrayLike = ...,
@@ -681,6 +682,7 @@ def latin_hypercube(
 ) -> DesignSpace: ...
 def sobol(
     n: int,
+    ranges: Mapping[str, ArrayLike] | None = ...,
     *,
     seed: int = ...,
     a1: ArrayLike = ...,

@@ -90,7 +90,8 @@ def _wrong_call(
     if parameters and parameters[0].name == "self":
         parameters, args = parameters[1:], args[1:]
     problems = Problems()
-    form = f"write {_form(name, parameters)}{'; ' if hint else ''}{hint}"
+    also = f"; {hint}" if hint else ""
+    form = f"write {_form(name, parameters)}{also}"
     by_position = [one for one in parameters if one.kind in BY_POSITION]
     named = {
         one.name for one in parameters if one.kind not in (Parameter.VAR_KEYWORD, Parameter.VAR_POSITIONAL)
@@ -101,7 +102,7 @@ def _wrong_call(
         are = "is" if len(args) == 1 else "are"
         problems.add(f"takes {most} by position, {len(args)} {are} given", (name,), form)
     for key in (key for key in given if key in options):
-        problems.add("is given both by position and by name", (name, key), "write it once")
+        problems.add("is given both by position and by name", (name, key), f"write it once{also}")
     others = [key for key in options if key not in named]
     missing = [
         one.name
@@ -123,7 +124,7 @@ def _wrong_call(
 
 
 def _form(name: str, parameters: Sequence[Parameter]) -> str:
-    """Return a call with the parameters of a function, such as ``sobol(n, seed=..., **ranges)``."""
+    """Return a call with the parameters of a function, such as ``sobol(n, ranges=..., seed=..., **more)``."""
     shown = []
     for one in parameters[:MOST_SHOWN]:
         optional = one.default is not Parameter.empty or one.kind is Parameter.KEYWORD_ONLY

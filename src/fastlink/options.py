@@ -12,12 +12,25 @@ from typing import Any
 from fastlink._text import short_repr
 from fastlink.errors import InputError, KeyPath, suggest
 
-__all__ = ["MOST_SEED", "check_choice", "check_path", "check_switch", "check_whole", "not_a_file"]
+__all__ = [
+    "MOST_SEED",
+    "check_choice",
+    "check_output",
+    "check_path",
+    "check_switch",
+    "check_whole",
+    "not_a_file",
+]
 
 #: The greatest seed: a file holds no greater whole number.
 MOST_SEED = 2**63 - 1
 #: Bytes of a file's name and of a whole path that file systems have room for.
 LONGEST_NAME, LONGEST_PATH = 255, 4095
+#: Endings of files that are no HDF5; other programs would misread a map called so.
+OTHER_FILES = frozenset(
+    {".csv", ".json", ".mat", ".md", ".npy", ".npz", ".parquet", ".pdf", ".pkl", ".png", ".py", ".svg"}
+    | {".toml", ".tsv", ".txt", ".xls", ".xlsx", ".yaml", ".yml", ".zip"}
+)
 
 
 def check_whole(
@@ -131,6 +144,26 @@ def not_a_file(path: Path) -> str:
     if os.path.isfile(path) or not os.path.exists(path):
         return ""
     return "is a folder" if os.path.isdir(path) else "is a device or a pipe"
+
+
+def check_output(where: KeyPath, value: Any) -> Path:
+    """Return the path of a map that is to be written, or refuse a name that belongs to something else.
+
+    Examples
+    --------
+    >>> check_output(("to",), "maps.csv")
+    Traceback (most recent call last):
+    fastlink.errors.InputError: to: 'maps.csv' is not the name of an HDF5 file; write 'maps.h5'
+    """
+    path = check_path(where, value)
+    name = os.fspath(value)
+    if name.endswith(os.sep) and not path.is_dir():
+        what = f"{short_repr(name)} ends as the name of a folder does"
+        raise InputError(what, where=where, remedy=f"write {str(path)!r}")
+    if path.suffix.lower() in OTHER_FILES:
+        what = f"{short_repr(name)} is not the name of an HDF5 file"
+        raise InputError(what, where=where, remedy=f"write {path.with_suffix('.h5').name!r}")
+    return path
 
 
 def _fault(path: str) -> str | None:

@@ -211,3 +211,28 @@ def test_units_that_values_state_are_those_of_the_input():
             else:
                 with refused("a2", "convert it to m"):
                     sweep(space)
+
+
+def test_a_map_is_swept_again_by_its_path(tmp_path):
+    path = tmp_path / "maps.h5"
+    sweep(GRID, to=path).close()
+    with IGNORED:
+        again = sweep(path, ["transmission_angle_min"])
+    assert again.transmission_angle_min.dims == ("a2", "a3", "branch")
+    with refused("maps.h5", "fastlink.open"):
+        fl.table(path)
+    (tmp_path / "other.csv").write_bytes(path.read_bytes()[:100])
+    with refused("other.csv", "a map that a sweep has written"):
+        sweep(tmp_path / "other.csv")
+
+
+@pytest.mark.parametrize("name", ["maps.csv", "maps.TOML", "maps.h5/"])
+def test_a_name_that_is_no_map_is_refused(tmp_path, name):
+    with refused("to", "maps.h5"):
+        sweep(GRID, to=f"{tmp_path}/{name}")
+    assert not list(tmp_path.iterdir())
+
+
+def test_an_option_in_degrees_is_answered_with_the_name_of_the_input():
+    with refused("degrees", "theta1_deg"):
+        sweep(GRID, degrees=True)

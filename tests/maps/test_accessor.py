@@ -299,3 +299,11 @@ def test_a_map_without_variables(maps):
     ):
         with refused("unknown", "there is none"):
             call()
+
+
+def test_a_unit_has_no_control_characters():
+    pytest.importorskip("pint")
+    maps = fl.sweep("planar_4r", fl.grid(a1=0.4, a2=1.2, a3=0.8, a4=1.0, omega1=1.0), ["omega4_max"])
+    for unit in ("rpm\0", "rad s-1\n"):
+        with refused("omega4_max", "'rpm'"):
+            maps.fastlink.convert(omega4_max=unit)

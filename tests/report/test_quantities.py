@@ -187,3 +187,10 @@ def test_the_examples_run():
     result = doctest.testmod(listing)
     assert result.attempted > 0
     assert result.failed == 0
+
+
+def test_a_word_in_place_of_a_mechanism_may_be_one_to_find():
+    with refused("'torque'", "find='torque'"):
+        fl.quantities("torque")
+    with refused("'planar4r'", "'planar_4r'"):
+        fl.quantities("planar4r")

@@ -280,3 +280,15 @@ def test_the_examples_run(module):
     result = doctest.testmod(module)
     assert result.attempted > 0
     assert result.failed == 0
+
+
+@pytest.mark.parametrize("sample", [sobol, latin_hypercube])
+def test_an_input_called_as_a_parameter_is_given_in_a_mapping(sample):
+    space = sample(4, {"n": (1.0, 2.0)}, seed=3, m=(1.0, 2.0), d=1.0)
+    assert (space.size, list(space.columns), space.constants) == (4, ["n", "m"], {"d": 1.0})
+    same = sample(n=4, ranges={"n": (1.0, 2.0), "m": (1.0, 2.0), "d": 1.0}, seed=3)
+    np.testing.assert_array_equal(space.columns["n"], same.columns["n"])
+    with refused("m", "once"):
+        sample(4, {"m": (1.0, 2.0)}, m=1.0)
+    with refused("ranges", "by name"):
+        sample(4, 5.0)

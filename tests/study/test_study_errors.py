@@ -290,8 +290,10 @@ def test_a_study_never_replaces_what_it_is_read_from(folder, name):
     Path("designs.csv").write_text("a1,a2\n0.4,1.2\n")
     text = f'{BARE}[design]\ntable = "designs.csv"\na3 = 0.8\na4 = 1.0\n'
     error = of_the_caller(text, to=name, overwrite=True)
-    assert error.where == ("to",)
-    assert error.what == f"{name}: the study is read from that file"
+    assert (error.where, error.what) == (("to",), f"{name!r} is not the name of an HDF5 file")
+    Path("link.h5").symlink_to(name)
+    error = of_the_caller(text, to="link.h5", overwrite=True)
+    assert (error.where, error.what) == (("to",), "link.h5: the study is read from that file")
     assert Path("designs.csv").read_text() == "a1,a2\n0.4,1.2\n"
 
 
@@ -352,3 +354,25 @@ def test_any_value_of_any_key_is_read_or_refused_at_its_key(folder, table, key):
     assert len(lines) > len(VALUES) / 2
     assert all(line.startswith("study.toml: ") for text in lines for line in text.splitlines())
     assert any(f"{table}.{key}".lstrip(".") in line for line in lines)
+
+
+def test_columns_of_a_table_are_kept(folder):
+    Path("designs.csv").write_text("a2,part_no\n1.1,7\n1.2,8\n")
+    rest = "a1 = 0.4\na3 = 0.8\na4 = 1.0\n"
+    text = BARE + "[design]\n{}table = 'designs.csv'\n" + rest
+    assert_problem(text.format(""), "design.table.part_no", 'keep = ["part_no"]')
+    with run_study(written(text.format("keep = ['part_no']\n"))) as maps:
+        assert maps.part_no.values.tolist() == [7, 8]
+    assert_problem(BARE + "[design]\nkeep = ['part_no']\na2 = 1.2\n" + rest, "design.keep", "table = ...")
+    assert refused(text.format("keep = 7\n"))[0].startswith("design.keep is 7; write names of columns")
+
+
+def test_an_input_called_as_a_parameter_of_a_sample(folder):
+    text = """mechanism = "hart"
+quantities = ["stroke"]
+[design]
+sobol = {n = 8, ranges = {n = [1.0, 2.0]}, m = [1.5, 2.5], d = 1.0, kappa = 0.5}
+"""
+    with run_study(written(text)) as maps:
+        assert (maps.n.dims, maps.attrs["design_n"]) == (("design",), 8)
+        assert 1.0 <= maps.n.values.min() < maps.n.values.max() <= 2.0

@@ -87,7 +87,7 @@ def designs_of(
     if space.ignored and not problems.noted:
         names = ", ".join(space.ignored)
         what = f"results beside the designs are ignored: {names}"
-        remark(what, remedy="leave them out, and nothing is said")
+        remark(what, remedy="a map's designs alone are maps.fastlink.designs")
         space = replace(space, attrs={**space.attrs, IGNORED: names})
     return space
 

@@ -9,7 +9,7 @@ from typing import Any
 from fastlink.errors import InputError, KeyPath, Problems
 from fastlink.io.attributes import check_attrs
 from fastlink.mechanisms import NAMES, inputs_of
-from fastlink.options import check_path, check_switch, check_whole
+from fastlink.options import check_output, check_switch, check_whole
 from fastlink.precision import check_verify
 from fastlink.space.dataset import FORMAT
 
@@ -65,7 +65,7 @@ CHECKS: dict[str, Check] = {
     "overwrite": check_switch,
     "progress": optional(check_switch),
     "threads": optional(partial(check_whole, least=1, most=MOST_THREADS)),
-    "to": optional(check_path),
+    "to": optional(check_output),
     "verify": optional(check_verify),
 }
 
@@ -85,7 +85,7 @@ def check_options(given: Mapping[str, Any], further: Mapping[str, Check] | None 
     >>> check_options({"threads": 2, "overwrite": "no", "verify": -1})
     Traceback (most recent call last):
     fastlink.errors.InputError: overwrite is 'no'; write True or False
-    verify is -1; write how many designs to compute again, 0 for none, at most 200000
+    verify is -1; write how many designs to compute again, from 0 for none to 200000
     """
     checks = CHECKS if further is None else CHECKS | dict(further)
     problems, checked = Problems(), {}

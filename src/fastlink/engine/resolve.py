@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import hashlib
+import os
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache, partial
@@ -19,6 +20,7 @@ from fastlink.engine.executor import Job, Shapes
 from fastlink.engine.scaling import ScalingAxis, find_scaling_axis
 from fastlink.errors import InputError, KeyPath, Problem, Problems
 from fastlink.mechanisms import catalogue as find_catalogue
+from fastlink.options import check_path
 from fastlink.plan.plan import Plan, make_plan
 from fastlink.plan.pointwise import ANGLES_FOR_LANES
 from fastlink.plan.positions import in_degrees
@@ -172,7 +174,7 @@ def resolve(
     problems, designs = Problems(), None
     catalogue = find_catalogue(mechanism, options.get("input"))
     with problems.at():
-        given = as_space(space, allow_invalid=bool(options.get("allow_invalid")))
+        given = _space_of(space, bool(options.get("allow_invalid")))
         designs = designs_of(catalogue, given, options.get("links"), problems)
     with problems.at():
         checked = check(mechanism, designs, quantities, companions=companions, parameter=parameter, **options)
@@ -199,6 +201,18 @@ def resolve(
     solver = checked.solver if plan.depends_on_solver else ""
     one_branch = np.ndim(options.get("branch", checked.branches)) == 0
     return ResolvedSweep(mechanism, space, plan, checked.positions, solver, axis, checked.backend, one_branch)
+
+
+def _space_of(space: Any, allow_invalid: bool) -> DesignSpace:
+    """Return the designs that a caller gives, see `as_space`; those of a map by the path of its file too."""
+    if isinstance(space, (str, os.PathLike)):
+        from fastlink.io.reader import is_hdf5, open_map  # which imports xarray
+
+        path = check_path(("space",), space, "designs.csv")
+        if path.is_file() and is_hdf5(path):
+            with open_map(path) as maps:
+                return as_space(maps, allow_invalid=allow_invalid)
+    return as_space(space, allow_invalid=allow_invalid)
 
 
 def _problem_of_each(

@@ -13,7 +13,7 @@ from pathlib import Path
 
 from fastlink._text import size
 from fastlink.errors import InputError, Remedy, Setting
-from fastlink.options import check_path, not_a_file
+from fastlink.options import check_output, not_a_file
 
 try:
     import fcntl
@@ -58,7 +58,7 @@ def check_target(path: str | Path, nbytes_needed: int, overwrite: bool, sources:
     sources : sequence of Path
         Files that the values are computed from, which must stay.
     """
-    target = Path(os.path.realpath(check_path(("to",), path)))
+    target = Path(os.path.realpath(check_output(("to",), path)))
     check_place(target)
     if target.exists() and not overwrite:
         raise exists_error(target)
@@ -76,7 +76,7 @@ def check_target(path: str | Path, nbytes_needed: int, overwrite: bool, sources:
 
 def existing_file(path: str | Path) -> Path | None:
     """Return the absolute path of an output that is a file already, None where there is none."""
-    target = Path(os.path.realpath(check_path(("to",), path)))
+    target = Path(os.path.realpath(check_output(("to",), path)))
     try:
         return target if target.is_file() else None
     except OSError:

@@ -27,8 +27,8 @@ __all__ = [
 
 RADIAN, DEGREE = "rad", "degree"  # in the spelling of CF
 INSTALL = "python -m pip install 'fastlink-linkages[units]'"
-#: What makes a sum of pint's that may take for ever, such as m**9**9**9.
-ENDLESS = re.compile(r"[()]|\d{4}|(\*\*|\^)[^*^/ ]*(\*\*|\^)|.{80}", re.DOTALL)
+#: What is in no unit, or makes a sum of pint's that may take for ever, such as m**9**9**9.
+ENDLESS = re.compile(r"[()\x00-\x1f]|\d{4}|(\*\*|\^)[^*^/ ]*(\*\*|\^)|.{80}", re.DOTALL)
 POWER = re.compile(r"(?<=[A-Za-z])(-?\d+)")
 
 T = TypeVar("T", xr.Dataset, xr.DataArray)

@@ -54,6 +54,8 @@ __all__ = [
 
 EXTREMA: tuple[Extrema, ...] = ("refined", "sampled")
 ANGLES = 360
+#: What users call an option that takes degrees.
+IN_DEGREES = ("deg", "degree", "degrees", "in_degrees")
 
 
 def check_keywords(
@@ -78,6 +80,8 @@ def check_keywords(
             else:
                 with problems.at():
                     check_angle(name, position, catalogue.position.units, ())
+        elif name in IN_DEGREES and catalogue.position.units == RADIANS:
+            problems.add("is not an option", (name,), f"write angles in degrees as {degrees_name(position)}")
         elif any(name in inputs_of(other) for other in NAMES):
             own = name in inputs_of(mechanism)
             other = (f", or, to drive {name}, write ", Setting("input", name)) if own else ()

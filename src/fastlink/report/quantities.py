@@ -233,7 +233,10 @@ def quantities(
             find, [find_catalogue(name, input) for name in (NAMES if mechanism is None else [mechanism])]
         )
     assert mechanism is not None
-    catalogue = find_catalogue(mechanism, input)
+    try:
+        catalogue = find_catalogue(mechanism, input)
+    except InputError as error:
+        raise _or_find(mechanism, error) from None
     rows = public_rows(catalogue)
     if internal:
         every = (DESIGN, BRANCH, catalogue.position.name)
@@ -243,6 +246,15 @@ def quantities(
                 dims = [axis for axis in every if axis in plan.axes[name]]
                 rows.append(step_row(fact, dims, catalogue.name))
     return QuantityList(rows, [catalogue])
+
+
+def _or_find(mechanism: object, error: InputError) -> InputError:
+    """Return the error of an unknown mechanism; a word that finds quantities is to be written as one."""
+    if isinstance(mechanism, str) and mechanism not in NAMES and str(error.remedy).startswith("known"):
+        known = ", ".join(map(repr, NAMES))
+        remedy = (f"write one of {known}", (", or ", Setting("find", mechanism)))
+        return InputError(error.what, where=error.where, remedy=remedy)
+    return error
 
 
 def _found(phrase: str, catalogues: Sequence[Catalogue]) -> QuantityList:

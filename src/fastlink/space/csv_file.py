@@ -38,7 +38,15 @@ def read_csv(path: Path, keep: Collection[str], allow_invalid: bool) -> Columns:
     except OSError as error:
         raise refused(f"cannot read {path}: {error.strerror}", "give the path of a CSV file") from error
     except (UnicodeDecodeError, csv.Error) as error:
+        if path.is_file() and _is_hdf5(path):
+            remedy = f"if it is a map, give fastlink.open('{path}')"
+            raise refused(f"{path} is an HDF5 file", remedy) from error
         raise refused(f"{path} is not CSV text ({error})", "save it as comma-separated UTF-8") from error
+
+
+def _is_hdf5(path: Path) -> bool:
+    with path.open("rb") as file:
+        return file.read(4) == b"\x89HDF"
 
 
 class _Column:

@@ -26,6 +26,8 @@ SOBOL_CHUNK = 2**16
 #: How often a sample is held in memory at most while it is made, by scipy and here (measured 1.2 and 4.0).
 COPIES = {"sobol": 2, "latin_hypercube": 5}
 FEWER = "ask for fewer designs"
+#: How an input is given that is called like a parameter.
+OF_THAT_NAME = "an input called n is given in a mapping, such as {'n': (1.0, 2.0)}"
 
 
 @door
@@ -56,7 +58,7 @@ def grid(axes: Mapping[str, ArrayLike] | None = None, /, **more: ArrayLike) -> D
     swept: dict[str, Floats] = {}
     units: dict[str, str] = {}
     problems = Problems()
-    for name, given in _keywords(axes, more).items():
+    for name, given in _keywords("grid", axes, more).items():
         with problems.at("grid", name):
             check_input_name("grid", name)
             values = numbers_of("grid", name, given)
@@ -75,20 +77,23 @@ def grid(axes: Mapping[str, ArrayLike] | None = None, /, **more: ArrayLike) -> D
     return DesignSpace("grid", tuple(swept), shape, constants, axes=swept, attrs=attrs, units=units)
 
 
-def _keywords(axes: Any, more: Mapping[str, ArrayLike]) -> dict[str, Any]:
-    """Return the inputs of a grid that are given as a mapping, by keywords, or both."""
+def _keywords(kind: str, axes: Any, more: Mapping[str, ArrayLike]) -> dict[str, Any]:
+    """Return the inputs of a grid or a sample that are given as a mapping, by keywords, or both."""
     if axes is None:
         return dict(more)
     if not isinstance(axes, Mapping) or not all(isinstance(name, str) for name in axes):
-        what, remedy = f"is {short_repr(axes)}", "write its axes by name, such as a2=[1.1, 1.2]"
-        raise InputError(what, where=("grid",), remedy=remedy)
+        remedy = "write inputs by name, such as a2=" + ("[1.1, 1.2]" if kind == "grid" else "(1.1, 1.2)")
+        where = (kind,) if kind == "grid" else (kind, "ranges")
+        raise InputError(f"is {short_repr(axes)}", where=where, remedy=remedy)
     for name in axes.keys() & more.keys():
-        raise InputError("is given twice", where=("grid", name), remedy="write it once")
+        raise InputError("is given twice", where=(kind, name), remedy="write it once")
     return {**axes, **more}
 
 
-@door
-def sobol(n: int, *, seed: int = 0, **ranges: ArrayLike) -> DesignSpace:
+@door(hint=OF_THAT_NAME)
+def sobol(
+    n: int, ranges: Mapping[str, ArrayLike] | None = None, *, seed: int = 0, **more: ArrayLike
+) -> DesignSpace:
     """Sample inputs by a scrambled Sobol sequence, along the dimension ``design``.
 
     Parameters
@@ -96,9 +101,11 @@ def sobol(n: int, *, seed: int = 0, **ranges: ArrayLike) -> DesignSpace:
     n : int
         Number of designs, at most 2^30. Only powers of two keep the full balance of the sequence; any other
         number is its first `n` points.
+    ranges : mapping, optional
+        The inputs as a mapping, beside or instead of keywords: for Hart's input ``n``, ``{"n": (1.0, 2.0)}``.
     seed : int, default 0
         Seed of the scrambling; the same seed gives the same designs.
-    **ranges : float or (lo, hi)
+    **more : float or (lo, hi)
         A number is a constant; a pair is sampled uniformly between its ends.
 
     Returns
@@ -114,11 +121,13 @@ def sobol(n: int, *, seed: int = 0, **ranges: ArrayLike) -> DesignSpace:
     >>> bool(space.columns["a1"].min() >= 0.2)
     True
     """
-    return _sample("sobol", n, seed, ranges, _sobol_chunks)
+    return _sample("sobol", n, seed, _keywords("sobol", ranges, more), _sobol_chunks)
 
 
-@door
-def latin_hypercube(n: int, *, seed: int = 0, **ranges: ArrayLike) -> DesignSpace:
+@door(hint=OF_THAT_NAME)
+def latin_hypercube(
+    n: int, ranges: Mapping[str, ArrayLike] | None = None, *, seed: int = 0, **more: ArrayLike
+) -> DesignSpace:
     """Sample the inputs by a Latin hypercube, along the dimension ``design``.
 
     Each of `n` equal slices of every range holds exactly one design.
@@ -127,9 +136,11 @@ def latin_hypercube(n: int, *, seed: int = 0, **ranges: ArrayLike) -> DesignSpac
     ----------
     n : int
         Number of designs, at most 2^30.
+    ranges : mapping, optional
+        The inputs as a mapping, beside or instead of keywords: for Hart's input ``n``, ``{"n": (1.0, 2.0)}``.
     seed : int, default 0
         The same seed gives the same designs.
-    **ranges : float or (lo, hi)
+    **more : float or (lo, hi)
         A number is a constant; a pair is sampled between its ends.
 
     Returns
@@ -143,7 +154,9 @@ def latin_hypercube(n: int, *, seed: int = 0, **ranges: ArrayLike) -> DesignSpac
     >>> sorted(int(value) for value in space.columns["a1"])
     [0, 1, 2, 3]
     """
-    return _sample("latin_hypercube", n, seed, ranges, _latin_hypercube_chunks)
+    return _sample(
+        "latin_hypercube", n, seed, _keywords("latin_hypercube", ranges, more), _latin_hypercube_chunks
+    )
 
 
 def _sample(

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 from fastlink.errors import Problem
 from fastlink.space.degrees import degrees_name
 from fastlink.space.links import MODELS
-from fastlink.study.schema import KEYS, SAMPLES, StudyFile
+from fastlink.study.schema import KEEP, KEYS, SAMPLES, StudyFile
 
 if TYPE_CHECKING:
     from fastlink.catalogue.catalogue import Catalogue
@@ -34,7 +34,7 @@ def at_home(raw: Mapping[str, Any], catalogue: Catalogue | None) -> tuple[dict[s
     """
     homes: dict[str, tuple[str, ...]] = {
         "model": ("links",),
-        **dict.fromkeys(SAMPLES, ("design",)),
+        **dict.fromkeys((*SAMPLES, KEEP), ("design",)),
         **dict.fromkeys(TOP, ("",)),
     }
     homes |= {key: (table,) for table, keys in KEYS.items() for key in keys}

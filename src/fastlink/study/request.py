@@ -14,7 +14,7 @@ from fastlink.plan.positions import check_keywords
 from fastlink.space.degrees import degrees_name
 from fastlink.space.links import MODELS, Links
 from fastlink.space.samplers import grid, latin_hypercube, sobol, table
-from fastlink.study.schema import KEYS, REQUIRED, SAMPLES
+from fastlink.study.schema import KEEP, KEYS, REQUIRED, SAMPLES
 from fastlink.study.wording import StudyWording
 
 if TYPE_CHECKING:
@@ -140,13 +140,15 @@ class Request:
         if "links" in self.broken:  # whose inputs are unknown without their model
             of_links = {name for model in MODELS for name in self.catalogue.variant_inputs.get(model, {})}
             design = {name: value for name, value in design.items() if name not in of_links}
-        entries = {name: value for name, value in design.items() if name not in SAMPLES}
+        entries = {name: value for name, value in design.items() if name not in (*SAMPLES, KEEP)}
         constants = {name: value for name, value in entries.items() if isinstance(value, float)}
         swept = [name for name in entries if name not in constants]
         kinds = [name for name in SAMPLES if name in design]
         if len(kinds) + bool(swept) > 1:
             both = [*kinds, *([f"axes ({', '.join(swept)})"] if swept else [])]
             problems.add(f"has {' and '.join(both)}", ("design",), "write one of them, beside constants")
+        if KEEP in design and "table" not in design:
+            problems.add("names columns of a table", ("design", KEEP), "leave it out, or write table = ...")
         if not design and not self.broken & {"design", "links"}:
             problems.add("is empty", ("design",), "write a number or an axis for each input")
         with problems.at():
@@ -155,7 +157,7 @@ class Request:
             (kind,) = kinds
             with problems.at("design", kind):
                 if kind == "table":
-                    space = table(path.parent / design["table"])
+                    space = table(path.parent / design["table"], keep=design.get(KEEP, ()))
                 else:
                     space = (sobol if kind == "sobol" else latin_hypercube)(**design[kind])
                 for name in constants:

@@ -16,7 +16,7 @@ from fastlink._text import short_repr
 from fastlink.errors import KeyPath, Problem, path_text, suggest
 from fastlink.mechanisms import NAMES
 
-__all__ = ["A_STUDY", "KEYS", "SAMPLES", "read_tables"]
+__all__ = ["A_STUDY", "KEEP", "KEYS", "SAMPLES", "read_tables"]
 
 #: The remedy of those who have no study yet.
 A_STUDY = (
@@ -103,6 +103,7 @@ class Sample(BaseModel, extra="allow"):
 
     __pydantic_extra__: dict[str, Range]
     n: Annotated[Whole, Write("a whole number of designs of at least 1")]
+    ranges: dict[String, Range] | None = None
     seed: Annotated[Whole, Write("a whole number of at least 0")] | None = None
 
 
@@ -113,6 +114,7 @@ class Design(BaseModel, extra="allow"):
     sobol: Sample | None = None
     latin_hypercube: Sample | None = None
     table: Annotated[Text, Write('the path of a CSV file, such as "designs.csv"')] | None = None
+    keep: Annotated[list[String], Write('names of columns, such as ["part_no"]')] | None = None
 
 
 class Links(BaseModel, extra="allow"):
@@ -162,8 +164,9 @@ class StudyFile(BaseModel, extra="forbid"):
 
 #: The tables of options, and their keys.
 KEYS = {"cycle": Cycle.model_fields, "run": Run.model_fields, "output": Output.model_fields}
-#: The keys of [design] that are not inputs.
-SAMPLES = Design.model_fields
+#: The key of [design] for columns of a table that are kept as labels; those that give all designs at once.
+KEEP = "keep"
+SAMPLES = [name for name in Design.model_fields if name != KEEP]
 #: The keys of tables without other keys, by the table of the study that they are in.
 KNOWN = KEYS | {"design": Axis.model_fields, "cycle": Angles.model_fields}
 #: What stands for a required key that is missing, to read the others; how often what is wrong is left out.
@@ -269,7 +272,7 @@ def _problems(error: ValidationError, positions: Collection[str]) -> list[Proble
         if path[0] == "cycle" and path[1:] and path[1] not in (*KEYS["cycle"], *positions):
             continue
         # The third part of a path is the tag of a number or an axis, except in a sample.
-        where = path if SAMPLES.keys() & path[1:2] else (*path[:2], *path[3:])
+        where = path if {*SAMPLES, KEEP} & {*path[1:2]} else (*path[:2], *path[3:])
         what, name = f"is {short_repr(entry['input'])}", str(path[-1])
         if kind == "write":
             remedy = f"write {entry['msg']}"

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from fastlink.errors import KeyPath, Model, Pair, Piece, Problem, Samples, Setting, Wording, path_text
-from fastlink.study.schema import KEYS, SAMPLES
+from fastlink.study.schema import KEEP, KEYS, SAMPLES
 
 if TYPE_CHECKING:
     from fastlink.space.design_space import DesignSpace
@@ -88,6 +88,6 @@ class StudyWording(Wording):
         if isinstance(piece, Setting):
             if piece.name == "overwrite":
                 return self.door.piece(piece)  # for once, by who runs the study
-            known = any(piece.name in keys for keys in KEYS.values())
+            known = piece.name == KEEP or any(piece.name in keys for keys in KEYS.values())
             return f"{piece.name} = {json.dumps(piece.value)}" if known else None
         return piece
