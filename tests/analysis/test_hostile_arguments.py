@@ -31,8 +31,8 @@ FOCAL = {"a": 3.0, "b": 5.0, "c": 4.0, "d": 6.0, "phi": 0.5}
 #: Each function with a good call.
 CALLS: dict[str, tuple[Callable[..., Any], dict[str, Any]]] = {
     "sextic": (fl.planar.sextic, CURVE),
-    "curve_length": (fl.planar.curve_length, CURVE | {"samples": 8, "branch": 2}),
-    "curve_area": (fl.planar.curve_area, CURVE | {"samples": 8, "branch": 2}),
+    "curve_length": (fl.planar.curve_length, CURVE | {"branch": 2}),
+    "curve_area": (fl.planar.curve_area, CURVE | {"branch": 2}),
     "curve_straightness": (fl.planar.curve_straightness, CURVE | {"samples": 8, "branch": 2}),
     "inflections": (fl.planar.inflections, CURVE | {"samples": 8, "branch": 2}),
     "crunodes": (fl.planar.crunodes, CURVE | {"tolerance": 1e-9}),
@@ -171,9 +171,9 @@ def test_dataarrays_are_broadcast_by_their_dimensions():
     """Equal lengths along other dimensions make a product, not pairs."""
     a1 = xr.DataArray([0.3, 0.4], dims="a1")
     a2 = xr.DataArray([1.1, 1.2], dims="a2")
-    lengths = fl.planar.curve_length(CURVE | {"a1": a1, "a2": a2}, samples=8)
+    lengths = fl.planar.curve_length(CURVE | {"a1": a1, "a2": a2})
     assert lengths.shape == (2, 2)
-    assert lengths[0, 1] == fl.planar.curve_length(CURVE | {"a1": 0.3, "a2": 1.2}, samples=8)
+    assert lengths[0, 1] == fl.planar.curve_length(CURVE | {"a1": 0.3, "a2": 1.2})
     with refused("a2", "give equal lengths"):
         fl.planar.curve_length(CURVE | {"a1": a1, "a2": xr.DataArray([1.0, 1.1, 1.2], dims="a1")})
     one, other = (xr.DataArray([1.0, 1.1], dims="k", coords={"k": k}) for k in ([0, 1], [1, 2]))
@@ -182,8 +182,8 @@ def test_dataarrays_are_broadcast_by_their_dimensions():
 
 
 def test_modes_are_broadcast_with_designs():
-    both = fl.planar.curve_length(CURVE, branch=[1, 2], samples=8)
-    assert both.tolist() == [fl.planar.curve_length(CURVE, branch=k, samples=8) for k in (1, 2)]
+    both = fl.planar.curve_length(CURVE, branch=[1, 2])
+    assert both.tolist() == [fl.planar.curve_length(CURVE, branch=k) for k in (1, 2)]
     counts = fl.planar.inflections(CURVE, branch=[1, 2], samples=8)[3]
     assert counts.tolist() == [int(fl.planar.inflections(CURVE, branch=k, samples=8)[3]) for k in (1, 2)]
 

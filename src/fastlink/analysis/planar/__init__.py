@@ -6,11 +6,12 @@ doubles.
 
 from fastlink.analysis.planar.balance import force_balance
 from fastlink.analysis.planar.cognates import Cognate, cognates
-from fastlink.analysis.planar.curves import curve_area, curve_length, curve_straightness, sextic, straightness
+from fastlink.analysis.planar.curves import curve_straightness, sextic, straightness
 from fastlink.analysis.planar.double_points import crunode_count, crunodes, cusp_count, cusps
 from fastlink.analysis.planar.flywheel import flywheel_inertia
 from fastlink.analysis.planar.inflections import inflections
 from fastlink.analysis.planar.input_output import io_coefficients
+from fastlink.analysis.planar.path_integrals import curve_area, curve_length
 
 __all__ = [
     "Cognate",

@@ -1,4 +1,4 @@
-"""Coupler curves of the planar 4R: equation, length, area, straightness.
+"""Coupler curves of the planar 4R: equation and straightness.
 
 The coupler point and its derivatives are facts of the mechanism, and so is the bounding box of the curve: ``P_x_min``,
 ``P_x_max``, ``P_y_min`` and ``P_y_max`` of a sweep.
@@ -25,7 +25,7 @@ from fastlink.numerics.vectors import cross
 from fastlink.plan.validate import branch_codes
 from fastlink.space.values import numbers_of
 
-__all__ = ["curve_area", "curve_length", "curve_straightness", "sextic", "straightness"]
+__all__ = ["curve_inputs", "curve_straightness", "one_turn", "sextic", "straightness"]
 
 
 @door(hint=BY_NAME)
@@ -100,83 +100,6 @@ def one_turn(function: str, samples: Any) -> Any:
     """Return input angles half a step off theta1 = 0, where rates may not exist."""
     count = check_samples(function, samples)
     return (np.arange(count) + 0.5) * (2.0 * np.pi / count)
-
-
-@door(hint=BY_NAME)
-def curve_length(design: Any = None, *, branch: Any = 1, samples: int = 720, **inputs: Any) -> Any:
-    """Return the length of the path of the coupler point over one turn of the input [m].
-
-    Parameters
-    ----------
-    design : mapping, pandas.DataFrame or xarray.Dataset, optional
-        Inputs of ``planar_4r`` by name: lengths ``a1`` ... ``a4`` and coupler point ``P_u``, ``P_v`` [m], broadcast.
-        Other inputs are not read.
-    branch : int or array_like
-        Assembly mode, broadcast with the design.
-    samples : int
-        Input angles over the turn.
-    **inputs : float, array_like or xarray.DataArray
-        The same by name.
-
-    Returns
-    -------
-    ndarray
-        The mean speed times the period; NaN where the input does not turn fully.
-
-    Notes
-    -----
-    The periodic trapezoidal rule: the error falls geometrically with the samples, the faster the farther the
-    curve is from a cusp and the linkage from a change point. At a cusp it falls with their square.
-
-    Examples
-    --------
-    >>> import fastlink as fl
-    >>> design = dict(a1=0.5, a2=1.2, a3=0.8, a4=1.0, P_u=0.0, P_v=0.0)
-    >>> round(float(fl.planar.curve_length(design)), 12)  # P = A: 2 pi a1
-    3.14159265359
-    """
-    curve = curve_inputs("curve_length", design, inputs, branch)
-    path = along_curve(["P_speed"], curve, one_turn("curve_length", samples))
-    return 2.0 * np.pi * np.mean(path["P_speed"], axis=-1)
-
-
-@door(hint=BY_NAME)
-def curve_area(design: Any = None, *, branch: Any = 1, samples: int = 720, **inputs: Any) -> Any:
-    """Return the area that the coupler curve encloses over one turn of the input [m2].
-
-    Parameters
-    ----------
-    design : mapping, pandas.DataFrame or xarray.Dataset, optional
-        Inputs of ``planar_4r`` by name: lengths ``a1`` ... ``a4`` and coupler point ``P_u``, ``P_v`` [m], broadcast.
-        Other inputs are not read.
-    branch : int or array_like
-        Assembly mode, broadcast with the design.
-    samples : int
-        Input angles over the turn.
-    **inputs : float, array_like or xarray.DataArray
-        The same by name.
-
-    Returns
-    -------
-    ndarray
-        The signed area, half the integral of x dy - y dx: parts that the curve runs around to the left
-        as theta1 grows count positive, to the right negative (the loops of a figure eight subtract). NaN where
-        the input does not turn fully.
-
-    Notes
-    -----
-    The periodic trapezoidal rule, as in `curve_length`; the integrand is smooth at cusps too.
-
-    Examples
-    --------
-    >>> import fastlink as fl
-    >>> design = dict(a1=0.5, a2=1.2, a3=0.8, a4=1.0, P_u=0.0, P_v=0.0)
-    >>> round(float(fl.planar.curve_area(design)), 12)  # P = A: pi a1^2
-    0.785398163397
-    """
-    curve = curve_inputs("curve_area", design, inputs, branch)
-    path = along_curve(["P_x", "P_y", "P_vx", "P_vy"], curve, one_turn("curve_area", samples))
-    return np.pi * np.mean(path["P_x"] * path["P_vy"] - path["P_y"] * path["P_vx"], axis=-1)
 
 
 def _half_width(points: Any) -> float:
