@@ -133,6 +133,7 @@ def _curve(name: str, options: str = "", **slots: tuple[str, ...]) -> Door:
 
 SAMPLES = {"branch": ("modes", "1"), "samples": ("count", "16", "16")}
 SAMPLED = ", branch=$branch, samples=$samples, "
+WITH_ERROR = {"branch": ("modes", "1"), "error": ("flag", "False")}
 
 #: What is a dataset or a labelled array, though no map.
 DATASETS = (
@@ -324,8 +325,8 @@ DOORS: list[Door] = [
         "",
     ),
     _curve("sextic", ", "),
-    _curve("curve_length", SAMPLED, **SAMPLES),
-    _curve("curve_area", SAMPLED, **SAMPLES),
+    _curve("curve_length", ", branch=$branch, error=$error, ", **WITH_ERROR),
+    _curve("curve_area", ", branch=$branch, error=$error, ", **WITH_ERROR),
     _curve(
         "curve_straightness",
         ", theta1=$theta1, branch=$branch, samples=$samples, ",
