@@ -10,6 +10,7 @@ from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, field
 from decimal import Decimal
 from fractions import Fraction
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -19,6 +20,7 @@ import xarray as xr
 
 import fastlink as fl
 from tests.hostile import doings, objects
+from tests.hostile.checks import CHECKS
 from tests.hostile.doors import DOORS, Door
 from tests.hostile.judge import Outcome, attempt, judged
 from tests.hostile.lines import command_lines
@@ -219,7 +221,9 @@ def judge_all(
         if not constructible(case, names):
             continue
         try:
-            outcome = judged(case.verdict, case.text, case.plain, names)
+            check = CHECKS.get(case.check)
+            own = partial(check, text=case.plain, names=names) if check else None
+            outcome = judged(case.verdict, case.text, case.plain, names, own)
         except Exception:
             outcome = Outcome("failed", "the harness: " + traceback.format_exc()[-300:])
         tally.take(case, outcome)

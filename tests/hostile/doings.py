@@ -14,6 +14,7 @@ import fastlink as fl
 from fastlink.cli import app
 from fastlink.errors import InputError
 from fastlink.study.study import read_study
+from tests.hostile import checks
 from tests.hostile.judge import complaint_about
 from tests.hostile.studies import meant
 
@@ -28,13 +29,8 @@ def written(data: bytes, name: str = "table.csv") -> str:
 
 def _checked(maps: Any) -> Any:
     """Return a small map of the planar 4R, checked against the facts that are not compiled."""
-    if "theta4" in maps and maps.attrs["mechanism"] == "planar_4r" and "theta1" in maps.theta4.dims:
-        given = {name: maps[name] for name in ("a1", "a2", "a3", "a4")}
-        facts = fl.evaluate("planar_4r", ["theta4"], **given, theta1=maps.theta1, branch=maps.branch)[
-            "theta4"
-        ]
-        facts = facts.broadcast_like(maps.theta4).transpose(*maps.theta4.dims)
-        assert np.array_equal(maps.theta4, facts, equal_nan=True), "theta4 differs from evaluate"
+    wrong = checks.swept(maps)
+    assert not wrong, wrong
     return maps
 
 

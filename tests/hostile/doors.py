@@ -43,7 +43,7 @@ class Door:
     slots : mapping of str to Slot
         Its arguments.
     check : str
-        The independent check of its result, see `checks.CHECKS`.
+        The independent check of its result, see `checks.CHECKS`; ``"refused"`` where every call is refused.
     """
 
     name: str
@@ -148,7 +148,7 @@ ONE_DESIGN = "dict(a1=0.5, a2=1.0, a3=0.75, a4=2.0, P_u=0.0, P_v=2.0)"
 
 DOORS: list[Door] = [
     _sweep(f"fl.grid({_of('', 'a1 a2 a3 a4 omega1')})", AXES),
-    _sweep("$space", SPACE, ""),
+    _sweep("$space", SPACE),
     _sweep(
         "fl.grid(a1=0.4, a2=1.2, a3=0.8, a4=1.0, omega1=25.0, **$others)", _slots(others=("names_of", "{}"))
     ),
@@ -209,7 +209,7 @@ DOORS: list[Door] = [
         "a1=0.4 a2=1.2 a3=0.8 a4=1.0",
         "joint_omega_2=25.0 joint_angle_2=0.75",
     ),
-    _evaluate("minkowski_4r", "['X_x', 'X_y']", "None", "a=3.0 b=5.0 g=6.0 h=4.0", "theta=0.25 x=1.0 y=0.5"),
+    _evaluate("minkowski_4r", "['X_x', 'X_y']", "None", "a=3.0 b=5.0 g=6.0 h=4.0", "theta=1.25 x=1.0 y=0.5"),
     _evaluate(
         "focal", "['T_x', 'F_y']", "None", "a=5.0 b=5.0 c=2.0 d=4.0", "rho=1.0 phi=0.75", "completion=1"
     ),

@@ -186,7 +186,6 @@ FRAMES = [
             "{'': [0.4, 0.5]}",
             "{'design': [0.4, 0.5]}",
             "{None: [0.4]}",
-            "[{'a1': 0.4}, {'a1': 0.5}]",
             "[('a1', [0.4])]",
             "np.ones((3, 2))",
             "0.4",
@@ -223,6 +222,7 @@ FRAMES = [
             "pd.DataFrame({F}).to_dict('list')",
             "pd.DataFrame({F}).to_dict('series')",
             "xr.Dataset({name: ('run', column) for name, column in {F}.items()})",
+            "[dict(zip({F}, row)) for row in zip(*{F}.values())]",
             "xr.Dataset({name: ('run', column) for name, column in {F}.items()}, coords={'run': ['x', 'y', 'z']})",
             "xr.Dataset({n: ('run', c) for n, c in {F}.items()}, coords={'label': ('run', ['x', 'y', 'z'])})",
         )
@@ -314,6 +314,8 @@ def _in_memory(rng: np.random.Generator) -> tuple[str, str, str, str, bool]:
     if kind == "other types":  # refused, or labels of the designs
         verdict = EITHER
         del plain[name]
+    if text == "[0.4, None, 0.6]":  # a gap to pandas
+        plain[name] = "[0.4, float('nan'), 0.6]"
     source = "{" + ", ".join(f"{key!r}: {value}" for key, value in columns.items()) + "}"
     meaning = "{" + ", ".join(f"{key!r}: {value}" for key, value in plain.items()) + "}"
     # what numpy and pandas turn into numbers before fastlink sees it

@@ -8,11 +8,13 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from typing import Any
 
+import numpy as np
 import pytest
 
 import fastlink as fl
-from tests.hostile import campaign, judge
+from tests.hostile import campaign, checks, judge
 from tests.hostile.campaign import Case, Tally
+from tests.hostile.checks import CHECKS
 from tests.hostile.doors import DOORS, Door
 
 #: Each part of the default run, and its number of cases.
@@ -101,6 +103,36 @@ def test_the_judge_sees_a_wrong_number(names: dict[str, Any]) -> None:
     assert campaign.judged("taken", text, text, names, check=lambda _: "").verdict == "taken"
     assert campaign.judged("taken", text, plain, names).verdict == "failed"
     assert campaign.judged("either", text, plain, names).verdict == "failed"
+
+
+CHECKED = [door for door in DOORS if door.check in CHECKS]
+
+
+def altered(result: Any) -> Any:
+    """Return a result with another number in it, or of another design."""
+    if isinstance(result, dict):
+        return {name: np.asarray(values) * (1.0 + 1e-12) + 1e-15 for name, values in result.items()}
+    return result.assign(theta4=-result.theta4) if hasattr(result, "assign") else result
+
+
+@pytest.mark.parametrize("door", CHECKED, ids=lambda door: door.name)
+def test_a_check_sees_a_wrong_number(door: Door, names: dict[str, Any]) -> None:
+    text = door.text({})
+    check, result = CHECKS[door.check], eval(text, dict(names))
+    assert check(result, text, names) == ""
+    if door.check == "function":
+        assert check(result, door.text({"a4": "1.0 + 2**-30"}), names) != ""
+    else:
+        assert check(altered(result), text, names) != ""
+
+
+def test_an_open_loop_is_seen() -> None:
+    design = dict(a1=0.4, a2=1.2, a3=0.8, a4=1.0, theta1=0.75)
+    theta4 = [fl.evaluate("planar_4r", ["theta4"], **design, branch=branch)["theta4"] for branch in (1, 2)]
+    for branch in (1, 2):
+        assert not checks.open_loop(theta4[branch - 1], **design, branch=branch)
+        assert "other assembly mode" in checks.open_loop(theta4[2 - branch], **design, branch=branch)
+        assert "long" in checks.open_loop(theta4[branch - 1] + 1e-12, **design, branch=branch)
 
 
 @pytest.mark.stress
