@@ -10,7 +10,7 @@ from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, field
 from decimal import Decimal
 from fractions import Fraction
-from functools import partial
+from functools import cache, partial
 from pathlib import Path
 from typing import Any
 
@@ -21,7 +21,7 @@ import xarray as xr
 import fastlink as fl
 from tests.hostile import doings, objects
 from tests.hostile.checks import CHECKS
-from tests.hostile.doors import DOORS, Door
+from tests.hostile.doors import DOORS, Door, Slot
 from tests.hostile.judge import Outcome, attempt, judged
 from tests.hostile.lines import command_lines
 from tests.hostile.studies import ROOT, studies
@@ -138,17 +138,19 @@ class Case:
     source: str = ""
 
 
-def values_of(door: Door, name: str) -> list[Value]:
-    """Return the hostile values of one argument."""
-    slot = door.slots[name]
+@cache
+def values_of(slot: Slot) -> tuple[Value, ...]:
+    """Return the hostile values of an argument."""
     optional = {"None"} if slot.base == "None" else set()
     good = {*slot.good, slot.base, *optional}
-    x = slot.x or slot.base
-    return [value.about(x) for value in ROLES[slot.role] if value.text not in good]
+    return tuple(value for value in ROLES[slot.role] if value.text not in good)
 
 
 def case_of(number: int, door: Door, chosen: dict[str, Value]) -> Case:
     """Return the case with some values at a door."""
+    chosen = {
+        name: value.about(door.slots[name].x or door.slots[name].base) for name, value in chosen.items()
+    }
     verdicts = {value.verdict for value in chosen.values()}
     alone = TAKEN if len(chosen) == 1 else EITHER
     verdict = REFUSED if REFUSED in verdicts else EITHER if EITHER in verdicts else alone
@@ -170,12 +172,12 @@ def argument_cases(seed: int, count: int, doors: Iterable[Door] = DOORS) -> Iter
     doors, rng = list(doors), np.random.default_rng(seed)
     for number in range(count):
         door = doors[rng.integers(len(doors))]
-        names = [name for name in door.slots if values_of(door, name)]
+        names = [name for name in door.slots if values_of(door.slots[name])]
         two = len(names) > 1 and rng.random() < 0.2
         some = rng.choice(len(names), 2 if two else 1, replace=False)
         chosen = {}
         for k in some:
-            values = values_of(door, names[k])
+            values = values_of(door.slots[names[k]])
             chosen[names[k]] = values[rng.integers(len(values))]
         yield case_of(number, door, chosen)
 
@@ -185,7 +187,7 @@ def singles(doors: Iterable[Door] = DOORS) -> Iterator[Case]:
     number = 0
     for door in doors:
         for name in door.slots:
-            for value in values_of(door, name):
+            for value in values_of(door.slots[name]):
                 yield case_of(number, door, {name: value})
                 number += 1
 
