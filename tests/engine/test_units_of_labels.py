@@ -63,3 +63,15 @@ def test_labelled_degrees_are_converted_alike():
     assert float(degrees) == by_name == float(both)
     swept = fl.sweep("planar_4r", DESIGN, ["omega4"], theta1=labelled([60.0], "deg"), branch=1)
     assert swept.omega4.item() == by_name
+
+
+@pytest.mark.parametrize("name", ["omega4", "d_omega4_d_a2", "omega4_error", "grashof_class", "status"])
+def test_results_of_evaluate_are_labelled_as_in_a_map(name):
+    angles = xr.DataArray([0.5, 1.0], dims="theta1")
+    found = fl.evaluate("planar_4r", [name], **DESIGN, theta1=angles)[name]
+    swept = fl.sweep("planar_4r", DESIGN, [name], theta1=angles)[name]
+    for label in ("units", "long_name", "symbol", "references"):
+        assert found.attrs.get(label) == swept.attrs.get(label), label
+    twice = fl.evaluate("planar_4r", [name], **DESIGN, theta1=angles)[name]
+    found.attrs["units"] = "spoiled"
+    assert twice.attrs.get("units") == swept.attrs.get("units")

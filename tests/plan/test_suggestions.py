@@ -192,3 +192,11 @@ def test_the_examples_run(module):
     result = doctest.testmod(module)
     assert result.attempted > 0
     assert result.failed == 0
+
+
+@pytest.mark.parametrize(
+    ("given", "name"), [("theta4", "joint_angle_4"), ("thet1", "theta1"), ("joint2", "joint_angle_2")]
+)
+def test_the_joint_of_an_input_is_the_number_in_its_name(given, name):
+    with refused(repr(given), repr(name)):
+        fl.sweep("planar_4r", fl.grid(**DESIGN), ["theta4"], input=given)

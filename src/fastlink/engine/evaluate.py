@@ -21,7 +21,7 @@ from fastlink.mechanisms import NAMES, inputs_of
 from fastlink.mechanisms import catalogue as find_catalogue
 from fastlink.options import check_switch
 from fastlink.plan.positions import check_keywords, radian_keywords
-from fastlink.plan.query import check_names
+from fastlink.plan.query import check_names, parse_request
 from fastlink.plan.suggestions import require_quantity
 from fastlink.plan.validate import (
     all_choices,
@@ -84,7 +84,8 @@ def evaluate(
     Returns
     -------
     dict
-        Name to float, array or DataArray.
+        Name to float, array or DataArray; a DataArray has the attributes ``units``, ``long_name``, ``symbol`` and
+        ``references``, as in a map.
 
     Raises
     ------
@@ -139,7 +140,8 @@ def evaluate(
         return {name: float(arrays[name]) for name in names}
     results = {name: np.broadcast_to(arrays[name], shape) for name in names}
     if template is not None:
-        return {name: template.copy(data=np.array(value)).rename(name) for name, value in results.items()}
+        labels = _labels(catalogue, version, names)
+        return {name: _labelled(template, name, results[name], labels[name]) for name in names}
     return {name: value[()] for name, value in results.items()}
 
 
@@ -239,6 +241,25 @@ def _recipe(catalogue: Catalogue, version: int, names: tuple[str, ...], given: _
         raise InputError.of(joined_missing(missing.values())) if missing else error from None
     read = {*names, *(need for step in steps for need in step.depends_on)}
     return _Recipe(tuple(name for name in tables if name in read), steps)
+
+
+@lru_cache(maxsize=256)
+def _labels(catalogue: Catalogue, version: int, names: tuple[str, ...]) -> dict[str, dict[str, Any]]:
+    """Return the attributes of quantities, as in a map."""
+    from fastlink.engine.labels import request_labels  # which the writer of maps shares
+
+    labels = {name: request_labels(catalogue, parse_request(name, catalogue)) for name in names}
+    for name in names:
+        if catalogue.public_fact(name).flags:
+            del labels[name]["units"]  # of a code
+    return labels
+
+
+def _labelled(template: Any, name: str, values: Any, labels: dict[str, Any]) -> Any:
+    """Return a quantity as a DataArray."""
+    result = template.copy(data=np.array(values)).rename(name)
+    result.attrs = dict(labels)
+    return result
 
 
 def _branches(catalogue: Catalogue, branch: Any, allow_invalid: bool) -> Any:

@@ -12,6 +12,7 @@ import threading
 from types import ModuleType
 from typing import TYPE_CHECKING, Any
 
+from fastlink.errors import suggest
 from fastlink.options import check_choice
 
 if TYPE_CHECKING:
@@ -62,7 +63,15 @@ def catalogue(mechanism: str | None, input: str | None = None) -> Catalogue:
     first, driven = _package(mechanism)
     if input is None:
         return first
-    input = check_choice(("input",), input, (first.position.name, *driven), f" to {mechanism}")
+    known = (first.position.name, *driven)
+
+    def of_that_joint(text: str) -> str:  # theta4 is nearer to theta1 than to joint_angle_4
+        numbered = [name for name in known if text[-1:].isdigit() and name.endswith(text[-1])]
+        if len(numbered) == 1:
+            return f"did you mean {numbered[0]!r}?"
+        return suggest(text, numbered) if numbered else ""
+
+    input = check_choice(("input",), input, known, f" to {mechanism}", of_that_joint)
     if input == first.position.name:
         return first
     with _lock:
