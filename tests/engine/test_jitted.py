@@ -16,6 +16,8 @@ BAR = fl.round_bar(density=7750.0, radius=0.01)
 FIXED = {"a1": 0.4, "a4": 1.0, "omega1": 25.0}
 LENGTHS = np.random.default_rng(3).uniform(0.5, 1.5, (2, 150))
 LENGTHS[:, :4] = [[1.0, np.nan, -1.0, 0.0], [0.4, 1.0, 1.0, 1.0]]
+#: One design is so far from 1 that it is evaluated in units of its own.
+FAR = LENGTHS * np.where(np.arange(150) == 9, 2.0**100, 1.0)
 
 
 @pytest.mark.parametrize(
@@ -31,6 +33,7 @@ def test_a_jitted_function_has_the_bits_of_the_function(names, options):
     together = function(LENGTHS)
     np.testing.assert_array_equal(jitted(LENGTHS), together)
     np.testing.assert_array_equal(jitted(LENGTHS[:, 7]), together[:, 7])
+    np.testing.assert_array_equal(jitted(FAR), function(FAR))
     with ThreadPoolExecutor(4) as pool:
         for result in pool.map(lambda _: jitted(LENGTHS), range(40)):
             np.testing.assert_array_equal(result, together)

@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 
 from fastlink.catalogue.catalogue import Catalogue, Fact, System
+from fastlink.catalogue.sizes import sized, sizes_of
 from fastlink.numerics.elementary import context_of
 
 __all__ = ["evaluate_on_doubles", "evaluate_step", "read_facts", "steps_of", "tables_at"]
@@ -21,7 +22,7 @@ __all__ = ["evaluate_on_doubles", "evaluate_step", "read_facts", "steps_of", "ta
 def read_facts(
     catalogue: Catalogue, names: Iterable[str], values: Mapping[str, Any], variants: Iterable[str] = ()
 ) -> dict[str, Any]:
-    """Evaluate facts on numbers of any type.
+    """Evaluate facts on numbers of any type; doubles far from 1 in units of their own.
 
     Parameters
     ----------
@@ -37,16 +38,26 @@ def read_facts(
     Returns
     -------
     dict
-        The values of all steps.
+        The values of all steps; of these facts alone where doubles are far from 1.
     """
     known = dict(values)
+    exact = any(hasattr(value, "context") for value in known.values())
+    sizes = None if exact else sizes_of(catalogue, known)
+    if sizes is not None:
+        known |= sizes.inputs(catalogue, known)
     position = catalogue.position.name
     if position in known:
         tables = (*catalogue.tables, *catalogue.table_low_parts)
         known |= tables_at(catalogue, known[position], [name for name in tables if name not in known])
     for step in steps_of(catalogue, names, known, variants):
         evaluate_step(step, known)
-    return known
+    if sizes is None:
+        return known
+    labels = {name: catalogue.resolve(name, variants) for name in names if name not in values}
+    kinds = {
+        name: sized(catalogue, name, fact.units) for name, fact in labels.items() if isinstance(fact, Fact)
+    }
+    return {**values, **{name: sizes.result(kind, known[name]) for name, kind in kinds.items()}}
 
 
 def steps_of(

@@ -16,7 +16,7 @@ from fastlink.codegen.runtime.cells import LANES
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-__all__ = ["COUNT", "VECTOR", "BoundKernel", "KernelTask", "aligned"]
+__all__ = ["COUNT", "VECTOR", "BoundKernel", "FunctionKernel", "KernelTask", "aligned"]
 
 CACHE_LINE = 64
 #: Designs in the longest vector of a processor: a kernel reads no design beyond the last such group.
@@ -115,6 +115,28 @@ class BoundKernel:
             _scratch.arrays[self.layout] = self.scratch
             while len(_scratch.arrays) > KEPT:
                 del _scratch.arrays[next(iter(_scratch.arrays))]
+
+
+@dataclass(frozen=True, eq=False)
+class FunctionKernel:
+    """A kernel with arrays of its own for its results.
+
+    Attributes
+    ----------
+    bound : BoundKernel
+        The kernel and its buffers.
+    rows : list of (array, int)
+        The rows of its designs that are inputs of the function, and which; the others hold constants.
+    results : list of (int, array)
+        Which output of the function each of its results is, and where it is written.
+    run : callable
+        ``run(count)`` evaluates the first designs.
+    """
+
+    bound: BoundKernel
+    rows: list[tuple[NDArray[Any], int]]
+    results: list[tuple[int, NDArray[Any]]]
+    run: Callable[[int], None]
 
 
 def aligned(shape: tuple[int, ...], dtype: str = "float64") -> NDArray[Any]:

@@ -13,6 +13,7 @@ import numpy as np
 from fastlink.catalogue.catalogue import Catalogue, Fact, Input, System
 from fastlink.catalogue.declare import ELIMINATED
 from fastlink.catalogue.evaluate import evaluate_on_doubles
+from fastlink.catalogue.sizes import sized, sizes_of
 from fastlink.catalogue.tables import angle_tables
 from fastlink.doors import door
 from fastlink.engine.broadcast import MOST_CONFIGURATIONS, broadcast_inputs, like, too_many
@@ -133,9 +134,7 @@ def evaluate(
         remark_on_angles(catalogue.position.name, theta, "evaluate")
     tabled = angle_tables(catalogue, recipe.tables, np.ravel(theta))
     arrays |= zip(recipe.tables, tabled.reshape(len(recipe.tables), *np.shape(theta)), strict=True)
-    evaluate_on_doubles(recipe.steps, arrays)
-    if allow_invalid:
-        _leave_gaps(recipe.steps, arrays)
+    arrays = _evaluated(catalogue, recipe, names, arrays, allow_invalid)
     if template is None and not shape:
         return {name: float(arrays[name]) for name in names}
     results = {name: np.broadcast_to(arrays[name], shape) for name in names}
@@ -143,6 +142,22 @@ def evaluate(
         labels = _labels(catalogue, version, names)
         return {name: _labelled(template, name, results[name], labels[name]) for name in names}
     return {name: value[()] for name, value in results.items()}
+
+
+def _evaluated(
+    catalogue: Catalogue, recipe: _Recipe, names: tuple[str, ...], arrays: dict[str, Any], gaps: bool
+) -> dict[str, Any]:
+    """Return the quantities: of a design that is far from 1 in units of its own, see `fastlink.catalogue.sizes`."""
+    sizes = sizes_of(catalogue, arrays)
+    if sizes is not None:
+        arrays |= sizes.inputs(catalogue, arrays)
+    evaluate_on_doubles(recipe.steps, arrays)
+    if gaps:
+        _leave_gaps(recipe.steps, arrays)
+    if sizes is None:
+        return arrays
+    kinds = {name: sized(catalogue, name, catalogue.public_fact(name).units) for name in names}
+    return {name: sizes.result(kind, arrays[name]) for name, kind in kinds.items()}
 
 
 #: The keywords of `evaluate` besides mechanism, quantities and inputs.

@@ -23,6 +23,8 @@ from fastlink.engine.binding import BoundKernel, KernelTask, aligned
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
+    from fastlink.engine.sizes import BlockUnits, UnitsOfDesigns
+
 __all__ = [
     *("BLOCK_BYTES", "Job", "Shapes", "Sink", "block_length", "default_threads", "row_bytes", "run"),
 ]
@@ -48,11 +50,14 @@ class Job:
         Of each result.
     size : int
         Number of designs.
+    units : UnitsOfDesigns, optional
+        Those of designs that are far from 1.
     """
 
     tasks: Sequence[KernelTask]
     shapes: Shapes
     size: int
+    units: UnitsOfDesigns | None = None
 
 
 def default_threads() -> int:
@@ -116,8 +121,11 @@ def run(
             if start == end:
                 break
             arrays = [a[: end - start] for a in own] if targets is None else [a[start:end] for a in targets]
+            units = None if job.units is None else job.units.at(start, end)
             for kernel in kernels:
-                _evaluate(kernel, start, end, arrays)
+                _evaluate(kernel, start, end, arrays, units)
+            if units is not None:
+                units.leave(arrays)
             if sink is not None:
                 sink(start, end, arrays)
         for kernel in kernels:
@@ -144,10 +152,14 @@ def run(
             stop.set()
 
 
-def _evaluate(kernel: BoundKernel, start: int, end: int, arrays: Sequence[NDArray[Any]]) -> None:
+def _evaluate(
+    kernel: BoundKernel, start: int, end: int, arrays: Sequence[NDArray[Any]], units: BlockUnits | None
+) -> None:
     """Evaluate designs start to end into the arrays of the job."""
     count = end - start
     kernel.task.fill(start, end, kernel.designs)
+    if units is not None:
+        units.enter(kernel.task.kernel.program.inputs, kernel.designs)
     # Lanes beyond the last design repeat it; their results are not stored.
     kernel.designs[:, count:] = kernel.designs[:, count - 1 : count]
     kernel.bind([arrays[k] for k in kernel.task.results])(count)

@@ -1,4 +1,4 @@
-"""Check the inputs of `fastlink.function`: the names of those that vary, the values of those that stay."""
+"""Check the request of `fastlink.function`: inputs that vary, numbers that stay, outputs that go together."""
 
 from __future__ import annotations
 
@@ -15,9 +15,10 @@ from fastlink.space.values import numbers_of
 if TYPE_CHECKING:
     from fastlink.catalogue.catalogue import Catalogue, Input
     from fastlink.engine.resolve import ResolvedSweep
+    from fastlink.plan.program import Output
     from fastlink.space.design_space import DesignSpace
 
-__all__ = ["constants", "refuse_choices", "wrong_inputs"]
+__all__ = ["axes_of", "constants", "refuse_choices", "wrong_inputs"]
 
 
 def wrong_inputs(catalogue: Catalogue, names: Sequence[str]) -> list[Problem]:
@@ -57,3 +58,13 @@ def refuse_choices(resolved: ResolvedSweep, varying: DesignSpace) -> None:
         if name not in varying.names:
             codes = ", ".join(f"{code} ({meaning})" for code, meaning in known[name].choices.items())
             raise InputError("is missing", where=("function", name), remedy=f"give it, one of {codes}")
+
+
+def axes_of(outputs: Sequence[Output]) -> tuple[str, ...]:
+    """Return the axes of the output that has most; no other may have further ones."""
+    first, *others = (output for output in sorted(outputs, key=lambda output: -len(output.axes)))
+    for other in others:
+        if set(other.axes) - set(first.axes):
+            what = f"{first.name} is along {first.axes[-1]}, {other.name} along {other.axes[-1]}"
+            raise InputError(what, where=("function",), remedy="make a function of each")
+    return first.axes

@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 import threading
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 from functools import cached_property, partial
 from inspect import signature
 from typing import TYPE_CHECKING, Any
@@ -14,11 +13,13 @@ import numpy as np
 
 from fastlink._text import short_repr
 from fastlink.catalogue.declare import ELIMINATED
+from fastlink.catalogue.sizes import is_ordinary
 from fastlink.doors import door
-from fastlink.engine.binding import VECTOR, BoundKernel, aligned
+from fastlink.engine.binding import VECTOR, BoundKernel, FunctionKernel, aligned
 from fastlink.engine.checks import check
-from fastlink.engine.fixed_inputs import constants, refuse_choices, wrong_inputs
+from fastlink.engine.fixed_inputs import axes_of, constants, refuse_choices, wrong_inputs
 from fastlink.engine.resolve import ResolvedSweep, resolve
+from fastlink.engine.sizes import BlockUnits, dimensional_of, sized_outputs
 from fastlink.errors import InputError, Problems
 from fastlink.mechanisms import NAMES, inputs_of
 from fastlink.mechanisms import catalogue as find_catalogue
@@ -33,7 +34,6 @@ from fastlink.space.values import MOST_DIMS, numbers_of
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
-    from fastlink.plan.program import Output
     from fastlink.space.links import Links
 
 __all__ = ["Function", "function"]
@@ -162,28 +162,6 @@ def function(
 _OPTIONS = tuple(name for name in signature(function).parameters if name != "fixed")
 
 
-@dataclass(frozen=True, eq=False)
-class FunctionKernel:
-    """A kernel with arrays of its own for its results.
-
-    Attributes
-    ----------
-    bound : BoundKernel
-        The kernel and its buffers.
-    rows : list of (array, int)
-        The rows of its designs that are inputs of the function, and which; the others hold constants.
-    results : list of (int, array)
-        Which output of the function each of its results is, and where it is written.
-    run : callable
-        ``run(count)`` evaluates the first designs.
-    """
-
-    bound: BoundKernel
-    rows: list[tuple[NDArray[Any], int]]
-    results: list[tuple[int, NDArray[Any]]]
-    run: Callable[[int], None]
-
-
 class Function:
     """Compiled quantities of a mechanism as a function of arrays.
 
@@ -203,7 +181,7 @@ class Function:
         self.outputs = tuple(output.name for output in plan.outputs)
         self._resolved, self._recipe = resolved, recipe
         self._job = resolved.job()
-        axes = [axis for axis in _axes(plan.outputs) if not (one_branch and axis == "branch")]
+        axes = [axis for axis in axes_of(plan.outputs) if not (one_branch and axis == "branch")]
         self.shape = tuple(lengths[axis] for axis in axes)
         #: The shape of each output of one design: its own lengths, and 1 along axes that it lacks.
         self._shapes = [
@@ -215,6 +193,11 @@ class Function:
         row = sum(8 * math.prod(shape) for shape in self._shapes)
         self._block = max(1, min(BLOCK, BLOCK_BYTES // row // 64 * 64))
         self._of_thread = threading.local()
+        #: The outputs' units, and whether the constants are near 1: else designs have units of their own.
+        self._sized, constants = sized_outputs(plan), resolved.space.constants
+        self._ordinary = all(map(is_ordinary, dimensional_of(resolved.catalogue, constants).values()))
+        rows = dimensional_of(resolved.catalogue, dict.fromkeys(self.inputs))
+        self._dimensional = [self.inputs.index(name) for name in rows]
 
     @door(name="function", hint="x is one array, with a row for each input")
     def __call__(self, x: ArrayLike) -> NDArray[np.float64]:
@@ -258,9 +241,10 @@ class Function:
 
         It calls the kernels by address; nothing of them is compiled again. See docs/performance.md.
         """
-        from fastlink.engine.jitted import JITTED_BLOCK, jitted_of
+        from fastlink.engine.jitted import JITTED_BLOCK, Apart, jitted_of
 
-        return jitted_of(self._bind(JITTED_BLOCK), self._declared, self._shapes, self.shape)
+        apart = Apart(self, self._dimensional, not self._ordinary)
+        return jitted_of(self._bind(JITTED_BLOCK), self._declared, self._shapes, self.shape, apart)
 
     def _bind(self, block: int) -> list[FunctionKernel]:
         """Return the kernels with buffers for a block of designs; constants are set."""
@@ -280,6 +264,9 @@ class Function:
         """Return the outputs of one design, in no more than a dozen steps of Python."""
         outputs = np.empty((len(self.outputs), *self.shape))
         values = given.tolist()
+        if not (self._ordinary and all(is_ordinary(values[k]) for k in self._dimensional)):
+            self._evaluate_apart(given[:, None], outputs[:, None])
+            kernels = []
         for kernel in kernels:
             for row, index in kernel.rows:
                 row[:VECTOR] = values[index]
@@ -295,6 +282,9 @@ class Function:
     ) -> None:
         """Evaluate designs of one block into the outputs."""
         count = given.shape[1]
+        if not (self._ordinary and all(is_ordinary(given[k]) for k in self._dimensional)):
+            self._evaluate_apart(given, outputs)
+            return
         # lanes beyond the last design repeat it; their results are not read
         padded = -(-count // VECTOR) * VECTOR
         for kernel in kernels:
@@ -305,12 +295,22 @@ class Function:
             for k, result in kernel.results:
                 outputs[k] = result[:count].reshape(count, *self._shapes[k])
 
-
-def _axes(outputs: Sequence[Output]) -> tuple[str, ...]:
-    """Return the axes of the output that has most; no other may have further ones."""
-    first, *others = (output for output in sorted(outputs, key=lambda output: -len(output.axes)))
-    for other in others:
-        if set(other.axes) - set(first.axes):
-            what = f"{first.name} is along {first.axes[-1]}, {other.name} along {other.axes[-1]}"
-            raise InputError(what, where=("function",), remedy="make a function of each")
-    return first.axes
+    def _evaluate_apart(self, given: NDArray[np.float64], outputs: NDArray[np.float64]) -> None:
+        """Evaluate designs of one block, some of which are far from 1, in units of their own."""
+        count = given.shape[1]
+        values = {**self._resolved.space.constants, **dict(zip(self.inputs, given, strict=True))}
+        rows = {name: np.broadcast_to(value, count) for name, value in values.items()}
+        units = BlockUnits.of(self._resolved.catalogue, rows, self._sized)
+        inputs = rows if units is None else rows | units.inputs
+        arrays: dict[int, NDArray[Any]] = {}
+        for kernel in self._bind(count):
+            for name, row in zip(kernel.bound.task.kernel.program.inputs, kernel.bound.designs, strict=True):
+                row[:count] = inputs[name]
+                row[count:] = row[count - 1]
+            kernel.run(count)
+            arrays |= dict(kernel.results)
+        found = [arrays[k] for k in range(len(self.outputs))]
+        if units is not None:
+            units.leave(found)
+        for k, result in enumerate(found):
+            outputs[k] = result.reshape(count, *self._shapes[k])

@@ -18,6 +18,7 @@ from fastlink.engine.checks import CheckedRequest, all_declared, check
 from fastlink.engine.designs import designs_of
 from fastlink.engine.executor import Job, Shapes
 from fastlink.engine.scaling import ScalingAxis, find_scaling_axis
+from fastlink.engine.sizes import UnitsOfDesigns
 from fastlink.errors import InputError, KeyPath, Problem, Problems
 from fastlink.mechanisms import catalogue as find_catalogue
 from fastlink.options import check_path
@@ -132,7 +133,7 @@ class ResolvedSweep:
             )
             for kernel in self.kernels
         ]
-        return Job(tasks, self.shapes, evaluated.size)
+        return Job(tasks, self.shapes, evaluated.size, UnitsOfDesigns.of(self.plan, evaluated))
 
 
 def axis_lengths(plan: Plan, positions: int) -> dict[str, int]:
@@ -197,7 +198,7 @@ def resolve(
         plan = cached_plan(catalogue, checked.names, companions, declared=checked.declared, **planning)
     except InputError as error:
         raise (_problem_of_each(checked, planning, parameter) or error) from None
-    axis = find_scaling_axis(plan, space)
+    axis = find_scaling_axis(plan, space) if UnitsOfDesigns.of(plan, space).ordinary else None
     solver = checked.solver if plan.depends_on_solver else ""
     one_branch = np.ndim(options.get("branch", checked.branches)) == 0
     return ResolvedSweep(mechanism, space, plan, checked.positions, solver, axis, checked.backend, one_branch)

@@ -164,7 +164,7 @@ turn(rate, "dpsi_dF_y", "dpsi_dF_y", _NB, x="N_line", y="s_t", own="s_n", other=
 def F_deviation(P_x: Any, u_x: Any, u_y: Any, w_x: Any, w_y: Any, line_x: Any, m: Any, n: Any, K: Any) -> Any:
     """Distance of the end of MP and PF as computed from the line, in units of 2^-53 (MP + PF)."""
     reached = P_x - K * n * (u_x * w_x - u_y * w_y)
-    return abs(reached - line_x) / (UNIT_ROUNDING * (m + K * n))
+    return abs(reached - line_x) / (m + K * n) / UNIT_ROUNDING
 
 
 @cache

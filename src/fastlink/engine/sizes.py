@@ -1,0 +1,118 @@
+"""Sweep designs that are far from 1 in units of their own, see `fastlink.catalogue.sizes`."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from fastlink.catalogue.sizes import (
+    PURE,
+    DesignSizes,
+    Sized,
+    dimensional,
+    is_ordinary,
+    sized,
+    sizes_of,
+)
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from fastlink.catalogue.catalogue import Catalogue
+    from fastlink.plan.plan import Plan
+    from fastlink.plan.program import Output
+    from fastlink.space.design_space import DesignSpace
+
+__all__ = ["BlockUnits", "UnitsOfDesigns", "dimensional_of", "sized_outputs"]
+
+
+@dataclass(frozen=True, eq=False)
+class UnitsOfDesigns:
+    """The designs of a sweep, as seen in units of their own.
+
+    Attributes
+    ----------
+    catalogue : Catalogue
+        The mechanism.
+    space : DesignSpace
+        The designs.
+    results : list of Sized
+        What each result has of units.
+    ordinary : bool
+        Whether constants and axes are near 1; columns are looked at block by block.
+    """
+
+    catalogue: Catalogue
+    space: DesignSpace
+    results: list[Sized]
+    ordinary: bool
+
+    @classmethod
+    def of(cls, plan: Plan, space: DesignSpace) -> UnitsOfDesigns:
+        """Return those of a plan."""
+        ordinary = all(
+            is_ordinary(value) for value in dimensional_of(plan.catalogue, space.constants).values()
+        )
+        ordinary &= all(map(is_ordinary, dimensional_of(plan.catalogue, space.axes).values()))
+        return cls(plan.catalogue, space, sized_outputs(plan), ordinary)
+
+    def at(self, start: int, stop: int) -> BlockUnits | None:
+        """Return the units of some designs, or None where they are kilogram, metre and second."""
+        columns = dimensional_of(self.catalogue, self.space.columns)
+        if self.ordinary and all(is_ordinary(column[start:stop]) for column in columns.values()):
+            return None
+        names = tuple(dimensional(self.catalogue, self.catalogue.version, self.space.names))
+        rows = np.empty((len(names), stop - start))
+        self.space.fill(names, start, stop, rows)
+        return BlockUnits.of(self.catalogue, dict(zip(names, rows, strict=True)), self.results)
+
+
+@dataclass(frozen=True, eq=False)
+class BlockUnits:
+    """Units of designs, their inputs in these, and what their results have of units."""
+
+    sizes: DesignSizes
+    inputs: dict[str, NDArray[Any]]
+    results: list[Sized]
+
+    @classmethod
+    def of(cls, catalogue: Catalogue, values: Mapping[str, Any], results: list[Sized]) -> BlockUnits | None:
+        """Return those of designs with these inputs, or None where they are kilogram, metre and second."""
+        sizes = sizes_of(catalogue, values)
+        return None if sizes is None else cls(sizes, sizes.inputs(catalogue, values), results)
+
+    def enter(self, names: Sequence[str], designs: NDArray[Any]) -> None:
+        """Write the inputs into the rows of a kernel's designs."""
+        for name, row in zip(names, designs, strict=True):
+            if name in self.inputs:
+                row[: self.sizes.apart.size] = self.inputs[name]
+
+    def leave(self, arrays: Sequence[NDArray[Any]]) -> None:
+        """Write results, designs first, in kilogram, metre and second."""
+        for of, array in zip(self.results, arrays, strict=True):
+            if of != PURE:
+                array[...] = self.sizes.result(of, array, array.ndim - 1)
+
+
+def dimensional_of(catalogue: Catalogue, values: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the values of inputs with a dimension."""
+    names = dimensional(catalogue, catalogue.version, tuple(values))
+    return {name: values[name] for name in names}
+
+
+def sized_outputs(plan: Plan) -> list[Sized]:
+    """Return what each result of a plan has of units."""
+    return [_sized(plan.catalogue, output) for output in plan.outputs]
+
+
+def _sized(catalogue: Catalogue, output: Output) -> Sized:
+    request = output.request
+    if request.is_position or request.listed not in ("", "value"):
+        return PURE
+    units = catalogue.public_fact(request.quantity).units
+    if request.reduction is not None:
+        units = request.reduction.units_of(units)
+    return sized(catalogue, request.quantity, units)
