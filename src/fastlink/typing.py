@@ -9,6 +9,7 @@ Type checkers read ``typing.pyi``, which ``python -m tests.support.stub`` writes
 
 from __future__ import annotations
 
+import string
 from collections.abc import Callable, Iterator
 from typing import Any, Literal
 
@@ -45,7 +46,7 @@ _LISTED: dict[str, Callable[[str], Iterator[str]]] = {
 
 def _alias(mechanism: str, noun: str) -> str:
     """Return the name of a type, such as Planar4rInput."""
-    return "".join(part.capitalize() for part in mechanism.split("_")) + noun
+    return string.capwords(mechanism, "_").replace("_", "") + noun
 
 
 #: The mechanism and the ending of each type.

@@ -303,7 +303,7 @@ def test_file_and_memory_hold_the_same(tmp_path):
             "design: m2",
             "at least 0",
         ),
-        ({"theta1": 0}, "theta1", "a number of at least 1, or an array in rad"),
+        ({"theta1": 0}, "theta1", "a number from 1 to 100000000, or an array in rad"),
         ({"theta1": []}, "theta1", "at least one"),
         ({"theta1": [0.0, 1.0, 0.0]}, "theta1", "each position once"),
         ({"theta1": [0.0, np.nan]}, "theta1[1]", "finite angles in rad"),

@@ -306,7 +306,7 @@ def test_places_that_cannot_be_written(tmp_path, monkeypatch):
     assert message("/dev/null") == "to: /dev/null is a device or a pipe; choose another name"
     assert "holds the control character" in message("a\0b")
     long = tmp_path / ("x" * 254)
-    assert message(long) == f"to: {long} cannot be written (File name too long); choose another place"
+    assert message(long).endswith("cannot be written (File name too long); choose another place")
     monkeypatch.setattr(partial_file.tempfile, "TemporaryFile", raising(errno.EACCES))
     path = tmp_path / "m.h5"
     assert message(path) == f"to: {path} cannot be written (Permission denied); choose another place"

@@ -168,7 +168,8 @@ def test_what_fails_or_is_interrupted_leaves_the_file(monkeypatch, tmp_path):
 @pytest.mark.parametrize("verify", [-1, 1.5, True, "all"])
 def test_bad_numbers_of_designs(verify):
     with pytest.raises(
-        fl.InputError, match=r"^verify is .*; write how many designs to compute again, 0 for none$"
+        fl.InputError,
+        match=r"^verify is .*; write how many designs to compute again, from 0 for none to 200000$",
     ):
         fl.sweep("planar_4r", fl.grid(**CRANK), ["theta4"], verify=verify)
 

@@ -15,8 +15,6 @@ __all__ = [
     "gap_product_quotient",
     "pair_product",
     "power_of_two_below",
-    "product_rest",
-    "split",
     "square_sum",
     "sum_of_four",
     "two_product",

@@ -86,10 +86,13 @@ class Request:
                 self.problems.wording = StudyWording(self.path, self.raw, self.space)
         names = self.tables.get("quantities", REQUIRED["quantities"])
         found = Problems()
+        of_driven = ("input",) in {one.where for one in self.problems.noted}
         with found.at():
             self._examine(check if self.problems.noted else resolve, names)
+        if of_driven:  # whose inputs are unknown
+            found.noted = [one for one in found.noted if one.where[:1] != ("design",)]
         self._add(found.noted)
-        if self.problems.noted:
+        if self.problems.noted and not of_driven:
             self._add_missing(names, found.noted)
 
     def _examine(self, function: Any, names: list[str]) -> None:

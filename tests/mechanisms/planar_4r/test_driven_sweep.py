@@ -77,7 +77,7 @@ def test_refined_extremes_are_those_of_a_dense_curve(k):
         ("joint_omega_2", {}, "'joint_omega_2'", "leave it out"),
         ("joint_omga_3", {}, "'joint_omga_3'", "did you mean 'joint_omega_3'?"),
         ("v1", {"theta1": 8}, "theta1", "joint_angle_2"),
-        ("v1", {"angles": 0}, "angles", "at least 1"),
+        ("v1", {"angles": 0}, "angles", "a number from 1 to"),
         (
             "v1",
             {"links": fl.round_bar(1.0, 1.0)},
