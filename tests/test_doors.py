@@ -63,6 +63,7 @@ def swept(space, **options):
         (lambda: fl.grid([1.0, 2.0]), "grid", "by name"),
         (lambda: fl.sobol(8, n=8), "n", "once"),
         (lambda: fl.sobol(8, n=(1.0, 2.0)), "n", "in a mapping"),
+        (lambda: fl.evaluate("planar_4r", ["theta4"], {"a1": 0.4}), "evaluate", "as **design"),
         (lambda: fl.focal.cubic(a=1.0), "b, c, d and phi", "cubic(a, b, c, d, phi, branch=...)"),
         (lambda: fl.summary(), "summary", "summary("),
         (lambda: fl.plot_map("maps.h5"), "name", "plot_map(maps, name"),

@@ -43,7 +43,7 @@ from fastlink.space.values import MOST_DIMS, has, numbers_of
 __all__ = ["evaluate"]
 
 
-@door
+@door(hint="inputs are given by name, such as a1=0.5, or as **design")
 def evaluate(
     mechanism: str,
     quantities: Iterable[str],
