@@ -95,7 +95,8 @@ class _ExtremaWriter(ExtremaSchedule):
             tables[f"rows_{k}"] = [self.row(name) for name in self.item_needs(search)] or [0]
             for half in range(self.halves):
                 first, beyond = self.sample_row(k, half), self.sample_row(k, self.half_beyond(half))
-                tables[f"part_{k}_{half}"] = [first, beyond, half, self.sign_of(search, half), self.cells]
+                sign, along = self.sign_of(search, half), self.continued(search)
+                tables[f"part_{k}_{half}"] = [first, beyond, half, sign, self.cells, along]
         for name, numbers in tables.items():
             self.text.add(f"{name} = array({numbers})")
 
@@ -185,7 +186,7 @@ class _ExtremaWriter(ExtremaSchedule):
             text.add(f"counts[{kind}] = 0")
         for half in range(self.halves):
             part = f"part_{number}_{half}"
-            text.call(sampling.mark_ends, f"samples, marks, {part}, width")
+            text.call(sampling.mark_ends, f"w, table, samples, marks, {part}, width")
             if search.divided:
                 text.call(subdivision.mark_unresolved, f"samples, marks, {part}, width")
                 text.call(sampling.collect_unresolved, f"samples, marks, {part}, counts, unresolved")

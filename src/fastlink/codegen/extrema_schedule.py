@@ -104,6 +104,10 @@ class ExtremaSchedule:
         """Return the sign with which a function is searched in a half: the mirror continues the first one."""
         return search.slope_parity if self.program.mirrored and half == 0 else 1
 
+    def continued(self, search: ExtremumSearch) -> int:
+        """Return the sign with which the half beyond the ends of a half continues the function."""
+        return search.slope_parity if self.program.mirrored else 1
+
     def sample_row(self, search: int, half: int) -> int:
         """Return the first row of a search's samples in one half of the range; the positions stand before them."""
         return 2 * (self.cells + 1) + 4 + (search * self.halves + half) * self.samples

@@ -2,8 +2,12 @@
 
 from __future__ import annotations
 
+import itertools
+import math
+
 import numpy as np
 import pytest
+from tests.support.extrema_counts import exact_count
 from tests.support.extrema_families import FAMILIES, found, names_of, space
 from tests.support.extrema_oracle import RATES, extrema
 from tests.support.extrema_rules import TURN, ends
@@ -85,6 +89,33 @@ def test_none_is_missed_and_each_is_right_to_rounding(family, n):
                     # The last of these is a rounding of an angle up to 2 pi, in the oracle and in the engine.
                     allowed = PLACE_ROUNDINGS * UNIT_ROUNDING * point.theta1_terms + 4 * UNIT_ROUNDING * TURN
                     assert circular(theta1[i, k, j] - point.theta1) <= allowed, about
+
+
+@pytest.mark.parametrize("longest", [5, pytest.param(12, marks=pytest.mark.stress)])
+@pytest.mark.parametrize("quantity", RATES)
+def test_extremes_of_whole_lengths_are_counted_exactly(quantity, longest):
+    """Many of these linkages are degenerate: (5, 3, 2, 2) has an inflection that looked like a pair."""
+    lengths = [
+        (a, b, c, d)
+        for a, b, c, d in itertools.product(range(1, longest + 1), repeat=4)
+        if math.gcd(a, b, c, d) == 1 and 2 * max(a, b, c, d) < a + b + c + d
+        if a + b != c + d and a + c != b + d and a + d != b + c
+    ]
+    _, _, count, _ = found(np.array(lengths, dtype=float).T, [quantity])[quantity]
+    expected = [exact_count(each, quantity) for each in lengths]
+    np.testing.assert_array_equal(count, np.stack([expected, expected], axis=-1))
+
+
+def test_a_toggle_is_no_extremum_of_a_curvature_that_stays_finite_there():
+    design = {"a1": 1.8, "a2": 1.7, "a3": 0.5, "a4": 1.0, "P_u": 0.3, "P_v": 0.4}
+    maps = fl.sweep("planar_4r", fl.grid(**design), ["curvature_extrema", "theta1_low", "theta1_high"])
+    places = maps.theta1_at_curvature_extrema.values
+    toggles = [float(maps.theta1_low), float(maps.theta1_high)]
+    toggles += [TURN - toggle for toggle in toggles]
+    assert (maps.curvature_extrema_count > 0).all()
+    for toggle in toggles:
+        # an extremum of the path near a toggle is off it by a multiple of the square of its distance along the path
+        assert not (np.abs(places - toggle) < 4 * UNIT_ROUNDING * TURN).any()
 
 
 def test_close_pairs_are_found():

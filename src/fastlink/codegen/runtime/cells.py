@@ -36,6 +36,10 @@ PARTS = 8
 FINE_SAMPLES = PARTS + 3
 FINE_AT, FINE = ITEM_ROWS + 13, ITEM_ROWS + 13 + FINE_SAMPLES
 STATE_ROWS = FINE + FINE_SAMPLES
+# Of the function at the ends of a valley: a dip that is no deeper is an inflection. Two zeros as close as 2^-20 of the
+# valley leave that depth; their extremes differ by 2^-60 of the valley's rise, less than a rounding. Of the six double
+# zeros among the rates of all lengths up to 12, the roughest left more than 2^-44 by rounding.
+FLAT = 2.0**-40
 # Entries of the table of a kernel: rows of the lane values (the lower end's, the upper end's follows each), sides,
 # halves and branches, and for each searched branch where its results go, and those of its mirror (-1 for nowhere).
 START, TOGGLE, SIDES, HALVES, BRANCHES, OWN, MIRROR = 0, 1, 2, 3, 4, 5, 7
@@ -45,8 +49,8 @@ START, TOGGLE, SIDES, HALVES, BRANCHES, OWN, MIRROR = 0, 1, 2, 3, 4, 5, 7
 NUMBER, ONTO, ORDER, PARITY, AT_LIMIT = range(5)
 # Entries of the table of one half of the range in one search: rows of its first sample and of that of the half that
 # continues it beyond both ends, number of the half, -1 where a zero at a sample counts for the cell on its other side
-# (else 1), half the number of cells.
-FIRST, BEYOND, PART, SIGN, CELLS = range(5)
+# (else 1), half the number of cells, the sign with which the half beyond continues the function (1 or -1).
+FIRST, BEYOND, PART, SIGN, CELLS, CONTINUED = range(6)
 # How many designs, valleys, roots and unresolved cells there are at hand.
 DESIGNS, VALLEYS, ROOTS, UNRESOLVED = range(4)
 

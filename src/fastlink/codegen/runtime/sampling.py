@@ -12,12 +12,15 @@ import numpy as np
 from fastlink.codegen.runtime.cells import (
     BEYOND,
     CELLS,
+    CONTINUED,
     DESIGNS,
     FC,
     FIRST,
+    FLAT,
     PART,
     ROOTS,
     SIGN,
+    TOGGLE,
     UNRESOLVED,
     VALLEYS,
     XC,
@@ -96,6 +99,17 @@ def silenced(x: Any, y: Any) -> Any:
 
 
 @inlined
+def flattened(before: Any, here: Any, after: Any, toggle: Any) -> Any:
+    """Return the sample at an end of the range: with the sign beside it where only rounding tells it from zero.
+
+    The function touches zero there, or comes to it at a toggle, where the quantity grows less than its order says.
+    """
+    size, ends = abs(here), (toggle > 0.0) | ((before > 0.0) == (after > 0.0))
+    flat = ends & (size <= FLAT * abs(after)) & ((toggle > 0.0) | (size <= FLAT * abs(before)))
+    return FLAT * after if flat else here
+
+
+@inlined
 def mark(a: Any, b: Any, c: Any, sign: Any) -> Any:
     """Return `ROOT` for a zero between the second of three samples and the third, `VALLEY` where two may hide about it.
 
@@ -112,24 +126,34 @@ def mark(a: Any, b: Any, c: Any, sign: Any) -> Any:
 
 
 @outlined
-def mark_ends(samples: Any, marks: Any, part: Any, width: int) -> None:
+def mark_ends(w: Any, table: Any, samples: Any, marks: Any, part: Any, width: int) -> None:
     """Mark the first and the last sample of one half of the range, which other halves continue.
 
     Parameters
     ----------
+    w : array (rows, lanes)
+        Lane values.
     samples, marks : array (rows, lanes)
         Positions and the function's values there, and the marks of these.
-    part : array of int
-        Table of the half, see `cells`.
+    table, part : array of int
+        Tables of the kernel and of the half, see `cells`.
     width : int
         Number of lanes.
     """
-    first, beyond, sign = part[FIRST], part[BEYOND], float(part[SIGN])
+    sign, along, toggle = float(part[SIGN]), float(part[CONTINUED]), table[TOGGLE]
+    first, last = part[FIRST], part[FIRST] + 2 * part[CELLS]
+    beyond, continued = part[BEYOND] + 1, part[BEYOND] + 2 * part[CELLS] - 1
     for i in lanes(width):
-        marks[first, i] = mark(samples[beyond + 1, i], samples[first, i], samples[first + 1, i], sign)
-    last, continued = first + 2 * part[CELLS], beyond + 2 * part[CELLS] - 1
+        before, after = along * samples[beyond, i], samples[first + 1, i]
+        here = flattened(before, samples[first, i], after, w[toggle, i])
+        samples[first, i] = here
+        marks[first, i] = mark(before, here, after, sign)
     for i in lanes(width):
-        marks[last, i] = mark(samples[last - 1, i], samples[last, i], samples[continued, i], sign)
+        inner, before, after = samples[last - 2, i], samples[last - 1, i], along * samples[continued, i]
+        here = flattened(after, samples[last, i], before, w[toggle + 1, i])
+        samples[last, i] = here
+        marks[last - 1, i] = mark(inner, before, here, sign)
+        marks[last, i] = mark(before, here, after, sign)
 
 
 @merged
