@@ -1,8 +1,8 @@
 """How many extremes the rates of a planar 4R with integer lengths have, exactly, double zeros too.
 
 The derivative along the turn is a constant times e tau Y^(3/2) + s V for rates, U Y^(5/2) + s tau N for accelerations
-(see `extrema_oracle`). An extremum is a zero of odd order; at theta1 = 0 and pi, where tau is 0 and infinite, the orders
-of both terms in tau tell.
+(see `extrema_oracle`). An extremum is a zero of odd order; at theta1 = 0 and pi, where tau is 0 and infinite, the
+orders of both terms in tau tell.
 """
 
 from __future__ import annotations

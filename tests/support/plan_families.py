@@ -13,7 +13,7 @@ import fastlink as fl
 from fastlink.codegen.kernel import load_kernel
 from fastlink.codegen.runtime.cells import LANES
 from fastlink.engine.resolve import resolve
-from fastlink.plan.program import EXTREMUM
+from fastlink.space.design_space import EXTREMUM
 from tests.support.configurations import draw
 
 
