@@ -106,18 +106,6 @@ def test_extremes_of_whole_lengths_are_counted_exactly(quantity, longest):
     np.testing.assert_array_equal(count, np.stack([expected, expected], axis=-1))
 
 
-def test_a_toggle_is_no_extremum_of_a_curvature_that_stays_finite_there():
-    design = {"a1": 1.8, "a2": 1.7, "a3": 0.5, "a4": 1.0, "P_u": 0.3, "P_v": 0.4}
-    maps = fl.sweep("planar_4r", fl.grid(**design), ["curvature_extrema", "theta1_low", "theta1_high"])
-    places = maps.theta1_at_curvature_extrema.values
-    toggles = [float(maps.theta1_low), float(maps.theta1_high)]
-    toggles += [TURN - toggle for toggle in toggles]
-    assert (maps.curvature_extrema_count > 0).all()
-    for toggle in toggles:
-        # an extremum of the path near a toggle is off it by a multiple of the square of its distance along the path
-        assert not (np.abs(places - toggle) < 4 * UNIT_ROUNDING * TURN).any()
-
-
 def test_close_pairs_are_found():
     lengths = np.array([[float.fromhex(length) for length in text.split()] for _, text in CLOSE_PAIRS]).T
     engine = found(lengths, RATES)
