@@ -34,6 +34,12 @@ def _checked(maps: Any) -> Any:
     return maps
 
 
+def filled(space: Any, names: Any, start: Any, stop: Any, out: Any) -> Any:
+    """Return the rows into which inputs are written."""
+    space.fill(names, start, stop, out)
+    return out
+
+
 def swept(space: Any, **options: Any) -> Any:
     """Return a small map of some designs."""
     return _checked(fl.sweep("planar_4r", space, ["theta4", "omega4_max"], angles=8, threads=1, **options))

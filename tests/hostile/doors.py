@@ -144,6 +144,7 @@ DATASETS = (
     "{x}.assign_attrs(designs='many').drop_vars('status', errors='ignore')",
 )
 
+NONE_AT_ALL = ("[]", "()", "np.array([])", "np.zeros((0, 3))")
 ONE_DESIGN = "dict(a1=0.5, a2=1.0, a3=0.75, a4=2.0, P_u=0.0, P_v=2.0)"
 
 DOORS: list[Door] = [
@@ -450,4 +451,39 @@ DOORS: list[Door] = [
         "",
     ),
     Door("DesignSpace.values", "SPACE.values($name)", _slots(name=("name", "'a2'", "a2")), ""),
+    Door("DesignSpace.at", "SPACE.at($designs)", _slots(designs=("numbers of designs", "[0, 1]", "1")), ""),
+    Door(
+        "DesignSpace.some",
+        "SPACE.some($count, $rng)",
+        _slots(
+            count=("count", "2", "2", "0", "2**64", "10**30", "10**400"), rng="thing np.random.default_rng(1)"
+        ),
+        "",
+    ),
+    Door(
+        "DesignSpace.with_constants",
+        "SPACE.with_constants($extra)",
+        _slots(extra=("mapping", "{'omega2': 1.0}", "1", "xr.Dataset()", "{'a1': Sulky()}")),
+        "space",
+    ),
+    Door(
+        "DesignSpace.with_axis",
+        "SPACE.with_axis($name, $values)",
+        _slots(
+            name=("thing", "'completion'", "1", "'text'", "'nan'", "np.str_('a')", "Name('a')"),
+            values=("axis", "[1.0, 2.0]", "1.0"),
+        ),
+        "space",
+    ),
+    Door(
+        "DesignSpace.fill",
+        "filled(SPACE, $names, $start, $stop, $out)",
+        _slots(
+            names=("names", "['a2']", "a2", "['{x}', '{x}']", *NONE_AT_ALL),
+            start=("count", "1", "1", "0"),
+            stop="count 2",
+            out="thing np.zeros((5, 4))",
+        ),
+        "",
+    ),
 ]

@@ -313,9 +313,10 @@ def _in_memory(rng: np.random.Generator) -> tuple[str, str, str, str, bool]:
         verdict = TAKEN
     if kind == "other types":  # refused, or labels of the designs
         verdict = EITHER
-        del plain[name]
-    if text == "[0.4, None, 0.6]":  # a gap to pandas
-        plain[name] = "[0.4, float('nan'), 0.6]"
+        if text == "[0.4, None, 0.6]":  # a gap to pandas
+            plain[name] = "[0.4, float('nan'), 0.6]"
+        else:
+            del plain[name]
     source = "{" + ", ".join(f"{key!r}: {value}" for key, value in columns.items()) + "}"
     meaning = "{" + ", ".join(f"{key!r}: {value}" for key, value in plain.items()) + "}"
     # what numpy and pandas turn into numbers before fastlink sees it

@@ -597,6 +597,15 @@ _POSITIONS = [
 ROLES |= {
     "positions": _POSITIONS,
     "length": [value for value in ROLES["positive"]],
+    "numbers of designs": [
+        *NOT_A_NUMBER,
+        *_refused(
+            "counts", "-1", "1", "[3]", "[-1]", "[0.5]", "[1.0]", "[2**64]", "np.zeros((2, 2), dtype=int)"
+        ),
+        *_meant("counts", TAKEN, ("(0, 2)", "[0, 2]"), ("np.array([0, 2], dtype=np.uint8)", "[0, 2]")),
+        *_meant("counts", TAKEN, ("range(2)", "[0, 1]"), ("[]", "np.array([], dtype=int)")),
+        *_meant("counts", EITHER, ("pd.Series([0, 2], index=[5, 4])", "[0, 2]"), ("[2, 0, 0]", "[2, 0, 0]")),
+    ],
     "gapped": [value for value in ROLES["reals"] if value.text not in {gap.text for gap in GAPPED}] + GAPPED,
     "code": [
         *NOT_A_NUMBER,

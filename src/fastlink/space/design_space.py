@@ -13,7 +13,17 @@ from numpy.typing import NDArray
 from fastlink._text import short_repr
 from fastlink.doors import door
 from fastlink.errors import InputError, Problem, suggest
-from fastlink.space.values import Floats, constant, frozen
+from fastlink.options import check_whole
+from fastlink.space.values import (
+    Floats,
+    axis_of,
+    cells_of,
+    check_input_name,
+    constant,
+    frozen,
+    numbers_of,
+    unmasked,
+)
 
 #: Dimensions: designs that span no grid, assembly modes, the extremes of a quantity.
 DESIGN, BRANCH, EXTREMUM = "design", "branch", "extremum"
@@ -94,7 +104,7 @@ class DesignSpace:
             return self.axes[name]
         if name in self.columns:
             return self.columns[name]
-        raise InputError(f"{name!r} has no value", where=("design",), remedy=suggest(name, self.names))
+        raise self._no_value(name)
 
     @door
     def fill(self, names: Sequence[str], start: int, stop: int, out: Floats) -> None:
@@ -108,9 +118,34 @@ class DesignSpace:
             Range of flat design numbers, in C order over `dims`.
         out : ndarray of float64, at least (len(names), stop - start)
             Written in place; the rest of each row is left as it is.
+
+        Raises
+        ------
+        InputError
+            There are no such designs or inputs, or no room for them.
         """
-        if not 0 <= start <= stop <= self.size:
-            raise ValueError(f"designs {start} to {stop} of a design space of {self.size}")
+        start = check_whole(("fill", "start"), start, 0, self.size)
+        stop = check_whole(("fill", "stop"), stop, start, self.size)
+        listed = names.tolist() if isinstance(names, np.ndarray) else names
+        if not isinstance(listed, (list, tuple)) or not all(isinstance(name, str) for name in listed):
+            raise InputError(
+                f"is {short_repr(names)}", where=("fill", "names"), remedy="write a list of inputs"
+            )
+        for name in listed:
+            if name not in self.names:
+                raise self._no_value(name)
+        room = (len(listed), stop - start)
+        right = type(out) is np.ndarray and out.dtype == np.float64 and out.ndim == 2 and out.flags.writeable
+        if not right or out.shape[0] < room[0] or out.shape[1] < room[1]:
+            remedy = f"write such as numpy.empty({room})"
+            raise InputError(f"is {short_repr(out)}", where=("fill", "out"), remedy=remedy)
+        self._fill(listed, start, stop, out)
+
+    def _no_value(self, name: str) -> InputError:
+        what = f"{short_repr(name)} has no value"
+        return InputError(what, where=("design",), remedy=suggest(name, self.names))
+
+    def _fill(self, names: Sequence[str], start: int, stop: int, out: Floats) -> None:
         indices = self._axis_indices(start, stop) if self.axes else {}
         for row, name in zip(out, names, strict=False):
             target = row[: stop - start]
@@ -126,6 +161,10 @@ class DesignSpace:
     @door
     def some(self, count: int, rng: np.random.Generator) -> NDArray[np.int64]:
         """Return the numbers of random designs in order; no list of all, perhaps 10^9."""
+        count = check_whole(("some", "count"), count, 0)
+        if not isinstance(rng, np.random.Generator):
+            remedy = "write numpy.random.default_rng(seed)"
+            raise InputError(f"is {short_repr(rng)}", where=("some", "rng"), remedy=remedy)
         if count >= self.size:
             return np.arange(self.size)
         return np.sort(rng.choice(self.size, count, replace=False))
@@ -133,14 +172,20 @@ class DesignSpace:
     @door
     def at(self, designs: NDArray[np.int64]) -> dict[str, Floats]:
         """Return every input of the designs with these numbers."""
-        rows = np.empty((len(self.names), designs.size))
-        for k, design in enumerate(designs.tolist()):
-            self.fill(self.names, design, design + 1, rows[:, k : k + 1])
+        numbers = _numbers(designs, self.size)
+        rows = np.empty((len(self.names), numbers.size))
+        for k, design in enumerate(numbers.tolist()):
+            self._fill(self.names, design, design + 1, rows[:, k : k + 1])
         return dict(zip(self.names, rows, strict=True))
 
     @door
     def with_constants(self, extra: Mapping[str, float]) -> DesignSpace:
         """Return this space with further constants; inputs with values keep theirs."""
+        if not isinstance(extra, Mapping) or not all(isinstance(name, str) for name in extra):
+            remedy = "write a mapping of names to numbers"
+            raise InputError(f"is {short_repr(extra)}", where=("with_constants", "extra"), remedy=remedy)
+        for name in extra:
+            check_input_name("constants", name)
         given = set(self.names)
         added = {
             name: constant("constants", name, value) for name, value in extra.items() if name not in given
@@ -150,7 +195,14 @@ class DesignSpace:
     @door
     def with_axis(self, name: str, values: Sequence[float]) -> DesignSpace:
         """Return every design at each value of one more input, the fastest dimension."""
-        axis = frozen(np.array(values, dtype=np.float64))
+        if not isinstance(name, str):
+            raise InputError(f"is {short_repr(name)}", where=("with_axis", "name"), remedy="write a name")
+        check_input_name("with_axis", name)
+        if name in (*self.names, *self.dims):
+            raise InputError(
+                "has values", where=("with_axis", name), remedy="write the name of another input"
+            )
+        axis = axis_of("with_axis", name, np.atleast_1d(numbers_of("with_axis", name, values)))
         dims, shape = (*self.dims, name), (*self.shape, len(axis))
         return replace(self, dims=dims, shape=shape, axes={**self.axes, name: axis})
 
@@ -164,6 +216,19 @@ class DesignSpace:
             indices[name] = rest - outer * length
             rest = outer
         return indices
+
+
+def _numbers(designs: Any, size: int) -> NDArray[np.int64]:
+    """Return the numbers of designs, or refuse what are none."""
+    where, remedy = ("at", "designs"), f"write a list of whole numbers from 0 to {size - 1}"
+    numbers = cells_of(unmasked(designs) if isinstance(designs, np.ma.MaskedArray) else designs)
+    if numbers.ndim != 1 or numbers.dtype.kind in "mM":
+        raise InputError(f"is {short_repr(designs)}", where=where, remedy=remedy)
+    if numbers.dtype.kind not in "iu":
+        numbers = np.array([check_whole(where, value, 0, size - 1, remedy) for value in numbers.tolist()])
+    if numbers.size and not 0 <= int(numbers.min()) <= int(numbers.max()) < size:
+        raise InputError(f"holds {numbers.min()} to {numbers.max()}", where=where, remedy=remedy)
+    return numbers.astype(np.int64)
 
 
 DesignSpace.__init__ = door(hint=MAKERS, name="DesignSpace")(DesignSpace.__init__)  # type: ignore[method-assign]
