@@ -92,11 +92,17 @@ class HighPrecision:
         return sums
 
     def _follow(self, known: dict[str, Any], changed: str, steps: Iterable[Fact | System]) -> dict[str, Any]:
-        if changed == self.position:
-            known |= tables_at(self.catalogue, known[changed], self.tables)
-        for step in steps:
-            _take(step, known)
+        with CONTEXT.workprec(CONTEXT.prec + self._bits_of_small(known)):
+            if changed == self.position:
+                known |= tables_at(self.catalogue, known[changed], self.tables)
+            for step in steps:
+                _take(step, known)
         return known
+
+    def _bits_of_small(self, known: Mapping[str, Any]) -> int:
+        """Return further bits for a small input position, which stands beside 1 in its functions."""
+        position = known.get(self.position, CONTEXT.zero)
+        return 2 * max(0, -CONTEXT.mag(position)) if position != 0 and CONTEXT.isfinite(position) else 0
 
     def steps_after(self, *names: str) -> tuple[Fact | System, ...]:
         """Return the steps that depend on given values."""
