@@ -100,12 +100,13 @@ def silenced(x: Any, y: Any) -> Any:
 
 @inlined
 def flattened(before: Any, here: Any, after: Any, toggle: Any) -> Any:
-    """Return the sample at an end of the range: with the sign beside it where only rounding tells it from zero.
+    """Return the sample at an end of the range: with the sign of both neighbours where it is zero but for rounding.
 
-    The function touches zero there, or comes to it at a toggle, where the quantity grows less than its order says.
+    The function touches zero there. It comes to zero at a toggle, too, where a quantity grows less than its order says;
+    the samples beside do not tell its sign there.
     """
-    size, ends = abs(here), (toggle > 0.0) | ((before > 0.0) == (after > 0.0))
-    flat = ends & (size <= FLAT * abs(after)) & ((toggle > 0.0) | (size <= FLAT * abs(before)))
+    size, same = abs(here), (before > 0.0) == (after > 0.0)
+    flat = same & (size <= FLAT * abs(before)) & (size <= FLAT * abs(after)) & (toggle == 0.0)
     return FLAT * after if flat else here
 
 
