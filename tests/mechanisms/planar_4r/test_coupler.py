@@ -6,7 +6,7 @@ import mpmath as mp
 import numpy as np
 import pytest
 from tests.support.configurations import LENGTHS, PLANAR
-from tests.support.curve_designs import CURVE, design_of, evaluate, random_designs
+from tests.support.curve_designs import CURVE, design_of, evaluate, random_designs, traced
 
 import fastlink as fl
 from fastlink.analysis.planar import (
@@ -334,8 +334,9 @@ def test_inflections_against_the_turns_of_polylines(branch):
     chord = np.diff(got["P_x"] + 1j * got["P_y"], axis=1)
     turn = (chord[:, :-1].conj() * chord[:, 1:]).imag
     changes = np.isfinite(turn[:, :-1] * turn[:, 1:]) & (np.sign(turn[:, :-1]) != np.sign(turn[:, 1:]))
-    # At a toggle the polyline has a vertex less; a change within a step of it is in one of the two only.
-    assert np.mean(changes.sum(axis=1) == count) >= 0.95
+    # A change within a step of a toggle is not in the polyline; 4 of 100 designs have one at 720 samples.
+    assert np.all(changes.sum(axis=1) <= count)
+    assert np.mean(changes.sum(axis=1) == count) >= 0.9
     assert count.max() >= 3
     for i in range(60):
         mine = theta1[i, : count[i]]
@@ -350,6 +351,36 @@ def test_inflections_against_the_turns_of_polylines(branch):
         near = evaluate(["curvature", "P_x", "P_y"], one, mine + np.array([[-1e-9], [0.0], [1e-9]]), branch)
         assert np.all(near["curvature"][0] * near["curvature"][2] < 0)
         np.testing.assert_array_equal([near["P_x"][1], near["P_y"][1]], [X[i, : count[i]], Y[i, : count[i]]])
+
+
+def test_inflections_next_to_toggles_are_found():
+    """Within a step of 2 pi/720 of a toggle, where 4 of 100 rockers have one; against polylines that are fine there."""
+    inputs, _ = random_designs(5, 200)
+    places, _X, _Y, count = inflections(inputs, branch=2)
+    compared = 0
+    for i in range(200):
+        one = {name: float(values[i]) for name, values in inputs.items()}
+        a, b, c, d = (one[name] for name in LENGTHS)
+        inner, outer = ((a * a + d * d - (b + sign * c) ** 2) / (2 * a * d) for sign in (-1, 1))
+        if inner <= -1 or outer >= 1 or (inner > 1 and outer < -1):
+            continue
+        ends = np.arccos([min(inner, 1.0), max(outer, -1.0)])
+        # By the cosine the distance from a toggle is a square: 1e-3 of a sample's step there is 1e-9 rad.
+        theta = ends.mean() - 0.5 * np.ptp(ends) * np.cos(np.pi * (np.arange(4000) + 0.5) / 4000)
+        parts = [theta, -theta] if inner < 1 and outer > -1 else [np.r_[-theta[::-1], theta]]
+        if outer < -1:
+            parts = [np.r_[theta, 2 * np.pi - theta[::-1]]]
+        turns = 0
+        for part in parts:
+            chord = np.diff(traced(one, 2, part))
+            turn = np.sign((chord[:-1].conj() * chord[1:]).imag)
+            turns += np.count_nonzero(turn[1:] != turn[:-1])
+        compared += 1
+        # The polyline has its first vertex at theta[1]: an inflection still nearer to the toggle is not in it.
+        size = np.arccos(np.cos(places[i, : count[i]]))
+        seen = (size > (theta[1] if inner < 1 else -1.0)) & (size < (theta[-2] if outer > -1 else 4.0))
+        assert turns == np.count_nonzero(seen), one
+    assert compared > 50
 
 
 def test_inflections_of_circles_and_of_many_designs():

@@ -6,8 +6,9 @@ from typing import Any
 
 import numpy as np
 
-from fastlink.analysis.designs import BY_NAME
-from fastlink.analysis.planar.curves import curve_inputs, one_turn
+from fastlink.analysis.designs import BY_NAME, check_samples
+from fastlink.analysis.planar.curves import curve_inputs
+from fastlink.analysis.planar.path import paths_of
 from fastlink.doors import door
 from fastlink.engine.evaluate import evaluate
 
@@ -56,7 +57,8 @@ def inflections(
     branch : int or array_like
         Assembly mode, broadcast with the design.
     samples : int
-        Input angles over the turn at which the sign of the curvature is read; two changes within one step are missed.
+        About how many input angles, closer together near toggles, the sign of the curvature is read at; two changes
+        within one step are missed.
     **inputs : float, array_like or xarray.DataArray
         The same by name.
 
@@ -84,13 +86,14 @@ def inflections(
     arrays = curve_inputs("inflections", design, inputs, branch)
     shape = arrays["a1"].shape
     columns = {name: value.reshape(-1) for name, value in arrays.items()}
-    angles = one_turn("inflections", samples)
-    ends = np.append(angles, angles[0] + 2.0 * np.pi)
+    with np.errstate(all="ignore"):
+        ends, follows = paths_of(columns).samples(check_samples("inflections", samples))
     turn = _turn({name: value[:, None] for name, value in columns.items()}, ends)
     changes = np.isfinite(turn[:, :-1] * turn[:, 1:]) & (np.signbit(turn[:, :-1]) != np.signbit(turn[:, 1:]))
+    changes &= follows
     row, k = np.nonzero(changes)
     curve = {name: value[row] for name, value in columns.items()}
-    theta1 = _refined(curve, ends[k], ends[k + 1], turn[row, k], turn[row, k + 1])
+    theta1 = _refined(curve, ends[row, k], ends[row, k + 1], turn[row, k], turn[row, k + 1])
     theta1 = np.mod(theta1, 2.0 * np.pi)
     point = evaluate("planar_4r", ["P_x", "P_y"], theta1=theta1, allow_invalid=True, **curve)
     # NaN: between the two angles the linkage does not assemble.

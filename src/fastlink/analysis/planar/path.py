@@ -73,6 +73,22 @@ class Paths:
         layer = np.where(toggle, np.sqrt(near), np.where(gap > 0.0, gap, np.inf))
         return owner, sign, end, np.where(toggle, np.sqrt(half), half), layer
 
+    def samples(self, count: int) -> tuple[Any, Any]:
+        """Return input angles of each design, about so many, closer together near toggles; and which follow on.
+
+        They ascend from -pi or the least angle, and the first one follows a turn later as the last.
+        """
+        steps = max(count // 4, 1)
+        v = np.concatenate([[1e-3], np.arange(1, 2 * steps, 2)]) / (2.0 * steps)
+        half = 0.5 * self.extent[:, None]
+        d = [half * np.where(toggle[:, None], v * v, v) for toggle in self.toggles]
+        upper = np.pi - (self.high[1][:, None] + d[1])
+        angles = np.concatenate([self.low[0][:, None] + d[0], upper[:, ::-1]], axis=1)
+        around = np.concatenate([-angles[:, ::-1], angles, 2.0 * np.pi - angles[:, -1:]], axis=1)
+        follows = np.ones((angles.shape[0], around.shape[1] - 1), dtype=bool)
+        follows[:, angles.shape[1] - 1], follows[:, -1] = ~self.toggles
+        return around, follows
+
     def motion(self, owner: Any, sign: Any, end: Any, v: Any) -> tuple[Any, Any, Any]:
         """Return the point P, its derivative by v with theta1 growing, and a bound of that one's roundings."""
         a1, a2, a3, a4 = (part[owner] for part in (self.a1, self.a2, self.a3, self.a4))
