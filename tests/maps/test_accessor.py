@@ -166,7 +166,7 @@ def best_by_sorting(maps, name, n, largest, inside):
     return places[order][:n]
 
 
-@pytest.mark.parametrize("block", [1, 3, 7, 20, 1000])
+@pytest.mark.parametrize("block", [7, 1000, *(pytest.param(n, marks=pytest.mark.stress) for n in (1, 3, 20))])
 @pytest.mark.parametrize("largest", [True, False])
 @pytest.mark.parametrize("name", ["omega4_max", "theta4"])
 def test_the_best_designs_are_those_of_a_sort(maps, path, monkeypatch, block, largest, name):
