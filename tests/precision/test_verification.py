@@ -165,6 +165,43 @@ def test_what_fails_or_is_interrupted_leaves_the_file(monkeypatch, tmp_path):
         assert np.isfinite(maps.theta4).all()
 
 
+#: Hart's linkage of Wunderlich's figures: in branch 1 it is a folded kite for phi < pi, F stands still at M.
+KITE = {"m": 4.0, "n": 8.0, "d": 6.0, "kappa": 0.5}
+VANISHING = ["F_y", "B_x", "B_y", "dF_y_dphi", "dpsi_dphi", "omega_angle", "psi"]
+
+
+def test_what_vanishes_is_measured_against_the_lengths_that_made_it():
+    kites = {name: KITE[name] * np.arange(1.0, 33.0) for name in ("m", "n", "d")} | {
+        "kappa": np.full(32, 0.5)
+    }
+    maps = fl.sweep("hart", fl.table(kites), VANISHING, phi=np.linspace(0.3, 2.8, 40), branch=1, verify=32)
+    assert_right(maps, VANISHING)
+    assert maps.F_y.attrs["error_max_relative"] > 0.0
+    for name in VANISHING:  # at most 4 roundings of the value, or of the power of two near the longest bar
+        assert maps[name].attrs["error_max_relative"] <= 4 * UNIT_ROUNDING * 8, name
+
+
+@pytest.mark.parametrize("name", ["F_y", "B_y"])
+def test_a_value_that_should_vanish_and_does_not_is_a_mismatch(monkeypatch, name):
+    class Added(Verification):
+        def collect(self, start, stop, arrays):
+            super().collect(start, stop, [a + 1e-12 if a.dtype == np.float64 else a for a in arrays])
+
+    monkeypatch.setattr(import_module("fastlink.engine.sweep"), "Verification", Added)
+    maps = fl.sweep("hart", fl.grid(**KITE), [name], phi=np.linspace(0.3, 2.8, 40), branch=1, verify=1)
+    assert maps[name].attrs["verify_mismatches"] == maps[name].attrs["verified_values"]
+    assert maps[name].attrs["error_max_roundings"] > 100
+    assert "NOT AS WITH 50 DIGITS" in fl.summary(maps)
+
+
+def test_a_value_that_is_wrong_by_more_than_its_bound_is_a_mismatch(monkeypatch):
+    monkeypatch.setattr(import_module("fastlink.engine.sweep"), "Verification", Spoiled)
+    monkeypatch.setattr(Spoiled, "factor", 1.0 + 1e-12)
+    maps = fl.sweep("planar_4r", fl.grid(**CRANK, omega1=25.0), ["theta4", "omega4"], theta1=12, verify=4)
+    for name in ("theta4", "omega4"):
+        assert maps[name].attrs["verify_mismatches"] == maps[name].attrs["verified_values"]
+
+
 @pytest.mark.parametrize("verify", [-1, 1.5, True, "all"])
 def test_bad_numbers_of_designs(verify):
     with pytest.raises(

@@ -8,7 +8,7 @@ from importlib import import_module
 import mpmath as mp
 import numpy as np
 import pytest
-from tests.support import hard_points
+from tests.support import configurations, hard_points
 from tests.support.configurations import (
     DIGITS,
     LENGTHS,
@@ -436,3 +436,35 @@ def test_nothing_of_a_bound_is_computed_unless_it_is_asked_for(name):
     given = ("branch", mechanism.position.name, *mechanism.tables, *mechanism.table_low_parts)
     steps = mechanism.dependencies(quantities(mechanism), (*mechanism.inputs, *given))
     assert not [step.name for step in steps if step.name.endswith(("_error", "_trust"))]
+
+
+# -- deep texts ---------------------------------------------------------------------------------------------------
+
+DEEP = ["d_F41_d_a1_error", "d_shaking_moment_printed_d_a1_error"]
+
+
+def loaded_design():
+    """Return one configuration under all loads, as numbers, and its input angle."""
+    values = {
+        name: float(rows[0])
+        for name, rows in configurations.loaded("random", np.random.default_rng(1), 1).items()
+    }
+    return {name: value for name, value in values.items() if name not in ("theta1", "branch")}, values[
+        "theta1"
+    ]
+
+
+def test_bounds_of_derivatives_under_all_loads_are_evaluated():
+    """Their texts are thousands of operations deep, which Python must not read by recursion."""
+    design, theta1 = loaded_design()
+    found = fl.evaluate("planar_4r", DEEP, theta1=theta1, branch=2, **design)
+    assert all(0.0 < found[name] < np.inf for name in DEEP)
+
+
+@pytest.mark.stress
+def test_bounds_of_derivatives_under_all_loads_are_swept():
+    design, theta1 = loaded_design()
+    maps = fl.sweep("planar_4r", fl.grid(**design), DEEP, theta1=[theta1], branch=2)
+    found = fl.evaluate("planar_4r", DEEP, theta1=theta1, branch=2, **design)
+    for name in DEEP:
+        assert maps[name].item() == found[name]

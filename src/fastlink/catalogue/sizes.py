@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from functools import lru_cache
 from typing import TYPE_CHECKING, Any
@@ -25,7 +25,17 @@ if TYPE_CHECKING:
     from fastlink.catalogue.catalogue import Catalogue
     from fastlink.facts.fact import Input
 
-__all__ = ["PURE", "DesignSizes", "Sized", "dimensional", "dimensions", "is_ordinary", "sized", "sizes_of"]
+__all__ = [
+    "PURE",
+    "DesignSizes",
+    "Sized",
+    "dimensional",
+    "dimensions",
+    "is_ordinary",
+    "natural_size",
+    "sized",
+    "sizes_of",
+]
 
 #: Powers of kilogram, metre and second.
 Dimensions = tuple[int, int, int]
@@ -180,18 +190,12 @@ def sizes_of(catalogue: Catalogue, inputs: Mapping[str, Any]) -> DesignSizes | N
     if all(map(is_ordinary, values.values())):
         return None
     of = {name: dimensions(one.units) for name, one in declared.items()}
-    links = [n for n in values if of[n] == LENGTH and declared[n].rule == "positive"]
-    rates = [n for n in values if of[n][:2] == (0, 0)]
-    masses = [n for n in values if of[n] == MASS]
-    zero, shapes = np.int64(0), np.broadcast_shapes(*map(np.shape, values.values()))
-    fixed = dimensions(catalogue.position.units)[1] != 0
-    far = _settled(_greatest(_exponent(values[n]) for n in links))
-    length = zero if fixed else far
-    rate = _settled(_greatest(_exponent(values[n]) // -of[n][2] for n in rates if of[n][2] < 0))
-    of_masses = _greatest(_exponent(values[n]) for n in masses)
-    others = [n for n in values if of[n][0] == 1 and of[n] != MASS]
-    of_others = _greatest(_exponent(values[n]) - (of[n][1] * length - of[n][2] * rate) for n in others)
-    mass = _settled(np.where(of_masses > _NOTHING // 2, of_masses, of_others))
+    shapes, fixed = (
+        np.broadcast_shapes(*map(np.shape, values.values())),
+        dimensions(catalogue.position.units)[1] != 0,
+    )
+    mass, far, rate = _sizes(declared, values, lengths_stay=fixed, settled=_settled)
+    length = np.int64(0) if fixed else far
     exponents = [np.broadcast_to(one, shapes) for one in (mass, length, -rate)]
     apart, stays = np.zeros(shapes, dtype=bool), np.broadcast_to((far != 0) & fixed, shapes)
     sizes = DesignSizes((exponents[0], exponents[1], exponents[2]), apart, stays)
@@ -204,6 +208,42 @@ def sizes_of(catalogue: Catalogue, inputs: Mapping[str, Any]) -> DesignSizes | N
             )
     whole = [np.where(apart, 0, one) for one in exponents]
     return DesignSizes((whole[0], whole[1], whole[2]), apart, stays)
+
+
+def natural_size(catalogue: Catalogue, inputs: Mapping[str, Any], units: str) -> float:
+    """Return the power of two near which a quantity of these units is for a design: of its lengths, masses and rates.
+
+    Examples
+    --------
+    >>> from fastlink.mechanisms import catalogue
+    >>> natural_size(catalogue("planar_4r"), {"a1": 3.0, "a2": 7.0, "omega1": 1.5}, "m s-1")
+    16.0
+    """
+    declared = dimensional(catalogue, catalogue.version, tuple(inputs))
+    mass, length, rate = _sizes(declared, inputs, lengths_stay=False, settled=_of_any)
+    power = sum(x * int(y) for x, y in zip(dimensions(units), (mass, length, -rate), strict=True))
+    return math.ldexp(1.0, min(max(power, -1074), 1023))
+
+
+def _sizes(
+    declared: Mapping[str, Input],
+    values: Mapping[str, Any],
+    *,
+    lengths_stay: bool,
+    settled: Callable[[Any], Any],
+) -> tuple[Any, Any, Any]:
+    """Return the exponents of the greatest mass, of the longest link and of the greatest rate."""
+    of = {name: dimensions(one.units) for name, one in declared.items()}
+    far = settled(
+        _greatest(_exponent(values[n]) for n in of if of[n] == LENGTH and declared[n].rule == "positive")
+    )
+    length = np.int64(0) if lengths_stay else far
+    rates = [n for n in of if of[n][:2] == (0, 0) and of[n][2] < 0]
+    rate = settled(_greatest(_exponent(values[n]) // -of[n][2] for n in rates))
+    of_masses = _greatest(_exponent(values[n]) for n in of if of[n] == MASS)
+    others = [n for n in of if of[n][0] == 1 and of[n] != MASS]
+    of_others = _greatest(_exponent(values[n]) - (of[n][1] * length - of[n][2] * rate) for n in others)
+    return settled(np.where(of_masses > _NOTHING // 2, of_masses, of_others)), far, rate
 
 
 #: The exponent of what has no size.
@@ -227,3 +267,8 @@ def _greatest(exponents: Iterable[Any]) -> Any:
 def _settled(exponent: Any) -> Any:
     """Return 0 where numbers are ordinary, or nothing has a size."""
     return np.where((np.abs(exponent) <= ORDINARY) | (exponent < _NOTHING // 2), 0, exponent)
+
+
+def _of_any(exponent: Any) -> Any:
+    """Return 0 where nothing has a size."""
+    return np.where(exponent < _NOTHING // 2, 0, exponent)

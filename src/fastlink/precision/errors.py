@@ -2,14 +2,20 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
 
-from fastlink.precision.reference import CONTEXT, error_in_roundings
+from fastlink.precision.reference import CONTEXT, DIGITS, error_in_roundings
 
 __all__ = ["MeasuredErrors"]
+
+#: Values below this share of the terms that made them vanish: to half its digits, the reference itself is 0.
+VANISHES = CONTEXT.mpf(10) ** (-DIGITS // 2)
+#: Errors beyond so many roundings are held against the error bound, as are all of values that vanish.
+SUSPECT = 16.0
 
 
 @dataclass
@@ -23,9 +29,10 @@ class MeasuredErrors:
     scale : number
         The size that errors are relative to, unless it is the exact value: a whole turn for positions.
     relative, roundings : list of float
-        Errors where both values are finite; none relative to an exact 0.
+        Errors where both values are finite; relative to the size of such values of the design where the exact one is 0.
     values, mismatches : int
-        The number of values compared, and of those with another code or finite where the exact one is not.
+        The number of values compared, and of those with another code, finite where the exact one is not, or wrong by
+        more than their error bound.
     """
 
     method: str
@@ -35,18 +42,44 @@ class MeasuredErrors:
     values: int = 0
     mismatches: int = 0
 
-    def add(self, value: float, exact: Any, condition: Any = None) -> None:
-        """Compare a value; `condition` is the sum of `HighPrecision.condition`."""
+    def add(
+        self,
+        value: float,
+        exact: Any,
+        condition: Any = None,
+        terms: float = 0.0,
+        bound: Callable[[], float] | None = None,
+    ) -> None:
+        """Compare a value.
+
+        Parameters
+        ----------
+        value : float
+            The value.
+        exact, condition : number
+            With 50 digits, and the sum of `HighPrecision.condition`.
+        terms : float
+            The size of such a quantity of such a design, against which the error of a value that vanishes is measured.
+        bound : callable, optional
+            Returns the error bound: a value that is wrong by more is a mismatch.
+        """
         self.values += 1
         finite = bool(np.isfinite(value)), bool(CONTEXT.isfinite(exact))
-        if all(finite):
-            size = self.scale or abs(exact)
-            if size != 0:
-                self.relative.append(float(abs(CONTEXT.mpf(value) - exact) / size))
-            if condition is not None:
-                self.roundings.append(error_in_roundings(value, exact, condition))
-        elif any(finite):
-            self.mismatches += 1
+        if not all(finite):
+            self.mismatches += int(any(finite))
+            return
+        error, least = abs(CONTEXT.mpf(value) - exact), VANISHES * terms
+        vanishes = abs(exact) <= least and terms != 0.0
+        size = self.scale or (terms if vanishes else abs(exact))
+        if size != 0:
+            self.relative.append(float(error / size))
+        roundings = 0.0
+        if condition is not None:
+            insensitive = vanishes and abs(exact) + condition <= least
+            roundings = error_in_roundings(value, exact, terms if insensitive else condition)
+            self.roundings.append(roundings)
+        if bound is not None and error != 0 and (vanishes or roundings > SUSPECT):
+            self.mismatches += int(error > bound())
 
     def add_code(self, value: float, exact: Any) -> None:
         """Compare a code, which is right or wrong."""

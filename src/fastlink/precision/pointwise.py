@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -53,10 +54,20 @@ def values(
             row = sample.results[output.name][design]
             value = float(row[branch, position]) if output.axes else float(row)
             if output.dtype == "float64":
-                errors[output.name].add(value, exact[output.name], condition[output.name])
+                terms, bound = sample.terms(output.name, design), partial(sample.bound, output.name, at)
+                nearest = _same_turn(sample, output.name, value, exact[output.name])
+                errors[output.name].add(value, nearest, condition[output.name], terms, bound)
             else:
                 errors[output.name].add_code(value, exact[output.name])
     return errors
+
+
+def _same_turn(sample: Sample, quantity: str, value: float, exact: Any) -> Any:
+    """Return an exact value; of an angle that is pi for one rounding and -pi for another, the nearer one."""
+    graded = sample.catalogue.graded
+    if graded is None or quantity not in graded.wraps_at or not abs(value - exact) > CONTEXT.pi:
+        return exact
+    return exact + 2 * CONTEXT.pi * CONTEXT.nint((CONTEXT.mpf(value) - exact) / (2 * CONTEXT.pi))
 
 
 def configurations(sample: Sample, outputs: Sequence[Output], share: int) -> int:
@@ -94,7 +105,8 @@ def sampled(sample: Sample, outputs: Sequence[Output], share: int) -> dict[str, 
                     exact, size = _selected_position(value, curve, best, sample.positions), None
                 else:
                     exact, size = _exact_sample(sample, facts, design, best)
-            measured.add(value, exact, size)
+            of_quantity = reduction.has_position and not output.request.is_position
+            measured.add(value, exact, size, sample.terms(quantity, design) if of_quantity else 0.0)
         errors[output.name] = measured
     return errors
 

@@ -10,7 +10,10 @@ import numpy as np
 
 from fastlink.catalogue.catalogue import Fact, System
 from fastlink.catalogue.evaluate import read_facts
+from fastlink.catalogue.sizes import natural_size
 from fastlink.catalogue.tables import angle_tables
+from fastlink.errors import InputError
+from fastlink.facts.names import error_name
 from fastlink.precision.reference import HighPrecision
 
 if TYPE_CHECKING:
@@ -94,6 +97,24 @@ class Sample:
         """Return the inputs and position whose changes make up the condition of facts."""
         position = self.catalogue.position.name
         return [name for name in (*self.movable, position) if facts.steps_after(name)]
+
+    def terms(self, quantity: str, design: int) -> float:
+        """Return the size of a quantity of a design by its lengths, masses and rates."""
+        values = {name: float(column[design]) for name, column in self.inputs.items()}
+        return natural_size(self.catalogue, values, self.catalogue.public_fact(quantity).units)
+
+    def bound(self, quantity: str, at: Mapping[str, float]) -> float:
+        """Return the error bound of a quantity at a configuration; infinite where it has none."""
+        try:
+            facts = read_facts(
+                self.catalogue,
+                [name := error_name(quantity)],
+                {k: np.float64(v) for k, v in at.items()},
+                self.plan.variants,
+            )
+        except InputError:
+            return np.inf
+        return float(facts[name]) if facts[name] == facts[name] else np.inf
 
     def affordable(self, facts: HighPrecision, share: int, most: int) -> int:
         """Return the number of configurations that a share of the evaluations pays for."""

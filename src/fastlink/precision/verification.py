@@ -47,6 +47,10 @@ def check_verify(where: KeyPath, verify: Any) -> int:
     return check_whole(where, verify, 0, EVALUATIONS, remedy)
 
 
+#: Quantities that are rounding errors themselves, which have none.
+OF_ERRORS = ("residual", "deviation")
+
+
 class Verification:
     """A random sample of the designs of a sweep, computed again with 50 digits.
 
@@ -152,8 +156,7 @@ def _groups(outputs: Sequence[Output]) -> tuple[list[tuple[str, list[Output]]], 
     left_out = []
     for output in outputs:
         request = output.request
-        if "residual" in request.quantity:
-            # a residual is an error itself
+        if any(word in request.quantity for word in OF_ERRORS):
             left_out.append(output.name)
         elif output.refined:
             groups.setdefault(("refined", request.quantity), []).append(output)
