@@ -41,6 +41,8 @@ MISSED = {
 #: What may still hide, of all counts: where the gap of a change point is near the rounding of the lengths, one pair of
 #: extremes of a curvature in 172,000 counts was seen to, and one of a shaking moment of huge slider-cranks.
 MOST_HIDDEN = {"gap 1e-13": 1e-5, "scale 1e150": 1e-5}
+#: More extremes than anything has: samples so close that the rounding of a flat function shows, as of F_x of the focal crank.
+MOST_REAL = 16
 GRADED = [entry for entry in ENTRIES if entry.catalogue.graded is not None and not entry.about]
 
 
@@ -68,10 +70,10 @@ def counted(entry, designs, names, cells, monkeypatch):
 
 
 def designs_of(entry, kind, seed, n):
-    """Return designs of a family, without their modes and positions."""
-    drawn = entry.drawn(kind, seed, n)
-    inputs = entry.catalogue.inputs
-    return {name: value for name, value in drawn.items() if name in inputs and not inputs[name].choices}
+    """Return designs of a family, without their branches and positions."""
+    return {
+        name: value for name, value in entry.drawn(kind, seed, n).items() if name in entry.catalogue.inputs
+    }
 
 
 def test_a_pair_of_extremes_between_two_samples_is_found():
@@ -91,10 +93,11 @@ def test_a_pair_of_extremes_between_two_samples_is_found():
 def assert_finer_samples_show_no_more(entry, kind, n, names, monkeypatch):
     designs = designs_of(entry, kind, 31, n)
     names = [name for name in searched(entry, designs) if not names or name in names]
+    seen = 0
     for start in range(0, len(names), 6):  # a kernel of all takes long to compile
         some = names[start : start + 6]
         counts = counted(entry, designs, some, None, monkeypatch)
-        assert counts.any()
+        seen += np.count_nonzero(counts)
         np.testing.assert_array_equal(
             counts, counted(entry, designs, some, FINE, monkeypatch), err_msg=str(some)
         )
