@@ -11,7 +11,7 @@ import pytest
 from typer.testing import CliRunner
 
 import fastlink as fl
-from fastlink.catalogue.evaluate import read_facts
+from fastlink.catalogue.evaluate import evaluate_step, steps_of
 from fastlink.cli import app
 from fastlink.codegen.translate import Refused
 from fastlink.diagnostics.explain import explain_request
@@ -75,7 +75,9 @@ def test_operations_of_a_design_are_those_that_its_facts_do(name, monkeypatch):
             if function in fact.function.__globals__:
                 monkeypatch.setitem(fact.function.__globals__, function, counting(function))
     Tally.done.clear()
-    read_facts(planar, [name, "status"], {key: Tally(value) for key, value in LENGTHS.items()})
+    known = {key: Tally(value) for key, value in LENGTHS.items()}
+    for step in steps_of(planar, [name, "status"], known):
+        evaluate_step(step, known)
     (loop,) = asked([name]).kernels[0].loops
     assert loop.per == "design"
     Tally.done["atan2, log, cos"] = Tally.done["atan2"]

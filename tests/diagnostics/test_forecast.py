@@ -42,7 +42,7 @@ def test_nothing_is_compiled_unless_it_is_to_be_measured(folder, empty_cache, mo
     assert (measured.compiled, measured.timing.designs) == (0, 6)
     # compiled now, so that it is measured by default
     after = CliRunner().invoke(app, ["explain", str(path)]).output
-    assert "compiled already" in after
+    assert "compiled already" in after, after
     assert "estimated from 6 of 6 designs at 8 positions" in after
     assert not Path("study.h5").exists()
     assert fl.explain(path, measure=False).forecast.timing is None

@@ -19,17 +19,31 @@ FLAGS = {
     **dict.fromkeys(("X_x", "X_y", "sextic_residual"), "coupler_point_status"),
     **dict.fromkeys(("dpsi_dtheta", "d2psi_dtheta2"), "rates_status"),
 }
+COORDINATES = ("A_x", "A_y", "B_x", "B_y", "X_x", "X_y")
 BRANCHES = np.array([[1], [2]])
 #: In roundings times condition, as in test_minkowski_4r.py.
 MULTIPLE = 4
+
+
+def beyond_the_doubles(names, inputs):
+    """Tell which values of lengths are greater than any double: they are even where the longest link is near 1."""
+    power = np.frexp(np.max([inputs[name] for name in "abgh"], axis=0))[1]
+    near_1 = {name: value if name == "theta" else np.ldexp(value, -power) for name, value in inputs.items()}
+    found = fl.evaluate("minkowski_4r", names, branch=BRANCHES, allow_invalid=True, **near_1)
+    with np.errstate(over="ignore"):
+        infinite = {name: np.isinf(np.ldexp(found[name], power)) for name in names}
+    return {name: infinite[name] & (np.isfinite(found[name]) | (power >= 0)) for name in names}
 
 
 @pytest.mark.parametrize("seed", [1, pytest.param(2, marks=pytest.mark.stress)])
 def test_what_is_no_finite_number_has_a_flag(seed):
     inputs = adversarial(np.random.default_rng(seed), 20000 * seed**4)
     found = fl.evaluate("minkowski_4r", ALL, branch=BRANCHES, allow_invalid=True, **inputs)
+    beyond = beyond_the_doubles(COORDINATES, inputs)
     for name in ALL:
         missing = ~np.isfinite(found[name])
+        if name in beyond:
+            missing &= ~(np.isinf(found[name]) & beyond[name])
         assert (found[FLAGS.get(name, "configuration_status")][missing] != 0).all(), name
     # Each flag is met, but for both roots' exceptions at once, and none is there without a cause.
     for name in ("configuration_status", "coupler_point_status", "rates_status"):
@@ -47,8 +61,10 @@ def test_what_each_flag_of_a_closed_loop_says_is_so():
     found = fl.evaluate("minkowski_4r", ALL, branch=BRANCHES, allow_invalid=True, **inputs)
     code = found["configuration_status"]
     angles = ("psi", "AB_rapidity", "phi", "A_x", "A_y", "B_x", "B_y", "cosh_zeta", "loop_residual")
+    beyond = dict.fromkeys(angles, np.zeros(code.shape, dtype=bool)) | beyond_the_doubles(COORDINATES, inputs)
     for closes in (0, 7, 8, 9):
-        assert all(np.isfinite(found[name][code == closes]).all() for name in angles)
+        for name in angles:
+            assert (np.isfinite(found[name]) | beyond[name])[code == closes].all(), name
     inside = (code == 7) | (code == 9)
     np.testing.assert_array_equal(
         np.isnan(found["zeta"][(code == 0) | (code >= 7)]), inside[(code == 0) | (code >= 7)]
