@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import shutil
 from pathlib import Path
 
 import numpy as np
@@ -14,7 +15,7 @@ from typer.testing import CliRunner
 import fastlink as fl
 from fastlink import memory
 from fastlink.cli import app
-from fastlink.codegen.kernel import Kernel
+from fastlink.codegen.kernel import Kernel, kernel_of
 from fastlink.diagnostics import timing
 from fastlink.diagnostics.timing import timing_of
 from fastlink.engine.needs import needs_of
@@ -27,6 +28,15 @@ LENGTHS = {"a1": 0.4, "a2": 1.1, "a3": 0.8, "a4": 1.0}
 def empty_cache(monkeypatch, tmp_path):
     monkeypatch.setenv("FASTLINK_CACHE_DIR", str(tmp_path / "cache"))
     monkeypatch.setattr("fastlink.codegen.kernel._loaded", {})
+    kernel_of.cache_clear()  # each keeps what it has compiled
+
+
+def test_a_kernel_that_a_sweep_has_compiled_counts_as_compiled(empty_cache):
+    request = ("planar_4r", fl.grid(**LENGTHS), ["swing"])
+    assert fl.explain(*request).forecast.compiled == 0
+    fl.sweep(*request)
+    shutil.rmtree(os.environ["FASTLINK_CACHE_DIR"])
+    assert fl.explain(*request).forecast.compiled == 1
 
 
 def test_nothing_is_compiled_unless_it_is_to_be_measured(folder, empty_cache, monkeypatch):

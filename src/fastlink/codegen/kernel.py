@@ -171,7 +171,7 @@ class Kernel:
     def is_compiled(self, backend: str) -> bool:
         """Tell whether the kernel need not be compiled: it is loaded, or in the cache."""
         key = kernel_key(self.source, backend)
-        return key in _loaded or is_kept(key)
+        return backend in self._compiled or key in _loaded or is_kept(key)
 
     def compiled(self, backend: str | None = None) -> Any:
         """Return the kernel as a callable, compiled or loaded from the cache on first use.
