@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -43,31 +44,32 @@ class UnitsOfDesigns:
         What each result has of units.
     ordinary : bool
         Whether constants and axes are near 1; columns are looked at block by block.
+    names : tuple of str
+        The inputs with a dimension.
     """
 
     catalogue: Catalogue
     space: DesignSpace
     results: list[Sized]
     ordinary: bool
+    names: tuple[str, ...]
 
     @classmethod
     def of(cls, plan: Plan, space: DesignSpace) -> UnitsOfDesigns:
         """Return those of a plan."""
-        ordinary = all(
-            is_ordinary(value) for value in dimensional_of(plan.catalogue, space.constants).values()
-        )
-        ordinary &= all(map(is_ordinary, dimensional_of(plan.catalogue, space.axes).values()))
-        return cls(plan.catalogue, space, sized_outputs(plan), ordinary)
+        names = _dimensional(plan, space.names)
+        fixed = space.constants | space.axes
+        ordinary = all(is_ordinary(fixed[name]) for name in names if name in fixed)
+        return cls(plan.catalogue, space, sized_outputs(plan), ordinary, names)
 
     def at(self, start: int, stop: int) -> BlockUnits | None:
         """Return the units of some designs, or None where they are kilogram, metre and second."""
-        columns = dimensional_of(self.catalogue, self.space.columns)
-        if self.ordinary and all(is_ordinary(column[start:stop]) for column in columns.values()):
+        columns = [self.space.columns[name] for name in self.names if name in self.space.columns]
+        if self.ordinary and all(is_ordinary(column[start:stop]) for column in columns):
             return None
-        names = tuple(dimensional(self.catalogue, self.catalogue.version, self.space.names))
-        rows = np.empty((len(names), stop - start))
-        self.space.fill(names, start, stop, rows)
-        return BlockUnits.of(self.catalogue, dict(zip(names, rows, strict=True)), self.results)
+        rows = np.empty((len(self.names), stop - start))
+        self.space.fill(self.names, start, stop, rows)
+        return BlockUnits.of(self.catalogue, dict(zip(self.names, rows, strict=True)), self.results)
 
 
 @dataclass(frozen=True, eq=False)
@@ -105,7 +107,19 @@ def dimensional_of(catalogue: Catalogue, values: Mapping[str, Any]) -> dict[str,
 
 def sized_outputs(plan: Plan) -> list[Sized]:
     """Return what each result of a plan has of units."""
-    return [_sized(plan.catalogue, output) for output in plan.outputs]
+    return list(_sized_outputs(plan))
+
+
+@lru_cache(maxsize=256)
+def _sized_outputs(plan: Plan) -> tuple[Sized, ...]:
+    """Return the same, once for a plan: a plan is made once, and to parse its names takes longer than one design."""
+    return tuple(_sized(plan.catalogue, output) for output in plan.outputs)
+
+
+@lru_cache(maxsize=256)
+def _dimensional(plan: Plan, names: tuple[str, ...]) -> tuple[str, ...]:
+    """Return those of these names that are inputs with a dimension, once for a plan."""
+    return tuple(dimensional(plan.catalogue, plan.catalogue.version, names))
 
 
 def _sized(catalogue: Catalogue, output: Output) -> Sized:
