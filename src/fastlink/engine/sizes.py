@@ -40,7 +40,7 @@ class UnitsOfDesigns:
         The mechanism.
     space : DesignSpace
         The designs.
-    results : list of Sized
+    results : sequence of Sized
         What each result has of units.
     ordinary : bool
         Whether constants and axes are near 1; columns are looked at block by block.
@@ -50,7 +50,7 @@ class UnitsOfDesigns:
 
     catalogue: Catalogue
     space: DesignSpace
-    results: list[Sized]
+    results: Sequence[Sized]
     ordinary: bool
     names: tuple[str, ...]
 
@@ -78,10 +78,12 @@ class BlockUnits:
 
     sizes: DesignSizes
     inputs: dict[str, NDArray[Any]]
-    results: list[Sized]
+    results: Sequence[Sized]
 
     @classmethod
-    def of(cls, catalogue: Catalogue, values: Mapping[str, Any], results: list[Sized]) -> BlockUnits | None:
+    def of(
+        cls, catalogue: Catalogue, values: Mapping[str, Any], results: Sequence[Sized]
+    ) -> BlockUnits | None:
         """Return those of designs with these inputs, or None where they are kilogram, metre and second."""
         sizes = sizes_of(catalogue, values)
         return None if sizes is None else cls(sizes, sizes.inputs(catalogue, values), results)
@@ -105,14 +107,9 @@ def dimensional_of(catalogue: Catalogue, values: Mapping[str, Any]) -> dict[str,
     return {name: values[name] for name in names}
 
 
-def sized_outputs(plan: Plan) -> list[Sized]:
-    """Return what each result of a plan has of units."""
-    return list(_sized_outputs(plan))
-
-
 @lru_cache(maxsize=256)
-def _sized_outputs(plan: Plan) -> tuple[Sized, ...]:
-    """Return the same, once for a plan: a plan is made once, and to parse its names takes longer than one design."""
+def sized_outputs(plan: Plan) -> tuple[Sized, ...]:
+    """Return what each result of a plan has of units, found once: to parse names takes longer than one design."""
     return tuple(_sized(plan.catalogue, output) for output in plan.outputs)
 
 

@@ -37,8 +37,8 @@ FINE_SAMPLES = PARTS + 3
 FINE_AT, FINE = ITEM_ROWS + 13, ITEM_ROWS + 13 + FINE_SAMPLES
 STATE_ROWS = FINE + FINE_SAMPLES
 # Of the function at the ends of a valley: a dip that is no deeper is an inflection. Two zeros as close as 2^-20 of the
-# valley leave that depth; their extremes differ by 2^-60 of the valley's rise, less than a rounding. Of the six double
-# zeros among the rates of all lengths up to 12, the roughest left more than 2^-44 by rounding.
+# valley leave that depth; their extremes differ by 2^-60 of the valley's rise, less than a rounding. The
+# double zero of omega4 of 5, 3, 2, 2 leaves less than 2^-44.
 FLAT = 2.0**-40
 # Entries of the table of a kernel: rows of the lane values (the lower end's, the upper end's follows each), sides,
 # halves and branches, and for each searched branch where its results go, and those of its mirror (-1 for nowhere).

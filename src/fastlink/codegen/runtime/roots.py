@@ -218,8 +218,8 @@ def advance_valleys(s: Any, vectors: Any, n: int, flags: Any) -> int:
 def split(s: Any, count: int, counts: Any, roots: Any) -> None:
     """Make two roots of each valley that has a value of the other sign in it, beyond rounding."""
     for i in range(count):
-        deepest = abs(s[F, i]) > FLAT * max(abs(s[FA, i]), abs(s[FB, i]))
-        if (s[F, i] > 0.0) != (s[FC, i] > 0.0) and deepest:
+        deep = abs(s[F, i]) > FLAT * max(abs(s[FA, i]), abs(s[FB, i]))
+        if (s[F, i] > 0.0) != (s[FC, i] > 0.0) and deep:
             lane, half, upper = int(s[LANE, i]), int(s[HALF, i]), s[UPPER, i] > 0.0
             set_bracket(roots, counts[ROOTS], s[XA, i], s[FA, i], s[X, i], s[F, i])
             counts[ROOTS] = append_item(roots, counts[ROOTS], lane, half, upper)
