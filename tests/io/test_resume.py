@@ -102,20 +102,31 @@ def test_a_sweep_may_be_interrupted_again_and_again(tmp_path, monkeypatch):
 
 
 KILLED = """
-import os, signal, sys
+import os, signal, sys, threading
 import numpy as np
 import fastlink as fl
 from fastlink.io import journal
 journal.STEP_SECONDS = 0.0
-commit, place, kill_at = journal.Journal._commit, sys.argv[1], int(sys.argv[2])
-seen = 0
+commit, add = journal.Journal._commit, journal.Journal.add
+place, kill_at = sys.argv[1], int(sys.argv[2])
+seen = commits = 0
+changed = threading.Condition()
 def counted(self):
-    global seen
+    global seen, commits
     commit(self)
     seen += os.path.exists(place + ".part.journal")
     if seen == kill_at:
         os.kill(os.getpid(), signal.SIGKILL)
-journal.Journal._commit = counted
+    with changed:
+        commits += 1
+        changed.notify_all()
+def waits(self, start, stop):
+    # until a commit that began after it: however slow the disk, the sweep does not end before it is killed
+    add(self, start, stop)
+    with changed:
+        wanted = commits + 2
+        assert changed.wait_for(lambda: commits >= wanted, timeout=60)
+journal.Journal._commit, journal.Journal.add = counted, waits
 fl.sweep(
     "planar_4r",
     fl.grid(a1=0.4, a2=np.linspace(1.0, 1.4, 41), a3=np.linspace(0.6, 1.0, 31), a4=1.0, omega1=2.0),
