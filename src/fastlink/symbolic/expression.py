@@ -30,6 +30,8 @@ COMPARISONS: dict[str, ast.cmpop] = {
 SIGNS = {type(node): sign for sign, node in (*OPERATORS.items(), *COMPARISONS.items())}
 #: So many operations deep an expression is written at most: Python parses and unparses by recursion.
 DEEPEST = 100
+#: Greater powers of two are there to keep products from underflow, smaller ones than its inverse from overflow.
+FARTHEST_SCALE = 2.0**200
 NOT_FINITE = {"inf": "INFINITY", "nan": "NOT_A_NUMBER"}
 
 
@@ -272,9 +274,14 @@ def _expression(node: Node, args: Sequence[ast.expr]) -> ast.expr:
 
 
 def _scaled(x: Node) -> tuple[float, Node]:
-    """Return a power of two that a value is a multiple of, and of what."""
+    """Return a power of two that a value is a multiple of, and of what.
+
+    One that keeps products in the range of doubles stays where it is.
+    """
     if x.kind == "*" and x.args[0].kind == "number" and is_power_of_two(x.args[0].value):
-        return x.args[0].value, x.args[1]
+        scale = abs(x.args[0].value)
+        if 1.0 / FARTHEST_SCALE <= scale <= FARTHEST_SCALE:
+            return x.args[0].value, x.args[1]
     return 1.0, x
 
 
