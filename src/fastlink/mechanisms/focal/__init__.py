@@ -2,12 +2,14 @@
 
 from fastlink.mechanisms.focal import (  # noqa: F401 (they declare its facts)
     by_crank,
+    circles,
     completion,
     crank,
     crank_graded,
     design_facts,
     dyad,
     four_bar,
+    frame_AB,
     joint_F,
     keywords,
     points,

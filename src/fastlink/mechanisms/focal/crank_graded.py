@@ -11,6 +11,7 @@ from typing import Any
 from fastlink.catalogue.catalogue import GradedRange
 from fastlink.mechanisms._shared.laws import difference
 from fastlink.mechanisms.focal.by_crank import by_crank
+from fastlink.mechanisms.focal.circles import POLES
 from fastlink.mechanisms.focal.dyad import DYAD
 from fastlink.mechanisms.planar_4r import graded
 from fastlink.numerics.elementary import select
@@ -98,7 +99,7 @@ by_crank.graded = GradedRange(
     bounded_factor="size_of_sine",
     cells={},
     max_extrema={},
-    not_differentiable=("closure_residual", "F_path_residual"),
+    not_differentiable=("closure_residual", "F_path_residual", *POLES),
     wraps_at={
         "phi": "u_y",
         "psi": "v_y",

@@ -6,6 +6,7 @@ It moves as without its completion, so its ranges are those where the crank SF d
 from __future__ import annotations
 
 from fastlink.mechanisms._shared.reuse import borrow, borrow_range
+from fastlink.mechanisms.focal.circles import POLES
 from fastlink.mechanisms.focal.design_facts import FOUR_BAR, PREFIX
 from fastlink.mechanisms.focal.inputs import DESIGN, focal
 from fastlink.mechanisms.focal.rocker import NAMES
@@ -52,7 +53,7 @@ borrow_range(
     PREFIX,
     cells={"psi": _lent.cells["theta4"], "dpsi_dphi": _lent.cells["omega4"]},
     max_extrema={"psi": _lent.max_extrema["theta4"], "dpsi_dphi": _lent.max_extrema["omega4"]},
-    not_differentiable=("closure_residual", "F_path_residual"),
+    not_differentiable=("closure_residual", "F_path_residual", *POLES),
     wraps_at={
         "psi": "NB_y",
         "sigma": "MF_y",

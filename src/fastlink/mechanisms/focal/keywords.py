@@ -27,4 +27,8 @@ focal.also_called(
     phi_high="limit angle, toggle angle, toggle position, dead centre",
     status="feasible, feasibility, valid, assembles, assembly, closes",
     closure_residual="closure error, loop residual",
+    X_x="pole, instant centre, intersection of the rockers",
+    X_y="pole, instant centre, intersection of the rockers",
+    F_along_AB="inversion, AB fixed, relative motion",
+    F_across_AB="inversion, AB fixed, relative motion",
 )

@@ -13,7 +13,7 @@ from __future__ import annotations
 from typing import Any
 
 from fastlink.catalogue.catalogue import Catalogue
-from fastlink.mechanisms._shared.laws import along, product, turned
+from fastlink.mechanisms._shared.laws import along, product, total, turned
 from fastlink.mechanisms.focal.by_crank import either, quantities, steps
 from fastlink.mechanisms.focal.design_facts import length_of
 from fastlink.mechanisms.focal.inputs import DESIGN, WUNDERLICH
@@ -28,6 +28,8 @@ FIGURES = f"{WUNDERLICH}, Figs. 1 and 2"
 step = steps(units="1", source=f"{WUNDERLICH}, eqs. (1.3), (1.4)")
 step.vector(turned, "f_*", "u w", "Direction of PF but for its sign", u="u_x", v="u_y", x="w_x", y="w_y")
 step.vector(turned, "h_*", "v w", "Direction of QF but for its sign", u="v_x", v="v_y", x="w_x", y="w_y")
+step = steps(units="1", source=POSITION)
+step(total, "QP_x", "x", "Vector from P to Q over c, times lambda, x", x="e_x", y="t")
 
 
 def fifth_x(crank_sign: Any, uwv_x: Any, uwv_y: Any, x: Any, y: Any) -> Any:
@@ -87,13 +89,13 @@ def P_sign(ratio_sign: Any, lambda_sign: Any) -> Any:
 
 @either(units="rad", symbol="mu_P", source=POSITION)
 def transmission_angle_P(P_sign: Any, w_x: Any, w_y: Any) -> Any:
-    """Transmission angle at P: between PM and PF."""
+    """Transmission angle at P: between PM and PF, the same as BQF of (3.1)."""
     return atan2(abs(w_y), P_sign * w_x)
 
 
 @either(units="rad", symbol="mu_Q", source=POSITION)
 def transmission_angle_Q(lambda_sign: Any, w_x: Any, w_y: Any) -> Any:
-    """Transmission angle at Q: between QN and QF."""
+    """Transmission angle at Q: between QN and QF, the same as FPA of (3.1)."""
     return atan2(abs(w_y), -(lambda_sign * w_x))
 
 

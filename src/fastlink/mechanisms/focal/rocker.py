@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from fastlink.mechanisms._shared.laws import product, quotient, total
+from fastlink.mechanisms._shared.laws import product, quotient
 from fastlink.mechanisms._shared.reuse import borrow, borrow_tables
 from fastlink.mechanisms.focal.design_facts import FOUR_BAR, PREFIX
 from fastlink.mechanisms.focal.inputs import WUNDERLICH, focal
@@ -58,7 +58,6 @@ def t(x: Any, s_c: Any, s_d: Any) -> Any:
 
 step = focal.steps(units="1", source=POSITION)
 step(product, "weight", "rho b", "Rho times NB, scaled", x="rho", y="s_b")
-step(total, "QP_x", "x", "Vector from P to Q over c, times lambda, x", x="e_x", y="t")
 
 
 def weighted(weight: Any, u: Any, s_a: Any, v: Any) -> Any:

@@ -1,0 +1,145 @@
+"""Where opposite sides of the four-bar meet, and the circles of section 4 through the joints.
+
+X = MA.NB and Y = MN.AB. With the directions u, v, e, g, w of `points` as complex numbers, (u, v) for the sine of the
+angle from u to v, and k the sign of rho, the circles have the centres
+
+    of P, F, Q, X:  F - i w (q u + p v)/(2 (u, v)),
+    of S, F, T, Y:  S + g (r e_y + i (r e_x + k FT))/(2 e_y),
+    of P, S, Q, T:  S + i SP SQ conj(L)/(2 (SP, L)),        L = (e + t) = PQ lambda/c,
+
+and the radii are their distances from F, S and S. Where its points lie in line, a circle is that line.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+from fastlink.mechanisms._shared.laws import along, half, product, turned
+from fastlink.mechanisms.focal.by_crank import quantities, steps
+from fastlink.mechanisms.focal.inputs import WUNDERLICH
+from fastlink.mechanisms.focal.points import POSITION
+from fastlink.numerics.elementary import sqrt
+
+CIRCLES = f"{WUNDERLICH}, section 4"
+#: What passes infinity where lines are parallel or points in line, within the range of the input.
+POLES = (
+    *("X_x", "X_y", "Y_x"),
+    *(f"{points}_{part}" for points in ("PFQX", "SFTY", "PSQT") for part in ("x", "y", "radius")),
+)
+
+# -- where opposite sides meet ----------------------------------------------------------------------------------
+
+
+def crossed(x: Any, y: Any, to_x: Any, to_y: Any) -> Any:
+    """Return the third component of the product of two vectors."""
+    return x * to_y - y * to_x
+
+
+def reach_of_X(d: Any, v_y: Any, u_v: Any) -> Any:
+    """Distance of X from M along MA."""
+    return d * v_y / u_v
+
+
+def meets_ground(a: Any, u_x: Any, u_y: Any, e_x: Any, e_y: Any) -> Any:
+    """Return where AB meets MN, x."""
+    return a * (u_x * e_y - u_y * e_x) / e_y
+
+
+step = steps(units="1", source=POSITION)
+step(crossed, "u_v", "(u, v)", "Sine of the angle from MA to NB", x="u_x", y="u_y", to_x="v_x", to_y="v_y")
+steps(units="m", source=CIRCLES)(reach_of_X, "MX", "MX")
+place = quantities(units="m", source=CIRCLES)
+place.vector(product, "X_*", "X_*", "Point X of MA and NB, infinite where they are parallel", x="MX", y="u_*")
+place(meets_ground, "Y_x", "Y_x", "Point Y of MN and AB, infinite where they are parallel, x")
+
+# -- centres as seen from F or S, scaled --------------------------------------------------------------------------
+
+
+def of_both(one: Any, x: Any, other: Any, y: Any) -> Any:
+    """Return a component of the sum of two directions times lengths."""
+    return one * x + other * y
+
+
+def from_F_x(w_x: Any, w_y: Any, dyads_x: Any, dyads_y: Any, u_v: Any) -> Any:
+    """Vector from F to the centre of P, F, Q, X, x."""
+    return (w_x * dyads_y + w_y * dyads_x) / (2.0 * u_v)
+
+
+def from_F_y(w_x: Any, w_y: Any, dyads_x: Any, dyads_y: Any, u_v: Any) -> Any:
+    """Vector from F to the centre of P, F, Q, X, y."""
+    return (w_y * dyads_y - w_x * dyads_x) / (2.0 * u_v)
+
+
+def across_crank(s_r: Any, ratio_sign: Any, s_FT: Any, e_x: Any, e_y: Any) -> Any:
+    """Distance of the centre of S, F, T, Y from SF."""
+    return (s_r * e_x + ratio_sign * s_FT) / (2.0 * e_y)
+
+
+def from_S(length: Any, direction: Any, s_s: Any) -> Any:
+    """Return the component along MN of the vector from S to P."""
+    return length * direction - s_s
+
+
+def from_triangle_x(SP_SQ_x: Any, SP_SQ_y: Any, QP_x: Any, e_y: Any, SP_QP: Any) -> Any:
+    """Vector from S to the centre of P, S, Q, T, x."""
+    return (SP_SQ_x * e_y - SP_SQ_y * QP_x) / (2.0 * SP_QP)
+
+
+def from_triangle_y(SP_SQ_x: Any, SP_SQ_y: Any, QP_x: Any, e_y: Any, SP_QP: Any) -> Any:
+    """Vector from S to the centre of P, S, Q, T, y."""
+    return (SP_SQ_x * QP_x + SP_SQ_y * e_y) / (2.0 * SP_QP)
+
+
+step = steps(units="1", source=CIRCLES)
+step.vector(
+    *(of_both, "dyads_*", "q u + p v", "QF along MA and PF along NB, scaled"),
+    one="s_q",
+    x="u_*",
+    other="s_p",
+    y="v_*",
+)
+step.vector((from_F_x, from_F_y), "PFQX_off_*", "C - F", "Vector from F to the centre of P, F, Q, X")
+step(half, "half_r", "r/2", "Half the crank", x="s_r")
+step(across_crank, "crank_off", "h")
+step.vector(
+    *(turned, "SFTY_off_*", "C - S", "Vector from S to the centre of S, F, T, Y"),
+    u="half_r",
+    v="crank_off",
+    x="g_x",
+    y="g_y",
+)
+step(from_S, "SP_x", "SP_x", "Vector from S to P, scaled, x", length="s_m", direction="u_x")
+step(product, "SP_y", "SP_y", "Vector from S to P, scaled, y", x="s_m", y="u_y")
+step(along, "SQ_x", "SQ_x", "Vector from S to Q, scaled, x", start="s_SN", length="s_n", direction="v_x")
+step(product, "SQ_y", "SQ_y", "Vector from S to Q, scaled, y", x="s_n", y="v_y")
+step.vector(turned, "SP_SQ_*", "SP SQ", "Product of SP and SQ", u="SP_x", v="SP_y", x="SQ_x", y="SQ_y")
+_AREA = "Twice the area of S, P, Q, scaled, over c/lambda"
+step(crossed, "SP_QP", "(SP, L)", _AREA, x="SP_x", y="SP_y", to_x="QP_x", to_y="e_y")
+_OFF = "Vector from S to the centre of P, S, Q, T"
+step.vector((from_triangle_x, from_triangle_y), "PSQT_off_*", "C - S", _OFF)
+
+# -- circles -----------------------------------------------------------------------------------------------------
+
+
+def radius(scale: Any, x: Any, y: Any) -> Any:
+    """Return the distance of a centre from a point of the circle."""
+    return scale * sqrt(x * x + y * y)
+
+
+def declare_circle(points: str, start: str, start_y: str = "") -> None:
+    """Declare centre and radius of a circle, from the vector to the centre from a point of it."""
+    of = f"the circle through {', '.join(points)}"
+    centre = quantities(units="m", source=CIRCLES)
+    name, off = f"{points}_x", f"{points}_off_x"
+    centre(along, name, "C_x", f"Centre of {of}, x", start=start, length="scale", direction=off)
+    name, off = f"{points}_y", f"{points}_off_y"
+    if start_y:
+        centre(along, name, "C_y", f"Centre of {of}, y", start=start_y, length="scale", direction=off)
+    else:
+        centre(product, name, "C_y", f"Centre of {of}, y", x="scale", y=off)
+    centre(radius, f"{points}_radius", "R", f"Radius of {of}", x=f"{points}_off_x", y=f"{points}_off_y")
+
+
+declare_circle("PFQX", "F_x", "F_y")
+declare_circle("SFTY", "S_x")
+declare_circle("PSQT", "S_x")

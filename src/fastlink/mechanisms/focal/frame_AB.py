@@ -1,0 +1,150 @@
+"""The motion with AB held fixed (section 3): joints in the frame of AB, with its origin in A and its x-axis towards B.
+
+With the directions u, v, e, g of `points` M is -a u/e there, and T = AT. F hangs on T and on P,
+
+    F = AT -+ FT g = -((lambda - 1) m + p w) u/e,    - where rho is positive,
+
+of which the way with the shorter bars is taken: T is far away where rho nears -1, P where lambda nears 0.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+from fastlink.mechanisms.focal.by_crank import by_crank, quantities
+from fastlink.mechanisms.focal.inputs import WUNDERLICH, focal
+from fastlink.numerics.elementary import NOT_A_NUMBER, select
+
+HELD = f"{WUNDERLICH}, sections 3 and 7"
+
+# -- joints of MN --------------------------------------------------------------------------------------------------
+
+
+def seen_along(place: Any, a: Any, u_x: Any, u_y: Any, e_x: Any, e_y: Any) -> Any:
+    """Return how far a point of MN is along AB from A."""
+    return (place - a * u_x) * e_x - a * u_y * e_y
+
+
+def seen_across(place: Any, a: Any, u_x: Any, u_y: Any, e_x: Any, e_y: Any) -> Any:
+    """Return how far a point of MN is to the left of AB."""
+    return -((place - a * u_x) * e_y + a * u_y * e_x)
+
+
+def pivot_along(a: Any, u_x: Any, u_y: Any, e_x: Any, e_y: Any) -> Any:
+    """Return how far M is along AB from A."""
+    return -(a * (u_x * e_x + u_y * e_y))
+
+
+def pivot_across(a: Any, u_x: Any, u_y: Any, e_x: Any, e_y: Any) -> Any:
+    """Return how far M is to the left of AB."""
+    return a * (u_x * e_y - u_y * e_x)
+
+
+ALONG, ACROSS = (
+    "Joint {} in the frame of AB, from A towards B",
+    "Joint {} in the frame of AB, to the left of AB",
+)
+seen = quantities(units="m", source=HELD)
+seen(pivot_along, "M_along_AB", "M_AB", ALONG.format("M"))
+seen(pivot_across, "M_across_AB", "M_AB", ACROSS.format("M"))
+for _joint, _place in (("N", "d"), ("S", "S_x")):
+    seen(seen_along, f"{_joint}_along_AB", f"{_joint}_AB", ALONG.format(_joint), place=_place)
+    seen(seen_across, f"{_joint}_across_AB", f"{_joint}_AB", ACROSS.format(_joint), place=_place)
+
+# -- F ---------------------------------------------------------------------------------------------------------------
+
+
+@focal.quantity(units="1", symbol="AP", source=HELD, internal=True)
+def s_AP(x: Any, s_m: Any) -> Any:
+    """Scaled length AP along MA."""
+    return x * s_m
+
+
+@focal.quantity(units="1", symbol="AT", source=HELD, internal=True)
+def s_AT(T_share: Any, s_c: Any) -> Any:
+    """Scaled distance of T from A along AB."""
+    return T_share * s_c
+
+
+@focal.quantity(units="1", symbol="|AT| + FT < |AP|, |p|", source=HELD, internal=True)
+def near_T(s_AT: Any, s_FT: Any, s_AP: Any, s_p: Any) -> Any:
+    """1 where T is nearer to A and F than P is, else 0."""
+    reach = abs(s_AT) + s_FT
+    return select((reach < abs(s_AP)) & (reach < abs(s_p)), 1.0, 0.0)
+
+
+def of_T(near_T: Any, length: Any) -> Any:
+    """A length where F is computed from T, else 0."""
+    return select(near_T == 1.0, length, 0.0)
+
+
+def of_P(near_T: Any, length: Any) -> Any:
+    """A length where F is computed from P, else 0."""
+    return select(near_T == 1.0, 0.0, length)
+
+
+def of_T_with_sign(near_T: Any, ratio_sign: Any, s_FT: Any) -> Any:
+    """FT with the sign of rho where F is computed from T, else 0."""
+    return select(near_T == 1.0, ratio_sign * s_FT, 0.0)
+
+
+step = focal.steps(units="1", source=HELD)
+step(of_T, "held_AT", "AT", length="s_AT")
+step(of_T_with_sign, "held_FT", "FT")
+step(of_P, "held_AP", "AP", length="s_AP")
+step(of_P, "held_p", "p", length="s_p")
+
+
+def bars(held_AP: Any, u: Any, held_p: Any, f: Any) -> Any:
+    """Return a component of the vector from F to A by way of P."""
+    return held_AP * u + held_p * f
+
+
+def F_seen_along(
+    held_AT: Any, held_FT: Any, g_x: Any, FA_by_P_x: Any, FA_by_P_y: Any, e_x: Any, e_y: Any, scale: Any
+) -> Any:  # fmt: skip
+    """Return how far F is along AB from A."""
+    return scale * ((held_AT - held_FT * g_x) - (FA_by_P_x * e_x + FA_by_P_y * e_y))
+
+
+def F_seen_across(
+    held_FT: Any, g_y: Any, FA_by_P_x: Any, FA_by_P_y: Any, e_x: Any, e_y: Any, scale: Any
+) -> Any:  # fmt: skip
+    """Return how far F is to the left of AB."""
+    return scale * ((FA_by_P_x * e_y - FA_by_P_y * e_x) - held_FT * g_y)
+
+
+step.vector(bars, "FA_by_P_*", "FA", "Vector from F to A by way of P, scaled", u="u_*", f="f_*")
+F_AB = ALONG.format("F"), ACROSS.format("F")
+seen = focal.quantities(units="m", source=HELD)
+seen(F_seen_along, "F_along_AB", "F_AB", F_AB[0])
+seen(F_seen_across, "F_across_AB", "F_AB", F_AB[1])
+
+
+@focal.quantity(units="m", symbol="p/n", source=HELD, internal=True)
+def lever_AN(P_sign: Any, crank_sign: Any, root_rho: Any, root_x: Any, scale: Any) -> Any:
+    """FA over FN, with the sign of both mirrors, times the unit of length."""
+    return P_sign * crank_sign * (root_rho * root_x) * scale
+
+
+def F_mirrored_along(lever_AN: Any, g_x: Any, g_y: Any, NF_x: Any, MF_y: Any) -> Any:
+    """Return how far F is along AB from A, as the triangles NQF and FPA are similar."""
+    return lever_AN * (g_x * NF_x + g_y * MF_y)
+
+
+def F_mirrored_across(lever_AN: Any, g_x: Any, g_y: Any, NF_x: Any, MF_y: Any) -> Any:
+    """Return how far F is to the left of AB, by the same similarity."""
+    return lever_AN * (g_y * NF_x - g_x * MF_y)
+
+
+seen = by_crank.quantities(units="m", source=HELD)
+seen(F_mirrored_along, "F_along_AB", "F_AB", F_AB[0])
+seen(F_mirrored_across, "F_across_AB", "F_AB", F_AB[1])
+
+
+@focal.quantity(units="m", symbol="x_AB", source=f"{WUNDERLICH}, section 7")
+def line_along_AB(s_a: Any, s_b: Any, s_c: Any, lambda_: Any, x: Any, rho_plus_1: Any, scale: Any) -> Any:
+    """Place of the straight line that F moves on in the frame of AB, from A towards B; NaN unless rho is -1."""
+    offset = (s_a - s_b) * (s_a + s_b) * x / (lambda_ * s_c)
+    on_a_line = (rho_plus_1 == 0.0) & (lambda_ != 0.0)
+    return select(on_a_line, 0.5 * (s_c + offset) * scale, NOT_A_NUMBER)
