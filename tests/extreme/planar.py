@@ -186,7 +186,10 @@ PLANAR_4R = Mechanism(
         *("F32", "T41", "shaking_force", "status", "grashof_class", "theta4_high"),
     ),
     lengths=LENGTHS,
-    free=("A_x", "A_y", "joint_angle_1", "v1"),
+    free=(
+        *("A_x", "A_y", "joint_angle_1", "v1", "v1_dot", "v1_ddot", "inertia_force1_x", "inertia_force1_y"),
+        *(f"{name}{xy}" for name in ("G1_", "G1_a", "r11_", "r12_") for xy in "xy"),
+    ),
     held={
         **dict.fromkeys(("Z0", "C0", "gamma0", "epsilon", "kappa", "crank_excess"), alone),
         **dict.fromkeys(("coupler_offset", "output_offset"), alone),

@@ -151,6 +151,8 @@ PLANAR_4R = (
         many=600,
         errors=CLOSURE,
         slopes=SLOPES,
+        # B and the mass centre from D, each differentiated in five to ten operations, one less the other: 6.3.
+        long_chains={f"d_r33_{xy}_d_a1": 8.0 for xy in "xy"},
     ),
     Entry(
         *("planar_4r", "theta1"),

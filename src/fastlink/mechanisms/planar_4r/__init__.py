@@ -4,6 +4,7 @@ from fastlink.mechanisms.planar_4r import (  # noqa: F401 (they declare its fact
     acceleration,
     angle_derivatives,
     by_joint,
+    centres,
     circuits,
     classes,
     counterweights,

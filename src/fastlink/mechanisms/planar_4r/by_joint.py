@@ -29,7 +29,9 @@ from fastlink.numerics.elementary import TWO_PI, atan2, cos, select, sin, sqrt
 __all__ = ["driven_by", "driven_catalogues"]
 
 #: Names that carry the number of a joint or a length.
-NUMBERED = re.compile(r"(a|s|v|joint_angle_|joint_omega_|joint_alpha_|joint_[SCY])([1-4])")
+NUMBERED = re.compile(
+    r"(a|s|v|joint_angle_|joint_omega_|joint_alpha_|joint_[SCY])([1-4])(_slope|_dot|_ddot|)"
+)
 ORDINALS = ("first", "second", "third", "fourth")
 RATES = {
     "joint_omega_": ("Rate", "d theta_{}/dt (eqs. 1-6)"),
@@ -41,7 +43,7 @@ LINKS = ("OA", "AB", "DB", "OD")
 #: The quantities that are offered: of the driven joint and the others (moved), and of the linkage (kept).
 MOVED = (
     *(f"joint_angle_{i}" for i in (2, 3, 4)),
-    *(f"v{i}" for i in (1, 2, 3, 4)),
+    *(f"v{i}{of}" for i in (1, 2, 3, 4) for of in ("", "_dot", "_ddot")),
     *(f"joint_omega_{i}" for i in (2, 3, 4)),
     *(f"joint_alpha_{i}" for i in (2, 3, 4)),
     "transmission_angle",
@@ -99,7 +101,7 @@ def moved_name(name: str, joint: int) -> str:
     if isinstance(tree, Derivative) and tree.by == planar_4r.position.name:
         return str(Derivative(Quantity(moved_name(str(tree.of), joint)), moved_name(tree.by, joint)))
     if numbered := NUMBERED.fullmatch("joint_omega_1" if name == "omega1" else name):
-        return f"{numbered[1]}{moved_number(int(numbered[2]), joint)}"
+        return f"{numbered[1]}{moved_number(int(numbered[2]), joint)}{numbered[3]}"
     # the factors of the equations are kept; those of another cyclic order, which tell the status, stand beside them
     return f"driven_{name}" if joint != 1 and name.startswith(("factor_", "sure_")) else name
 

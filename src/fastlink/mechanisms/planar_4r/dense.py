@@ -1,81 +1,62 @@
 """The 9x9 system of the joint reactions as eq. (9) prints it, ``solver="dense"``.
 
-It is there to be compared with the elimination, in error and in time. r_ij runs from the mass centre of
-link i to joint j: O, A, B, D are joints 1, 2, 3, 4.
+It is there to be compared with the elimination, in error and in time.
 """
 
 from __future__ import annotations
 
 from typing import Any
 
-from fastlink.mechanisms._shared.laws import same, turned
-from fastlink.mechanisms.planar_4r.forces import THETA1
-from fastlink.mechanisms.planar_4r.inputs import HAYES, planar_4r
+from fastlink.mechanisms._shared.laws import product, same
+from fastlink.mechanisms.planar_4r.centres import EQUATION_9
+from fastlink.mechanisms.planar_4r.inputs import HAYES, LINKS, planar_4r
 from fastlink.numerics.vectors import cross
 
-EQUATION_9 = f"{HAYES}, eq. (9)"
 UNKNOWNS = ("F41_x", "F41_y", "F21_x", "F21_y", "F32_x", "F32_y", "F43_x", "F43_y", "T41")
 SHAKING = f"{HAYES}, section 5"
 
 
-step = planar_4r.steps(units="N", source=EQUATION_9)
-_G1 = {"u": "G1_u", "v": "G1_v", **THETA1}
-step.vector(turned, "OG_*", "OG_1*", "Mass centre of the crank from O", **_G1, units="m")
-step.vector(same, "joint_force2_*", "m_2 a_CG2*", "Sum of the joints' forces on the coupler", x="p2_*")
+# -- vector b ----------------------------------------------------------------------------------------
+
+force = planar_4r.quantities(units="N", source=EQUATION_9)
+_B = "Inertia force of the {}: its mass times the acceleration of its mass centre, less the loads on it"
+force.vector(same, "inertia_force1_*", "m_1 a_CG1*", _B.format(LINKS[1]), x="p1_*")
+force.vector(same, "inertia_force2_*", "m_2 a_CG2*", _B.format(LINKS[2]), x="p2_*")
+force.vector(same, "inertia_force3_*", "m_3 a_CG3*", _B.format(LINKS[3]), x="p3_*")
 
 
-@planar_4r.quantity(units="N m", symbol="I_CG1 alpha_1", source=EQUATION_9, internal=True)
-def couple1(a1: Any) -> Any:
-    """Moment of the joints on the crank about its mass centre: zero at constant speed."""
+@planar_4r.quantity(units="N m", symbol="I_CG1 alpha_1", source=EQUATION_9)
+def inertia_moment1(a1: Any) -> Any:
+    """Inertia moment of the crank OA about its mass centre: zero at constant speed."""
     return 0.0 * a1
 
 
-@planar_4r.quantity(units="N m", symbol="I_CG2 alpha_2", source=EQUATION_9, internal=True)
-def couple2(I2: Any, alpha2: Any) -> Any:
-    """Moment of the joints on the coupler about its mass centre."""
-    return I2 * alpha2
+moment = planar_4r.quantities(units="N m", source=EQUATION_9)
+_B = "Inertia moment of the {} about its mass centre, less the moment of the loads on it"
+moment(product, "inertia_moment2", "I_CG2 alpha_2", _B.format(LINKS[2]), x="I2", y="alpha2")
+moment(product, "inertia_moment3", "I_CG3 alpha_3", _B.format(LINKS[3]), x="I3_G", y="alpha4")
 
-
-step = planar_4r.steps(units="kg m2", source=EQUATION_9)
-step(same, "I1_G", "I_CG1", "Moment of inertia of the crank about its mass centre", x="I1")
-step(same, "I3_G", "I_CG3", "Moment of inertia of the output link about its mass centre", x="I3")
-
-
-@planar_4r.quantity(units="N m", symbol="I_CG3 alpha_3", source=EQUATION_9, internal=True)
-def couple3(I3_G: Any, alpha4: Any) -> Any:
-    """Moment of the joints on the output link about its mass centre."""
-    return I3_G * alpha4
+# -- the system --------------------------------------------------------------------------------------
 
 
 @planar_4r.system("reactions", UNKNOWNS, variant="dense")
 def reactions(
-    OG_x: Any, OG_y: Any, A_x: Any, A_y: Any, AG_x: Any, AG_y: Any, AB_x: Any, AB_y: Any, DG_x: Any,
-    DG_y: Any, DB_x: Any, DB_y: Any, p1_x: Any, p1_y: Any, joint_force2_x: Any, joint_force2_y: Any,
-    p3_x: Any, p3_y: Any, couple1: Any, couple2: Any, couple3: Any,
+    r11_x: Any, r11_y: Any, r12_x: Any, r12_y: Any, r22_x: Any, r22_y: Any, r23_x: Any, r23_y: Any,
+    r33_x: Any, r33_y: Any, r34_x: Any, r34_y: Any, inertia_force1_x: Any, inertia_force1_y: Any,
+    inertia_force2_x: Any, inertia_force2_y: Any, inertia_force3_x: Any, inertia_force3_y: Any,
+    inertia_moment1: Any, inertia_moment2: Any, inertia_moment3: Any,
 ) -> Any:  # fmt: skip
     """Rows and right-hand side of eq. (9)."""
-    r11_x = -OG_x
-    r11_y = -OG_y
-    r12_x = A_x - OG_x
-    r12_y = A_y - OG_y
-    r22_x = -AG_x
-    r22_y = -AG_y
-    r23_x = AB_x - AG_x
-    r23_y = AB_y - AG_y
-    r33_x = DB_x - DG_x
-    r33_y = DB_y - DG_y
-    r34_x = -DG_x
-    r34_y = -DG_y
     return (
-        (1.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, p1_x),
-        (0.0, 1.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0, p1_y),
-        (-r11_y, r11_x, -r12_y, r12_x, 0.0, 0.0, 0.0, 0.0, 1.0, couple1),
-        (0.0, 0.0, -1.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, joint_force2_x),
-        (0.0, 0.0, 0.0, -1.0, 0.0, 1.0, 0.0, 0.0, 0.0, joint_force2_y),
-        (0.0, 0.0, r22_y, -r22_x, -r23_y, r23_x, 0.0, 0.0, 0.0, couple2),
-        (0.0, 0.0, 0.0, 0.0, -1.0, 0.0, 1.0, 0.0, 0.0, p3_x),
-        (0.0, 0.0, 0.0, 0.0, 0.0, -1.0, 0.0, 1.0, 0.0, p3_y),
-        (0.0, 0.0, 0.0, 0.0, r33_y, -r33_x, -r34_y, r34_x, 0.0, couple3),
+        (1.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, inertia_force1_x),
+        (0.0, 1.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0, inertia_force1_y),
+        (-r11_y, r11_x, -r12_y, r12_x, 0.0, 0.0, 0.0, 0.0, 1.0, inertia_moment1),
+        (0.0, 0.0, -1.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, inertia_force2_x),
+        (0.0, 0.0, 0.0, -1.0, 0.0, 1.0, 0.0, 0.0, 0.0, inertia_force2_y),
+        (0.0, 0.0, r22_y, -r22_x, -r23_y, r23_x, 0.0, 0.0, 0.0, inertia_moment2),
+        (0.0, 0.0, 0.0, 0.0, -1.0, 0.0, 1.0, 0.0, 0.0, inertia_force3_x),
+        (0.0, 0.0, 0.0, 0.0, 0.0, -1.0, 0.0, 1.0, 0.0, inertia_force3_y),
+        (0.0, 0.0, 0.0, 0.0, r33_y, -r33_x, -r34_y, r34_x, 0.0, inertia_moment3),
     )
 
 

@@ -12,27 +12,19 @@ from typing import Any
 from fastlink.mechanisms._shared.laws import (
     difference,
     norm,
-    opposite_product,
     product,
-    quotient,
     square,
     total,
     turned,
 )
-from fastlink.mechanisms.planar_4r.inputs import HAYES, planar_4r
-from fastlink.mechanisms.planar_4r.position import AB, DB
+from fastlink.mechanisms.planar_4r.centres import CENTRES, EQUATION_9, OUTPUT, THETA1, about_fixed
+from fastlink.mechanisms.planar_4r.inputs import planar_4r
+from fastlink.mechanisms.planar_4r.position import DB
 from fastlink.numerics.vectors import cross
 
-REACTIONS = f"{HAYES}, eq. (9)"
-CENTRES = f"{HAYES}, Fig. 2"
+REACTIONS = EQUATION_9
 
 
-_AXIS = "its axis, over its length"
-step = planar_4r.steps(units="1", source=CENTRES)
-step(quotient, "G2_along", "G_2u/a_2", f"Mass centre of the coupler along {_AXIS}", x="G2_u", y="a2")
-step(quotient, "G2_across", "G_2v/a_2", f"Mass centre of the coupler across {_AXIS}", x="G2_v", y="a2")
-step(quotient, "G3_along", "G_3u/a_3", f"Mass centre of the output link along {_AXIS}", x="G3_u", y="a3")
-step(quotient, "G3_across", "G_3v/a_3", f"Mass centre of the output link across {_AXIS}", x="G3_v", y="a3")
 step = planar_4r.steps(units="rad2 s-2", source=REACTIONS)
 step(square, "omega1_squared", "omega_1^2", "Square of the input speed", x="omega1")
 step(square, "omega2_squared", "omega_2^2", "Square of the coupler's angular velocity", x="omega2")
@@ -44,31 +36,14 @@ def crank_force(m1: Any, omega1_squared: Any, centre: Any) -> Any:
     return -(m1 * omega1_squared) * centre
 
 
-THETA1 = {"x": "cos_theta1", "y": "sin_theta1"}
 _RATE = "Rate of momentum of the crank"
 _P1 = {"u": "crank_force_along", "v": "crank_force_across", **THETA1}
 step = planar_4r.steps(units="N", source=REACTIONS)
 step(crank_force, "crank_force_along", "-m_1 omega_1^2 G_1u", f"{_RATE}, along its axis", centre="G1_u")
 step(crank_force, "crank_force_across", "-m_1 omega_1^2 G_1v", f"{_RATE}, across its axis", centre="G1_v")
 step.vector(turned, "p1_*", "m_1 a_CG1*", _RATE, **_P1)
-centre = planar_4r.steps(units="m", source=CENTRES)
-centre.vector(turned, "AG_*", "AG_2*", "Mass centre of the coupler from A", u="G2_along", v="G2_across", **AB)
-step = planar_4r.steps(units="m s-2", source=REACTIONS)
-step.vector(opposite_product, "a_A*", "a_A*", "Acceleration of A", x="omega1_squared", y="A_*")
-
-
-@planar_4r.quantity(units="N", symbol="m_2 a_CG2x", source=REACTIONS, internal=True)
-def p2_x(m2: Any, a_Ax: Any, alpha2: Any, omega2_squared: Any, AG_x: Any, AG_y: Any) -> Any:
-    """Rate of momentum of the coupler, x."""
-    return m2 * (a_Ax - alpha2 * AG_y - omega2_squared * AG_x)
-
-
-@planar_4r.quantity(units="N", symbol="m_2 a_CG2y", source=REACTIONS, internal=True)
-def p2_y(m2: Any, a_Ay: Any, alpha2: Any, omega2_squared: Any, AG_x: Any, AG_y: Any) -> Any:
-    """Rate of momentum of the coupler, y."""
-    return m2 * (a_Ay + alpha2 * AG_x - omega2_squared * AG_y)
-
-
+step.vector(product, "p2_*", "m_2 a_CG2*", "Rate of momentum of the coupler", x="m2", y="G2_a*")
+_AXIS = "its axis, over its length"
 _CENTRE = "Mass times centre of the output link"
 _G3 = {"u": "m3_G3_along", "v": "m3_G3_across", **DB}
 step = planar_4r.steps(units="kg", source=CENTRES)
@@ -77,16 +52,8 @@ step(product, "m3_G3_across", "m_3 G_3/a_3", f"{_CENTRE} across {_AXIS}", x="m3"
 step.vector(turned, "m3_DG_*", "m_3 DG_3*", f"{_CENTRE} from D", **_G3, units="kg m")
 
 
-@planar_4r.quantity(units="N", symbol="m_3 a_CG3x", source=REACTIONS, internal=True)
-def p3_x(alpha4: Any, omega4_squared: Any, m3_DG_x: Any, m3_DG_y: Any) -> Any:
-    """Rate of momentum of the output link, x."""
-    return -(alpha4 * m3_DG_y + omega4_squared * m3_DG_x)
-
-
-@planar_4r.quantity(units="N", symbol="m_3 a_CG3y", source=REACTIONS, internal=True)
-def p3_y(alpha4: Any, omega4_squared: Any, m3_DG_x: Any, m3_DG_y: Any) -> Any:
-    """Rate of momentum of the output link, y."""
-    return alpha4 * m3_DG_x - omega4_squared * m3_DG_y
+_G3 = {**OUTPUT, "x": "m3_DG_x", "y": "m3_DG_y"}
+step.vector(about_fixed, "p3_*", "m_3 a_CG3*", "Rate of momentum of the output link", **_G3, units="N")
 
 
 def about_pivot(inertia: Any, mass: Any, G_u: Any, G_v: Any) -> Any:

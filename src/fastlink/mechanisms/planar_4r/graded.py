@@ -117,7 +117,7 @@ planar_4r.graded = GradedRange(
         "loop_residual",
         "joint_angle_1",
         *(f"io_residual_{pair}" for pair in IO_PRODUCTS),
-        *(f"v{k}" for k in range(1, 5)),
+        *(f"v{k}{of}" for k in range(1, 5) for of in ("", "_dot", "_ddot")),
     ),
     wraps_at={"theta2": "AB_y", "theta4": "DB_y", "joint_angle_2": "AB_v", "joint_angle_4": "DB_y"},
 )

@@ -13,7 +13,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from fastlink.mechanisms._shared.laws import opposite, same
+from fastlink.mechanisms._shared.laws import opposite, product, same
 from fastlink.mechanisms.planar_4r.inputs import HAYES, planar_4r
 from fastlink.numerics.elementary import INFINITY, NOT_A_NUMBER, atan2, select, sqrt
 
@@ -160,6 +160,42 @@ rate = planar_4r.quantities(units="rad s-2", source=JOINT_ACCELERATIONS)
 rate(of_both_branches, "joint_alpha_3", "d2 theta_3/dt2 (eqs. 1-6)", _THIRD, x="H_rate")
 rate(same, "joint_alpha_2", "d2 theta_2/dt2 (eqs. 1-6)", _SECOND, x="alpha2")
 rate(backwards, "joint_alpha_4", "d2 theta_4/dt2 (eqs. 1-6)", _FOURTH, x="alpha4")
+
+
+# -- time derivatives of the half-angle tangents ---------------------------------------------------------
+
+
+def slope_of_tangent(v: Any) -> Any:
+    """Derivative of the tangent of half an angle with respect to the angle."""
+    return 0.5 * (1.0 + v * v)
+
+
+def second_derivative(v: Any, v_slope: Any, rate: Any, acceleration: Any) -> Any:
+    """Second time derivative of the tangent of half an angle; the paper leaves out the factor v."""
+    return v_slope * (acceleration + v * (rate * rate))
+
+
+def steady_second_derivative(v: Any, v_slope: Any, rate: Any) -> Any:
+    """Second time derivative of the tangent of half an angle that grows at a constant rate."""
+    return v_slope * (v * (rate * rate))
+
+
+V_DOT, V_DDOT = f"{HAYES}, section 2, v-dot", f"{HAYES}, section 2, v-double-dot, corrected (docs/errata.md)"
+step = planar_4r.steps(units="rad-1", source=V_DOT)
+first = planar_4r.quantities(units="s-1", source=V_DOT)
+second = planar_4r.quantities(units="s-2", source=V_DDOT)
+for _i, _nth in enumerate(("first", "second", "third", "fourth"), 1):
+    _rate, _tangent = (
+        "omega1" if _i == 1 else f"joint_omega_{_i}",
+        f"the tangent of half the {_nth} joint angle",
+    )
+    _v = {"v": f"v{_i}", "v_slope": f"v{_i}_slope", "rate": _rate}
+    step(slope_of_tangent, f"v{_i}_slope", f"(1 + v_{_i}^2)/2", v=f"v{_i}")
+    _x = {"x": f"v{_i}_slope", "y": _rate}
+    first(product, f"v{_i}_dot", f"dv_{_i}/dt", f"Time derivative of {_tangent}", **_x)
+    _law = second_derivative if _i > 1 else steady_second_derivative
+    _v |= {"acceleration": f"joint_alpha_{_i}"} if _i > 1 else {}
+    second(_law, f"v{_i}_ddot", f"d2v_{_i}/dt2", f"Second time derivative of {_tangent}", **_v)
 
 
 # -- for the residuals (factors.py) ------------------------------------------------------------------

@@ -10,8 +10,9 @@ from __future__ import annotations
 
 from typing import Any
 
-from fastlink.mechanisms._shared.laws import moment, product, same, turned
+from fastlink.mechanisms._shared.laws import moment, product, turned
 from fastlink.mechanisms.planar_4r import dense, forces, shaking  # noqa: F401 (declare what is replaced)
+from fastlink.mechanisms.planar_4r.centres import THETA1
 from fastlink.mechanisms.planar_4r.inputs import HAYES, build_on, less, planar_4r, plus
 from fastlink.numerics.vectors import cross
 
@@ -45,11 +46,9 @@ load(MOMENT_POINT, "M_y", "m", "M_y", "point of reference of shaking_moment_at, 
 
 
 step = planar_4r.steps(units="kg m", source=LOADS)
-step(same, "mass1", "m_1", "whole mass of the crank", x="m1", units="kg")
-step(same, "mass3", "m_3", "whole mass of the output link", x="m3", units="kg")
 step(product, "m1_G1_u", "m_1 G_1u", "mass times centre of the crank, along", x="m1", y="G1_u")
 step(product, "m1_G1_v", "m_1 G_1v", "mass times centre of the crank, across", x="m1", y="G1_v")
-_G1 = {"u": "m1_G1_u", "v": "m1_G1_v", **forces.THETA1}
+_G1 = {"u": "m1_G1_u", "v": "m1_G1_v", **THETA1}
 step.vector(turned, "m1_OG_*", "m_1 OG_1*", "Mass times centre of the crank from O", **_G1)
 
 
@@ -103,13 +102,13 @@ def load_moment_G(AP_x: Any, AP_y: Any, AG_x: Any, AG_y: Any, FP_x: Any, FP_y: A
 
 build_on(COUPLER_FORCE, "moment2_A", less, further="load_moment_A")
 build_on(COUPLER_FORCE, "spin_rate2", less, further="load_moment_of_A")
-build_on(COUPLER_FORCE, "couple2", less, further="load_moment_G")
+build_on(COUPLER_FORCE, "inertia_moment2", less, further="load_moment_G")
 build_on(COUPLER_FORCE, "F21_x", plus, further="FP_x")
 build_on(COUPLER_FORCE, "F21_y", plus, further="FP_y")
 build_on(COUPLER_FORCE, "shaking_force_x", plus, further="FP_x")
 build_on(COUPLER_FORCE, "shaking_force_y", plus, further="FP_y")
-build_on(COUPLER_FORCE, "joint_force2_x", less, further="FP_x")
-build_on(COUPLER_FORCE, "joint_force2_y", less, further="FP_y")
+build_on(COUPLER_FORCE, "inertia_force2_x", less, further="FP_x")
+build_on(COUPLER_FORCE, "inertia_force2_y", less, further="FP_y")
 
 
 # -- torque on the output link --------------------------------------------------------------------
@@ -123,7 +122,7 @@ def load_torque(T_load: Any, T_load_linear: Any, T_load_quadratic: Any, omega4: 
 
 build_on(OUTPUT_TORQUE, "pull_along_AB", pull_less, further="load_torque")
 build_on(OUTPUT_TORQUE, "spin_rate3", less, further="load_torque")
-build_on(OUTPUT_TORQUE, "couple3", less, further="load_torque")
+build_on(OUTPUT_TORQUE, "inertia_moment3", less, further="load_torque")
 
 
 # -- moment about any point -----------------------------------------------------------------------

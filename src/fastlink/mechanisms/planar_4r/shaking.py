@@ -7,10 +7,9 @@ from __future__ import annotations
 
 from typing import Any
 
-from fastlink.mechanisms._shared.laws import norm, turned
-from fastlink.mechanisms.planar_4r.forces import CENTRES
+from fastlink.mechanisms._shared.laws import norm
+from fastlink.mechanisms.planar_4r.centres import CENTRES
 from fastlink.mechanisms.planar_4r.inputs import HAYES, planar_4r
-from fastlink.mechanisms.planar_4r.position import DB
 from fastlink.numerics.vectors import cross
 
 SHAKING = f"{HAYES}, section 5"
@@ -50,11 +49,6 @@ def shaking_moment(spin_rate2: Any, spin_rate3: Any) -> Any:
 def shaking_moment_at(shaking_moment: Any) -> Any:
     """Shaking moment on the ground about the point (M_x, M_y), O unless given."""
     return shaking_moment
-
-
-_G3 = {"u": "G3_along", "v": "G3_across", **DB}
-centre = planar_4r.steps(units="m", source=CENTRES)
-centre.vector(turned, "DG_*", "DG_3*", "Mass centre of the output link from D", **_G3)
 
 
 @planar_4r.quantity(units="m2", symbol="DG_3 x DB", source=CENTRES, internal=True)

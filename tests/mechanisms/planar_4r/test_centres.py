@@ -1,0 +1,105 @@
+"""Mass centres, the vectors r_ij of eq. (9), and the derivatives of v_i, against differences of positions."""
+
+from __future__ import annotations
+
+from itertools import pairwise
+
+import mpmath as mp
+import numpy as np
+import pytest
+from tests.support.configurations import LOADS
+from tests.support.newton import Bodies, configuration, cross, facts, newton_euler
+
+import fastlink as fl
+
+LINKS = (1, 2, 3)
+#: The joints at the ends of each link: O, A, B, D are 1, 2, 3, 4.
+JOINTS = {1: (1, 2), 2: (2, 3), 3: (3, 4)}
+COMBINATIONS = [(), ("acceleration",), ("counterweight1", "counterweight3"), tuple(LOADS)]
+# Central differences with a step of 1e-12: 1e-24 times fourth derivatives over second ones, 1e6 at most here.
+STEP, RELATIVE = mp.mpf(10) ** -12, mp.mpf(10) ** -15
+
+
+def vector(found, name):
+    """A vector as a complex number."""
+    return mp.mpc(found[f"{name}x"], found[f"{name}y"])
+
+
+def whole_centre(bodies, link, frames):
+    """Mass centre of a link with its counterweight."""
+    masses = list(bodies.points(link, frames))
+    return sum(mass * place for mass, place in masses) / sum(mass for mass, _ in masses)
+
+
+@pytest.mark.parametrize("loads", COMBINATIONS, ids="+".join)
+def test_mass_centres_and_joints_from_them(loads):
+    names = [f"{name}{xy}" for i in LINKS for name in (f"G{i}_", f"G{i}_a") for xy in "xy"]
+    names += [f"r{i}{j}_{xy}" for i in LINKS for j in JOINTS[i] for xy in "xy"]
+    with mp.workdps(50):
+        for seed in range(3):
+            one = configuration(seed, loads)
+            bodies = Bodies(one)
+            before, (a, b, d, frames), after = (bodies.at(t) for t in (-STEP, mp.mpf(0), STEP))
+            found = facts(names, one)
+            joints = {1: mp.mpc(0), 2: a, 3: b, 4: d}
+            for i in LINKS:
+                past, centre, future = (whole_centre(bodies, i, f) for f in (before[3], frames, after[3]))
+                assert abs(vector(found, f"G{i}_") - centre) <= RELATIVE
+                for j in JOINTS[i]:
+                    assert abs(vector(found, f"r{i}{j}_") - (joints[j] - centre)) <= RELATIVE
+                acceleration = (future - 2 * centre + past) / STEP**2
+                assert abs(vector(found, f"G{i}_a") - acceleration) <= RELATIVE * (1 + abs(acceleration)) * 10
+
+
+@pytest.mark.parametrize(
+    "loads", [(), ("gravity",), ("acceleration", "counterweight3"), tuple(LOADS)], ids="+".join
+)
+def test_inertia_forces_and_moments_are_what_newton_and_euler_ask_of_the_joints(loads):
+    """The joints supply the rate of momentum less the loads: b of eq. (9), moments about the mass centres."""
+    names = [f"inertia_force{i}_{xy}" for i in LINKS for xy in "xy"] + [f"inertia_moment{i}" for i in LINKS]
+    with mp.workdps(50):
+        for seed in range(3):
+            one = configuration(seed, loads)
+            force, moment, (*_, frames) = newton_euler(one)
+            found, bodies = facts(names, one), Bodies(one)
+            for i in LINKS:
+                size = 10 * (1 + abs(force[i]) + abs(moment[i]))
+                assert abs(vector(found, f"inertia_force{i}_") - force[i]) <= RELATIVE * size
+                centre = whole_centre(bodies, i, frames)
+                about_centre = moment[i] - cross(centre, force[i])
+                assert abs(found[f"inertia_moment{i}"] - about_centre) <= RELATIVE * size
+
+
+def turns(bodies, time):
+    """v_i: the tangents of half the turns from link to link of the polygon O A B D."""
+    a, b, d, _ = bodies.at(time)
+    links = [-d, a, b - a, d - b, -d]
+    return [mp.tan(mp.arg(after / before) / 2) for before, after in pairwise(links)]
+
+
+@pytest.mark.parametrize("loads", [(), ("acceleration",)], ids="+".join)
+def test_derivatives_of_the_half_angle_tangents(loads):
+    names = [f"v{i}{of}" for i in (1, 2, 3, 4) for of in ("", "_dot", "_ddot")]
+    with mp.workdps(50):
+        for seed in range(4):
+            one = configuration(seed, loads)
+            bodies = Bodies(one)
+            found = facts(names, one)
+            places = zip(*(turns(bodies, t) for t in (-STEP, mp.mpf(0), STEP)), strict=True)
+            for i, (past, v, future) in enumerate(places, 1):
+                # v = tan of half an angle: its fourth derivative over its second grows like (1 + v^2)
+                allowed = RELATIVE * (1 + v * v) ** 2 * 100
+                assert abs(found[f"v{i}"] - v) <= allowed
+                assert abs(found[f"v{i}_dot"] - (future - past) / (2 * STEP)) <= allowed
+                assert abs(found[f"v{i}_ddot"] - (future - 2 * v + past) / STEP**2) <= allowed * 1000
+
+
+def test_the_printed_second_derivative_of_v_is_another():
+    """Section 2 prints (theta'' + theta'^2)(1 + v^2)/2, without the factor v."""
+    one = {"a1": 0.4, "a2": 1.2, "a3": 0.8, "a4": 1.0, "omega1": 25.0, "theta1": 2.0, "branch": 2}
+    names = ["v4", "v4_ddot", "joint_omega_4", "joint_alpha_4"]
+    v, second, rate, bend = fl.evaluate("planar_4r", names, **one).values()
+    assert np.isclose(
+        second, (bend + v * rate**2) * (1 + v**2) / 2, rtol=1e-14
+    )  # seven roundings, none cancels
+    assert abs(second - (bend + rate**2) * (1 + v**2) / 2) > 0.1 * abs(second)
