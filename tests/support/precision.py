@@ -95,10 +95,18 @@ class Truth:
         Configurations in every mode.
     kind : str
         Their family.
+    zeroes : bool
+        Whether gaps within the rounding of the lengths are zero, as in doubles: then errors are those of rounding.
     """
 
     def __init__(
-        self, entry: Entry, names: tuple[str, ...], inputs: dict[str, np.ndarray], kind: str = "random"
+        self,
+        entry: Entry,
+        names: tuple[str, ...],
+        inputs: dict[str, np.ndarray],
+        kind: str = "random",
+        *,
+        zeroes: bool = True,
     ) -> None:
         self.undetermined = entry.undetermined.get(kind, lambda: False)
         self.entry, self.names, self.inputs = entry, names, inputs
@@ -108,7 +116,8 @@ class Truth:
         numbers = [name for name in inputs if name != "branch" and name not in codes]
         # Most is due to the position.
         self.numbers = sorted(numbers, key=lambda name: name != entry.input)
-        self.facts = HighPrecision(catalogue, (*names, *parameters(self.undetermined)), inputs, self.variants)
+        needed = (*names, *parameters(self.undetermined))
+        self.facts = HighPrecision(catalogue, needed, inputs, self.variants, zeroes=zeroes)
 
     def rows(self) -> Iterator[tuple[int, dict[str, float], dict[str, Any]]]:
         """Yield each configuration with its number and its facts, but where nothing is determined."""

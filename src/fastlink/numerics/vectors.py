@@ -2,16 +2,22 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from contextlib import contextmanager
+from contextvars import ContextVar
 from typing import Any
 
 from fastlink.numerics.compensated import power_of_two_below
 from fastlink.numerics.compiler import compiled_as, inlined
 from fastlink.numerics.elementary import context_of, select, sqrt
 
+#: What facts may call; `as_given` is for those who evaluate them.
 __all__ = ["cross", "largest", "magnitude", "sign", "turn_rate", "zero_where"]
 
 # `power_of_two_below` overflows from 2^971 on; a size that underflows counts as LEAST_SIZE.
 SCALE_UP, SCALE_DOWN, LEAST_SIZE = 2.0**60, 2.0**-60, 2.0**-1000
+
+_AS_GIVEN = ContextVar("as_given", default=False)
 
 
 @inlined
@@ -29,9 +35,27 @@ def largest(a: Any, b: Any, c: Any, d: Any) -> Any:
 
 
 @inlined
-def zero_where(condition: Any, x: Any) -> Any:
-    """Return 0 where x is zero within rounding, else x; the derivative is that of x."""
+def _zero_where(condition: Any, x: Any) -> Any:
     return select(condition, 0.0, x)
+
+
+@compiled_as(_zero_where)
+def zero_where(condition: Any, x: Any) -> Any:
+    """Return 0 where x is zero within rounding, else x; the derivative is that of x.
+
+    What this leaves out is an error, which `fastlink.symbolic.error_propagation` counts. See `as_given`, too.
+    """
+    return x if _AS_GIVEN.get() else _zero_where(condition, x)
+
+
+@contextmanager
+def as_given(takes: bool = True) -> Iterator[None]:
+    """Let `zero_where` return x itself, in evaluations without a kernel."""
+    token = _AS_GIVEN.set(takes)
+    try:
+        yield
+    finally:
+        _AS_GIVEN.reset(token)
 
 
 @inlined

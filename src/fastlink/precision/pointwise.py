@@ -7,14 +7,14 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from fastlink.facts.names import ErrorBound
 from fastlink.numerics.compensated import UNIT_ROUNDING
-from fastlink.precision.errors import MeasuredErrors, unit_of
-from fastlink.precision.independent.check import IndependentValues
+from fastlink.precision.errors import MeasuredErrors
 from fastlink.precision.reference import CONTEXT
 from fastlink.precision.sample import within
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
+    from collections.abc import Sequence
 
     from numpy.typing import NDArray
 
@@ -43,15 +43,18 @@ def values(
 ) -> dict[str, MeasuredErrors]:
     """Measure errors of curves and facts of the design at random configurations."""
     errors = {output.name: MeasuredErrors(FACTS) for output in outputs}
-    facts = sample.facts(errors)
-    independent = IndependentValues(sample.catalogue, errors)
     has_numbers = any(output.dtype == "float64" for output in outputs)
+    as_given, zeroed = (sample.facts(names, zeroes=zeroes) for zeroes, names in _by_reading(sample, outputs))
     for number in range(configurations(sample, outputs, share)):
         design = number % sample.count
         branch, position = rng.integers(len(sample.plan.branches)), rng.integers(sample.positions.size)
         at = sample.configuration(design, sample.plan.branches[branch], sample.positions[position])
-        exact = facts.at(at)
-        condition = facts.condition(exact, sample.arguments(facts)) if has_numbers else {}
+        exact: dict[str, Any] = {}
+        condition: dict[str, Any] = {}
+        for facts in (as_given, zeroed):
+            found = facts.at(at)
+            exact |= {name: found[name] for name in facts.names}
+            condition |= facts.condition(found, sample.arguments(facts)) if has_numbers else {}
         for output in outputs:
             row = sample.results[output.name][design]
             value = float(row[branch, position]) if output.axes else float(row)
@@ -61,12 +64,17 @@ def values(
                 errors[output.name].add(value, nearest, condition[output.name], terms, bound)
             else:
                 errors[output.name].add_code(value, exact[output.name])
-        if number < sample.count:  # each design once
-            sizes = {name: sample.terms(name, design) for name in independent.names}
-            units = {name: unit_of(exact[name], condition.get(name, 1), size) for name, size in sizes.items()}
-            for name, difference in independent.differences(at, exact, units).items():
-                errors[name].add_independent(difference)
     return errors
+
+
+def _by_reading(sample: Sample, outputs: Sequence[Output]) -> list[tuple[bool, list[str]]]:
+    """Return the names of numbers, then of codes and error bounds: they say which gaps count as zero, and why."""
+
+    def zeroes(output: Output) -> bool:
+        is_bound = isinstance(sample.catalogue.parse(output.name), ErrorBound)
+        return is_bound or output.dtype != "float64"
+
+    return [(which, [o.name for o in outputs if zeroes(o) is which]) for which in (False, True)]
 
 
 def _same_turn(sample: Sample, quantity: str, value: float, exact: Any) -> Any:
@@ -95,7 +103,6 @@ def sampled(sample: Sample, outputs: Sequence[Output], share: int) -> dict[str, 
     facts = sample.facts([quantity])
     count = sample.affordable(facts, share, sample.count)
     curves = sample.curves(quantity, count)
-    independent = IndependentValues(sample.catalogue, [quantity])
     errors: dict[str, MeasuredErrors] = {}
     for output in outputs:
         reduction = output.request.reduction
@@ -112,10 +119,7 @@ def sampled(sample: Sample, outputs: Sequence[Output], share: int) -> dict[str, 
                 if output.request.is_position:
                     exact, size = _selected_position(value, curve, best, sample.positions), None
                 else:
-                    at = sample.configuration(design, sample.branches[design], sample.positions[best])
-                    exact, size = _exact_sample(sample, facts, at)
-                    unit = unit_of(exact, size, sample.terms(quantity, design))
-                    measured.add_independent(independent.difference(at, quantity, exact, unit))
+                    exact, size = _exact_sample(sample, facts, design, best)
             of_quantity = reduction.has_position and not output.request.is_position
             measured.add(value, exact, size, sample.terms(quantity, design) if of_quantity else 0.0)
         errors[output.name] = measured
@@ -125,7 +129,7 @@ def sampled(sample: Sample, outputs: Sequence[Output], share: int) -> dict[str, 
 def _meets_toggle(sample: Sample, output: Output, design: int) -> bool:
     """Tell whether the turn of a design has a toggle."""
     at = sample.configuration(design, sample.branches[design], sample.positions[0])
-    known = sample.facts(output.toggles).at(at)
+    known = sample.facts(output.toggles, zeroes=True).at(at)
     return any(known[name] > 0 for name in output.toggles)
 
 
@@ -137,9 +141,9 @@ def _reduced(reduction: Reduction, curve: NDArray[Any]) -> tuple[Any, Any]:
     return reduction.reference([CONTEXT.mpf(value) for value in curve[assembles].tolist()])
 
 
-def _exact_sample(sample: Sample, facts: HighPrecision, at: Mapping[str, float]) -> tuple[Any, Any]:
-    """Return the value and condition of a curve at one configuration with 50 digits."""
-    exact = facts.at(at)
+def _exact_sample(sample: Sample, facts: HighPrecision, design: int, index: int) -> tuple[Any, Any]:
+    """Return the value and condition of a curve at one input position with 50 digits."""
+    exact = facts.at(sample.configuration(design, sample.branches[design], sample.positions[index]))
     (name,) = facts.names
     return exact[name], facts.condition(exact, sample.arguments(facts))[name]
 

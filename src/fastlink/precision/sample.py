@@ -79,10 +79,10 @@ class Sample:
         known = self.catalogue.known_inputs(self.plan.variants)
         return [name for name in self.inputs if not known[name].choices]
 
-    def facts(self, names: Iterable[str]) -> HighPrecision:
+    def facts(self, names: Iterable[str], *, zeroes: bool = False) -> HighPrecision:
         """Return facts at configurations of these designs, with 50 digits."""
         given = (*self.inputs, self.catalogue.position.name, "branch")
-        return HighPrecision(self.catalogue, names, given, self.plan.variants)
+        return HighPrecision(self.catalogue, names, given, self.plan.variants, zeroes=zeroes)
 
     def result(self, name: str, design: int) -> Any:
         """Return the result of a reduction for a design in its branch."""

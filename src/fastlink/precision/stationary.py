@@ -17,6 +17,7 @@ import numpy as np
 from fastlink.catalogue.catalogue import Catalogue
 from fastlink.catalogue.evaluate import read_facts
 from fastlink.facts.names import derivative_name
+from fastlink.numerics.vectors import as_given
 from fastlink.precision.reference import CONTEXT, STEP, HighPrecision
 
 if TYPE_CHECKING:
@@ -53,13 +54,12 @@ class Candidate:
 
 @dataclass(frozen=True)
 class Extreme:
-    """An extreme with 50 digits: value and input angle, each with its condition; whether the slope is 0 there."""
+    """An extreme with 50 digits: value and input angle, each with its condition."""
 
     value: Any
     condition: Any
     position: Any
     position_condition: Any
-    is_stationary: bool = False
 
 
 class Stationary:
@@ -114,7 +114,7 @@ class Stationary:
         """Return facts of designs at signed x from the lower ends, or upper where `high`."""
         values: dict[str, Any] = {name: column[designs] for name, column in self.inputs.items()}
         values |= zip(self.graded.coordinates, _leaves(x, high), strict=True)
-        with np.errstate(all="ignore"):
+        with np.errstate(all="ignore"), as_given():
             facts = read_facts(self.catalogue, names, values, self.variants)
         return [np.broadcast_to(facts[name], x.shape) for name in names]
 
@@ -222,8 +222,7 @@ class Stationary:
         base = self._at(base, end, x)
         condition = self.facts.condition(base, self.movable)
         position_condition = self._position_condition(base, end, x) if positions else CONTEXT.zero
-        value, size = base[self.quantity], condition[self.quantity]
-        return Extreme(value, size, base[self.position], position_condition, is_stationary=True)
+        return Extreme(base[self.quantity], condition[self.quantity], base[self.position], position_condition)
 
     def _leaves_at(self, end: int, x: Any) -> dict[str, Any]:
         near = x * x / (1 + x * x)

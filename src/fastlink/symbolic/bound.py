@@ -19,7 +19,8 @@ class Bound:
     """An error bound: u `relative` |value| + `rest`, besides what is `lost`.
 
     Here u is UNIT_WITH_MARGIN. `scale` tells that the value is 0 or a power of two, up to its sign, with which products
-    are exact; `one` that it is 1, up to its sign (or NaN); `positive` that it is not negative.
+    are exact; `one` that it is 1, up to its sign (or NaN); `positive` that it is not negative; `gap` that a gap is in
+    it, which may have been set to zero: its sign may be wrong.
     """
 
     relative: float
@@ -28,6 +29,7 @@ class Bound:
     scale: bool = False
     one: bool = False
     positive: bool = False
+    gap: bool = False
 
 
 def multiplied(lost: Lost, number: float) -> Lost:

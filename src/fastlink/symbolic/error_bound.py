@@ -133,9 +133,18 @@ class ErrorBounds:
         bound = self.rules.bound(value)
         if not self._pair(name, bound):
             bound = self.rules.settled(value, bound)
-        # At least a trace of the value: where it is not finite, so is its error.
-        error = self.rules.error(value, replace(bound, relative=max(bound.relative, UNIT_ROUNDING)))
+        if bound.gap:
+            error = self._or_infinite(value, self.rules.error(value, bound))
+        else:  # at least a trace of the value: where it is not finite, so is its error
+            error = self.rules.error(value, replace(bound, relative=max(bound.relative, UNIT_ROUNDING)))
         return error, {} if value.kind in ("name", "number", "neg") else {value: name}
+
+    def _or_infinite(self, value: Node, error: Node) -> Node:
+        """Return an error, infinite where an infinite one meets 0 on the way; |value| where that is not finite."""
+        graph, infinite = self.graph, self.graph.number(INFINITY)
+        size = graph.call(abs, value)
+        known = graph.select(graph.node("<=", error, infinite), error, infinite)
+        return graph.select(graph.node("<", size, infinite), known, size)
 
     # -- names ---------------------------------------------------------------------------------------------------
 
@@ -182,7 +191,8 @@ class ErrorBounds:
     def _of_table(self, name: str) -> Bound:
         """Return the bound of a table: exact, or rounded once, perhaps with a low part."""
         table, graph = self.tables[name], self.graph
-        bound = self.rules.bound(graph.read_fact(table, name))
+        given = [graph.node("given", value=part) for part in table.depends_on]
+        bound = self.rules.bound(graph.read(table.function, given))
         if bound.relative == 0.0:
             return bound
         low = next((low for low, high in self.low_parts.items() if high == name), None)

@@ -35,8 +35,17 @@ from fastlink.numerics.elementary import (
     sqrt,
 )
 from fastlink.numerics.logarithm import arsinh, log, log1p, log_quotient
+from fastlink.numerics.vectors import zero_where
+from fastlink.symbolic import gaps
 from fastlink.symbolic.bound import Bound, Lost, multiplied, united
-from fastlink.symbolic.error_laws import of_direction, of_logarithm, of_product, of_quotient, of_root
+from fastlink.symbolic.error_laws import (
+    of_direction,
+    of_logarithm,
+    of_product,
+    of_quotient,
+    of_root,
+    of_root_or_none,
+)
 from fastlink.symbolic.expression import ExpressionGraph, Node, is_power_of_two
 from fastlink.symbolic.postorder import postorder
 
@@ -75,14 +84,16 @@ class Rules:
 
     def __init__(self, named: Callable[[str], Bound]) -> None:
         self.named = named
-        self.graph = ExpressionGraph({*WORDS, *BOUNDED_ALONE, arsinh, ldexp})
+        self.graph = ExpressionGraph({*WORDS, *BOUNDED_ALONE, arsinh, ldexp, zero_where})
         self.exact = Bound(0.0, self.graph.zero)
         self._bounds: dict[Node, Bound] = {}
 
     def bound(self, node: Node) -> Bound:
         """Return the bound of a value."""
         for each in postorder([node], bounded_parts, self._bounds):
-            self._bounds[each] = self._rule(each)
+            bound = self._rule(each)
+            gap = bound.gap or any(self._bounds[part].gap for part in bounded_parts(each))
+            self._bounds[each] = replace(bound, gap=gap)
         return self._bounds[node]
 
     def settled(self, node: Node, bound: Bound | None = None) -> Bound:
@@ -127,7 +138,9 @@ class Rules:
                 return self._of_scaled(node) or self._of_ratio(node)
             case "item":
                 return self._of_word(node)
-        return self._of_call(node)
+            case "call":
+                return self._of_call(node)
+        return self.exact  # a comparison, or several; what is given
 
     def _of_sum(self, node: Node) -> Bound:
         x, y = node.args
@@ -231,6 +244,8 @@ class Rules:
         function, graph = node.value, self.graph
         if function is select:
             return self._of_choice(node)
+        if function is zero_where:
+            return gaps.bound_of_zeroed(self, node)
         if function in TABLED:
             return replace(self.exact, relative=1.0, positive=function in (exp, cosh))
         if function is binary_exponent:
@@ -244,7 +259,8 @@ class Rules:
         if function is abs:
             return replace(a, positive=True)
         if function is sqrt:
-            rest = a.rest if a.rest is graph.zero else graph.read(of_root, [x, node, a.rest])
+            law = of_root_or_none if a.gap and not a.positive else of_root
+            rest = a.rest if a.rest is graph.zero else graph.read(law, [x, node, a.rest])
             return Bound(0.5 * a.relative + 1.0, rest, positive=True)
         if function is atan2:
             return self._of_direction(node)
@@ -266,11 +282,10 @@ class Rules:
     def _of_choice(self, node: Node) -> Bound:
         condition, x, y = node.args
         a, b = self.bound(x), self.bound(y)
+        if self.bound(condition).gap:
+            return gaps.bound_of_doubtful_choice(self, node)
         lost: dict[Node, tuple[float, Node]] = {}
-        if b.lost and x is self.graph.zero:  # 0 where it is within rounding: so is the low word then
-            choose = partial(self.graph.select, condition, x)
-            lost = {choose(low): (times, choose(high)) for low, (times, high) in b.lost.items()}
-        elif a.lost and y.kind == "number" and y.value != y.value:  # else there is no number at all
+        if a.lost and y.kind == "number" and y.value != y.value:  # else there is no number at all
             lost = {low: (times, node if high is x else high) for low, (times, high) in a.lost.items()}
         else:
             a, b = self.settled(x), self.settled(y)
@@ -302,9 +317,9 @@ class Rules:
 
 
 def bounded_parts(node: Node) -> tuple[Node, ...]:
-    """Return the values whose errors determine that of a value: not its conditions."""
+    """Return the values whose errors determine that of a value."""
     if node.kind == "item":
         return node.args[0].args
-    if node.value is select:
+    if node.value is zero_where:
         return node.args[1:]
     return () if node.value in BOUNDED_ALONE else node.args

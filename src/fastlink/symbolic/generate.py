@@ -9,7 +9,7 @@ from typing import Any
 
 from fastlink.numerics import compensated, vectors
 from fastlink.numerics.elementary import INFINITY, NOT_A_NUMBER, atan2, cosine, select, sine, sqrt
-from fastlink.numerics.logarithm import log, log1p, log_quotient
+from fastlink.numerics.logarithm import arsinh, log, log1p, log_quotient
 from fastlink.symbolic.expression import ExpressionGraph, Node
 
 __all__ = ["generate_function"]
@@ -19,7 +19,7 @@ NAMESPACE: dict[str, Any] = {
     **{name: getattr(module, name) for module in (compensated, vectors) for name in module.__all__},
     **{
         function.__name__: function
-        for function in (sqrt, atan2, cosine, sine, log, log1p, log_quotient, select)
+        for function in (sqrt, atan2, cosine, sine, arsinh, log, log1p, log_quotient, select)
     },
     "INFINITY": INFINITY,
     "NOT_A_NUMBER": NOT_A_NUMBER,

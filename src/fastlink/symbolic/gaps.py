@@ -1,0 +1,61 @@
+"""Error bounds where a gap counts as zero: a sum of lengths within their rounding, which decides what a linkage is.
+
+What is left out is the error of the zero. It is propagated like any other, to the bounds of all that follows; where
+it may change the choice between two values, the bound covers both.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from functools import partial
+from typing import TYPE_CHECKING
+
+from fastlink.numerics.elementary import INFINITY, sqrt
+from fastlink.numerics.vectors import zero_where
+from fastlink.symbolic.bound import Bound
+from fastlink.symbolic.error_laws import of_choice, of_root_or_zero
+from fastlink.symbolic.expression import COMPARISONS, Node
+
+if TYPE_CHECKING:
+    from fastlink.symbolic.error_propagation import Rules
+
+__all__ = ["bound_of_doubtful_choice", "bound_of_zeroed"]
+
+
+def bound_of_zeroed(rules: Rules, node: Node) -> Bound:
+    """Return the bound of a gap that is 0 within the rounding of the lengths: there its size is the error."""
+    (condition, x), graph = node.args, rules.graph
+    bound = rules.bound(x)
+    choose = partial(graph.call, zero_where, condition)
+    lost = {choose(low): (times, choose(high)) for low, (times, high) in bound.lost.items()}
+    if x in bound.lost:  # the low word: what is left out is counted with the high one
+        return replace(bound, lost=lost, gap=True)
+    left_out = graph.add(rules.size(x), rules.error(x, rules.settled(x)))
+    return replace(bound, rest=graph.select(condition, left_out, bound.rest), lost=lost, gap=True)
+
+
+def bound_of_doubtful_choice(rules: Rules, node: Node) -> Bound:
+    """Return the bound of a choice by a gap, which may be another one if the gap was not set to zero."""
+    graph, (condition, x, y) = rules.graph, node.args
+    a, b = rules.settled(x), rules.settled(y)
+    relative = max(a.relative, b.relative)
+    if y is graph.zero and x.value is sqrt and condition is graph.node(">", x.args[0], y):
+        rest = graph.read(of_root_or_zero, [x.args[0], x, rules.settled(x.args[0]).rest])
+        return Bound(relative, rest, positive=True)
+    errors = [rules.error(x, a), rules.error(y, b), graph.select(condition, a.rest, b.rest)]
+    rest = graph.read(of_choice, [_doubt(rules, condition), x, y, *errors])
+    return Bound(relative, rest, positive=a.positive and b.positive)
+
+
+def _doubt(rules: Rules, condition: Node) -> Node:
+    """Return the condition that the errors of the compared values may change a comparison."""
+    graph, (x, y) = rules.graph, condition.args
+    if condition.kind in ("&", "|") or x.kind in COMPARISONS:
+        doubts = [_doubt(rules, part) for part in (x, y) if rules.bound(part).gap]
+        return doubts[0] if not doubts[1:] else graph.node("|", *doubts)
+    errors = [rules.error(part, rules.settled(part)) for part in (x, y)]
+    if x is y:  # whether there is a number
+        return graph.node("==", errors[0], graph.number(INFINITY))
+    e = graph.add(*errors)
+    near = graph.node("<=", graph.call(abs, graph.sub(x, y)), e)
+    return graph.node("&", near, graph.node(">", e, graph.zero))

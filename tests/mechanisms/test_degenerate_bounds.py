@@ -1,0 +1,153 @@
+"""Error bounds of designs with a gap that counts as zero: they hold for the lengths as given, or are infinite."""
+
+from __future__ import annotations
+
+import mpmath as mp
+import numpy as np
+import pytest
+from tests.support.degenerate import FAMILIES
+
+import fastlink as fl
+from fastlink.mechanisms import NAMES, catalogue, inputs_of
+from fastlink.plan.validate import variants_of
+from fastlink.precision.reference import CONTEXT, HighPrecision
+
+#: A change point but for 1e-16: the gap is within the rounding of the lengths.
+ISSUE = {
+    "a1": 0.6286585380403462,
+    "a2": 1.197852049758225,
+    "a3": 0.8341289441152699,
+    "a4": 0.9923816436833014,
+}
+CASES = [pytest.param(*case, id="-".join(filter(None, case))) for case in FAMILIES]
+
+
+def bounded(of):
+    """Return the quantities that have an error bound, but those that are nothing but errors."""
+    measures = ("residual", "deviation")
+    return [
+        name for name, one in of.public.items() if not (one.flags or any(word in name for word in measures))
+    ]
+
+
+def test_every_mechanism_and_input_has_degenerate_designs():
+    assert {case[:2] for case in FAMILIES} == {(name, drive) for name in NAMES for drive in inputs_of(name)}
+
+
+def errors(mechanism, drive, about, n):
+    """Yield quantity, value, bound, trust and exact value at configurations of the family."""
+    of = catalogue(mechanism, drive)
+    rng = np.random.default_rng(7)
+    inputs = FAMILIES[mechanism, drive, about](rng, n)
+    for name, codes in (("branch", 2), *((("completion", 2),) if mechanism == "focal" else ())):
+        inputs.setdefault(name, rng.integers(1, codes + 1, n).astype(float))
+    names = bounded(of)
+    asked = [f"{name}{ending}" for name in names for ending in ("", "_error", "_trust")]
+    found = fl.evaluate(mechanism, asked, input=drive, **inputs)
+    found = {name: np.broadcast_to(values, n) for name, values in found.items()}
+    facts = HighPrecision(of, names, inputs, variants_of(of, None, "eliminated", inputs))
+    for i in range(n):
+        one = {name: float(values[i]) for name, values in inputs.items()}
+        exact = facts.at(one)
+        for name in names:
+            value, bound, trust = (float(found[f"{name}{ending}"][i]) for ending in ("", "_error", "_trust"))
+            if np.isfinite(value):
+                yield name, one, value, bound, trust, exact[name]
+
+
+def assert_bounds_hold(mechanism, drive, about, n):
+    """Hold every bound against the exact value of the very same doubles; return how many are finite, and all."""
+    of = catalogue(mechanism, drive)
+    finite = total = 0
+    for name, one, value, bound, trust, exact in errors(mechanism, drive, about, n):
+        total += 1
+        finite += bound < np.inf
+        assert bound >= 0.0, (name, one)  # of a number it is one
+        if bound == np.inf:
+            assert trust == 1.0, (name, one)
+            continue
+        assert CONTEXT.isfinite(exact), (name, one, value, bound)
+        error = abs(CONTEXT.mpf(value) - exact)
+        if of.public_fact(name).units == "rad":  # to within full turns
+            error = min(error, abs(error - 2 * CONTEXT.pi))
+        assert error <= bound, (name, one, value, float(exact), bound)
+    return finite, total
+
+
+@pytest.mark.parametrize(("mechanism", "drive", "about"), CASES)
+def test_bounds_hold_at_every_degenerate_set(mechanism, drive, about):
+    finite, total = assert_bounds_hold(mechanism, drive, about, 40)
+    # infinite bounds are for places where nothing is known; Hart's line ends where most of these positions are
+    assert finite > (0.5 if mechanism == "hart" else 0.8) * total
+    assert total > 40
+
+
+@pytest.mark.stress
+@pytest.mark.parametrize(("mechanism", "drive", "about"), CASES)
+def test_bounds_hold_at_many_degenerate_designs(mechanism, drive, about):
+    assert_bounds_hold(mechanism, drive, about, 10_000)
+
+
+def test_a_gap_that_counts_as_zero_is_in_the_bound():
+    names = ["omega4", "theta4", "transmission_angle"]
+    asked = [f"{name}{ending}" for name in names for ending in ("", "_error", "_trust")]
+    near, far = (
+        fl.evaluate("planar_4r", asked, theta1=theta1, omega1=1.0, branch=2, **ISSUE)
+        for theta1 in (1e-8, 0.1)
+    )
+    assert near["omega4"] == pytest.approx(0.8739, abs=1e-4)  # of the change point; as given it is -0.01044
+    assert near["omega4_error"] > 0.88
+    assert near["omega4_trust"] == 1.0
+    # Away from the fold p = Z - Z0 loses |Z0|/Z of itself: |Z0| is 1e-16 at most, Z some 0.0025.
+    for name in names:
+        assert far[f"{name}_error"] < 1e-12 * abs(far[name])
+        assert far[f"{name}_trust"] == 0.0
+
+
+def assembled(a1, a2, a3, a4, theta1, branch):
+    """Return theta4 and omega4/omega1 by circles that intersect and by the loop's derivative, with 60 digits."""
+    A, D = a1 * mp.expj(theta1), mp.mpf(a4)
+    along = D - A
+    cosine = (a2**2 + abs(along) ** 2 - a3**2) / (2 * a2 * abs(along))
+    if abs(cosine) > 1:
+        return None
+    B = A + a2 * along / abs(along) * mp.expj((1 if branch == 2 else -1) * mp.acos(cosine))
+    assert abs(abs(B - D) - a3) < mp.mpf(10) ** -50
+    # d/dt of A + AB = D + DB, across AB: i a1 n1 . AB = i n4 DB . AB
+    AB, DB = B - A, B - D
+    dot = [mp.re(1j * arm * mp.conj(AB)) for arm in (A, DB)]
+    return mp.arg(DB), dot[0] / dot[1]
+
+
+def test_bounds_hold_against_circles_that_intersect():
+    """The facts share no formula with this reference."""
+    rng, n = np.random.default_rng(8), 300
+    inputs = FAMILIES["planar_4r", "theta1", ""](rng, n) | {"branch": rng.integers(1, 3, n).astype(float)}
+    lengths = {name: inputs[name] for name in ("a1", "a2", "a3", "a4", "theta1", "branch")}
+    asked = ["theta4", "theta4_error", "omega4", "omega4_error"]
+    found = fl.evaluate("planar_4r", asked, omega1=1.0, **lengths)
+    tested = 0
+    with mp.workdps(60):
+        for i in range(n):
+            one = {name: mp.mpf(float(values[i])) for name, values in lengths.items()}
+            values = {name: float(column[i]) for name, column in found.items()}
+            if not values["omega4_error"] < np.inf or not np.isfinite(values["omega4"]):
+                continue
+            exact = assembled(**one)
+            assert exact is not None, one
+            turned = abs(values["theta4"] - exact[0])
+            assert min(turned, abs(turned - 2 * mp.pi)) <= values["theta4_error"], one
+            assert abs(values["omega4"] - exact[1]) <= values["omega4_error"], one
+            tested += 1
+    assert tested > n // 3
+
+
+def test_verification_takes_lengths_as_they_are():
+    names = ["omega4", "omega4_error", "theta1_low", "grashof_class", "status"]
+    result = fl.sweep(
+        "planar_4r", fl.grid(**ISSUE, omega1=1.0), names, angles=np.array([1e-8, 2e-8]), branch=2, verify=1
+    )
+    assert result["omega4"].attrs["error_max_relative"] > 0.9
+    # its bound says so, and codes say what counts as zero
+    assert result.attrs["verify_mismatches"] == 0
+    assert result["grashof_class"].values == 8
