@@ -8,9 +8,10 @@ from typing import Any
 
 import numpy as np
 
+from fastlink.precision.independent.check import TOLERANCE
 from fastlink.precision.reference import CONTEXT, DIGITS, error_in_roundings
 
-__all__ = ["MeasuredErrors"]
+__all__ = ["MeasuredErrors", "unit_of"]
 
 #: Values below this share of the terms that made them vanish: to half its digits, the reference itself is 0.
 VANISHES = CONTEXT.mpf(10) ** (-DIGITS // 2)
@@ -32,7 +33,9 @@ class MeasuredErrors:
         Errors where both values are finite; relative to the size of such values of the design where the exact one is 0.
     values, mismatches : int
         The number of values compared, and of those with another code, finite where the exact one is not, or wrong by
-        more than their error bound.
+        more than their error bound; exact values that no formula of the facts confirms are among these.
+    independent : list of float
+        Differences of exact values from independent ones, in units of `unit_of`.
     """
 
     method: str
@@ -41,6 +44,7 @@ class MeasuredErrors:
     roundings: list[float] = field(default_factory=list)
     values: int = 0
     mismatches: int = 0
+    independent: list[float] = field(default_factory=list)
 
     def add(
         self,
@@ -86,6 +90,12 @@ class MeasuredErrors:
         self.values += 1
         self.mismatches += int(exact != value)
 
+    def add_independent(self, difference: float | None) -> None:
+        """Compare an exact value with an independent one, if there is one, by their difference over `unit_of`."""
+        if difference is not None:
+            self.independent.append(difference)
+            self.mismatches += int(difference > TOLERANCE)
+
     def add_mismatch(self) -> None:
         """Count a value that is missing, or one that should not exist."""
         self.values += 1
@@ -100,4 +110,13 @@ class MeasuredErrors:
             attrs["error_reference"] = self.method
         if self.roundings:
             attrs["error_max_roundings"] = max(self.roundings)
+        if self.independent:
+            attrs["independent_values"] = len(self.independent)
+            attrs["independent_max_difference"] = max(self.independent)
         return attrs
+
+
+def unit_of(exact: Any, condition: Any, terms: float) -> Any:
+    """Return the size against which two references are compared: that of the terms for a value that vanishes."""
+    size = abs(exact) + condition
+    return CONTEXT.mpf(terms) if size <= VANISHES * terms else size

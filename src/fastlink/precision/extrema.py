@@ -6,7 +6,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from fastlink.precision.errors import MeasuredErrors
+from fastlink.precision.errors import MeasuredErrors, unit_of
+from fastlink.precision.independent.check import IndependentValues
 from fastlink.precision.reference import CONTEXT
 from fastlink.precision.sample import cost, within
 from fastlink.precision.stationary import END, JUMP, Extreme, Stationary
@@ -79,12 +80,16 @@ def refined(sample: Sample, outputs: Sequence[Output], share: int) -> dict[str, 
         sample.branches[:count],
         sample.plan.variants,
     )
+    independent = IndependentValues(sample.catalogue, [quantity])
     for design in range(count):
         results = {part: sample.result(output.name, design) for part, output in parts.items()}
         for reduction in _reductions(outputs):
-            _compare_outermost(stationary, design, reduction, results, errors)
+            exact = _compare_outermost(stationary, design, reduction, results, errors)
+            if reduction.suffix in errors:
+                _confirm(sample, design, exact, independent, errors[reduction.suffix])
         if "value" in parts:
-            _compare_list(stationary, design, results, errors)
+            for exact in _compare_list(stationary, design, results, errors)[:1]:
+                _confirm(sample, design, exact, independent, errors["value"])
     return {parts[part].name: measured for part, measured in errors.items()}
 
 
@@ -94,7 +99,7 @@ def _compare_outermost(
     reduction: Reduction,
     results: Mapping[str, Any],
     errors: Mapping[str, MeasuredErrors],
-) -> None:
+) -> Extreme:
     value, position = reduction.suffix, f"at {reduction.suffix}"
     near = float(results[position]) if position in results and np.isfinite(results[position]) else None
     exact = outermost(stationary, design, reduction.sign, near=near)
@@ -102,12 +107,14 @@ def _compare_outermost(
         errors[value].add(float(results[value]), exact.value, exact.condition)
     if position in results and not (CONTEXT.isnan(exact.position) and CONTEXT.isfinite(exact.value)):
         _add_position(errors[position], float(results[position]), exact)
+    return exact
 
 
 def _compare_list(
     stationary: Stationary, design: int, results: Mapping[str, Any], errors: Mapping[str, MeasuredErrors]
-) -> None:
+) -> list[Extreme]:
     candidates = [c for c in stationary.candidates[design] if c.kind in (1, -1)]
+    compared = []
     present = int(np.isfinite(results["value"]).sum())
     if "count" in results:
         errors["count"].add_code(float(results["count"]), len(candidates))
@@ -124,6 +131,19 @@ def _compare_list(
             _add_position(errors["position"], near, exact)
         if "kind" in results:
             errors["kind"].add_code(float(results["kind"][k]), nearest.kind)
+        compared.append(exact)
+    return compared
+
+
+def _confirm(
+    sample: Sample, design: int, exact: Extreme, independent: IndependentValues, measured: MeasuredErrors
+) -> None:
+    """Compare the value of a stationary extreme with an independent one at its position."""
+    if exact.is_stationary and CONTEXT.isfinite(exact.value) and independent.names:
+        (quantity,) = independent.names
+        at = sample.configuration(design, sample.branches[design], exact.position)
+        unit = unit_of(exact.value, exact.condition, sample.terms(quantity, design))
+        measured.add_independent(independent.difference(at, quantity, exact.value, unit))
 
 
 def _add_position(measured: MeasuredErrors, value: float, exact: Extreme) -> None:

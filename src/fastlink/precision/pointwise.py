@@ -9,12 +9,13 @@ import numpy as np
 
 from fastlink.facts.names import ErrorBound
 from fastlink.numerics.compensated import UNIT_ROUNDING
-from fastlink.precision.errors import MeasuredErrors
+from fastlink.precision.errors import MeasuredErrors, unit_of
+from fastlink.precision.independent.check import IndependentValues
 from fastlink.precision.reference import CONTEXT
 from fastlink.precision.sample import within
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Mapping, Sequence
 
     from numpy.typing import NDArray
 
@@ -43,6 +44,7 @@ def values(
 ) -> dict[str, MeasuredErrors]:
     """Measure errors of curves and facts of the design at random configurations."""
     errors = {output.name: MeasuredErrors(FACTS) for output in outputs}
+    independent = IndependentValues(sample.catalogue, errors)
     has_numbers = any(output.dtype == "float64" for output in outputs)
     as_given, zeroed = (sample.facts(names, zeroes=zeroes) for zeroes, names in _by_reading(sample, outputs))
     for number in range(configurations(sample, outputs, share)):
@@ -64,6 +66,11 @@ def values(
                 errors[output.name].add(value, nearest, condition[output.name], terms, bound)
             else:
                 errors[output.name].add_code(value, exact[output.name])
+        if number < sample.count:  # each design once
+            sizes = {name: sample.terms(name, design) for name in independent.names}
+            units = {name: unit_of(exact[name], condition.get(name, 1), size) for name, size in sizes.items()}
+            for name, difference in independent.differences(at, exact, units).items():
+                errors[name].add_independent(difference)
     return errors
 
 
@@ -103,6 +110,7 @@ def sampled(sample: Sample, outputs: Sequence[Output], share: int) -> dict[str, 
     facts = sample.facts([quantity])
     count = sample.affordable(facts, share, sample.count)
     curves = sample.curves(quantity, count)
+    independent = IndependentValues(sample.catalogue, [quantity])
     errors: dict[str, MeasuredErrors] = {}
     for output in outputs:
         reduction = output.request.reduction
@@ -119,7 +127,10 @@ def sampled(sample: Sample, outputs: Sequence[Output], share: int) -> dict[str, 
                 if output.request.is_position:
                     exact, size = _selected_position(value, curve, best, sample.positions), None
                 else:
-                    exact, size = _exact_sample(sample, facts, design, best)
+                    at = sample.configuration(design, sample.branches[design], sample.positions[best])
+                    exact, size = _exact_sample(sample, facts, at)
+                    unit = unit_of(exact, size, sample.terms(quantity, design))
+                    measured.add_independent(independent.difference(at, quantity, exact, unit))
             of_quantity = reduction.has_position and not output.request.is_position
             measured.add(value, exact, size, sample.terms(quantity, design) if of_quantity else 0.0)
         errors[output.name] = measured
@@ -141,9 +152,9 @@ def _reduced(reduction: Reduction, curve: NDArray[Any]) -> tuple[Any, Any]:
     return reduction.reference([CONTEXT.mpf(value) for value in curve[assembles].tolist()])
 
 
-def _exact_sample(sample: Sample, facts: HighPrecision, design: int, index: int) -> tuple[Any, Any]:
-    """Return the value and condition of a curve at one input position with 50 digits."""
-    exact = facts.at(sample.configuration(design, sample.branches[design], sample.positions[index]))
+def _exact_sample(sample: Sample, facts: HighPrecision, at: Mapping[str, float]) -> tuple[Any, Any]:
+    """Return the value and condition of a curve at one configuration with 50 digits."""
+    exact = facts.at(at)
     (name,) = facts.names
     return exact[name], facts.condition(exact, sample.arguments(facts))[name]
 

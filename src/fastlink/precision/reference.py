@@ -7,6 +7,8 @@ The derivatives are differences of the same facts with 50 digits.
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
+from dataclasses import replace
+from types import FunctionType
 from typing import Any
 
 import numpy as np
@@ -15,6 +17,7 @@ from mpmath import MPContext
 from fastlink.catalogue.catalogue import Catalogue, Fact, System
 from fastlink.catalogue.evaluate import evaluate_step, steps_of, tables_at
 from fastlink.numerics.compensated import UNIT_ROUNDING
+from fastlink.numerics.elementary import PI, TWO_PI
 from fastlink.numerics.vectors import as_given
 
 __all__ = ["CONTEXT", "DIGITS", "STEP", "HighPrecision", "error_in_roundings"]
@@ -25,6 +28,9 @@ CONTEXT: Any = MPContext()
 CONTEXT.dps = DIGITS
 #: Relative step of the differences: their errors are of this size.
 STEP = CONTEXT.mpf(10) ** -20
+#: What is pi in the text of facts, in doubles and with all digits.
+DOUBLES = {"PI": PI, "TWO_PI": TWO_PI}
+TURNS = {"PI": CONTEXT.pi, "TWO_PI": 2 * CONTEXT.pi}
 
 
 class HighPrecision:
@@ -70,7 +76,7 @@ class HighPrecision:
         given = tuple(given)
         self.position = catalogue.position.name
         tables = (*catalogue.tables, *catalogue.table_low_parts) if self.position in given else ()
-        self.steps = steps_of(catalogue, self.names, (*given, *tables), variants)
+        self.steps = tuple(map(_exact_turns, steps_of(catalogue, self.names, (*given, *tables), variants)))
         needed = {need for step in self.steps for need in step.depends_on}
         self.tables = tuple(name for name in tables if name in needed)
         self._after: dict[tuple[str, ...], tuple[Fact | System, ...]] = {}
@@ -120,6 +126,18 @@ class HighPrecision:
                     steps.append(step)
             self._after[names] = tuple(steps)
         return self._after[names]
+
+
+def _exact_turns(step: Fact | System) -> Fact | System:
+    """Return a step in whose text pi stands for all its digits, not for the double."""
+    law = step.function
+    exact = {name: value for name, value in TURNS.items() if law.__globals__.get(name) is DOUBLES[name]}
+    if isinstance(step, System) or not set(exact).intersection(law.__code__.co_names):
+        return step
+    function = FunctionType(
+        law.__code__, {**law.__globals__, **exact}, law.__name__, law.__defaults__, law.__closure__
+    )
+    return replace(step, function=function)
 
 
 def _take(step: Fact | System, known: dict[str, Any]) -> None:

@@ -54,12 +54,13 @@ class Candidate:
 
 @dataclass(frozen=True)
 class Extreme:
-    """An extreme with 50 digits: value and input angle, each with its condition."""
+    """An extreme with 50 digits: value and input angle, each with its condition; whether the slope is 0 there."""
 
     value: Any
     condition: Any
     position: Any
     position_condition: Any
+    is_stationary: bool = False
 
 
 class Stationary:
@@ -222,7 +223,8 @@ class Stationary:
         base = self._at(base, end, x)
         condition = self.facts.condition(base, self.movable)
         position_condition = self._position_condition(base, end, x) if positions else CONTEXT.zero
-        return Extreme(base[self.quantity], condition[self.quantity], base[self.position], position_condition)
+        value, size = base[self.quantity], condition[self.quantity]
+        return Extreme(value, size, base[self.position], position_condition, is_stationary=True)
 
     def _leaves_at(self, end: int, x: Any) -> dict[str, Any]:
         near = x * x / (1 + x * x)
