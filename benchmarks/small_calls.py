@@ -13,9 +13,9 @@ from typing import Any
 
 import fastlink as fl
 from fastlink.engine import labels
+from fastlink.engine.evaluation import Evaluation
 from fastlink.engine.executor import run
 from fastlink.engine.resolve import resolve
-from fastlink.engine.sweep import _Evaluation
 
 FIXED = {"a1": 0.4, "a3": 0.8, "a4": 1.0, "omega1": 25.0}
 NAMES = ["omega4_max", "transmission_angle_min", "shaking_force_max"]
@@ -41,7 +41,7 @@ def sweep_in_parts() -> dict[str, float]:
     """Return what the parts of a sweep of one design take."""
     one = space(0)
     resolved = resolve("planar_4r", one, NAMES, links=BAR)
-    evaluation = _Evaluation(resolved, 1, None, verify=0)
+    evaluation = Evaluation(resolved, 1, None, verify=0, in_memory=True)
     evaluation.load(time.perf_counter())
     maps, job = evaluation.in_memory(lambda *_: None, {}), evaluation.job
     targets = [
@@ -57,7 +57,7 @@ def sweep_in_parts() -> dict[str, float]:
     return {
         "the design: `fl.grid`": shortest(space),
         "checks, and the plan that is kept": shortest(lambda k: resolve("planar_4r", one, NAMES, links=BAR)),
-        "labels of the results": shortest(lambda k: _Evaluation(resolved, 1, None, verify=0)),
+        "labels of the results": shortest(lambda k: Evaluation(resolved, 1, None, verify=0, in_memory=True)),
         "buffers, and the kernels in them": shortest(lambda k: run(job, targets=targets)),
         "of these, the kernels themselves": shortest(lambda k: [kernel.run(1) for kernel in kernels]),
         "the Dataset": shortest(lambda k: labels.labelled(resolved, evaluation.variables, targets, about)),

@@ -160,7 +160,10 @@ def test_an_interrupt_is_one_line(folder, monkeypatch):
 
 
 @pytest.mark.skipif(os.name != "posix", reason="needs signals")
-def test_an_interrupted_run_is_kept_to_go_on(folder):
+@pytest.mark.parametrize(
+    ("number", "word", "code"), [(signal.SIGINT, "interrupted", 130), (signal.SIGTERM, "terminated", 143)]
+)
+def test_an_interrupted_run_is_kept_to_go_on(folder, number, word, code):
     # 2 10^7 designs: some seconds at the least
     Path("study.toml").write_text(
         STUDY.replace("1.4, 5]", "1.4, 2000]")
@@ -176,16 +179,16 @@ def test_an_interrupted_run_is_kept_to_go_on(folder):
         while not journal.exists() and process.poll() is None and time.monotonic() < limit:
             time.sleep(0.02)
         assert journal.exists()  # the first designs are on the disk
-        process.send_signal(signal.SIGINT)
+        process.send_signal(number)
         _, errors = process.communicate(timeout=120)
     finally:
         process.kill()
         process.wait()
         left = sorted(path.name for path in folder.iterdir())
         Path("study.h5.part").unlink(missing_ok=True)  # of some hundred megabytes
-    assert process.returncode == 130
+    assert process.returncode == code
     interrupted, kept = errors.splitlines()
-    assert interrupted == "fastlink: interrupted"
+    assert interrupted == f"fastlink: {word}"
     assert kept.endswith("study.h5.part; run the same again to go on")
     assert left == ["study.h5.part", "study.h5.part.journal", "study.toml"]
 

@@ -10,6 +10,7 @@ import sys
 import numpy as np
 import pytest
 from numpy.testing import assert_array_equal
+from tests.support.refusals import refused
 
 import fastlink as fl
 from fastlink.io import journal
@@ -77,12 +78,17 @@ def test_an_interrupted_sweep_goes_on(tmp_path, monkeypatch, given):
 
 
 @pytest.mark.parametrize("change", [{"omega1": 3.0}, {"options": {"theta1": 9}}, {"a3": OUTPUTS[:-1]}])
-def test_another_sweep_starts_afresh(tmp_path, monkeypatch, change):
+def test_another_sweep_is_refused_and_starts_afresh_when_told(tmp_path, monkeypatch, change):
     path = tmp_path / "map.h5"
     with monkeypatch.context() as patched:
         interrupt_after(patched, 5)
         with pytest.raises(KeyboardInterrupt):
             sweep(path)
+    before = [one.read_bytes() for one in sorted(tmp_path.iterdir())]
+    with refused("to", "restart=True"), sweep(path, **change):
+        pass
+    assert [one.read_bytes() for one in sorted(tmp_path.iterdir())] == before
+    change = {**change, "options": {**change.get("options", {}), "restart": True}}
     with sweep(path, **change) as resumed:
         assert "designs_of_earlier_runs" not in resumed.attrs
     assert [path.name for path in tmp_path.iterdir()] == ["map.h5"]
@@ -158,17 +164,21 @@ def test_a_torn_record_ends_the_journal(tmp_path):
     notes = Journal(fd, part, {"fingerprint": "f", "offsets": {}}, [(0, 2)])
     notes.add(2, 4)
     notes.add(6, 8)
-    notes.close(keep=True)
-    about, written = read_journal(part, "f")
+    notes.close()
+    about, written = read_journal(part)
     assert (about["fingerprint"], written, missing(written, 9)) == ("f", [(0, 4), (6, 8)], [(4, 6), (8, 9)])
-    assert read_journal(part, "g") is None
     whole = journal_of(part).read_bytes()
     journal_of(part).write_bytes(whole[:-1])
-    assert read_journal(part, "f")[1] == [(0, 4)]
+    assert read_journal(part)[1] == [(0, 4)]
     flipped = bytearray(whole)
     flipped[-RECORD.size] ^= 1
     journal_of(part).write_bytes(flipped)
-    assert read_journal(part, "f")[1] == [(0, 4)]
+    assert read_journal(part)[1] == [(0, 4)]
+    for place in range(whole.index(b"\n")):
+        flipped = bytearray(whole)
+        flipped[place] ^= 1
+        journal_of(part).write_bytes(flipped)
+        assert read_journal(part) is None
     os.close(fd)
 
 
@@ -195,6 +205,7 @@ def test_a_failure_to_synchronise_notes_nothing(tmp_path, monkeypatch):
     monkeypatch.setattr(journal, "_synchronise", fails)
     notes = Journal(fd, part, {"fingerprint": "f"}, [])
     notes.add(0, 2)
-    notes.close(keep=True)
+    notes.close()
     assert not journal_of(part).exists()
+    assert (notes.error.errno, notes.recorded) == (5, [])
     os.close(fd)

@@ -17,7 +17,7 @@ from tests.support.map_files import DESCRIBED, SPACES, Sample, digest, left_in, 
 from tests.support.refusals import refused
 
 from fastlink.errors import InputError
-from fastlink.io import reader
+from fastlink.io import partial_file, reader
 from fastlink.io.dataset import Variable, coordinates
 from fastlink.io.reader import open_map
 from fastlink.io.writer import Writer
@@ -188,15 +188,30 @@ def test_an_existing_file_is_kept_unless_overwritten(tmp_path):
     assert left_in(tmp_path) == ["m.h5"]
 
 
-@pytest.mark.parametrize("link", [os.link, raising(errno.EPERM)], ids=["links", "no links"])
-def test_a_file_that_appears_during_the_run_is_kept_and_so_is_the_result(tmp_path, monkeypatch, link):
-    monkeypatch.setattr(os, "link", link)
+def without_exclusive_renaming(patch):
+    patch.setattr(partial_file, "exclusive_rename", lambda: raising(errno.EINVAL))
+
+
+def without_links(patch):
+    without_exclusive_renaming(patch)
+    patch.setattr(os, "link", raising(errno.EPERM))
+
+
+#: Systems by what they lack to give a file its name.
+LACKS = {"nothing": lambda patch: None, "renaming": without_exclusive_renaming, "links": without_links}
+every_lack = pytest.mark.parametrize("lack", LACKS.values(), ids=LACKS)
+
+
+@every_lack
+def test_a_file_that_appears_during_the_run_is_kept_and_so_is_the_result(tmp_path, monkeypatch, lack):
+    lack(monkeypatch)
     path = tmp_path / "m.h5"
     sample = Sample()
     with pytest.raises(InputError) as caught:
         sample.save(path, between=lambda: path.write_text("mine"))
     assert str(caught.value) == (
-        f"to: {path}: cannot give the complete file its name (File exists); it is kept as {path}.part, rename it"
+        f"to: {path}: cannot give the complete file its name (File exists); make way for it and run the same "
+        f"again, or rename {path}.part"
     )
     assert path.read_text() == "mine"
     path.with_name("m.h5.part").rename(tmp_path / "kept.h5")
@@ -205,19 +220,25 @@ def test_a_file_that_appears_during_the_run_is_kept_and_so_is_the_result(tmp_pat
 
 
 @pytest.mark.parametrize("overwrite", [False, True])
-def test_a_file_can_be_read_from_its_first_moment_on(tmp_path, monkeypatch, overwrite):
+@every_lack
+def test_a_file_can_be_read_from_its_first_moment_on(tmp_path, monkeypatch, overwrite, lack):
+    lack(monkeypatch)
     path = tmp_path / "m.h5"
     read = []
-    name = "replace" if overwrite else "link"
-    give_name = getattr(os, name)
 
-    def give_name_and_read(source, to):
-        give_name(source, to)
-        if to == path:
-            with open_map(path) as opened:
-                read.append(opened.title)
+    def reading(give_name):
+        def give_name_and_read(source, to):
+            give_name(source, to)
+            if to == path:
+                with open_map(path) as opened:
+                    read.append(opened.title)
 
-    monkeypatch.setattr(os, name, give_name_and_read)
+        return give_name_and_read
+
+    exclusive = reading(partial_file.exclusive_rename())
+    monkeypatch.setattr(partial_file, "exclusive_rename", lambda: exclusive)
+    for name in ("replace", "link", "rename"):
+        monkeypatch.setattr(os, name, reading(getattr(os, name)))
     Sample().save(path, overwrite=overwrite)
     assert read == ["übung"]
 

@@ -129,7 +129,7 @@ class Spoiled(Verification):
 
 @pytest.mark.parametrize("names", [["theta4"], ["omega4_max"], ["omega4_rms"]])
 def test_a_wrong_digit_is_seen(monkeypatch, names):
-    monkeypatch.setattr(import_module("fastlink.engine.sweep"), "Verification", Spoiled)
+    monkeypatch.setattr(import_module("fastlink.engine.evaluation"), "Verification", Spoiled)
     monkeypatch.setattr(Spoiled, "factor", 1.0 + 1e-9)
     space = fl.grid(**CRANK, omega1=25.0)
     maps = fl.sweep("planar_4r", space, names, theta1=12, verify=4)
@@ -139,7 +139,7 @@ def test_a_wrong_digit_is_seen(monkeypatch, names):
 
 @pytest.mark.parametrize("name", ["theta4", "omega4_max", "omega4_rms", "omega4_extrema"])
 def test_a_missing_value_is_a_mismatch(monkeypatch, name):
-    monkeypatch.setattr(import_module("fastlink.engine.sweep"), "Verification", Spoiled)
+    monkeypatch.setattr(import_module("fastlink.engine.evaluation"), "Verification", Spoiled)
     monkeypatch.setattr(Spoiled, "missing", True)
     maps = fl.sweep("planar_4r", fl.grid(**CRANK, omega1=25.0), [name], theta1=12, verify=4)
     assert maps[name].attrs["verify_mismatches"] > 0
@@ -159,10 +159,13 @@ def test_what_fails_or_is_interrupted_leaves_the_file(monkeypatch, tmp_path):
         raise KeyboardInterrupt
 
     monkeypatch.setattr(Verification, "_measured", interrupt)
-    with pytest.raises(KeyboardInterrupt):
+    with pytest.raises(KeyboardInterrupt) as caught:
         fl.sweep("planar_4r", fl.grid(**CRANK), ["theta4"], theta1=8, to=tmp_path / "n.h5")
-    with fl.open(tmp_path / "n.h5") as maps:
-        assert np.isfinite(maps.theta4).all()
+    assert "100% of the designs are kept" in caught.value.__notes__[0]
+    monkeypatch.undo()
+    with fl.sweep("planar_4r", fl.grid(**CRANK), ["theta4"], theta1=8, to=tmp_path / "n.h5") as maps:
+        assert maps.attrs["designs_of_earlier_runs"] == maps.attrs["designs"]
+        assert "error_max_relative" in maps.theta4.attrs
 
 
 #: Hart's linkage of Wunderlich's figures: in branch 1 it is a folded kite for phi < pi, F stands still at M.
@@ -187,7 +190,7 @@ def test_a_value_that_should_vanish_and_does_not_is_a_mismatch(monkeypatch, name
         def collect(self, start, stop, arrays):
             super().collect(start, stop, [a + 1e-12 if a.dtype == np.float64 else a for a in arrays])
 
-    monkeypatch.setattr(import_module("fastlink.engine.sweep"), "Verification", Added)
+    monkeypatch.setattr(import_module("fastlink.engine.evaluation"), "Verification", Added)
     maps = fl.sweep("hart", fl.grid(**KITE), [name], phi=np.linspace(0.3, 2.8, 40), branch=1, verify=1)
     assert maps[name].attrs["verify_mismatches"] == maps[name].attrs["verified_values"]
     assert maps[name].attrs["error_max_roundings"] > 100
@@ -195,7 +198,7 @@ def test_a_value_that_should_vanish_and_does_not_is_a_mismatch(monkeypatch, name
 
 
 def test_a_value_that_is_wrong_by_more_than_its_bound_is_a_mismatch(monkeypatch):
-    monkeypatch.setattr(import_module("fastlink.engine.sweep"), "Verification", Spoiled)
+    monkeypatch.setattr(import_module("fastlink.engine.evaluation"), "Verification", Spoiled)
     monkeypatch.setattr(Spoiled, "factor", 1.0 + 1e-12)
     maps = fl.sweep("planar_4r", fl.grid(**CRANK, omega1=25.0), ["theta4", "omega4"], theta1=12, verify=4)
     for name in ("theta4", "omega4"):

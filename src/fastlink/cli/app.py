@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import contextlib
 import functools
+import signal
+import threading
 import warnings
 from collections.abc import Callable, Iterator
 from pathlib import Path
@@ -15,7 +17,7 @@ from fastlink.errors import InputError, InputWarning, KeyPath, Piece, Setting, W
 
 __all__ = ["MapFile", "MechanismName", "Overwrite", "StudyFile", "app", "command"]
 
-BAD_INPUT, INTERRUPTED = 2, 130
+BAD_INPUT, INTERRUPTED, TERMINATED = 2, 130, 143
 C = TypeVar("C", bound=Callable[..., Any])
 
 StudyFile = Annotated[Path, typer.Argument(metavar="STUDY.toml", help="The study file.", show_default=False)]
@@ -92,18 +94,47 @@ def command(function: C) -> C:
     @functools.wraps(function)
     def guarded(*args: Any, **options: Any) -> None:
         try:
-            with _remarks_as_lines():
+            with _remarks_as_lines(), _terminable():
                 function(*args, **options)
         except InputError as error:
             for line in error.lines(_Options(function)):
                 typer.echo(f"fastlink: {line}", err=True)
+            _print_notes(error)
             raise typer.Exit(BAD_INPUT) from None
         except KeyboardInterrupt as error:
-            for note in ("interrupted", *getattr(error, "__notes__", ())):
-                typer.echo(f"fastlink: {note}", err=True)
-            raise typer.Exit(INTERRUPTED) from None
+            terminated = isinstance(error, _Terminated)
+            typer.echo(f"fastlink: {'terminated' if terminated else 'interrupted'}", err=True)
+            _print_notes(error)
+            raise typer.Exit(TERMINATED if terminated else INTERRUPTED) from None
 
     return guarded  # type: ignore[return-value]
+
+
+class _Terminated(KeyboardInterrupt):
+    """A request to end, such as a scheduler's; to be met as an interrupt is."""
+
+
+@contextlib.contextmanager
+def _terminable() -> Iterator[None]:
+    """Meet SIGTERM as an interrupt, which keeps what is computed and says so."""
+
+    def terminate(number: int, frame: Any) -> None:
+        raise _Terminated
+
+    if threading.current_thread() is not threading.main_thread():
+        yield
+        return
+    before = signal.signal(signal.SIGTERM, terminate)
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGTERM, before)
+
+
+def _print_notes(error: BaseException) -> None:
+    """Print what an error has to add, such as where the designs are kept that were computed."""
+    for note in getattr(error, "__notes__", ()):
+        typer.echo(f"fastlink: {note}", err=True)
 
 
 def _print_version(wanted: bool) -> None:

@@ -35,6 +35,10 @@ def run(
         ),
     ] = None,
     quiet: Annotated[bool, typer.Option("--quiet", help="Print neither progress nor summary.")] = False,
+    *,
+    restart: Annotated[
+        bool, typer.Option("--restart", help="Throw away what an interrupted run has left in FILE.part.")
+    ] = False,
 ) -> None:
     """Run a study, and write its map; a map that is there and up to date is kept."""
     from fastlink.io.finished import WRITTEN
@@ -42,7 +46,13 @@ def run(
     from fastlink.study.study import run_study
 
     progress, started = False if quiet else None, time.time_ns()
-    maps = run_study(study, to=to, threads=threads, overwrite=overwrite, progress=progress, verify=verify)
+    options: dict[str, Any] = {
+        "threads": threads,
+        "overwrite": overwrite,
+        "restart": restart,
+        "verify": verify,
+    }
+    maps = run_study(study, to=to, progress=progress, **options)
     with maps:
         if maps.attrs[WRITTEN] < started:
             typer.echo(f"{maps.encoding['source']} is up to date")

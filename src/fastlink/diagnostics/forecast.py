@@ -20,7 +20,7 @@ from fastlink.engine.options import check_options
 from fastlink.engine.resolve import resolve
 from fastlink.engine.sweep import sweep
 from fastlink.errors import InputError, Problems
-from fastlink.io.partial_file import check_target
+from fastlink.io.target import check_target
 from fastlink.memory import available_memory
 from fastlink.precision import DESIGNS
 
@@ -31,7 +31,7 @@ if TYPE_CHECKING:
 __all__ = ["Forecast", "forecast", "request_of"]
 
 #: The options of a sweep that change how it runs, not what it computes.
-OF_RUN = ("verify", "to", "overwrite", "threads", "progress", "attrs", "block")
+OF_RUN = ("verify", "to", "overwrite", "restart", "threads", "progress", "attrs", "block")
 
 #: Seconds to compile a character of a kernel's LLVM text, by backend: measured over 32 kernels of 22 to 335 thousand
 #: characters (0.9 to 2.1 us by our own translation) and over 5 by numba (20 to 72 us), on a core

@@ -64,6 +64,7 @@ CHECKS: dict[str, Check] = {
     "block": optional(partial(check_whole, least=1)),
     "overwrite": check_switch,
     "progress": optional(check_switch),
+    "restart": check_switch,
     "threads": optional(partial(check_whole, least=1, most=MOST_THREADS)),
     "to": optional(check_output),
     "verify": optional(check_verify),

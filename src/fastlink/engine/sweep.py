@@ -2,43 +2,32 @@
 
 from __future__ import annotations
 
-import hashlib
 import time
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
 from inspect import signature
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-
 from fastlink.catalogue.declare import ELIMINATED
 from fastlink.doors import door
 from fastlink.engine import labels
-from fastlink.engine.executor import BLOCK_BYTES, Sink, default_threads, row_bytes, run
-from fastlink.engine.needs import allocated, check_needs, designs_per_block
+from fastlink.engine.evaluation import Evaluation
+from fastlink.engine.executor import default_threads
 from fastlink.engine.options import check_options
-from fastlink.engine.resolve import ResolvedSweep, resolve
-from fastlink.engine.sinks import ProgressBar, StatusCounts, into, tee
+from fastlink.engine.resolve import resolve
+from fastlink.engine.sinks import ProgressBar
 from fastlink.errors import Problems
-from fastlink.io.dataset import plain_attrs
-from fastlink.io.finished import finished_map
-from fastlink.io.partial_file import check_target, existing_file
-from fastlink.io.writer import Writer
+from fastlink.io.target import check_target
 from fastlink.maps import open as open_map
-from fastlink.precision import DESIGNS, Verification
 
 if TYPE_CHECKING:
     import xarray as xr
-    from numpy.typing import ArrayLike, NDArray
+    from numpy.typing import ArrayLike
 
     from fastlink.space.design_space import DesignSpace
     from fastlink.space.links import Links
 
 __all__ = ["sweep"]
-
-#: Designs of an earlier run that are read at once.
-REPLAYED = 4096
 
 
 @door
@@ -56,6 +45,7 @@ def sweep(
     verify: int | None = None,
     to: str | Path | None = None,
     overwrite: bool = False,
+    restart: bool = False,
     threads: int | None = None,
     progress: bool | None = None,
     allow_invalid: bool = False,
@@ -109,6 +99,9 @@ def sweep(
         this very request, unchanged since, is opened as it is: nothing is computed.
     overwrite : bool
         Compute anew and replace an existing file, whatever it holds.
+    restart : bool
+        Throw away what an interrupted run has left in ``FILE.part``. Without it, the same request goes on there, and
+        another one is refused (see docs/files.md).
     threads : int, optional
         All processors unless given. Any number gives the same bits.
     progress : bool, optional
@@ -154,6 +147,7 @@ def sweep(
     problems, checked = Problems(), dict[str, Any]()
     with problems.at():
         given = {"verify": verify, "to": to, "overwrite": overwrite, "threads": threads, "progress": progress}
+        given |= {"restart": restart}
         checked = check_options(given | {"allow_invalid": allow_invalid, "attrs": attrs, "block": block})
     with problems.at():
         asked: dict[str, Any] = {"links": links, "input": input, "angles": angles, "positions": positions}
@@ -162,7 +156,7 @@ def sweep(
         resolved = resolve(mechanism, space, quantities, **asked)
     problems.stop()
     threads, target = checked["threads"] or default_threads(), checked["to"]
-    evaluation = _Evaluation(resolved, threads, checked["block"], checked["verify"], target is None)
+    evaluation = Evaluation(resolved, threads, checked["block"], checked["verify"], target is None)
     before = labels.global_attrs(resolved, threads) | (checked["attrs"] or {})
     is_new = target is None or overwrite
     if not is_new and (finished := evaluation.finished(target, before)) is not None:
@@ -172,157 +166,9 @@ def sweep(
     with ProgressBar(resolved.space.size, progress) as bar:
         if path is None:
             return evaluation.in_memory(bar.take, before)
-        evaluation.to_file(path, overwrite, bar.take, before)
+        evaluation.to_file(path, bar.take, before, overwrite=overwrite, restart=restart)
     return open_map(path)
 
 
 #: The keywords of a sweep besides the name of the input.
 _OPTIONS = tuple(name for name in signature(sweep).parameters if name != "positions")
-
-
-class _Evaluation:
-    """A sweep from its resolved request to its labelled results.
-
-    Parameters
-    ----------
-    resolved : ResolvedSweep
-        The request.
-    threads : int
-        Number of threads.
-    block : int, optional
-        Designs per block.
-    verify : int, optional
-        How many designs are computed again; those that a file is verified by unless given.
-    in_memory : bool
-        Whether the results stay in memory.
-    """
-
-    def __init__(
-        self, resolved: ResolvedSweep, threads: int, block: int | None, verify: int | None, in_memory: bool
-    ) -> None:
-        verify = (0 if in_memory else DESIGNS) if verify is None else verify
-        self.resolved, self.threads, self.block = resolved, threads, block
-        plan, space, positions = resolved.plan, resolved.space, resolved.positions
-        self.variables = labels.variables(plan, space, positions.size, one_branch=resolved.one_branch)
-        self.nbytes = sum(variable.nbytes for variable in self.variables)
-        check_needs(resolved, threads, block, verify, self.nbytes if in_memory else 0)
-        self.counts = StatusCounts(plan)
-        self.verification = Verification(plan, space, positions, verify) if verify else None
-
-    def finished(self, to: str | Path, attrs: Mapping[str, Any]) -> xr.Dataset | None:
-        """Return the map of this request if it is there already, None where no file is; refuse another file."""
-        path = existing_file(to)
-        if path is None:
-            return None
-        verified = 0 if self.verification is None else self.verification.designs.size
-        return finished_map(
-            path,
-            self._fingerprint(attrs),
-            verified=verified,
-            coords=self._coordinates(),
-            variables=self.variables,
-            attrs=attrs,
-        )
-
-    def _coordinates(self) -> xr.Dataset:
-        resolved = self.resolved
-        return labels.sweep_coordinates(
-            resolved.plan, resolved.space, resolved.positions, one_branch=resolved.one_branch
-        )
-
-    def load(self, started: float) -> None:
-        """Compile or load the kernels, and note the time since the sweep has started."""
-        self.job = self.resolved.job()
-        if self.resolved.scaling_axis is not None:
-            self.block = designs_per_block(self.resolved, self.threads, self.block)
-        self.loaded = time.perf_counter()
-        self.set_up_time = self.loaded - started
-
-    def in_memory(self, show: Sink, attrs: Mapping[str, Any]) -> xr.Dataset:
-        """Evaluate all designs, and return the labelled results."""
-        arrays = allocated(self.job.shapes, self.resolved.space.size)
-        sink, axis = self._sink(show), self.resolved.scaling_axis
-        if axis is None:
-            run(self.job, targets=arrays, sink=sink, threads=self.threads, block=self.block)
-        else:
-            run(self.job, sink=axis.over(tee(into(arrays), sink)), threads=self.threads, block=self.block)
-        statistics = self._statistics()
-        measured, errors = self._errors()
-        variables = [replace(v, attrs=v.attrs | errors.get(v.name, {})) for v in self.variables]
-        return labels.labelled(self.resolved, variables, arrays, {**attrs, **statistics, **measured})
-
-    def to_file(self, path: Path, overwrite: bool, show: Sink, attrs: Mapping[str, Any]) -> None:
-        """Evaluate all designs into a file, or the rest of a killed run."""
-        axis, coords = self.resolved.scaling_axis, self._coordinates()
-        key = self._fingerprint(attrs), self.job.size
-        with Writer(path, coords, self.variables, attrs, overwrite=overwrite, run=key) as writer:
-
-            def write(start: int, stop: int, arrays: list[NDArray[Any]]) -> None:
-                for variable, array in zip(self.variables, arrays, strict=True):
-                    row = variable.shape[len(self.resolved.space.shape) :]
-                    writer.write(variable.name, start, array.reshape(len(array), *row))
-
-            sink = self._sink(show)
-            resumed = self._replay(writer, sink)
-            sink = tee(write, sink)
-            run(
-                self.job,
-                sink=tee(
-                    axis.over(sink) if axis else sink, lambda start, stop, _: writer.record(start, stop)
-                ),
-                threads=self.threads,
-                block=self.block,
-                pending=writer.pending,
-            )
-            statistics = self._statistics(resumed)
-            errors: dict[str, dict[str, Any]] = {}
-            try:
-                measured, errors = self._errors()
-                statistics |= measured
-            finally:  # what was computed is kept, whatever becomes of its verification
-                writer.finish(statistics, errors)
-
-    def _sink(self, show: Sink) -> Sink:
-        """Return the sink of the results besides the file or the arrays."""
-        verified = [] if self.verification is None else [self.verification.collect]
-        return tee(self.counts.take, *verified, show)
-
-    def _statistics(self, resumed: int = 0) -> dict[str, Any]:
-        """Return numbers of designs and their speed, as global attributes."""
-        run_time = time.perf_counter() - self.loaded
-        resolved, size = self.resolved, self.resolved.space.size
-        rate = (size - resumed) / run_time
-        attrs = {"designs": size, "set_up_time_s": self.set_up_time, "run_time_s": run_time}
-        if resumed:
-            attrs["designs_of_earlier_runs"] = resumed
-        attrs["designs_per_second"] = rate
-        if resolved.plan.uses_position:
-            of_each = len(resolved.branches) * resolved.positions.size
-            attrs |= {"configurations": size * of_each, "configurations_per_second": rate * of_each}
-        return attrs | self.counts.attrs()
-
-    def _errors(self) -> tuple[dict[str, Any], dict[str, dict[str, Any]]]:
-        """Return the measured errors as global attributes, and as those of each variable."""
-        return ({}, {}) if self.verification is None else self.verification.measure()
-
-    def _fingerprint(self, attrs: Mapping[str, Any]) -> str:
-        """Return a hash that no other sweep's file has, however many threads write it."""
-        rest = {
-            name: value.tolist() if isinstance(value, np.ndarray) else value  # whose repr leaves values out
-            for name, value in plain_attrs(attrs).items()
-            if name != "threads"
-        }
-        return hashlib.sha256(repr((self.resolved.fingerprint, rest, self.variables)).encode()).hexdigest()
-
-    def _replay(self, writer: Writer, sink: Sink) -> int:
-        """Pass on the results of a killed run, and return the number of its designs."""
-        axis, count = self.resolved.scaling_axis, 0
-        step = max(1, min(REPLAYED, BLOCK_BYTES // row_bytes(self.job.shapes)))
-        for start, stop in writer.written:
-            for first, last in axis.ranges(start, stop) if axis else [(start, stop)]:
-                count += last - first
-                for k in range(first, last, step):
-                    end = min(k + step, last)
-                    rows = zip(self.variables, self.job.shapes, strict=True)
-                    sink(k, end, [writer.read(variable.name, k, end, shape) for variable, (shape, _) in rows])
-        return count

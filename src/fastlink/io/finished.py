@@ -13,7 +13,7 @@ import xarray as xr
 
 from fastlink.errors import InputError
 from fastlink.io.dataset import Variable, plain_attrs
-from fastlink.io.partial_file import exists_error
+from fastlink.io.place import exists_error
 from fastlink.io.reader import open_map
 
 __all__ = ["FINGERPRINT", "WRITTEN", "finished_map", "marks", "stamp"]

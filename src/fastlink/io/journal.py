@@ -29,17 +29,18 @@ def journal_of(part: Path) -> Path:
     return part.with_name(part.name + ".journal")
 
 
-def read_journal(part: Path, fingerprint: str) -> tuple[dict[str, Any], list[Range]] | None:
-    """Return the head and the written designs of a journal, None if of another run.
+def read_journal(part: Path) -> tuple[dict[str, Any], list[Range]] | None:
+    """Return the head and the written designs of a journal, None where none can be read.
 
     It ends before a record that a kill or a power cut has torn.
     """
     try:
         head, _, records = journal_of(part).read_bytes().partition(b"\n")
-        about = json.loads(head)
+        text, _, check = head.rpartition(b" ")
+        about = json.loads(text) if check == _check_of_head(text) else None
     except (OSError, ValueError):
         return None
-    if not isinstance(about, dict) or about.get("fingerprint") != fingerprint:
+    if about is None:
         return None
     written = []
     for start, stop, check in RECORD.iter_unpack(records[: len(records) // RECORD.size * RECORD.size]):
@@ -83,10 +84,15 @@ def _check(start: int, stop: int) -> int:
     return zlib.crc32(struct.pack("<QQ", start, stop))
 
 
+def _check_of_head(text: bytes) -> bytes:
+    return b"%08x" % zlib.crc32(text)
+
+
 class Journal:
     """A thread that synchronises pending data of a file, then records their designs.
 
-    A failure to synchronise is left to the last fsync, which reports it; nothing is recorded then.
+    After a failure to synchronise nothing is recorded any more: the system reports it once, and may then take pages for
+    written that are not. `error` keeps it.
 
     Parameters
     ----------
@@ -103,11 +109,15 @@ class Journal:
     def __init__(self, fd: int, part: Path, about: dict[str, Any], written: list[Range]) -> None:
         self._fd = fd
         self._path = journal_of(part)
-        self._head = json.dumps(about).encode() + b"\n"
+        text = json.dumps(about).encode()
+        self._head = text + b" " + _check_of_head(text) + b"\n"
         self._pending_bytes = 0
         self._pending: list[Range] = list(written)
         self._journal_fd: int | None = None
-        self._failed = self._closed = False
+        self._closed = False
+        self.error: OSError | None = None
+        #: The designs that the journal names.
+        self.recorded: list[Range] = []
         self._changed = threading.Condition()
         self._thread: threading.Thread | None = None
 
@@ -126,20 +136,21 @@ class Journal:
         with self._changed:
             self._pending.append((start, stop))
 
-    def close(self, *, keep: bool) -> None:
-        """Record the last designs if the partial file is kept, else remove the journal."""
+    def close(self) -> None:
+        """Synchronise all data, and record the last designs."""
         with self._changed:
             self._closed = True
             self._changed.notify()
         if self._thread is not None:
             self._thread.join()
-        if keep:
-            self._commit()
+        self._commit()
         if self._journal_fd is not None:
             os.close(self._journal_fd)
             self._journal_fd = None
-        if not keep:
-            self._path.unlink(missing_ok=True)
+
+    def remove(self) -> None:
+        """Remove the journal of a file that has its name, or that is thrown away."""
+        self._path.unlink(missing_ok=True)
 
     def _work(self) -> None:
         while True:
@@ -156,7 +167,7 @@ class Journal:
             # before the data are synchronised: designs that come meanwhile wait for the next time
             ranges, self._pending = joined(self._pending), []
             nbytes, self._pending_bytes = self._pending_bytes, 0
-        if self._failed or not (ranges or nbytes):
+        if self.error or not (ranges or nbytes):
             return
         try:
             _synchronise(self._fd)
@@ -166,13 +177,18 @@ class Journal:
                 self._journal_fd = self._start()
             os.write(self._journal_fd, b"".join(RECORD.pack(a, b, _check(a, b)) for a, b in ranges))
             _synchronise(self._journal_fd)
-        except OSError:
-            self._failed = True
+            self.recorded = joined([*self.recorded, *ranges])
+        except OSError as error:
+            self.error = error
 
     def _start(self) -> int:
         """Create the journal with its head, and return its open file number."""
         fresh = self._path.with_name(self._path.name + ".new")
-        fresh.write_bytes(self._head)
+        fresh.unlink(missing_ok=True)  # never through a link
+        with open(fresh, "xb") as file:
+            file.write(self._head)
+            file.flush()
+            os.fsync(file.fileno())
         os.replace(fresh, self._path)
         return os.open(self._path, os.O_RDWR | os.O_APPEND | getattr(os, "O_BINARY", 0))
 

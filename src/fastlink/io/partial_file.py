@@ -1,139 +1,46 @@
-"""The partial file of a map: its checks, lock, room and final name."""
+"""The partial file of a map: its lock, its room and its final name.
+
+No file is ever emptied in place: a name may be a second one of a finished map. A new run makes a new file, and gives it
+the name of the partial one.
+"""
 
 from __future__ import annotations
 
 import contextlib
+import ctypes
 import errno
+import functools
 import os
-import shutil
-import tempfile
+import stat
+import sys
 import threading
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator
 from pathlib import Path
 
-from fastlink._text import size
-from fastlink.errors import InputError, Remedy, Setting
-from fastlink.options import check_output, not_a_file
+from fastlink.io.place import refused
 
 try:
     import fcntl
 except ImportError:  # not POSIX: no locks, and a folder cannot be synchronised
     fcntl = None  # type: ignore[assignment]
 
-#: The remedy where a file exists.
-EXISTS: Remedy = ("choose another name", (", or write ", Setting("overwrite", True)))
-SLACK = 2**20  # for the labels, and for the attributes that are added at the end
-
 _seek_lock = threading.Lock()
 
 NO_LOCKS = {errno.ENOSYS, errno.EOPNOTSUPP, errno.ENOLCK}
 NO_RESERVE = {errno.EINVAL, errno.EOPNOTSUPP, errno.ENOSYS}
 NO_LINK = {errno.EPERM, errno.EOPNOTSUPP, errno.ENOSYS, errno.EMLINK}
+#: Neither the system nor the file system can rename without replacing.
+NO_EXCLUSIVE_RENAME = {errno.EINVAL, errno.EOPNOTSUPP, errno.ENOSYS, errno.EPERM}
 
 
-def part_of(path: Path) -> Path:
-    """Return the name of a file while it is being written."""
-    return path.with_name(path.name + ".part")
-
-
-def reason(error: BaseException) -> str:
-    """Return the reason of a failure on one line."""
-    text = getattr(error, "strerror", None) or str(error)
-    return " ".join(str(text).split())
-
-
-def check_target(path: str | Path, nbytes_needed: int, overwrite: bool, sources: Sequence[Path] = ()) -> Path:
-    """Return the absolute path of an output file, or refuse it.
-
-    To be called before anything is computed.
-
-    Parameters
-    ----------
-    path : str or path
-        The file to make; its folder must exist.
-    nbytes_needed : int
-        Bytes of all values.
-    overwrite : bool
-        Whether an existing file may be replaced.
-    sources : sequence of Path
-        Files that the values are computed from, which must stay.
-    """
-    target = Path(os.path.realpath(check_output(("to",), path)))
-    check_place(target)
-    if target.exists() and not overwrite:
-        raise exists_error(target)
-    if any(target.exists() and target.samefile(source) for source in sources):
-        raise _refused(f"{path}: the study is read from that file", "choose another name")
-    try:
-        if (fd := reopened(part_of(target))) is not None:
-            os.close(fd)
-    except OSError as error:
-        raise _not_writable(target, error) from error
-    if nbytes_needed + SLACK > _free(target) + _held_by(part_of(target)):
-        raise no_room(target, nbytes_needed)
-    return target
-
-
-def existing_file(path: str | Path) -> Path | None:
-    """Return the absolute path of an output that is a file already, None where there is none."""
-    target = Path(os.path.realpath(check_output(("to",), path)))
-    try:
-        return target if target.is_file() else None
-    except OSError:
-        return None
-
-
-def check_place(path: Path, where: str = "to", example: str = "maps.h5") -> None:
-    """Refuse a path at which no file can be written, before anything is computed for it.
-
-    Parameters
-    ----------
-    path : Path
-        The file; its folder must exist.
-    where : str
-        The option that names it.
-    example : str
-        A name for a file of its kind.
-    """
-    try:
-        if other := not_a_file(path):
-            remedy = (
-                f"add a file name, for instance {path / example}" if path.is_dir() else "choose another name"
-            )
-            raise _refused(f"{path} {other}", remedy, where)
-        if not path.parent.is_dir():
-            raise _refused(f"{path}: there is no folder {path.parent}", "create it or choose another", where)
-        with tempfile.TemporaryFile(dir=path.parent):
-            pass
-    except OSError as error:
-        raise _not_writable(path, error, where) from error
-
-
-def _not_writable(path: Path, error: OSError, where: str = "to") -> InputError:
-    return _refused(f"{path} cannot be written ({reason(error)})", "choose another place", where)
-
-
-def _refused(what: str, remedy: Remedy, where: str = "to") -> InputError:
-    return InputError(what, where=(where,), remedy=remedy)
-
-
-def exists_error(path: Path, why: str = "") -> InputError:
-    """Return the error of a file that may not be replaced."""
-    return _refused(f"{path}: the file exists{why and f', {why}'}", EXISTS)
-
-
-def no_room(path: Path, nbytes: int, error: Exception | None = None) -> InputError:
-    """Return the error of a disk that is too small for a file."""
-    why = f" ({reason(error)})" if error else ""
-    return _refused(
-        f"{path} needs {size(nbytes)} but {size(_free(path))} are free{why}",
-        "ask for fewer quantities or designs, or choose another disk",
-    )
+def fresh_name(part: Path) -> Path:
+    """Return the name of a partial file while it is laid out."""
+    return part.with_name(part.name + ".new")
 
 
 @contextlib.contextmanager
 def claimed(part: Path) -> Iterator[None]:
-    """Hold the name of a partial file while it is laid out, and empty an old file.
+    """Hold the name of a partial file while a new one is laid out; an old file loses the name.
 
     Refused when a live process writes it. The name is gone when the body fails.
     """
@@ -144,7 +51,8 @@ def claimed(part: Path) -> Iterator[None]:
     while (fd := _hold(part, os.O_CREAT)) is None:
         pass
     try:
-        os.ftruncate(fd, 0)
+        if os.fstat(fd).st_size or os.fstat(fd).st_nlink != 1:
+            fd = _replaced(fd, part)  # now, and not later: its room may be needed
         yield
     except BaseException:
         part.unlink(missing_ok=True)
@@ -153,12 +61,31 @@ def claimed(part: Path) -> Iterator[None]:
         os.close(fd)
 
 
-def adopt(fresh: Path, part: Path) -> int:
+def _replaced(fd: int, part: Path) -> int:
+    """Replace a held file by an empty one of the same name, and hold that."""
+    empty = fresh_name(part)
+    try:
+        return adopt(create(empty), empty, part)
+    finally:
+        os.close(fd)
+
+
+def create(path: Path) -> int:
+    """Create an empty file, whatever had its name before, and return its file number."""
+    path.unlink(missing_ok=True)
+    return _open(path, os.O_CREAT | os.O_EXCL)
+
+
+def laid_out(fresh: Path, part: Path) -> int:
     """Give a laid-out file the claimed name, hold it, and return its file number."""
     if fcntl is None:
         os.replace(fresh, part)  # an open file cannot be renamed there
         return _open(part)
-    fd = _open(fresh)
+    return adopt(_open(fresh), fresh, part)
+
+
+def adopt(fd: int, fresh: Path, part: Path) -> int:
+    """Give an open file the name of the partial one, and hold it."""
     try:
         _lock(fd, part)  # before it has the name: no moment without a holder
         os.replace(fresh, part)
@@ -171,17 +98,21 @@ def adopt(fresh: Path, part: Path) -> int:
 def reopened(part: Path) -> int | None:
     """Hold the partial file of a killed run; return its file number, None if absent.
 
-    Refused when a live process writes it.
+    A file with a second name is none: it was published, or somebody keeps it. Refused when a live process writes it.
     """
     try:
-        return _hold(part)
+        fd = _hold(part)
     except FileNotFoundError:
         return None
+    if fd is not None and os.fstat(fd).st_nlink != 1:
+        os.close(fd)
+        return None
+    return fd
 
 
 def make_sure_of_room(path: Path, nbytes: int) -> None:
     """Fail if HDF5 will have no room for the labels, which might crash the process."""
-    fd = _open(path, os.O_CREAT | os.O_TRUNC)
+    fd = create(path)
     try:
         reserve(fd, nbytes)
     finally:
@@ -200,17 +131,18 @@ def reserve(fd: int, extra: int) -> None:
 
 
 def publish(fd: int, part: Path, final: Path, overwrite: bool) -> None:
-    """Give a synchronised partial file its final name; `overwrite` replaces a file."""
+    """Give a synchronised partial file its final name; `overwrite` replaces a file.
+
+    The file stays open where it keeps its name, and is closed where it has the final one.
+    """
     if fcntl is None:
         os.close(fd)  # an open file cannot be renamed there
         _rename(part, final, overwrite)
         return
-    try:
-        _flock(fd, fcntl.LOCK_SH)  # readers may open it from its first moment on
-        _rename(part, final, overwrite)
-    finally:
-        os.close(fd)
-    _synchronise_folder(final.parent)
+    _flock(fd, fcntl.LOCK_SH)  # readers may open it from its first moment on
+    _rename(part, final, overwrite)
+    os.close(fd)
+    synchronise_folder(final.parent)
 
 
 def write_all(fd: int, data: memoryview, position: int) -> None:
@@ -250,7 +182,18 @@ def released(fd: int) -> Iterator[None]:
 
 
 def _open(path: Path, flags: int = 0) -> int:
-    return os.open(path, os.O_RDWR | flags | getattr(os, "O_BINARY", 0), 0o666)
+    """Open a file, not what a link leads to."""
+    flags |= getattr(os, "O_BINARY", 0) | getattr(os, "O_NOFOLLOW", 0)
+    try:
+        fd = os.open(path, os.O_RDWR | flags, 0o666)
+    except OSError as error:
+        if error.errno != errno.ELOOP:
+            raise
+        raise refused(f"{path} is a symbolic link", "remove it or choose another name") from None
+    if not stat.S_ISREG(os.fstat(fd).st_mode):
+        os.close(fd)
+        raise refused(f"{path} is not a file", "remove it or choose another name")
+    return fd
 
 
 def _lock(fd: int, part: Path) -> None:
@@ -259,7 +202,7 @@ def _lock(fd: int, part: Path) -> None:
     try:
         _flock(fd, fcntl.LOCK_EX | fcntl.LOCK_NB)
     except BlockingIOError:
-        raise _refused(f"{part}: another run is writing it", "wait for it or choose another name") from None
+        raise refused(f"{part}: another run is writing it", "wait for it or choose another name") from None
 
 
 def _flock(fd: int, operation: int) -> None:
@@ -292,6 +235,13 @@ def _rename(part: Path, final: Path, overwrite: bool) -> None:
         os.replace(part, final)
         return
     try:
+        exclusive_rename()(part, final)  # at no moment has the file two names
+    except OSError as error:
+        if error.errno not in NO_EXCLUSIVE_RENAME:
+            raise
+    else:
+        return
+    try:
         os.link(part, final)  # unlike a rename, fails when the name is taken
     except OSError as error:
         if error.errno not in NO_LINK:
@@ -303,7 +253,28 @@ def _rename(part: Path, final: Path, overwrite: bool) -> None:
         part.unlink()
 
 
-def _synchronise_folder(folder: Path) -> None:
+@functools.cache
+def exclusive_rename() -> Callable[[Path, Path], None]:
+    """Return the system's renaming that fails when the name is taken."""
+    if os.name == "nt":
+        return os.rename  # which fails there when the name is taken
+    name, flag = ("renamex_np", 4) if sys.platform == "darwin" else ("renameat2", 1)
+    function = getattr(ctypes.CDLL(None, use_errno=True), name, None)
+
+    def rename(part: Path, final: Path) -> None:
+        if function is None:
+            raise OSError(errno.ENOSYS, os.strerror(errno.ENOSYS))
+        here = -100  # AT_FDCWD of Linux; paths are absolute
+        places = (os.fsencode(part), os.fsencode(final))
+        arguments = places if name == "renamex_np" else (here, places[0], here, places[1])
+        if function(*arguments, flag):
+            number = ctypes.get_errno()
+            raise OSError(number, os.strerror(number))
+
+    return rename
+
+
+def synchronise_folder(folder: Path) -> None:
     """Make the new name survive a power cut, on file systems that can."""
     with contextlib.suppress(OSError):
         fd = os.open(folder, os.O_RDONLY)
@@ -313,14 +284,10 @@ def _synchronise_folder(folder: Path) -> None:
             os.close(fd)
 
 
-def _free(path: Path) -> int:
-    return shutil.disk_usage(path.parent).free
-
-
-def _held_by(part: Path) -> int:
+def given_back(part: Path) -> int:
     """Return the bytes that replacing an old partial file frees."""
     try:
-        status = part.stat()
+        status = os.lstat(part)
     except FileNotFoundError:
         return 0
-    return getattr(status, "st_blocks", 0) * 512
+    return getattr(status, "st_blocks", 0) * 512 if status.st_nlink == 1 else 0

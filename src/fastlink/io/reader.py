@@ -17,7 +17,7 @@ from fastlink._text import short_repr
 from fastlink.doors import door
 from fastlink.errors import InputError, suggest
 from fastlink.io.dataset import FORMAT_VERSION
-from fastlink.io.partial_file import part_of, reason
+from fastlink.io.place import part_of, reason
 from fastlink.options import check_path, not_a_file
 from fastlink.space.dataset import FORMAT
 

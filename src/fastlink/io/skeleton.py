@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import contextlib
-from collections.abc import Mapping, Sequence
+import os
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -11,9 +12,10 @@ import h5py
 import xarray as xr
 
 from fastlink.io.dataset import Variable, plain_attrs
-from fastlink.io.partial_file import released
+from fastlink.io.partial_file import released, write_all
 
 PAGE_BYTES = 4096
+COPIED_BYTES = 1 << 24
 
 
 def lay_out(
@@ -27,6 +29,21 @@ def lay_out(
     )
     with h5py.File(path, "r+", alignment_threshold=PAGE_BYTES, alignment_interval=PAGE_BYTES) as file:
         return {variable.name: _create(file, coords, variable) for variable in variables}
+
+
+def lay_labels_again(fresh: Path, fd: int, offsets: Mapping[str, int], variables: Sequence[Variable]) -> None:
+    """Give a partial file the labels of one that was just laid out: its own may be torn or changed."""
+    values = sorted((offsets[variable.name], variable.nbytes) for variable in variables)
+    with open(fresh, "rb") as file:
+        size, position = os.fstat(file.fileno()).st_size, 0
+        for start, nbytes in [*values, (size, 0)]:
+            while position < start:
+                file.seek(position)
+                data = file.read(min(start - position, COPIED_BYTES))
+                write_all(fd, memoryview(data), position)
+                position += len(data)
+            position = start + nbytes
+    os.ftruncate(fd, size)
 
 
 def _create(file: Any, coords: xr.Dataset, variable: Variable) -> int:
@@ -67,13 +84,30 @@ def set_attrs(
     fd: int, path: Path, attrs: Mapping[str, Any], of_variables: Mapping[str, Mapping[str, Any]]
 ) -> None:
     """Add attributes, global and of variables, to a file that is locked by `fd`."""
-    with contextlib.ExitStack() as stack:
-        try:
-            # this process holds the lock that HDF5 would ask for
-            file = stack.enter_context(h5py.File(path, "r+", locking=False))
-        except BlockingIOError:  # HDF5_USE_FILE_LOCKING=TRUE in the environment overrules locking=False
-            stack.enter_context(released(fd))
-            file = stack.enter_context(h5py.File(path, "r+"))
+    with _opened(fd, path, "r+") as file:
         for group, added in (("/", attrs), *of_variables.items()):
             for name, value in added.items():
                 file[group].attrs[name] = value
+
+
+def check_readable(fd: int, path: Path, variables: Sequence[Variable], offsets: Mapping[str, int]) -> None:
+    """Fail unless a file that is locked by `fd` can be opened, and its variables are where they were laid."""
+    with _opened(fd, path, "r") as file:
+        for variable in variables:
+            found = file[variable.name]
+            dims = tuple(scale[0].name.removeprefix("/") for scale in found.dims)
+            layout = found.shape, found.dtype, dims, found.id.get_offset()
+            if layout != (variable.shape, variable.dtype, variable.dims, offsets[variable.name]):
+                raise RuntimeError(f"{variable.name} is not where it was laid out")
+
+
+@contextlib.contextmanager
+def _opened(fd: int, path: Path, mode: str) -> Iterator[Any]:
+    with contextlib.ExitStack() as stack:
+        try:
+            # this process holds the lock that HDF5 would ask for
+            file = stack.enter_context(h5py.File(path, mode, locking=False))
+        except BlockingIOError:  # HDF5_USE_FILE_LOCKING=TRUE in the environment overrules locking=False
+            stack.enter_context(released(fd))
+            file = stack.enter_context(h5py.File(path, mode))
+        yield file

@@ -7,7 +7,7 @@ gives it its name.
 
 from __future__ import annotations
 
-import errno
+import contextlib
 import math
 import os
 import threading
@@ -24,20 +24,22 @@ from fastlink.errors import InputError
 from fastlink.io import partial_file
 from fastlink.io.dataset import FORMAT_VERSION, Variable, check_dims, plain_attrs
 from fastlink.io.finished import marks, stamp
+from fastlink.io.finishing import uninterrupted
 from fastlink.io.journal import Journal, Range, joined, journal_of, missing, read_journal
-from fastlink.io.skeleton import lay_out, set_attrs
+from fastlink.io.place import NO_ROOM, SLACK, no_room, part_of, reason, refused
+from fastlink.io.skeleton import check_readable, lay_labels_again, lay_out, set_attrs
+from fastlink.io.target import check_left, check_target
 from fastlink.space.dataset import FORMAT
 
 __all__ = ["Writer"]
-
-NO_ROOM = {errno.ENOSPC, errno.EFBIG, getattr(errno, "EDQUOT", errno.ENOSPC)}
 
 
 class Writer:
     """Writer of a labelled file, for any number of threads; a context manager.
 
-    Nothing appears under the final name before `finish`; without it, or on an exception, leaving the context
-    removes the partial file.
+    Nothing appears under the final name before `finish`. Without it, or on any exception, leaving the context keeps the
+    partial file with its journal where `record` has noted designs, and says so in a note of the exception; else it
+    removes the file.
 
     Parameters
     ----------
@@ -51,6 +53,8 @@ class Writer:
         Further global attributes.
     overwrite : bool, default False
         Replace an existing file; a process that has it open goes on reading the old one.
+    restart : bool, default False
+        Throw away what an earlier run left under this name.
     run : (fingerprint, size), optional
         A hash that no other run has, and the number of designs to evaluate. With it, `record` keeps the journal,
         and a killed run of the same fingerprint is resumed: `pending` are the designs that it left.
@@ -64,13 +68,14 @@ class Writer:
         attrs: Mapping[str, Any],
         *,
         overwrite: bool = False,
+        restart: bool = False,
         run: tuple[str, int] | None = None,
     ) -> None:
         for variable in variables:
             check_dims(coords, variable)
         self._nbytes = coords.nbytes + sum(variable.nbytes for variable in variables)
-        self.path = partial_file.check_target(path, self._nbytes, overwrite)
-        self.part = partial_file.part_of(self.path)
+        self.path = check_target(path, self._nbytes, overwrite)
+        self.part = part_of(self.path)
         self._overwrite = overwrite
         self._variables = {variable.name: variable for variable in variables}
         self._values_written = dict.fromkeys(self._variables, 0)
@@ -80,13 +85,13 @@ class Writer:
         self._fingerprint, self._size = run or ("", 0)
         self._ranges: list[Range] = []
         try:
-            if not self._resumed():
-                with partial_file.claimed(self.part):
-                    journal_of(self.part).unlink(missing_ok=True)
-                    self._offsets, self._fd = self._start(coords, variables, attrs)
+            if restart or not self._resumed(coords, attrs):
+                if not restart:
+                    check_left(self.path, self._fingerprint)
+                self._start(coords, attrs)
         except (OSError, RuntimeError) as error:  # HDF5 reports a full disk as either
             raise self._failure(error) from error
-        about = {"fingerprint": self._fingerprint, "offsets": self._offsets}
+        about = {"fingerprint": self._fingerprint, "size": self._size, "offsets": self._offsets}
         self._journal = Journal(self._fd, self.part, about, self._ranges)
 
     def __enter__(self) -> Writer:
@@ -97,10 +102,8 @@ class Writer:
     ) -> None:
         if self._closed:
             return
-        if isinstance(error, KeyboardInterrupt) and self._ranges:
-            self._keep(error)
-        else:
-            self._discard()
+        self._close_to_writers()
+        self._keep_or_discard(error)
 
     @property
     def pending(self) -> list[Range]:
@@ -149,6 +152,8 @@ class Writer:
                 raise ValueError(f"{self.path}: the file is closed")
             self._writing += 1
         try:
+            if self._journal.error:  # what is written from now on would be lost
+                raise self._journal.error
             partial_file.write_all(self._fd, block.reshape(-1).view(np.uint8).data, position)
         except OSError as error:
             raise self._failure(error) from error
@@ -179,63 +184,96 @@ class Writer:
             expected = math.prod(self._variables[name].shape)
             if count != expected:
                 raise RuntimeError(f"{self.path}: {count} of {expected} values of {name} were written")
-        self._close_to_writers()
-        try:
-            set_attrs(self._fd, self.part, last, further)
-            os.fsync(self._fd)
-            stamp(self.part, last)
-        except BaseException as error:
-            partial_file.discard(self._fd, self.part)
-            if isinstance(error, OSError):
-                raise self._failure(error) from error
-            raise
+        with uninterrupted():
+            self._close_to_writers()
+            try:
+                if self._journal.error:
+                    raise self._journal.error
+                set_attrs(self._fd, self.part, last, further)
+                os.fsync(self._fd)
+                stamp(self.part, last)
+                check_readable(self._fd, self.part, list(self._variables.values()), self._offsets)
+            except BaseException as error:
+                failure = self._failure(error) if isinstance(error, (OSError, RuntimeError)) else error
+                self._keep_or_discard(failure)
+                raise failure from (None if failure is error else error)
+            self._publish()
+
+    def _publish(self) -> None:
         try:
             partial_file.publish(self._fd, self.part, self.path, self._overwrite)
         except OSError as error:
-            what = f"{self.path}: cannot give the complete file its name ({partial_file.reason(error)})"
-            remedy = f"it is kept as {self.part}, rename it"
-            raise InputError(what, where=("to",), remedy=remedy) from error
+            what = f"{self.path}: cannot give the complete file its name ({reason(error)})"
+            failure = refused(what, f"make way for it and run the same again, or rename {self.part}")
+            with contextlib.suppress(OSError):  # where it has been closed for its renaming
+                os.close(self._fd)
+            raise failure from error
+        self._journal.remove()
 
-    def _resumed(self) -> bool:
+    def _resumed(self, coords: xr.Dataset, attrs: Mapping[str, Any]) -> bool:
         """Resume a killed run of the same fingerprint, if there is one."""
-        journal = read_journal(self.part, self._fingerprint) if self._fingerprint else None
-        fd = None if journal is None else partial_file.reopened(self.part)
-        if journal is None or fd is None:
+        journal = read_journal(self.part) if self._fingerprint else None
+        if journal is None or journal[0].get("fingerprint") != self._fingerprint:
             return False
-        about, self._ranges = journal
-        self._offsets, self._fd = about["offsets"], fd
+        fd = partial_file.reopened(self.part)
+        if fd is None:
+            return False
+        about, ranges = journal
+        fresh, size = partial_file.fresh_name(self.part), os.fstat(fd).st_size
+        try:
+            partial_file.make_sure_of_room(fresh, coords.nbytes + SLACK)
+            offsets = lay_out(fresh, coords, list(self._variables.values()), attrs)
+            if offsets != about["offsets"]:
+                os.close(fd)
+                return False
+            lay_labels_again(fresh, fd, offsets, list(self._variables.values()))
+        finally:
+            fresh.unlink(missing_ok=True)
+        partial_file.reserve(fd, SLACK)
+        self._offsets, self._fd = offsets, fd
+        self._ranges = self._below(size, ranges)
         written = sum(stop - start for start, stop in self._ranges)
         for name, variable in self._variables.items():
             self._values_written[name] = math.prod(variable.shape) // self._size * written
         return True
 
-    def _keep(self, error: KeyboardInterrupt) -> None:
-        """Keep the partial file to be resumed."""
-        self._close_to_writers(keep=True)
-        os.close(self._fd)
-        share = sum(stop - start for start, stop in self._ranges) / self._size
-        error.add_note(f"{share:.0%} of the designs are kept in {self.part}; run the same again to go on")
+    def _below(self, size: int, ranges: list[Range]) -> list[Range]:
+        """Return the written designs of a file whose end may have been cut off."""
+        whole = self._size
+        for name, variable in self._variables.items():
+            room = max(0, size - self._offsets[name])
+            whole = min(whole, room // max(1, variable.nbytes // self._size))
+        return [(start, min(stop, whole)) for start, stop in ranges if start < whole]
 
-    def _start(
-        self, coords: xr.Dataset, variables: Sequence[Variable], attrs: Mapping[str, Any]
-    ) -> tuple[dict[str, int], int]:
-        """Lay the file out; return the offset of each variable and the file number."""
-        fresh = self.part.with_name(self.part.name + ".new")
+    def _keep_or_discard(self, error: BaseException | None) -> None:
+        """Keep the partial file where its journal names designs, to be resumed; else remove it."""
+        if not self._journal.recorded:
+            partial_file.discard(self._fd, self.part)
+            self._journal.remove()
+            return
+        os.close(self._fd)
+        share = sum(stop - start for start, stop in self._journal.recorded) / self._size
+        if error is not None:
+            error.add_note(f"{share:.0%} of the designs are kept in {self.part}; run the same again to go on")
+
+    def _start(self, coords: xr.Dataset, attrs: Mapping[str, Any]) -> None:
+        """Lay the file out, and reserve its room."""
+        fresh = partial_file.fresh_name(self.part)
+        with partial_file.claimed(self.part):
+            journal_of(self.part).unlink(missing_ok=True)
+            try:
+                partial_file.make_sure_of_room(fresh, coords.nbytes + SLACK)
+                self._offsets = lay_out(fresh, coords, list(self._variables.values()), attrs)
+                self._fd = partial_file.laid_out(fresh, self.part)
+            except BaseException:
+                fresh.unlink(missing_ok=True)
+                raise
         try:
-            partial_file.make_sure_of_room(fresh, coords.nbytes + partial_file.SLACK)
-            offsets = lay_out(fresh, coords, variables, attrs)
-            fd = partial_file.adopt(fresh, self.part)
+            # HDF5 gives back at the end what the attributes leave
+            partial_file.reserve(self._fd, SLACK)
         except BaseException:
-            fresh.unlink(missing_ok=True)
+            partial_file.discard(self._fd, self.part)
             raise
-        try:
-            partial_file.reserve(
-                fd, partial_file.SLACK
-            )  # HDF5 gives back at the end what the attributes leave
-        except BaseException:
-            partial_file.discard(fd, self.part)
-            raise
-        return offsets, fd
 
     def _position(self, name: str, start: int, block: NDArray[Any]) -> int:
         """Return the offset of a block in the file, or refuse one that does not fit."""
@@ -254,12 +292,12 @@ class Writer:
 
     def _failure(self, error: OSError | RuntimeError) -> InputError:
         if getattr(error, "errno", None) in NO_ROOM:
-            return partial_file.no_room(self.path, self._nbytes, error)
-        what = f"{self.path} cannot be written ({partial_file.reason(error)})"
+            return no_room(self.path, self._nbytes, error)
+        what = f"{self.path} cannot be written ({reason(error)})"
         return InputError(what, where=("to",), remedy="choose another place")
 
-    def _close_to_writers(self, *, keep: bool = False) -> None:
-        """Refuse further writes and wait for those under way.
+    def _close_to_writers(self) -> None:
+        """Refuse further writes, wait for those under way, and record what is written.
 
         The file number may soon be of another file.
         """
@@ -268,8 +306,4 @@ class Writer:
                 raise ValueError(f"{self.path}: the file is closed")
             self._closed = True
             self._idle.wait_for(lambda: self._writing == 0)
-        self._journal.close(keep=keep)
-
-    def _discard(self) -> None:
-        self._close_to_writers()
-        partial_file.discard(self._fd, self.part)
+        self._journal.close()

@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from fastlink.errors import InputError
-from fastlink.io.partial_file import check_place
+from fastlink.io.place import check_place
 from fastlink.options import check_path
 
 if TYPE_CHECKING:

@@ -12,7 +12,7 @@ from fastlink.doors import door
 from fastlink.engine.options import check_options
 from fastlink.engine.sweep import sweep
 from fastlink.errors import InputError, Problems, nearest
-from fastlink.io.partial_file import check_target
+from fastlink.io.target import check_target
 from fastlink.mechanisms import NAMES
 from fastlink.mechanisms import catalogue as find_catalogue
 from fastlink.options import check_path
@@ -87,6 +87,8 @@ def run_study(
     overwrite: bool = False,
     progress: bool | None = None,
     verify: int | None = None,
+    *,
+    restart: bool = False,
 ) -> xr.Dataset:
     """Run a study file and write its map.
 
@@ -107,6 +109,9 @@ def run_study(
     verify : int, optional
         How many designs are computed again with 50 digits (see `fastlink.sweep`); by default what the study says, else
         64.
+    restart : bool, default False
+        Throw away what an interrupted run has left in ``FILE.part``. Without it, the same study goes on there, and
+        another one is refused.
 
     Returns
     -------
@@ -138,7 +143,7 @@ def run_study(
     {'a2': 5, 'branch': 2}
     """
     given = {"to": to, "threads": threads, "overwrite": overwrite, "progress": progress, "verify": verify}
-    check_options(given)
+    check_options(given | {"restart": restart})
     study = read_study(path)
     target = study.target(to)
     overwrite = overwrite or study.output.get("overwrite", False)
@@ -154,6 +159,7 @@ def run_study(
             verify=study.output.get("verify") if verify is None else verify,
             to=target,
             overwrite=overwrite,
+            restart=restart,
             threads=threads,
             progress=progress,
             attrs={**title, "study_file": study.path.name, "study": study.text},

@@ -1,0 +1,103 @@
+"""The place of a map file: what may be written there, and the words in which a place is refused."""
+
+from __future__ import annotations
+
+import errno
+import os
+import shutil
+import tempfile
+from pathlib import Path
+
+from fastlink._text import size
+from fastlink.errors import InputError, Remedy, Setting
+from fastlink.options import check_output, not_a_file
+
+#: The remedy where a file exists.
+EXISTS: Remedy = ("choose another name", (", or write ", Setting("overwrite", True)))
+SLACK = 2**20  # for the labels, and for the attributes that are added at the end
+#: A limit on files, of the system or of the process, is reached, or the disk is full.
+NO_ROOM = {errno.ENOSPC, errno.EFBIG, getattr(errno, "EDQUOT", errno.ENOSPC)}
+
+
+def part_of(path: Path) -> Path:
+    """Return the name of a file while it is being written."""
+    return path.with_name(path.name + ".part")
+
+
+def reason(error: BaseException) -> str:
+    """Return the reason of a failure on one line."""
+    text = getattr(error, "strerror", None) or str(error)
+    return " ".join(str(text).split())
+
+
+def existing_file(path: str | Path) -> Path | None:
+    """Return the absolute path of an output that is a file already, None where there is none."""
+    target = Path(os.path.realpath(check_output(("to",), path)))
+    try:
+        return target if target.is_file() else None
+    except OSError:
+        return None
+
+
+def check_place(path: Path, where: str = "to", example: str = "maps.h5") -> None:
+    """Refuse a path at which no file can be written, before anything is computed for it.
+
+    Parameters
+    ----------
+    path : Path
+        The file; its folder must exist.
+    where : str
+        The option that names it.
+    example : str
+        A name for a file of its kind.
+    """
+    try:
+        if other := not_a_file(path):
+            remedy = (
+                f"add a file name, for instance {path / example}" if path.is_dir() else "choose another name"
+            )
+            raise refused(f"{path} {other}", remedy, where)
+        if not path.parent.is_dir():
+            raise refused(f"{path}: there is no folder {path.parent}", "create it or choose another", where)
+        with tempfile.TemporaryFile(dir=path.parent):
+            pass
+    except OSError as error:
+        raise not_writable(path, error, where) from error
+
+
+def not_writable(path: Path, error: OSError, where: str = "to") -> InputError:
+    """Return the error of a place at which no file can be made."""
+    return refused(f"{path} cannot be written ({reason(error)})", "choose another place", where)
+
+
+def refused(what: str, remedy: Remedy, where: str = "to") -> InputError:
+    """Return the error of an option that names a place, the output unless said otherwise."""
+    return InputError(what, where=(where,), remedy=remedy)
+
+
+def exists_error(path: Path, why: str = "") -> InputError:
+    """Return the error of a file that may not be replaced."""
+    return refused(f"{path}: the file exists{why and f', {why}'}", EXISTS)
+
+
+def no_room(path: Path, nbytes: int, error: OSError | RuntimeError | None = None) -> InputError:
+    """Return the error of a disk, or of a limit on files, that is too small for a map."""
+    why = f" ({reason(error)})" if error else ""
+    if getattr(error, "errno", None) == errno.EFBIG:
+        return refused(
+            f"{path} needs {size(nbytes)}, more than a file may have here{why}",
+            "raise the limit (`ulimit -f unlimited`), choose another disk, or ask for fewer quantities or designs",
+        )
+    if error and nbytes + SLACK <= free_bytes(
+        path
+    ):  # another quota, or what was taken has been given back since
+        return refused(f"{path}: the disk or its quota was full{why}", "make room, or choose another disk")
+    return refused(
+        f"{path} needs {size(nbytes)} but {size(free_bytes(path))} are free{why}",
+        "ask for fewer quantities or designs, or choose another disk",
+    )
+
+
+def free_bytes(path: Path) -> int:
+    """Return the free bytes of the disk of a file."""
+    return shutil.disk_usage(path.parent).free

@@ -1,0 +1,111 @@
+"""The output file of a run: whether it may be made, and what an earlier run left under its name."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Sequence
+from pathlib import Path
+
+import h5py
+
+from fastlink.errors import Remedy, Setting
+from fastlink.io.journal import journal_of, read_journal
+from fastlink.io.partial_file import given_back, reopened
+from fastlink.io.place import (
+    SLACK,
+    check_place,
+    exists_error,
+    free_bytes,
+    no_room,
+    not_writable,
+    part_of,
+    refused,
+)
+from fastlink.options import check_output
+from fastlink.space.dataset import FORMAT
+
+__all__ = ["check_left", "check_target"]
+
+#: The remedy where a run left what another request would lose.
+RESTART: Remedy = (
+    "finish that run, choose another name",
+    (", or write ", Setting("restart", True), " to throw it away"),
+)
+
+
+def check_target(path: str | Path, nbytes_needed: int, overwrite: bool, sources: Sequence[Path] = ()) -> Path:
+    """Return the absolute path of an output file, or refuse it.
+
+    To be called before anything is computed.
+
+    Parameters
+    ----------
+    path : str or path
+        The file to make; its folder must exist.
+    nbytes_needed : int
+        Bytes of all values.
+    overwrite : bool
+        Whether an existing file may be replaced.
+    sources : sequence of Path
+        Files that the values are computed from, which must stay.
+    """
+    target = Path(os.path.realpath(check_output(("to",), path)))
+    check_place(target)
+    if target.is_symlink():  # which realpath could not follow
+        raise refused(f"{path}: its symbolic links lead back to themselves", "choose another name")
+    part = part_of(target)
+    try:
+        forget_published(target)
+        if (fd := reopened(part)) is not None:
+            os.close(fd)
+    except OSError as error:
+        raise not_writable(target, error) from error
+    if target.exists() and not overwrite:
+        raise exists_error(target)
+    if any(target.exists() and target.samefile(source) for source in sources):
+        raise refused(f"{path}: the study is read from that file", "choose another name")
+    if nbytes_needed + SLACK > free_bytes(target) + given_back(part):
+        raise no_room(target, nbytes_needed)
+    return target
+
+
+def forget_published(target: Path) -> None:
+    """Remove what a kill left of a map that has its name: the second name, and the journal."""
+    part = part_of(target)
+    try:
+        if not os.path.samestat(os.lstat(part), os.lstat(target)):
+            return
+    except FileNotFoundError:
+        return
+    part.unlink()
+    journal_of(part).unlink(missing_ok=True)
+
+
+def check_left(path: Path, fingerprint: str) -> None:
+    """Refuse to replace what an earlier run of another request left: its designs, or a whole map.
+
+    Raises
+    ------
+    InputError
+        There is something; the message says how much, and how to go on.
+    """
+    part = part_of(path)
+    journal = read_journal(part)
+    if journal is not None and part.exists():
+        about, written = journal
+        count, size = sum(stop - start for start, stop in written), about.get("size", 0)
+        same = about.get("fingerprint") == fingerprint
+        whose = "laid out by another version of HDF5" if same else "of another request, or by another version"
+        if count:
+            raise refused(f"{part} holds {count:,} of {size:,} designs {whose}", RESTART)
+    elif is_map(part) and part.stat().st_nlink == 1:  # else it has another name
+        raise refused(f"{part} is a whole map that has not got its name", RESTART)
+
+
+def is_map(path: Path) -> bool:
+    """Tell whether a file is a finished map."""
+    try:
+        with h5py.File(path, "r", locking=False) as file:
+            return FORMAT in file.attrs
+    except (OSError, RuntimeError):
+        return False
