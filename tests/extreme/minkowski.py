@@ -164,7 +164,7 @@ MINKOWSKI_4R = Mechanism(
     loop="half_root",
     swept=("psi", "AB_rapidity", "zeta", "B_x", "configuration_status", "dpsi_dtheta", "linkage_type"),
     lengths=tuple(LENGTHS),
-    free=("A_x", "A_y"),
+    free=("A_x", "A_y", "coefficient_A", "coefficient_B", "coefficient_C", "delta"),
     held={
         **dict.fromkeys(("inner_limit", "outer_limit"), alone),
         "alpha_r": lambda values: values["s_a"] * values["p_r"],

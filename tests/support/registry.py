@@ -226,6 +226,7 @@ MINKOWSKI_4R = (
         *("minkowski_4r", "theta"),
         about="designs of",
         families=families(minkowskian_designs, minkowski_designs.FAMILIES),
+        elsewhere=dict.fromkeys(("r_AX", "s_BX", "gamma"), "of the coupler point, which configurations have"),
         long_chains=COSINES,
         slopes={"random": 1.0},
         looseness=10.0,

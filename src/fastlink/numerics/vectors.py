@@ -12,7 +12,7 @@ from fastlink.numerics.compiler import compiled_as, inlined
 from fastlink.numerics.elementary import context_of, select, sqrt
 
 #: What facts may call; `as_given` is for those who evaluate them.
-__all__ = ["cross", "largest", "magnitude", "sign", "turn_rate", "zero_where"]
+__all__ = ["cross", "largest", "magnitude", "sign", "size_power", "turn_rate", "zero_where"]
 
 # `power_of_two_below` overflows from 2^971 on; a size that underflows counts as LEAST_SIZE.
 SCALE_UP, SCALE_DOWN, LEAST_SIZE = 2.0**60, 2.0**-60, 2.0**-1000
@@ -59,9 +59,15 @@ def as_given(takes: bool = True) -> Iterator[None]:
 
 
 @inlined
-def _scaled_magnitude(x: Any, y: Any) -> Any:
+def size_power(x: Any, y: Any) -> Any:
+    """Return a power of two near the size of a vector, whatever that is."""
     size = SCALE_UP * power_of_two_below(SCALE_DOWN * abs(x) + SCALE_DOWN * abs(y))
-    size = select(size == 0.0, LEAST_SIZE, size)
+    return select(size == 0.0, LEAST_SIZE, size)
+
+
+@inlined
+def _scaled_magnitude(x: Any, y: Any) -> Any:
+    size = size_power(x, y)
     # Exact, as the size is a power of two: one division takes the place of two here, and of four in derivatives.
     per_size = 1.0 / size
     u = x * per_size

@@ -11,6 +11,7 @@ from fastlink.mechanisms.minkowski_4r import (  # noqa: F401 (they declare its f
     keywords,
     limits,
     position,
+    printed,
     rates,
     sextic,
     types,

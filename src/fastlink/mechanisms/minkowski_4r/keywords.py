@@ -26,4 +26,12 @@ minkowski_4r.also_called(
     linkage_type="class",
     status="feasible, feasibility, valid, assembles, assembly",
     loop_residual="closure error",
+    coefficient_A="A, A(theta)",
+    coefficient_B="B, B(theta)",
+    coefficient_C="C, C(theta)",
+    r_AX="r, AX",
+    s_BX="s, BX",
+    lambda_AX="lambda",
+    mu_BX="mu",
+    psi_remark="Remark",
 )
