@@ -151,3 +151,16 @@ def test_verification_takes_lengths_as_they_are():
     # its bound says so, and codes say what counts as zero
     assert result.attrs["verify_mismatches"] == 0
     assert result["grashof_class"].values == 8
+
+
+def test_verification_of_extremes_takes_lengths_as_they_are_and_the_number_of_extremes_as_meant():
+    names = ["transmission_angle_min", "omega4_max", "omega4_extrema", "alpha4_max", "grashof_excess_trust"]
+    result = fl.sweep("planar_4r", fl.grid(**ISSUE, omega1=1.0), names, branch=2, verify=1)
+    assert result["transmission_angle_min"].values == 0.0
+    assert result["transmission_angle_min"].attrs["error_max_relative"] == 1.0  # as given it is not 0
+    assert result["omega4_extrema_count"].values == 0
+    assert result.attrs["verify_mismatches"] == 0
+    assert result["grashof_excess_trust"].values == 1  # the flag of such a design
+    exact = ISSUE | {"a1": 0.5, "a2": 1.25, "a3": 0.75, "a4": 1.0}
+    found = fl.evaluate("planar_4r", ["grashof_excess", "grashof_excess_trust"], theta1=1.0, **exact)
+    assert (found["grashof_excess"], found["grashof_excess_trust"]) == (0.0, 0.0)

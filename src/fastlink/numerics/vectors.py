@@ -17,7 +17,7 @@ __all__ = ["cross", "largest", "magnitude", "sign", "size_power", "turn_rate", "
 # `power_of_two_below` overflows from 2^971 on; a size that underflows counts as LEAST_SIZE.
 SCALE_UP, SCALE_DOWN, LEAST_SIZE = 2.0**60, 2.0**-60, 2.0**-1000
 
-_AS_GIVEN = ContextVar("as_given", default=False)
+_AS_GIVEN: ContextVar[list[Any] | None] = ContextVar("as_given", default=None)
 
 
 @inlined
@@ -45,15 +45,24 @@ def zero_where(condition: Any, x: Any) -> Any:
 
     What this leaves out is an error, which `fastlink.symbolic.error_propagation` counts. See `as_given`, too.
     """
-    return x if _AS_GIVEN.get() else _zero_where(condition, x)
+    left_out = _AS_GIVEN.get()
+    if left_out is None:
+        return _zero_where(condition, x)
+    if context_of(x) is not None and condition and x != 0:
+        left_out.append(x)
+    return x
 
 
 @contextmanager
-def as_given(takes: bool = True) -> Iterator[None]:
-    """Let `zero_where` return x itself, in evaluations without a kernel."""
-    token = _AS_GIVEN.set(takes)
+def as_given(takes: bool = True) -> Iterator[list[Any]]:
+    """Let `zero_where` return x itself, in evaluations without a kernel.
+
+    Yields a list, which is filled with the numbers of mpmath that would have been zero.
+    """
+    left_out: list[Any] = []
+    token = _AS_GIVEN.set(left_out if takes else None)
     try:
-        yield
+        yield left_out
     finally:
         _AS_GIVEN.reset(token)
 

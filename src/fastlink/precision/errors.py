@@ -53,6 +53,7 @@ class MeasuredErrors:
         condition: Any = None,
         terms: float = 0.0,
         bound: Callable[[], float] | None = None,
+        zeroed: object = False,
     ) -> None:
         """Compare a value.
 
@@ -66,11 +67,13 @@ class MeasuredErrors:
             The size of such a quantity of such a design, against which the error of a value that vanishes is measured.
         bound : callable, optional
             Returns the error bound: a value that is wrong by more is a mismatch.
+        zeroed : object
+            True if a gap counts as zero, which decides whether there is a number: then neither reading is wrong.
         """
         self.values += 1
         finite = bool(np.isfinite(value)), bool(CONTEXT.isfinite(exact))
         if not all(finite):
-            self.mismatches += int(any(finite))
+            self.mismatches += int(any(finite) and not zeroed)
             return
         error, least = abs(CONTEXT.mpf(value) - exact), VANISHES * terms
         vanishes = abs(exact) <= least and terms != 0.0

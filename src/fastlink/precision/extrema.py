@@ -73,22 +73,21 @@ def refined(sample: Sample, outputs: Sequence[Output], share: int) -> dict[str, 
         part: MeasuredErrors(METHOD, TURN if _is_position(output) else 0) for part, output in parts.items()
     }
     count = affordable(sample, quantity, share, outputs)
-    stationary = Stationary(
-        sample.catalogue,
-        quantity,
-        {name: column[:count] for name, column in sample.inputs.items()},
-        sample.branches[:count],
-        sample.plan.variants,
-    )
+    inputs = {name: column[:count] for name, column in sample.inputs.items()}
+    designs = sample.catalogue, quantity, inputs, sample.branches[:count], sample.plan.variants
+    stationary = as_meant = Stationary(*designs)
+    zeroed = [stationary.zeroed(design) for design in range(count)]
+    if "value" in parts and any(zeroed):
+        as_meant = Stationary(*designs, zeroes=True)  # which extremes there are is a decision, like a code
     independent = IndependentValues(sample.catalogue, [quantity])
     for design in range(count):
         results = {part: sample.result(output.name, design) for part, output in parts.items()}
         for reduction in _reductions(outputs):
-            exact = _compare_outermost(stationary, design, reduction, results, errors)
+            exact = _compare_outermost(stationary, design, reduction, results, errors, zeroed[design])
             if reduction.suffix in errors:
                 _confirm(sample, design, exact, independent, errors[reduction.suffix])
         if "value" in parts:
-            for exact in _compare_list(stationary, design, results, errors)[:1]:
+            for exact in _compare_list(as_meant, design, results, errors)[: not zeroed[design]]:
                 _confirm(sample, design, exact, independent, errors["value"])
     return {parts[part].name: measured for part, measured in errors.items()}
 
@@ -99,12 +98,13 @@ def _compare_outermost(
     reduction: Reduction,
     results: Mapping[str, Any],
     errors: Mapping[str, MeasuredErrors],
+    zeroed: bool,
 ) -> Extreme:
     value, position = reduction.suffix, f"at {reduction.suffix}"
     near = float(results[position]) if position in results and np.isfinite(results[position]) else None
     exact = outermost(stationary, design, reduction.sign, near=near)
     if value in results:
-        errors[value].add(float(results[value]), exact.value, exact.condition)
+        errors[value].add(float(results[value]), exact.value, exact.condition, zeroed=zeroed)
     if position in results and not (CONTEXT.isnan(exact.position) and CONTEXT.isfinite(exact.value)):
         _add_position(errors[position], float(results[position]), exact)
     return exact

@@ -46,14 +46,16 @@ def values(
     errors = {output.name: MeasuredErrors(FACTS) for output in outputs}
     independent = IndependentValues(sample.catalogue, errors)
     has_numbers = any(output.dtype == "float64" for output in outputs)
-    as_given, zeroed = (sample.facts(names, zeroes=zeroes) for zeroes, names in _by_reading(sample, outputs))
+    as_given, as_meant = (
+        sample.facts(names, zeroes=zeroes) for zeroes, names in _by_reading(sample, outputs)
+    )
     for number in range(configurations(sample, outputs, share)):
         design = number % sample.count
         branch, position = rng.integers(len(sample.plan.branches)), rng.integers(sample.positions.size)
         at = sample.configuration(design, sample.plan.branches[branch], sample.positions[position])
         exact: dict[str, Any] = {}
         condition: dict[str, Any] = {}
-        for facts in (as_given, zeroed):
+        for facts in (as_given, as_meant):
             found = facts.at(at)
             exact |= {name: found[name] for name in facts.names}
             condition |= facts.condition(found, sample.arguments(facts)) if has_numbers else {}
@@ -63,7 +65,8 @@ def values(
             if output.dtype == "float64":
                 terms, bound = sample.terms(output.name, design), partial(sample.bound, output.name, at)
                 nearest = _same_turn(sample, output.name, value, exact[output.name])
-                errors[output.name].add(value, nearest, condition[output.name], terms, bound)
+                zeroed = as_given.left_out
+                errors[output.name].add(value, nearest, condition[output.name], terms, bound, zeroed)
             else:
                 errors[output.name].add_code(value, exact[output.name])
         if number < sample.count:  # each design once
@@ -132,7 +135,8 @@ def sampled(sample: Sample, outputs: Sequence[Output], share: int) -> dict[str, 
                     unit = unit_of(exact, size, sample.terms(quantity, design))
                     measured.add_independent(independent.difference(at, quantity, exact, unit))
             of_quantity = reduction.has_position and not output.request.is_position
-            measured.add(value, exact, size, sample.terms(quantity, design) if of_quantity else 0.0)
+            terms = sample.terms(quantity, design) if of_quantity else 0.0
+            measured.add(value, exact, size, terms, zeroed=of_quantity and facts.left_out)
         errors[output.name] = measured
     return errors
 

@@ -52,6 +52,11 @@ class HighPrecision:
     zeroes : bool
         Whether a gap within the rounding of the lengths is zero, as in doubles; else the inputs are taken as they are.
 
+    Attributes
+    ----------
+    left_out : list of number
+        The gaps that count as zero in doubles, but were taken as they are by the last call of `at`.
+
     Examples
     --------
     >>> from fastlink.mechanisms import catalogue
@@ -72,6 +77,7 @@ class HighPrecision:
         zeroes: bool = False,
     ) -> None:
         self.zeroes = zeroes
+        self.left_out: list[Any] = []
         self.catalogue, self.names = catalogue, tuple(names)
         given = tuple(given)
         self.position = catalogue.position.name
@@ -84,12 +90,14 @@ class HighPrecision:
     def at(self, values: Mapping[str, Any]) -> dict[str, Any]:
         """Return every value of the dependencies at one configuration."""
         known = {name: CONTEXT.mpf(value) for name, value in values.items()}
-        return self._follow(known, self.position if self.position in known else "", self.steps)
+        with as_given(not self.zeroes) as self.left_out:
+            return self._follow(known, self.position if self.position in known else "", self.steps)
 
     def moved(self, base: Mapping[str, Any], changes: Mapping[str, Any]) -> dict[str, Any]:
         """Return every value of the dependencies with some given values changed."""
         changed = self.position if self.position in changes else ""
-        return self._follow({**base, **changes}, changed, self.steps_after(*changes))
+        with as_given(not self.zeroes):
+            return self._follow({**base, **changes}, changed, self.steps_after(*changes))
 
     def condition(self, base: Mapping[str, Any], inputs: Iterable[str]) -> dict[str, Any]:
         """Return the sum of |x df/dx| over inputs x, for each name f."""
@@ -104,7 +112,7 @@ class HighPrecision:
         return sums
 
     def _follow(self, known: dict[str, Any], changed: str, steps: Iterable[Fact | System]) -> dict[str, Any]:
-        with CONTEXT.workprec(CONTEXT.prec + self._bits_of_small(known)), as_given(not self.zeroes):
+        with CONTEXT.workprec(CONTEXT.prec + self._bits_of_small(known)):
             if changed == self.position:
                 known |= tables_at(self.catalogue, known[changed], self.tables)
             for step in steps:

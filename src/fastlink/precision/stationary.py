@@ -78,6 +78,8 @@ class Stationary:
         The assembly mode of each.
     variants : sequence of str
         The selected variants.
+    zeroes : bool
+        Whether a gap within the rounding of the lengths is zero, see `HighPrecision`.
 
     Attributes
     ----------
@@ -92,6 +94,8 @@ class Stationary:
         inputs: Mapping[str, NDArray[Any]],
         branches: NDArray[Any],
         variants: Sequence[str] = (),
+        *,
+        zeroes: bool = False,
     ) -> None:
         graded = catalogue.graded
         assert graded is not None
@@ -100,9 +104,8 @@ class Stationary:
         self.slope = derivative_name(quantity, self.position)
         self.inputs = {**inputs, "branch": branches}
         self.variants = (graded.name, *variants)
-        self.facts = HighPrecision(
-            catalogue, (quantity, self.position), (*self.inputs, *graded.coordinates), self.variants
-        )
+        given = (*self.inputs, *graded.coordinates)
+        self.facts = HighPrecision(catalogue, (quantity, self.position), given, self.variants, zeroes=zeroes)
         self.movable = [n for n in inputs if not catalogue.known_inputs(variants)[n].choices]
         self._sample()
         self.candidates = self._candidates()
@@ -115,7 +118,7 @@ class Stationary:
         """Return facts of designs at signed x from the lower ends, or upper where `high`."""
         values: dict[str, Any] = {name: column[designs] for name, column in self.inputs.items()}
         values |= zip(self.graded.coordinates, _leaves(x, high), strict=True)
-        with np.errstate(all="ignore"), as_given():
+        with np.errstate(all="ignore"), as_given(not self.facts.zeroes):
             facts = read_facts(self.catalogue, names, values, self.variants)
         return [np.broadcast_to(facts[name], x.shape) for name in names]
 
@@ -179,6 +182,12 @@ class Stationary:
         # the input angle grows with x counted from the lower end, and falls with that from the upper end
         kinds = np.sign(before - after) * np.where(end == 1, -1, 1)
         return [middle.tolist(), values.tolist(), kinds.astype(int).tolist()]
+
+    def zeroed(self, design: int) -> bool:
+        """Tell whether a gap of a design counts as zero in doubles, but not here."""
+        values = {name: column[design] for name, column in self.inputs.items()}
+        self.facts.at(values | self._leaves_at(0, CONTEXT.mpf(1)))
+        return bool(self.facts.left_out)
 
     def size(self, design: int) -> float:
         """Return the usual size of the quantity: values far below it are noise."""
