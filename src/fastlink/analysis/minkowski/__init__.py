@@ -16,6 +16,7 @@ from fastlink.analysis.minkowski.plane import (
     rapidity,
     scalar_product,
 )
+from fastlink.analysis.minkowski.tables import linkage_table
 from fastlink.analysis.minkowski.triangles import (
     PureTriangle,
     cosine_rule,
@@ -33,6 +34,7 @@ __all__ = [
     "cosine_rule",
     "cosine_rule_angle",
     "hyperbolic_angle",
+    "linkage_table",
     "motion",
     "moved",
     "multiply",
