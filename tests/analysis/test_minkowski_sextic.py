@@ -183,6 +183,36 @@ def test_without_either_correction_it_does_not_vanish(corrections, vanishes):
     assert np.mean(small) == 1.0 if vanishes else np.mean(small) < 0.1
 
 
+def test_the_circles_of_eq_14_are_those_of_eqs_10_and_11():
+    """Expanded by hand in `coupler_circles`; here as they stand, in null coordinates."""
+    designs = random_designs(58, 20, (SPACELIKE,))
+    tested = 0
+    with mp.workdps(50):
+        for design in designs.T:
+            a, b, g, h, x, y = (mp.mpf(float(value)) for value in design)
+            r = mp.sqrt(x * x - y * y)
+            for X, Y in traced(design, 0.6):
+                X, Y = mp.mpf(float(X)), mp.mpf(float(Y))
+                found = fl.minkowski.coupler_circles(*design, X=float(X), Y=float(Y))
+                size = (abs(X) + abs(Y) + a + b + g + h + abs(x) + abs(y)) ** 2 * (1 + (abs(x) + abs(y)) / r)
+                # Of any unit vector e = AB/h, not only the traced one: A = X - p e and B = X - (p - h) e in turn, whose
+                # circles are C2 - A2 ch - B2 sh and C1 - A1 ch - B1 sh, with lambda the rapidity of p e.
+                for rapidity in (-0.7, 0.0, 1.3):
+                    e = mp.exp(rapidity)
+                    one = (X + Y - (x + y) * e) * (X - Y - (x - y) / e) - a * a
+                    other = (X + Y - (x - h + y) * e - g) * (X - Y - (x - h - y) / e - g) - b * b
+                    lam = rapidity + mp.atanh(y / x)
+                    ch, sh = mp.sign(x) * mp.cosh(lam), mp.sign(x) * mp.sinh(lam)
+                    for true, A, B, C in ((other, *found[:3]), (one, *found[3:])):
+                        value = mp.mpf(float(C)) - mp.mpf(float(A)) * ch - mp.mpf(float(B)) * sh
+                        assert abs(value - true) <= 8 * UNIT_ROUNDING * size * (mp.cosh(lam) + 1)
+                tested += 1
+    assert tested > 50
+    assert np.isnan(fl.minkowski.coupler_circles(1.0, 2.0, 4.0, 1.5, 0.5, 0.5, X=1.0, Y=0.0).A1)
+    with refused("X", "write -1e+25 to 1e+25"):
+        fl.minkowski.coupler_circles(1.0, 2.0, 4.0, 1.5, 0.5, 0.0, X=1e26, Y=0.0)
+
+
 def test_at_any_point_it_is_the_product_over_both_assemblies_with_the_crank():
     """For all causal types: place A on its two circles, B beside it, and ask how far B is from its own circle."""
     designs = random_designs(56, 12)

@@ -3,7 +3,7 @@
 A vector or point is an array with its two coordinates x, y along the last axis, the double number x + j y, j^2 = 1.
 """
 
-from fastlink.analysis.minkowski.coupler_curve import sextic
+from fastlink.analysis.minkowski.coupler_curve import CouplerCircles, coupler_circles, sextic
 from fastlink.analysis.minkowski.motions import boost, motion, moved
 from fastlink.analysis.minkowski.plane import (
     causal_type,
@@ -27,12 +27,14 @@ from fastlink.analysis.minkowski.triangles import (
 )
 
 __all__ = [
+    "CouplerCircles",
     "PureTriangle",
     "boost",
     "causal_type",
     "conjugate",
     "cosine_rule",
     "cosine_rule_angle",
+    "coupler_circles",
     "hyperbolic_angle",
     "linkage_table",
     "motion",

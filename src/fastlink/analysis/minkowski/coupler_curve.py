@@ -2,18 +2,91 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, NamedTuple
+
+import numpy as np
 
 from fastlink.analysis.designs import broadcast, check_lengths
+from fastlink.analysis.minkowski.vectors import number
 from fastlink.analysis.sextics import coupler_sextic
 from fastlink.doors import door
 from fastlink.mechanisms.minkowski_4r import minkowski_4r
 
-__all__ = ["sextic"]
+__all__ = ["CouplerCircles", "coupler_circles", "sextic"]
 
 
 def __dir__() -> list[str]:
     return __all__
+
+
+class CouplerCircles(NamedTuple):
+    """The coefficients of eq. (14): A1 ch(lambda) + B1 sh(lambda) = C1 and A2 ch(lambda) + B2 sh(lambda) = C2.
+
+    Attributes
+    ----------
+    A1, B1, C1 : ndarray
+        Of the circle of B about C, eq. (10) [m^2].
+    A2, B2, C2 : ndarray
+        Of the circle of A about O, eq. (11) [m^2].
+    """
+
+    A1: Any
+    B1: Any
+    C1: Any
+    A2: Any
+    B2: Any
+    C2: Any
+
+
+@door
+def coupler_circles(a: Any, b: Any, g: Any, h: Any, x: Any, y: Any, *, X: Any, Y: Any) -> CouplerCircles:
+    """Return the coefficients of the two circles, eq. (14), that a coupler point at (X, Y) has to meet.
+
+    Hegedues and Moore, section 3.5, with both corrections of docs/minkowski.md: eq. (10) with b, and A1 and B1 as the
+    coefficients of ch and sh. The elimination of lambda, the rapidity of AX, is `sextic`.
+
+    Parameters
+    ----------
+    a, b, g, h : float or array_like
+        Hyperbolic lengths of OA, CB, OC and AB [m].
+    x, y : float or array_like
+        The coupler point in the frame at A with its first axis along AB [m], AX spacelike (abs(x) > abs(y)), BX of any
+        causal type.
+    X, Y : float or array_like
+        A point of the ground frame [m]. All broadcast.
+
+    Returns
+    -------
+    CouplerCircles
+        Arrays A1 to C2, right to 8 roundings of the sizes of their terms; NaN where AX is not spacelike. They hold with
+        (ch(lambda), sh(lambda)) for a future-pointing AX, and its opposite for a past-pointing one.
+
+    Raises
+    ------
+    InputError
+        A length is not in 1e-25 ... 1e25, a coordinate not in -1e25 ... 1e25, or they do not broadcast.
+
+    Examples
+    --------
+    >>> import fastlink as fl
+    >>> found = fl.minkowski.coupler_circles(1.0, 2.0, 4.0, 1.5, -1.0, 0.5, X=9.0, Y=8.5)
+    >>> float(found.C2), round(float(found.A2), 12) == round(2 * 0.75**0.5 * 9.0, 12)
+    (8.5, True)
+    """
+    declared = [minkowski_4r.inputs[name] for name in "abghxy"]
+    declared += [number(name, "coordinate of the point", "m") for name in "XY"]
+    numbers = broadcast("coupler_circles", declared, a, b, g, h, x, y, X, Y)
+    check_lengths("coupler_circles", declared, numbers)
+    a, b, g, h, x, y, X, Y = numbers
+    with np.errstate(invalid="ignore"):
+        r = np.where(abs(x) > abs(y), np.sqrt((x - y) * (x + y)), np.nan)
+    end = x - h
+    s_ch, s_sh = (x * end - y * y) / r, h * y / r  # s ch(gamma) and s sh(gamma)
+    from_C = X - g
+    A1, B1 = 2.0 * (from_C * s_ch - Y * s_sh), 2.0 * (from_C * s_sh - Y * s_ch)
+    C1 = (from_C - Y) * (from_C + Y) - b * b + (end - y) * (end + y)
+    C2 = (X - Y) * (X + Y) - a * a + r * r
+    return CouplerCircles(A1, B1, C1, 2.0 * r * X, -2.0 * r * Y, C2)
 
 
 @door
