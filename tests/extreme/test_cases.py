@@ -11,15 +11,6 @@ from tests.extreme.mechanisms import MECHANISMS
 from tests.extreme.planar import PLANAR_4R
 
 FAMILIES = [(name, family) for name, mechanism in MECHANISMS.items() for family in mechanism.families]
-#: Quantities that are wrong in a case as yet, and why.
-KNOWN = {
-    (
-        "focal",
-        "scales",
-        "rho times 1e-08, 0",
-        "chi",
-    ): "A and F nearly coincide: FA is taken as a difference of MF and MA",
-}
 STRESS = pytest.param(True, marks=pytest.mark.stress, id="full")
 
 
@@ -37,26 +28,10 @@ def test_what_comes_out(name, family, full):
             assert case.status in (None, flags[int(values["status"])]), case.name
             result = outcomes(mechanism, case, branch, values)
             wrong = {quantity: outcome for quantity, outcome in result.items() if not outcome.right}
-            wrong = {of: what for of, what in wrong.items() if (name, family, case.name, of) not in KNOWN}
             assert not wrong, (case.name, branch)
             seen.update(outcome.what for outcome in result.values())
     assert "value" in seen
     assert "underflow" not in seen
-
-
-@pytest.mark.parametrize(
-    ("name", "family", "case", "quantity"),
-    [
-        pytest.param(*key, marks=pytest.mark.xfail(strict=True, reason=reason))
-        for key, reason in KNOWN.items()
-    ],
-)
-def test_what_is_known_to_be_wrong(name, family, case, quantity):
-    mechanism = MECHANISMS[name]
-    (found,) = (one for one in mechanism.families[family](False) if one.name == case)
-    for branch, values in evaluated(mechanism, [found]).items():
-        one = {quantity: array[0] for quantity, array in values.items()}
-        assert outcomes(mechanism, found, branch, one)[quantity].right
 
 
 @pytest.mark.parametrize("name", MECHANISMS)

@@ -1,11 +1,14 @@
 """The focal mechanism of Burmester, after Wunderlich."""
 
 from fastlink.mechanisms.focal import (  # noqa: F401 (they declare its facts)
+    angles,
     by_crank,
     circles,
     completion,
+    coupler,
     crank,
     crank_graded,
+    crossings,
     design_facts,
     dyad,
     four_bar,

@@ -24,7 +24,7 @@ from fastlink.mechanisms._shared.reuse import borrow_tables
 from fastlink.mechanisms.focal.by_crank import by_crank
 from fastlink.mechanisms.focal.dyad import DYAD
 from fastlink.mechanisms.focal.inputs import WUNDERLICH
-from fastlink.mechanisms.focal.points import FIGURES, POSITION, declare_fifth, declare_T
+from fastlink.mechanisms.focal.points import FIGURES, POSITION
 from fastlink.mechanisms.planar_4r import planar_4r
 from fastlink.numerics.elementary import sqrt
 
@@ -74,19 +74,9 @@ def omega_sign(branch: Any) -> Any:
 # -- u, v, e ------------------------------------------------------------------------------------------------------
 
 
-@by_crank.quantity(units="1", symbol="z_x", source=f"{WUNDERLICH}, eq. (1.7)", internal=True)
-def MF_x(s_s: Any, s_r: Any, g_x: Any) -> Any:
-    """Vector from M to F, scaled, x."""
-    return s_s + s_r * g_x
-
-
-@by_crank.quantity(units="1", symbol="(z - d)_x", source=f"{WUNDERLICH}, eq. (1.7)", internal=True)
-def NF_x(s_SN: Any, s_r: Any, g_x: Any) -> Any:
-    """Vector from N to F, scaled, x."""
-    return s_r * g_x - s_SN
-
-
 step = by_crank.steps(units="1", source=f"{WUNDERLICH}, eq. (1.7)")
+step(mixed, "MF_x", "z_x", "Vector from M to F, scaled, x", at_0="MF_at_0", at_pi="MF_at_pi")
+step(mixed, "NF_x", "(z - d)_x", "Vector from N to F, scaled, x", at_0="NF_at_0", at_pi="NF_at_pi")
 step(product, "MF_y", "z_y", "Vector from M to F, scaled, y", x="s_r", y="g_y")
 
 
@@ -101,9 +91,7 @@ step(swing, "swing_N", "(n + q w)_x", of_sine="N_of_sine", of_cosine="N_of_cosin
 step(total, "dyad_M_x", "(m - p w)_x", "F seen from M, scaled, along MP", x="straight_M", y="swing_M")
 step(total, "dyad_N_x", "(n + q w)_x", "F seen from N, scaled, along NQ", x="straight_N", y="swing_N")
 across = by_crank.steps(units="1", source=f"{WUNDERLICH}, eq. (1.3)")
-across(
-    opposite_product, "dyad_M_y", "(m - p w)_y", "F seen from M and MP, scaled, across MP", x="s_p", y="w_y"
-)
+across(opposite, "dyad_M_y", "(m - p w)_y", "F seen from M and MP, scaled, across MP", x="MF_across")
 across = by_crank.steps(units="1", source=f"{WUNDERLICH}, eq. (1.4)")
 across(product, "dyad_N_y", "(n + q w)_y", "F seen from N and NQ, scaled, across NQ", x="s_q", y="w_y")
 
@@ -136,17 +124,6 @@ def declare_rocker(name: str, pivot: str, rocker: str, bar: str) -> None:
 declare_rocker("u", "M", "MA", "s_p")
 declare_rocker("v", "N", "NB", "s_q")
 
-declare_fifth(by_crank, "e", "AB", "g", "w")
-
-
-@by_crank.quantity(units="m", symbol="FT", source=POSITION, internal=True)
-def FT_along(FT: Any, ratio_sign: Any, crank_sign: Any) -> Any:
-    """Distance of T from F along u v w."""
-    return -(ratio_sign * crank_sign) * FT
-
-
-declare_T(by_crank, "F", "FT_along", "uwv")
-
 # -- angles --------------------------------------------------------------------------------------------------
 
 direction = by_crank.quantities(units="rad", source=FIGURES)
@@ -157,20 +134,22 @@ direction(angle, "psi", "psi", "Direction of NB in the ground frame", x="v_x", y
 
 
 def rate(
-    s_r: Any, base: Any, g_x: Any, g_y: Any, x: Any, y: Any, straight_lever: Any, swing: Any, bar: Any,
-    per_half_sine: Any, omega_sign: Any,
+    s_r: Any, base: Any, g_y: Any, x: Any, y: Any, at_0: Any, C: Any, at_pi: Any, Z: Any,
+    straight_lever: Any, swing: Any, bar: Any, per_half_sine: Any, omega_sign: Any,
 ) -> Any:  # fmt: skip
     """Return how fast a rocker turns: as the line from its pivot to F, and as omega changes."""
     lever = straight_lever + swing / bar
     turning = omega_sign * ((0.5 * base) * (g_y * lever) * per_half_sine)
-    return s_r * ((s_r + base * g_x) + turning) / (x * x + y * y)
+    along_crank = at_0 * C - at_pi * Z
+    return s_r * (along_crank + turning) / (x * x + y * y)
 
 
 def declare_rate(name: str, pivot: str, rocker: str, base: str, bar: str) -> None:
     """Declare how fast a rocker turns."""
     ratio = f"d{name}_dsigma"
     labels = ratio, f"d {name}/d sigma", f"Angular velocity of {rocker} over that of the crank SF"
-    given = {"base": base, "bar": bar, "x": f"{pivot}F_x", "y": "MF_y", "swing": f"swing_{pivot}"}
+    given = {"at_0": f"{pivot}F_at_0", "at_pi": f"{pivot}F_at_pi"}
+    given |= {"base": base, "bar": bar, "x": f"{pivot}F_x", "y": "MF_y", "swing": f"swing_{pivot}"}
     quantity = by_crank.quantities(units="1", source=POSITION)
     quantity(rate, *labels, straight_lever=f"straight_lever_{pivot}", **given)
     velocity = by_crank.quantities(units="rad s-1", source=POSITION)

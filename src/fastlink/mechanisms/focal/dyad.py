@@ -149,22 +149,22 @@ def lambda_q(root_rho: Any, root_x: Any, s_a: Any) -> Any:
 
 @focal.quantity(units="1", symbol="m -+ p", source=DYAD, internal=True)
 def straight_M(
-    near_crank: Any, s_m: Any, s_p: Any, P_sign: Any, V: Any, rho: Any, rho_plus_1: Any,
+    x: Any, s_m: Any, s_p: Any, P_sign: Any, V: Any, rho: Any, rho_plus_1: Any,
     s_a: Any, s_b: Any, lambda_p: Any,
 ) -> Any:  # fmt: skip
     """Difference of m and p, or sum where they have not one sign; of their product where P is far away."""
     product = V / rho_plus_1 - rho * (s_b * s_b)
-    return select(near_crank == 1.0, product / (s_a + abs(lambda_p)), s_m - P_sign * s_p)
+    return select(x < -0.5, product / (s_a + abs(lambda_p)), s_m - P_sign * s_p)
 
 
 @focal.quantity(units="1", symbol="n +- q", source=DYAD, internal=True)
 def straight_N(
-    near_crank: Any, s_n: Any, s_q: Any, lambda_sign: Any, V: Any, rho: Any, rho_plus_1: Any,
+    x: Any, s_n: Any, s_q: Any, lambda_sign: Any, V: Any, rho: Any, rho_plus_1: Any,
     s_a: Any, s_b: Any, lambda_q: Any,
 ) -> Any:  # fmt: skip
     """Difference of n and q, or sum where they have not one sign; of their product where Q is far away."""
     product = (V / rho_plus_1 - s_a * s_a) / rho
-    return select(near_crank == 1.0, product / (s_b + abs(lambda_q)), s_n - lambda_sign * s_q)
+    return select(x < -0.5, product / (s_b + abs(lambda_q)), s_n - lambda_sign * s_q)
 
 
 def where_positive(sign: Any, length: Any) -> Any:
@@ -196,5 +196,4 @@ def straight_lever_N(straight_N: Any, s_n: Any, lambda_sign: Any) -> Any:
     return lambda_sign * straight_N / s_n
 
 
-step(opposite, "s_NS", "-(d - s)", "Scaled distance from N to S along MN", x="s_SN")
 step(opposite, "minus_s_q", "-q", "Minus the scaled length QF", x="s_q")

@@ -1,35 +1,36 @@
-"""Facts of the joint F: its vector z from M, by way of S or of P.
+"""Facts of the joint F: its vectors from M, N and S, each by way of the joint in between that is nearest.
 
-One of both may be far away: S where rho nears -1, P where lambda nears 0. So F is computed from S where that is nearer
-to M and F than P is, else from P; the lengths of the other way count as 0.
+Every pivot has two bars to F: from M by way of P (m, p) or of S (s, r), from N by way of Q (n, q) or of S. A
+sum of two bars has the rounding of the longer one, and F may be next to M (rho near 0) or to N (rho large),
+while P and Q (lambda near 0) or S (rho near -1) are far away. So from each pivot the shorter way is taken,
+and the place of F is that from the pivot whose way is shorter; the lengths of the other ways count as 0.
 """
 
 from __future__ import annotations
 
 from typing import Any
 
-from fastlink.mechanisms._shared.laws import angle, product, same
-from fastlink.mechanisms.focal.by_crank import either, steps
+from fastlink.mechanisms._shared.laws import angle, opposite, same
+from fastlink.mechanisms.focal.by_crank import steps
 from fastlink.mechanisms.focal.inputs import WUNDERLICH, focal
 from fastlink.mechanisms.focal.points import FIGURES, POSITION
-from fastlink.numerics.elementary import atan2, select, sqrt
+from fastlink.numerics.elementary import select, sqrt
 
 
-@focal.quantity(units="1", symbol="|s| + r < |m|, |p|", source=POSITION, internal=True)
-def near_crank(s_s: Any, s_r: Any, s_m: Any, s_p: Any) -> Any:
-    """1 where S is nearer to M and F than P is, else 0."""
-    reach = abs(s_s) + s_r
-    return select((reach < abs(s_m)) & (reach < abs(s_p)), 1.0, 0.0)
+def whether_nearer(one: Any, two: Any, far: Any, other: Any) -> Any:
+    """1 where a way of two lengths is shorter than each of two others, else 0."""
+    reach = abs(one) + abs(two)
+    return select((reach < abs(far)) & (reach < abs(other)), 1.0, 0.0)
 
 
-def of_crank(near_crank: Any, length: Any) -> Any:
-    """A length where F is computed from S, else 0."""
-    return select(near_crank == 1.0, length, 0.0)
+def where(way: Any, length: Any) -> Any:
+    """Return a length of a way that is taken, else 0."""
+    return select(way == 1.0, length, 0.0)
 
 
-def of_dyad(near_crank: Any, length: Any) -> Any:
-    """A length where F is computed from P, else 0."""
-    return select(near_crank == 1.0, 0.0, length)
+def unless(way: Any, length: Any) -> Any:
+    """Return a length where another way is not taken, else 0."""
+    return select(way == 1.0, 0.0, length)
 
 
 @focal.quantity(units="1", symbol="d - s", source=f"{WUNDERLICH}, eq. (1.9)", internal=True)
@@ -39,64 +40,53 @@ def s_SN(s_d: Any, rho_plus_1: Any) -> Any:
 
 
 step = focal.steps(units="1", source=POSITION)
-step(of_crank, "near_s", "s_s", length="s_s")
-step(of_crank, "near_r", "s_r", length="s_r")
-step(of_crank, "near_SN", "s_SN", length="s_SN")
-step(of_dyad, "near_m", "s_m", length="s_m")
-step(of_dyad, "near_n", "s_n", length="s_n")
-step(of_dyad, "near_p", "s_p", length="s_p")
-step(of_dyad, "near_q", "s_q", length="s_q")
-step(of_dyad, "far_s", "s_s", length="s_s")
+_NEAR = "1 where S is nearer to {0} and F than {1} is, else 0"
+step(
+    whether_nearer, "near_crank", "|s| + r < |m|, |p|", _NEAR.format("M", "P"),
+    one="s_s", two="s_r", far="s_m", other="s_p",
+)  # fmt: skip
+step(
+    whether_nearer, "near_crank_N", "|d - s| + r < |n|, |q|", _NEAR.format("N", "Q"),
+    one="s_SN", two="s_r", far="s_n", other="s_q",
+)  # fmt: skip
+by_S, by_S_N = {"way": "near_crank"}, {"way": "near_crank_N"}
+step(where, "near_s", "s_s", length="s_s", **by_S)
+step(where, "near_r", "s_r", length="s_r", **by_S)
+step(unless, "near_m", "s_m", length="s_m", **by_S)
+step(unless, "near_p", "s_p", length="s_p", **by_S)
+step(where, "near_SN", "s_SN", length="s_SN", **by_S_N)
+step(where, "near_r_N", "s_r", length="s_r", **by_S_N)
+step(unless, "near_n", "s_n", length="s_n", **by_S_N)
+step(unless, "near_q", "s_q", length="s_q", **by_S_N)
 
-# -- z by S; 0 where it is computed from P ------------------------------------------------------------------------
+# -- by way of S; 0 where that is not taken ----------------------------------------------------------------------
 
 
-@either(units="1", symbol="z_x", source=f"{WUNDERLICH}, eq. (1.7)", internal=True)
-def by_S_x(near_s: Any, near_r: Any, g_x: Any) -> Any:
-    """Vector from M to F by way of S, x."""
-    return near_s + near_r * g_x
+def by_S_along(start: Any, length: Any, g: Any) -> Any:
+    """Return a component of the vector from M or N to F by way of S."""
+    return start + length * g
 
 
-@either(units="1", symbol="z_x - d", source=f"{WUNDERLICH}, eq. (1.7)", internal=True)
-def from_N_by_S_x(near_SN: Any, near_r: Any, g_x: Any) -> Any:
-    """Vector from N to F by way of S, x."""
-    return near_r * g_x - near_SN
+def by_S_across(length: Any, g: Any) -> Any:
+    """Return the component of that vector across MN."""
+    return length * g
 
 
 step = steps(units="1", source=f"{WUNDERLICH}, eq. (1.7)")
-step(product, "by_S_y", "z_y", "Vector from M or N to F by way of S, y", x="near_r", y="g_y")
-
-# -- angles that F encloses ---------------------------------------------------------------------------------------
-
-
-@either(units="rad", symbol="alpha", source=f"{WUNDERLICH}, eq. (4.2)")
-def alpha(
-    near_q: Any, near_n: Any, w_x: Any, w_y: Any, from_N_by_S_x: Any, by_S_y: Any, h_x: Any, h_y: Any
-) -> Any:
-    """Angle from FN to FQ, and from AP to AF."""
-    x = (near_q + near_n * w_x) + (h_x * from_N_by_S_x + h_y * by_S_y)
-    y = near_n * w_y + (h_y * from_N_by_S_x - h_x * by_S_y)
-    return atan2(y + 0.0, x)
-
-
-@either(units="rad", symbol="beta", source=f"{WUNDERLICH}, eq. (4.1)")
-def beta(
-    ratio_sign: Any, near_p: Any, near_m: Any, w_x: Any, w_y: Any, by_S_x: Any, by_S_y: Any, f_x: Any,
-    f_y: Any,
-) -> Any:  # fmt: skip
-    """Angle from FP to FM, and from BF to BQ."""
-    x = (near_p - near_m * w_x) - (by_S_x * f_x + by_S_y * f_y)
-    y = near_m * w_y + (by_S_x * f_y - by_S_y * f_x)
-    return atan2(ratio_sign * y + 0.0, ratio_sign * x)
-
-
-@either(units="rad", symbol="chi", source=f"{WUNDERLICH}, eq. (4.3)")
-def chi(MF_x: Any, MF_y: Any, s_a: Any, u_x: Any, u_y: Any) -> Any:
-    """Angle from FA to FM; from FN to FB it is pi - chi, or -chi where rho is negative."""
-    x = MF_x * (MF_x - s_a * u_x) + MF_y * (MF_y - s_a * u_y)
-    y = s_a * (MF_x * u_y - MF_y * u_x)
-    return atan2(y + 0.0, x)
-
+step(opposite, "near_NS", "s - d", "Scaled distance from N to S, where that way is taken", x="near_SN")
+_FROM = "Vector from {} to F by way of S, {}"
+step(by_S_along, "by_S_x", "z_x", _FROM.format("M", "x"), start="near_s", length="near_r", g="g_x")
+step(by_S_across, "by_S_y", "z_y", _FROM.format("M", "y"), length="near_r", g="g_y")
+step(
+    by_S_along,
+    "from_N_by_S_x",
+    "z_x - d",
+    _FROM.format("N", "x"),
+    start="near_NS",
+    length="near_r_N",
+    g="g_x",
+)
+step(by_S_across, "from_N_by_S_y", "z_y", _FROM.format("N", "y"), length="near_r_N", g="g_y")
 
 # -- driven by the rocker -----------------------------------------------------------------------------------------
 
@@ -121,10 +111,18 @@ def near_per_p(near_crank: Any, s_p: Any) -> Any:
 focal.steps(units="1", source=POSITION)(whether_far, "far_crank", "1")
 
 
+@focal.quantity(units="1", symbol="sin(MA, SF)", source=POSITION, internal=True)
+def sine_of_crank(
+    crank_sign: Any, sine_B: Any, e_x: Any, e_y: Any, v_x: Any, v_y: Any, closing_x: Any, closing_sine: Any
+) -> Any:
+    """Sine of the angle from MA to SF, which is -k v w/e."""
+    return -crank_sign * (sine_B * closing_x + (e_x * v_x + e_y * v_y) * closing_sine)
+
+
 @focal.quantity(units="1", symbol="sin omega", source=f"{WUNDERLICH}, eq. (1.3)", internal=True)
-def by_S_sine(near_per_p: Any, by_S_x: Any, by_S_y: Any, u_x: Any, u_y: Any) -> Any:
+def by_S_sine(near_per_p: Any, near_s: Any, near_r: Any, sine_of_crank: Any, u_y: Any) -> Any:
     """Sine of omega by way of S: the height of F over MP, over p."""
-    return near_per_p * (by_S_x * u_y - by_S_y * u_x)
+    return near_per_p * (near_s * u_y - near_r * sine_of_crank)
 
 
 @focal.quantity(units="1", symbol="cos omega", source=f"{WUNDERLICH}, eqs. (1.3), (1.4)", internal=True)
@@ -135,26 +133,80 @@ def w_x(far_crank: Any, closing_x: Any, near_P_sign: Any, by_S_sine: Any) -> Any
 
 
 @focal.quantity(units="1", symbol="sin omega", source=f"{WUNDERLICH}, eqs. (1.3), (1.4)", internal=True)
-def w_y(far_crank: Any, closing_y: Any, by_S_sine: Any) -> Any:
+def w_y(far_crank: Any, closing_sine: Any, by_S_sine: Any) -> Any:
     """Sine of omega."""
-    return far_crank * closing_y + by_S_sine
+    return far_crank * closing_sine + by_S_sine
 
 
-def from_M(by_S: Any, near_m: Any, u: Any, near_p: Any, f: Any) -> Any:
-    """Return a component of the vector from M to F by way of S, or of P."""
-    return by_S + (near_m * u - near_p * f)
+# -- its place, from the pivot whose way is shorter ----------------------------------------------------------------
 
 
-step = focal.steps(units="1", source=f"{WUNDERLICH}, eqs. (1.3), (1.7)")
-step.vector(from_M, "MF_*", "z_*", "Vector from M to F, scaled", by_S="by_S_*", u="u_*", f="f_*")
+@focal.quantity(units="1", symbol="NF < MF", source=POSITION, internal=True)
+def near_N(
+    near_s: Any, near_m: Any, near_p: Any, near_SN: Any, near_r: Any, near_r_N: Any, near_n: Any, near_q: Any
+) -> Any:
+    """1 where the way from N to F is shorter than that from M, else 0."""
+    from_M = (abs(near_s) + near_r) + (abs(near_m) + abs(near_p))
+    from_N = (abs(near_SN) + near_r_N) + (abs(near_n) + near_q)
+    return select(from_N < from_M, 1.0, 0.0)
 
 
-@focal.quantity(units="1", symbol="z_x - s", source=POSITION, internal=True)
-def SF_x(far_s: Any, near_r: Any, g_x: Any, near_m: Any, u_x: Any, near_p: Any, f_x: Any) -> Any:
-    """Vector from S to F, scaled, x."""
-    return near_r * g_x + (near_m * u_x - near_p * f_x - far_s)
+def of_nearer(near_N: Any, from_M: Any, from_N: Any) -> Any:
+    """Return a length of the way from M, or of that from N where this is shorter."""
+    return select(near_N == 1.0, from_N, from_M)
 
 
+@focal.quantity(units="1", symbol="MF_0", source=POSITION, internal=True)
+def place_start(near_N: Any, near_s: Any, near_crank_N: Any, s_s: Any, s_d: Any) -> Any:
+    """Where the way to F begins, by way of S at S itself: M, S or N, as seen from M, scaled."""
+    return select(near_N == 1.0, select(near_crank_N == 1.0, s_s, s_d), near_s)
+
+
+@focal.quantity(units="1", symbol="SF_0", source=POSITION, internal=True)
+def crank_start(near_N: Any, near_crank: Any, near_crank_N: Any, s_s: Any, s_SN: Any) -> Any:
+    """Where the way to F begins, as seen from S, scaled."""
+    from_N = select(near_crank_N == 1.0, 0.0, s_SN)
+    return select(near_N == 1.0, from_N, select(near_crank == 1.0, 0.0, -s_s))
+
+
+step = focal.steps(units="1", source=POSITION)
+step(of_nearer, "place_r", "s_r", from_M="near_r", from_N="near_r_N")
+by_P, by_Q = {"way": "near_N"}, {"way": "near_N"}
+step(unless, "place_m", "s_m", length="near_m", **by_P)
+step(unless, "place_p", "s_p", length="near_p", **by_P)
+step(where, "place_n", "s_n", length="near_n", **by_Q)
+step(where, "place_q", "s_q", length="near_q", **by_Q)
+
+
+def way(
+    place_r: Any,
+    g: Any,
+    place_m: Any,
+    u: Any,
+    place_p: Any,
+    f: Any,
+    place_n: Any,
+    v: Any,
+    place_q: Any,
+    h: Any,
+) -> Any:
+    """Return a component of the bars of the shorter way."""
+    return place_r * g + ((place_m * u - place_p * f) + (place_n * v + place_q * h))
+
+
+def way_from(start: Any, way: Any) -> Any:
+    """Return the component along MN of a vector to F."""
+    return start + way
+
+
+step = focal.steps(units="1", source=f"{WUNDERLICH}, eqs. (1.3), (1.4), (1.7)")
+_BARS = {"g": "g_*", "u": "u_*", "f": "f_*", "v": "v_*", "h": "h_*"}
+along_x = {name: bar.replace("*", "x") for name, bar in _BARS.items()}
+along_y = {name: bar.replace("*", "y") for name, bar in _BARS.items()}
+step(way, "way_x", "z_x", "Bars of the shorter way to F, scaled, x", **along_x)
+step(way, "MF_y", "z_y", "Vector from M, N or S to F, scaled, y", **along_y)
+step(way_from, "MF_x", "z_x", "Vector from M to F, scaled, x", start="place_start", way="way_x")
+step(way_from, "SF_x", "z_x - s", "Vector from S to F, scaled, x", start="crank_start", way="way_x")
 angle_of_crank = focal.quantities(units="rad", source=FIGURES)
 angle_of_crank(angle, "sigma", "sigma", "Direction of the crank SF in the ground frame", x="SF_x", y="MF_y")
 

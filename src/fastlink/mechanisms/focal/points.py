@@ -16,49 +16,26 @@ from fastlink.catalogue.catalogue import Catalogue
 from fastlink.mechanisms._shared.laws import along, product, total, turned
 from fastlink.mechanisms.focal.by_crank import either, quantities, steps
 from fastlink.mechanisms.focal.design_facts import length_of
-from fastlink.mechanisms.focal.inputs import DESIGN, WUNDERLICH
-from fastlink.numerics.elementary import atan2
+from fastlink.mechanisms.focal.inputs import DESIGN, WUNDERLICH, focal
+from fastlink.numerics.elementary import atan2, select, sqrt
 
 POSITION = f"{DESIGN}#position"
 FIGURES = f"{WUNDERLICH}, Figs. 1 and 2"
 
 
-# -- directions of PF and QF ----------------------------------------------------------------------------------
+# -- products of directions -----------------------------------------------------------------------------------
 
-step = steps(units="1", source=f"{WUNDERLICH}, eqs. (1.3), (1.4)")
-step.vector(turned, "f_*", "u w", "Direction of PF but for its sign", u="u_x", v="u_y", x="w_x", y="w_y")
-step.vector(turned, "h_*", "v w", "Direction of QF but for its sign", u="v_x", v="v_y", x="w_x", y="w_y")
+
+def declare_products(catalogue: Catalogue, w: str) -> None:
+    """Declare the directions u w of PF and v w of QF but for their signs, u v, and u v w of FT."""
+    step = catalogue.steps(units="1", source=f"{WUNDERLICH}, eqs. (1.3), (1.4)")
+    for made, one, two in (("f", "u", w), ("h", "v", w), ("uv", "u", "v"), ("uwv", "uv", w)):
+        parts = {"u": f"{one}_x", "v": f"{one}_y", "x": f"{two}_x", "y": f"{two}_y"}
+        step.vector(turned, f"{made}_*", f"{made}_*", f"Product of the directions {one} and {two}", **parts)
+
+
 step = steps(units="1", source=POSITION)
 step(total, "QP_x", "x", "Vector from P to Q over c, times lambda, x", x="e_x", y="t")
-
-
-def fifth_x(crank_sign: Any, uwv_x: Any, uwv_y: Any, x: Any, y: Any) -> Any:
-    """First component of e or g from the other one."""
-    return -crank_sign * (uwv_x * x + uwv_y * y)
-
-
-def fifth_y(crank_sign: Any, uwv_x: Any, uwv_y: Any, x: Any, y: Any) -> Any:
-    """Second component of e or g from the other one."""
-    return crank_sign * (uwv_x * y - uwv_y * x)
-
-
-def declare_T(catalogue: Catalogue, start: str, length: str, direction: str) -> None:
-    """Declare T, at a length along a direction from another joint."""
-    T = catalogue.quantities(units="m", source=f"{WUNDERLICH}, eq. (3.2)")
-    T.vector(
-        along, "T_*", "T_*", "Joint T on AB", start=f"{start}_*", length=length, direction=f"{direction}_*"
-    )
-
-
-def declare_fifth(catalogue: Catalogue, name: str, bar: str, other: str, w: str) -> None:
-    """Declare e or g, the direction of `bar`, from the other one of them."""
-    step = catalogue.steps(units="1", source=POSITION)
-    for made, one, two in (("uv", "u", "v"), ("uwv", "uv", w)):
-        parts = {"u": f"{one}_x", "v": f"{one}_y", "x": f"{two}_x", "y": f"{two}_y"}
-        step.vector(turned, f"{made}_*", f"{made}_*", "Product of directions", **parts)
-    from_other = {"x": f"{other}_x", "y": f"{other}_y"}
-    step.vector((fifth_x, fifth_y), f"{name}_*", f"{name}_*", f"Direction of {bar}", **from_other)
-
 
 # -- joints -----------------------------------------------------------------------------------------------------
 
@@ -71,6 +48,57 @@ joint(along, "Q_x", "Q_x", "Joint Q on NB, x", start="d", length="n", direction=
 joint(product, "Q_y", "Q_y", "Joint Q on NB, y", x="n", y="v_y")
 joint = quantities(units="m", source=f"{WUNDERLICH}, eqs. (1.3), (1.7)")
 joint.vector(length_of, "F_*", "F_*", "Joint F", scaled="MF_*")
+
+# -- T, from A or B -----------------------------------------------------------------------------------------------
+
+
+@focal.quantity(units="1", symbol="TB < AT", source=POSITION, internal=True)
+def T_near_B(AT: Any, TB: Any) -> Any:
+    """1 where T is nearer to B than to A, else 0."""
+    return select(abs(TB) < abs(AT), 1.0, 0.0)
+
+
+def unless_near_B(T_near_B: Any, length: Any) -> Any:
+    """Return a length of the way to T by A, where it is taken, else 0."""
+    return select(T_near_B == 1.0, 0.0, length)
+
+
+def where_near_B(T_near_B: Any, length: Any) -> Any:
+    """Return a length of the way to T by B, where it is taken, else 0."""
+    return select(T_near_B == 1.0, length, 0.0)
+
+
+@focal.quantity(units="m", symbol="AT", source=f"{WUNDERLICH}, eq. (3.2)", internal=True)
+def T_along(T_near_B: Any, AT: Any, TB: Any) -> Any:
+    """Distance of T from A along AB, or from B, negative on its side of A."""
+    return select(T_near_B == 1.0, -TB, AT)
+
+
+@focal.quantity(units="m", symbol="TB", source=f"{WUNDERLICH}, eq. (3.2)", internal=True)
+def TB(c: Any, rho_plus_1: Any) -> Any:
+    """Distance of B from T along AB."""
+    return c / rho_plus_1
+
+
+step = focal.steps(units="m", source=f"{WUNDERLICH}, eq. (3.2)")
+step(product, "AT", "AT", "Distance of T from A along AB", x="T_share", y="c")
+step(unless_near_B, "T_a", "a", length="a")
+step(where_near_B, "T_b", "b", length="b")
+step(where_near_B, "T_d", "d", length="d")
+
+
+def T_component(T_a: Any, u: Any, T_b: Any, v: Any, T_along: Any, e: Any) -> Any:
+    """Return a component of the bars from M or N to T."""
+    return (T_a * u + T_b * v) + T_along * e
+
+
+_WAY = "Bars of the shorter way to T, x"
+steps(units="m", source=f"{WUNDERLICH}, eq. (3.2)")(
+    T_component, "T_way_x", "T_x", _WAY, u="u_x", v="v_x", e="e_x"
+)
+joint = quantities(units="m", source=f"{WUNDERLICH}, eq. (3.2)")
+joint(total, "T_x", "T_x", "Joint T on AB, x", x="T_d", y="T_way_x")
+joint(T_component, "T_y", "T_y", "Joint T on AB, y", u="u_y", v="v_y", e="e_y")
 
 # -- angles -----------------------------------------------------------------------------------------------------
 
@@ -99,7 +127,56 @@ def transmission_angle_Q(lambda_sign: Any, w_x: Any, w_y: Any) -> Any:
     return atan2(abs(w_y), -(lambda_sign * w_x))
 
 
+# -- mu_F, that of MA and NB ------------------------------------------------------------------------------------
+
+
+@focal.quantity(units="1", symbol="c d < a b", source=POSITION, internal=True)
+def by_direction_of_AB(
+    s_a: Any, s_b: Any, s_c: Any, s_d: Any, sine_parallel: Any, sine_antiparallel: Any, cosine_parallel: Any,
+    cosine_antiparallel: Any,
+) -> Any:  # fmt: skip
+    """1 where AB revolves and changes the angle of MA and NB by less than its own, else 0."""
+    sine = select(sine_parallel < sine_antiparallel, sine_parallel, sine_antiparallel)
+    cosine = select(cosine_parallel < cosine_antiparallel, cosine_parallel, cosine_antiparallel)
+    return select((s_c * s_d < s_a * s_b) & (sine > 0.0) & (cosine > 0.0), 1.0, 0.0)
+
+
+@either(units="1", symbol="(1 - e_x)/2", source=POSITION, internal=True)
+def opposite_share(e_x: Any, e_y: Any) -> Any:
+    """Squared sine of half the direction of AB."""
+    return 0.5 * select(e_x > 0.0, e_y * e_y, (1.0 - e_x) * (1.0 - e_x)) / (1.0 + abs(e_x))
+
+
+@either(units="1", symbol="(1 + e_x)/2", source=POSITION, internal=True)
+def parallel_share(e_x: Any, e_y: Any) -> Any:
+    """Squared cosine of half the direction of AB."""
+    return 0.5 * select(e_x > 0.0, (1.0 + e_x) * (1.0 + e_x), e_y * e_y) / (1.0 + abs(e_x))
+
+
+def between(parallel_share: Any, at_parallel: Any, opposite_share: Any, at_antiparallel: Any) -> Any:
+    """Return a squared half-angle of MA and NB, from those where AB is parallel and antiparallel to MN."""
+    return parallel_share * at_parallel + opposite_share * at_antiparallel
+
+
+step = steps(units="1", source=POSITION)
+_HALF = "squared {} of half the angle of MA and NB, times 4 a b"
+step(
+    between, "swing_sine", "s_F", _HALF.format("sine"),
+    at_parallel="sine_parallel", at_antiparallel="sine_antiparallel",
+)  # fmt: skip
+step(
+    between, "swing_cosine", "c_F", _HALF.format("cosine"),
+    at_parallel="cosine_parallel", at_antiparallel="cosine_antiparallel",
+)  # fmt: skip
+
+
 @either(units="rad", symbol="mu_F", source=POSITION)
-def transmission_angle_F(ratio_sign: Any, u_x: Any, u_y: Any, v_x: Any, v_y: Any) -> Any:
+def transmission_angle_F(
+    by_direction_of_AB: Any, swing_sine: Any, swing_cosine: Any, ratio_sign: Any, u_x: Any, u_y: Any,
+    v_x: Any, v_y: Any,
+) -> Any:  # fmt: skip
     """Transmission angle at F: between FP and FQ."""
-    return atan2(abs(u_x * v_y - u_y * v_x), -(ratio_sign * (u_x * v_x + u_y * v_y)))
+    by_AB = by_direction_of_AB == 1.0
+    y = select(by_AB, 2.0 * sqrt(swing_sine * swing_cosine), abs(u_x * v_y - u_y * v_x))
+    x = select(by_AB, swing_cosine - swing_sine, u_x * v_x + u_y * v_y)
+    return atan2(y, -(ratio_sign * x))

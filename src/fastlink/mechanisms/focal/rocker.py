@@ -13,9 +13,9 @@ from fastlink.mechanisms._shared.laws import product, quotient
 from fastlink.mechanisms._shared.reuse import borrow, borrow_tables
 from fastlink.mechanisms.focal.design_facts import FOUR_BAR, PREFIX
 from fastlink.mechanisms.focal.inputs import WUNDERLICH, focal
-from fastlink.mechanisms.focal.points import FIGURES, POSITION, declare_fifth, declare_T
+from fastlink.mechanisms.focal.points import FIGURES, POSITION, declare_products
 from fastlink.mechanisms.planar_4r import planar_4r
-from fastlink.numerics.elementary import sqrt
+from fastlink.numerics.elementary import select, sqrt
 
 #: The names that differ from those of the planar 4R.
 NAMES = FOUR_BAR | {"cos_theta1": "u_x", "sin_theta1": "u_y", "DB_x": "NB_x", "DB_y": "NB_y"}
@@ -38,7 +38,7 @@ RATIO = {
     "internal": False,
 }
 LABELS: dict[str, dict[str, Any]] = {"theta4": DIRECTION_OF_NB, "output_ratio": RATIO}
-LABELS |= {name: {} for name in ("AB_x", "AB_y", "DB_x", "DB_y", "per_sigma")}
+LABELS |= {name: {} for name in ("AB_x", "AB_y", "DB_x", "DB_y", "AB_v", "sigma", "per_sigma")}
 borrow(focal, planar_4r, NAMES, PREFIX, LABELS)
 
 
@@ -69,33 +69,86 @@ step(weighted, "bars_x", "(rho b u + a v)_x", u="u_x", v="v_x")
 step(weighted, "bars_y", "(rho b u + a v)_y", u="u_y", v="v_y")
 
 
+@focal.quantity(units="1", symbol="2 a d/(b c)", source=POSITION, internal=True)
+def sine_lever(s_a: Any, s_b: Any, s_c: Any, s_d: Any) -> Any:
+    """Sine of the angle at B over the area of ABN over a d."""
+    return 2.0 * (s_a / s_b) * (s_d / s_c)
+
+
+@focal.quantity(units="1", symbol="sin(AB, NB)", source=POSITION, internal=True)
+def sine_B(sine_lever: Any, bar_sigma: Any, branch_sign: Any) -> Any:
+    """Sine of the angle from AB to NB, which no difference of their directions gives where both are long."""
+    return branch_sign * (sine_lever * bar_sigma)
+
+
+@focal.quantity(units="1", symbol="sin(MA, AB)", source=POSITION, internal=True)
+def sine_A(bar_AB_v: Any, c: Any) -> Any:
+    """Sine of the angle from MA to AB."""
+    return bar_AB_v / c
+
+
+@focal.quantity(units="1", symbol="w_x", source=f"{WUNDERLICH}, eqs. (1.3), (1.4)", internal=True)
+def along_bars(QP_x: Any, e_y: Any, bars_x: Any, bars_y: Any) -> Any:
+    """Minus the cosine of omega, but for a factor with the sign of lambda."""
+    return QP_x * bars_x + e_y * bars_y
+
+
+@focal.quantity(units="1", symbol="w_y", source=f"{WUNDERLICH}, eqs. (1.3), (1.4)", internal=True)
+def across_bars(QP_x: Any, e_y: Any, bars_x: Any, bars_y: Any) -> Any:
+    """Minus the sine of omega, but for the same factor."""
+    return e_y * bars_x - QP_x * bars_y
+
+
 @focal.quantity(units="1", symbol="1/|..|", source=POSITION, internal=True)
-def per_bars(QP_x: Any, e_y: Any, bars_x: Any, bars_y: Any, lambda_sign: Any) -> Any:
-    """Reciprocal of the lengths of both vectors, with the sign of -lambda."""
-    lengths = sqrt((QP_x * QP_x + e_y * e_y) * (bars_x * bars_x + bars_y * bars_y))
-    return -lambda_sign / lengths
+def per_bars(along_bars: Any, across_bars: Any, lambda_sign: Any) -> Any:
+    """Reciprocal of that factor: both make a direction, however few digits are left of them."""
+    return -lambda_sign / sqrt(along_bars * along_bars + across_bars * across_bars)
 
 
-@focal.quantity(units="1", symbol="cos omega", source=f"{WUNDERLICH}, eqs. (1.3), (1.4)", internal=True)
-def closing_x(QP_x: Any, e_y: Any, bars_x: Any, bars_y: Any, per_bars: Any) -> Any:
-    """Cosine of omega."""
-    return (QP_x * bars_x + e_y * bars_y) * per_bars
+step = focal.steps(units="1", source=f"{WUNDERLICH}, eqs. (1.3), (1.4)")
+step(product, "closing_x", "cos omega", "Cosine of omega", x="along_bars", y="per_bars")
+step(
+    product, "closing_y", "sin omega", "Sine of omega, right to roundings of 1", x="across_bars", y="per_bars"
+)
 
 
-@focal.quantity(units="1", symbol="sin omega", source=f"{WUNDERLICH}, eqs. (1.3), (1.4)", internal=True)
-def closing_y(QP_x: Any, e_y: Any, bars_x: Any, bars_y: Any, per_bars: Any) -> Any:
-    """Sine of omega."""
-    return (e_y * bars_x - QP_x * bars_y) * per_bars
+# -- the sine of omega, small where two long bars are nearly in line ------------------------------------------------
 
 
-declare_fifth(focal, "g", "SF", "e", "closing")
+@focal.quantity(units="1", symbol="(1 + |t|)(|rho| b + a)/4", source=POSITION, internal=True)
+def bars_scale(t: Any, weight: Any, s_a: Any) -> Any:
+    """A quarter of what both vectors are at most, if nothing cancels."""
+    return 0.25 * ((1.0 + abs(t)) * (abs(weight) + s_a))
 
 
-step = focal.steps(units="m", source=f"{WUNDERLICH}, eq. (3.2)")
-step(product, "AT", "AT", "Distance of T from A along AB", x="T_share", y="c")
+@focal.quantity(units="1", symbol="w_y", source=f"{WUNDERLICH}, eqs. (1.3), (1.4)", internal=True)
+def across_by_sines(
+    bars_scale: Any, along_bars: Any, across_bars: Any, weight: Any, s_a: Any, sine_A: Any, sine_B: Any, t: Any,
+    bars_y: Any,
+) -> Any:  # fmt: skip
+    """The same as `across_bars`, with e across u and v known as the sines of the angles at A and B."""
+    # where P and Q nearly meet both vectors cancel, and their quotient has to be that of the same two
+    by_sines = (weight * sine_A - s_a * sine_B) - t * bars_y
+    return select(abs(along_bars) > bars_scale, by_sines, across_bars)
 
 
-declare_T(focal, "A", "AT", "e")
+step(product, "closing_sine", "sin omega", "Sine of omega", x="across_by_sines", y="per_bars")
+
+
+def crank_x(crank_sign: Any, uwv_x: Any, uwv_y: Any, e_x: Any, e_y: Any) -> Any:
+    """First component of the direction of SF, -k u v w/e."""
+    return -crank_sign * (uwv_x * e_x + uwv_y * e_y)
+
+
+def crank_y(crank_sign: Any, uwv_x: Any, uwv_y: Any, e_x: Any, e_y: Any) -> Any:
+    """Second component of the direction of SF."""
+    return crank_sign * (uwv_x * e_y - uwv_y * e_x)
+
+
+declare_products(focal, "closing")
+step = focal.steps(units="1", source=POSITION)
+step.vector((crank_x, crank_y), "g_*", "g_*", "Direction of SF")
+
 
 # -- rates ----------------------------------------------------------------------------------------------------------
 
