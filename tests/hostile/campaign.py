@@ -95,6 +95,8 @@ def namespace() -> dict[str, Any]:
         {name: (("way", "quantity"), [[value]]) for name, value in figures.items()},
         {"way": ["w"], "quantity": ["q"]},
     )
+    rates = [f"{name}_{end}" for name in ("shaking_force", "omega4") for end in ("max", "min")]
+    rates += [f"theta1_at_{name}" for name in rates]
     return {
         **named,
         **dict(np=np, pd=pd, xr=xr, fl=fl, array=array.array, Decimal=Decimal, Fraction=Fraction, Path=Path),
@@ -102,6 +104,7 @@ def namespace() -> dict[str, Any]:
         "BARS": bars,
         "MAPS": fl.sweep("planar_4r", space, ["omega4_max"], **options),
         "TORQUE": fl.sweep("planar_4r", space, ["T41_fluctuation"], links=bars, branch=1, **options),
+        "RATES": fl.sweep("planar_4r", space, rates, links=bars, branch=1, threads=1),
         "PATH": fl.sweep("focal", focal, ["T_x", "T_y"], phi=8),
         "SPEED": fl.function(
             "planar_4r", ["a2", "a3"], ["omega4_max"], a1=0.4, a4=1.0, omega1=25.0, angles=8

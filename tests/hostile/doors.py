@@ -398,6 +398,12 @@ DOORS: list[Door] = [
         "",
     ),
     Door(
+        "planar.force_hypothesis",
+        "fl.planar.force_hypothesis($maps)",
+        _slots(maps=("dataset", "RATES", "RATES", DATASETS[-1])),
+        "",
+    ),
+    Door(
         "focal.cubic",
         "fl.focal.cubic($a, $b, $c, $d, $phi, branch=$branch)",
         _slots(

@@ -9,6 +9,7 @@ from fastlink.analysis.planar.cognates import Cognate, cognates
 from fastlink.analysis.planar.curves import curve_straightness, sextic, straightness
 from fastlink.analysis.planar.double_points import crunode_count, crunodes, cusp_count, cusps
 from fastlink.analysis.planar.flywheel import flywheel_inertia
+from fastlink.analysis.planar.force_hypothesis import force_hypothesis
 from fastlink.analysis.planar.inflections import inflections
 from fastlink.analysis.planar.input_output import io_coefficients
 from fastlink.analysis.planar.path_integrals import curve_area, curve_length
@@ -25,6 +26,7 @@ __all__ = [
     "cusps",
     "flywheel_inertia",
     "force_balance",
+    "force_hypothesis",
     "inflections",
     "io_coefficients",
     "sextic",
