@@ -74,12 +74,10 @@ def trees(catalogue):
     positions = [
         (how, position) for how, r in REDUCTIONS.items() for position in ([""] + [at] * r.has_position)
     ]
-    parts = [("value", ""), ("value", at), ("count", ""), ("kind", "")]
-    return st.one_of(
-        pointwise,
-        st.builds(lambda of, way: Reduced(of, *way), pointwise, st.sampled_from(positions)),
-        st.builds(lambda of, way: ListOfExtrema(of, *way), pointwise, st.sampled_from(parts)),
-    )
+    parts = [("value", ""), ("value", at), ("count", ""), ("kind", ""), ("error", "")]
+    reduced = st.builds(lambda of, way: Reduced(of, *way), pointwise, st.sampled_from(positions))
+    lists = st.builds(lambda of, way: ListOfExtrema(of, *way), pointwise, st.sampled_from(parts))
+    return st.one_of(pointwise, reduced, lists, st.builds(ErrorBound, reduced))
 
 
 @pytest.mark.parametrize(("mechanism", "drive"), DRIVES)
@@ -113,6 +111,10 @@ def test_every_listed_name_is_read(mechanism, drive):
         ("d_d_omega4_d_a1_d_a2", Derivative(Derivative(Quantity("omega4"), "a1"), "a2")),
         ("d_omega4_d_a1_error", ErrorBound(Derivative(Quantity("omega4"), "a1"))),
         ("theta1_at_omega4_error_max", Reduced(ErrorBound(Quantity("omega4")), "max", "theta1")),
+        ("omega4_max_error", ErrorBound(Reduced(Quantity("omega4"), "max"))),
+        ("omega4_error_max_error", ErrorBound(Reduced(ErrorBound(Quantity("omega4")), "max"))),
+        ("theta1_at_omega4_max_error", ErrorBound(Reduced(Quantity("omega4"), "max", "theta1"))),
+        ("omega4_extrema_error", ListOfExtrema(Quantity("omega4"), "error")),
         ("omega4_extrema_kind", ListOfExtrema(Quantity("omega4"), "kind")),
         ("theta1_at_omega4_extrema", ListOfExtrema(Quantity("omega4"), "value", "theta1")),
         ("T41__below_gravity", Below(Quantity("T41"), "gravity")),
@@ -180,6 +182,7 @@ def declare(catalogue, name, **labels):
 
 #: Made of b, a public quantity, and a, an input.
 OF_B = ["b_error", "b_trust", "b_max", "b_mean", "b_extrema", "b_extrema_count", "b_extrema_kind"]
+OF_B += ["b_max_error", "b_extrema_error"]
 MADE = [*OF_B, "d_b_d_a", "d_b_d_theta", "d_b_error_d_a", "b_error_max", "theta_at_b_max", "b__below_gravity"]
 
 
@@ -271,6 +274,7 @@ AFFIXES = {
     "_extrema",
     "_extrema_count",
     "_extrema_kind",
+    "_extrema_error",
 }
 AFFIXES |= {f"_{how}" for how in REDUCTIONS}
 #: What takes text apart; `replace` is for text that people read.

@@ -77,6 +77,9 @@ FAMILIES: dict[str, Family] = {
     "designs of the focal mechanism": Family("focal", ["status"], 4),
     "designs of Hart's linkage": Family("hart", ["stroke", "status"], 4),
     "derivatives": Family("planar_4r", ["d_omega4_d_a1", "d_T41_d_m2", "d_omega4_d_theta1"], 37),
+    "error bounds of extremes": Family(
+        "planar_4r", ["omega4_max_error", "theta4_min_error", "F41_min_error", "omega4_extrema_error"], 5
+    ),
     "error bounds": Family("planar_4r", ["omega4_error", "omega4_trust", "T41_error"], 5),
     "reduced rapidity": Family("minkowski_4r", ["psi_max", "psi_rms"], 9, SAMPLED),
     # Every extreme: a search by samples, and roots.

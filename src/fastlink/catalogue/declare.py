@@ -14,6 +14,7 @@ from fastlink.facts.names import (
     ListOfExtrema,
     Name,
     Reduced,
+    bounded_of,
     derivative_name,
     form_of,
     parse,
@@ -307,7 +308,7 @@ class Declarations:
                 )
         form = form_of(name, self)
         if form is not None:
-            of_cycle = isinstance(form, (Reduced, ListOfExtrema))
+            of_cycle = isinstance(bounded_of(form), (Reduced, ListOfExtrema))
             self._formed.setdefault(root_of(form), []).append((name, of_cycle))
 
     def check_reading(self, name: str) -> None:

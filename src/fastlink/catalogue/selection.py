@@ -50,7 +50,8 @@ class Selection:
         """The error bounds."""
         known = self.catalogue
         inputs = known.known_inputs(self.variants)
-        return ErrorBounds(self.find, inputs, known.branches, known.tables, known.table_low_parts)
+        fractions = known.graded.coordinates[:2] if known.graded is not None else ()
+        return ErrorBounds(self.find, inputs, known.branches, known.tables, known.table_low_parts, fractions)
 
     def _declared(self, name: str, by: str) -> Fact | None:
         """Return the declared derivative of a name, None if there is none."""

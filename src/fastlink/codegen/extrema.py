@@ -11,7 +11,7 @@ from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
 
 from fastlink.codegen.extrema_schedule import ExtremaSchedule
-from fastlink.codegen.runtime import cells, results, roots, sampling, subdivision
+from fastlink.codegen.runtime import bounds, cells, results, roots, sampling, subdivision
 from fastlink.codegen.runtime.cells import ITEM_ROWS, LANES, MOST_LANES, STATE_ROWS
 from fastlink.codegen.source import Array, Source, Text, paste_fact
 
@@ -75,8 +75,8 @@ class _ExtremaWriter(ExtremaSchedule):
             Array("flags", "int8", (LANES,)),
             Array("vectors", "int64", (LANES // MOST_LANES,)),
             Array("counts", "int64", (4,)),
-            Array("best", "float64", (results.BEST_ROWS, columns)),
-            Array("lists", "float64", (3, columns, kept)),
+            Array("best", "float64", (results.BEST_ROWS + 2 * self.program.has_bounds, columns)),
+            Array("lists", "float64", (results.LIST_ROWS + self.program.has_bounds, columns, kept)),
         )
 
     # -- designs and samples -----------------------------------------------------------------------
@@ -236,6 +236,11 @@ class _ExtremaWriter(ExtremaSchedule):
         text.call(roots.every_vector, "vectors, filled", "n_open")
         text.add(f"value_{number}(state, vectors, n_open)")
         text.call(classify, f"{state}, search_{number}")
+        search = self.program.searches[number]
+        if self.program.has_bounds and classify is results.extrema_at_zeros:
+            text.call(bounds.bound_zeros, f"state, filled, search_{number}, {int(search.magnitude)}")
+        elif self.program.has_bounds:
+            text.call(bounds.bound_ends, "state, filled, w, table")
         text.call(results.store_extrema, f"state, filled, table, search_{number}, lists, best")
 
     def write_ends(self, number: int) -> None:
@@ -257,7 +262,13 @@ class _ExtremaWriter(ExtremaSchedule):
             if self.program.mirrored:
                 self.text.use("codegen.runtime.results", "mirror_image")
                 stores[cells.IMAGE] = f"mirror_image({position}, {2.0 * self.program.graded.axis})"
-            self.write_values(search, [quantity, position], stores)
+            names = [quantity, position]
+            if search.bounded_by:
+                bound, slope_bound, bend = search.bounded_by
+                names += [search.slope, *search.bounded_by]
+                stores |= {cells.BOUND: bound, cells.SLOPE: f"abs({search.slope})"}
+                stores |= {cells.SLOPE_BOUND: slope_bound, cells.BEND: f"abs({bend})"}
+            self.write_values(search, names, stores)
 
     @contextmanager
     def evaluation(self, name: str, per: str, times: str) -> Iterator[None]:
@@ -300,11 +311,13 @@ class _ExtremaWriter(ExtremaSchedule):
         target = f"out_{output.name}, i0, n_here, {base}"
         if request.reduction is not None:
             row = {1: results.GREATEST, -1: results.LEAST}[request.reduction.sign] + int(request.is_position)
-            self.text.call(results.store_best, f"{target}, best, {row}")
+            store = results.store_bound if request.is_error else results.store_best
+            self.text.call(store, f"{target}, best, {row}")
         elif request.listed == "count":
             self.text.call(results.store_counts, f"{target}, best")
         else:
             rows = {"position": results.LIST_THETA, "value": results.LIST_VALUE, "kind": results.LIST_KIND}
+            rows["error"] = results.LIST_BOUND
             self.text.call(results.store_list, f"{target}, lists, {rows[request.listed]}")
 
 

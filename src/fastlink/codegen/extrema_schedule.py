@@ -46,7 +46,7 @@ class ExtremaSchedule:
     def item_needs(self, search: ExtremumSearch) -> list[str]:
         """Return the design values that an item of a search carries."""
         names = [*self.slope_names(search), search.quantity, self.program.catalogue.position.name]
-        return self.design_needs(self.needed_for(names))
+        return self.design_needs(self.needed_for([*names, *search.bounded_by]))
 
     def slope_names(self, *searches: ExtremumSearch) -> list[str]:
         """Return the values that the sampled functions are products of."""

@@ -64,6 +64,10 @@ def request_labels(catalogue: Catalogue, request: Request) -> dict[str, Any]:
     if request.listed:
         attrs = _of_list(request.listed, fact, position)
     attrs["references"] = fact.source
+    if request.is_error:
+        attrs["long_name"] = f"{attrs['long_name']}: error bound"
+        attrs["symbol"] = f"err {attrs['symbol']}"
+        attrs["references"] = catalogue.public_fact(request.bounded).source
     return attrs
 
 
@@ -82,7 +86,7 @@ def _labels(plan: Plan, output: Output) -> dict[str, Any]:
 
 def _of_list(part: str, fact: Fact, position: Input) -> dict[str, Any]:
     """Return the attributes of listed extremes, or of their places, kinds or number."""
-    if part == "value":
+    if part in ("value", "error"):
         return {"units": fact.units, "long_name": f"{fact.meaning}, extremes", "symbol": f"ext {fact.symbol}"}
     if part == "position":
         meaning = f"{position.meaning}, where {fact.symbol} is extreme"

@@ -152,7 +152,8 @@ def _powers(plan: Plan, given: tuple[str, ...], name: str) -> list[float] | None
         return None
     tables = (catalogue.position.name, *catalogue.tables, *catalogue.table_low_parts)
     quantities = [output.request.quantity for output in plan.outputs]
-    if any(isinstance(catalogue.parse(quantity), (ErrorBound, Trust)) for quantity in quantities):
+    bounds = any(output.request.is_error for output in plan.outputs)
+    if bounds or any(isinstance(catalogue.parse(quantity), (ErrorBound, Trust)) for quantity in quantities):
         return None  # an error bound knows nothing of the rounding of one more product
     steps = catalogue.dependencies(quantities, (*given, *tables, "branch"), plan.variants)
     degrees = homogeneity_degrees(steps, name)
@@ -162,6 +163,6 @@ def _powers(plan: Plan, given: tuple[str, ...], name: str) -> list[float] | None
 
 def _power(output: Output, degree: float | None) -> float | None:
     request = output.request
-    if degree is None or request.is_position or request.listed not in ("", "value"):
+    if degree is None or not request.has_its_units:
         return None if degree is None else 0.0
     return degree if request.reduction is None else request.reduction.degree_of(degree)

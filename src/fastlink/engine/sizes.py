@@ -121,9 +121,9 @@ def _dimensional(plan: Plan, names: tuple[str, ...]) -> tuple[str, ...]:
 
 def _sized(catalogue: Catalogue, output: Output) -> Sized:
     request = output.request
-    if request.is_position or request.listed not in ("", "value"):
+    if not request.has_its_units:
         return PURE
     units = catalogue.public_fact(request.quantity).units
     if request.reduction is not None:
         units = request.reduction.units_of(units)
-    return sized(catalogue, request.quantity, units)
+    return sized(catalogue, request.bounded, units)

@@ -8,9 +8,10 @@
 ``NAME_max``, ``POSITION_at_NAME_max``, ...    `Reduced` over the cycle, and the position where that is
 ``NAME_extrema``, ``POSITION_at_NAME_extrema``,
 ``NAME_extrema_count``, ``NAME_extrema_kind``  `ListOfExtrema`: all extremes, where they are, how many, which
+``NAME_max_error``, ``NAME_extrema_error``     `ErrorBound` of `Reduced`, and those in a `ListOfExtrema`
 =============================================  =====================================================================
 
-NAME is itself such a name; a property of the cycle (the last three rows) is outermost. A name is read by
+NAME is itself such a name; a property of the cycle (the last four rows) is outermost. A name is read by
 the first of these rules that holds:
 
 1. ``d_NAME_d_PARAM`` is a derivative where PARAM is an input or the position; the last ``_d_`` counts.
@@ -33,14 +34,19 @@ from fastlink.facts.fact import CatalogueError
 
 __all__ = [
     "Below", "Derivative", "ErrorBound", "Known", "ListOfExtrema", "Made", "Name", "Quantity", "Reduced",
-    "Trust", "as_derivative", "derivative_name", "error_name", "forget_reduction", "form_of", "innermost", "parse",
-    "plain_part", "reading_of", "register_reduction", "root_of",
+    "Trust", "as_derivative", "bounded_of", "derivative_name", "error_name", "forget_reduction", "form_of",
+    "innermost", "parse", "plain_part", "reading_of", "register_reduction", "root_of",
 ]  # fmt: skip
 
 #: The reductions over the cycle by the ending of names, and whether each has a position: see `register_reduction`.
 _REDUCTIONS: dict[str, bool] = {}
 #: The parts of a list of extremes, by the ending of their names.
-_PARTS = {"_extrema": "value", "_extrema_count": "count", "_extrema_kind": "kind"}
+_PARTS = {
+    "_extrema": "value",
+    "_extrema_count": "count",
+    "_extrema_kind": "kind",
+    "_extrema_error": "error",
+}
 _ENDINGS = {part: ending for ending, part in _PARTS.items()}
 _ERROR, _TRUST = "_error", "_trust"
 _BEFORE, _BY, _AT, _BELOW = "d_", "_d_", "_at_", "__below_"
@@ -118,7 +124,7 @@ class Reduced(Made):
 
 @dataclass(frozen=True)
 class ListOfExtrema(Made):
-    """All extremes of a quantity: values, count, kinds, or their positions."""
+    """All extremes of a quantity: values, count, kinds, error bounds, or their positions."""
 
     part: str = "value"
     position: str = ""
@@ -173,7 +179,7 @@ def parse(name: str, known: Known) -> Name:
     """
     if plain := _declared(name, known):
         return plain
-    return _over_cycle(name, known) or _of_position(name, known) or Quantity(name)
+    return _of_cycle(name, known) or _of_position(name, known) or Quantity(name)
 
 
 def as_derivative(name: str) -> tuple[str, str] | None:
@@ -199,7 +205,7 @@ def root_of(tree: Name) -> str:
 
 
 def innermost(name: str, known: Known) -> str:
-    """Return the innermost name, also in forms that are not offered: x in x_max_error."""
+    """Return the innermost name, also in forms that are not offered: x in x_max_trust."""
     root = root_of(parse(name, known))
     return root if root == name else innermost(root, known)
 
@@ -226,7 +232,7 @@ def forget_reduction(how: str) -> None:
 
 def form_of(name: str, known: Known) -> Name | None:
     """Return the tree of a name by its form alone; None for a plain name."""
-    tree = _derivative(name, known) or _over_cycle(name, known) or _of_position(name, known)
+    tree = _derivative(name, known) or _of_cycle(name, known) or _of_position(name, known)
     reserved = _BY in name or _BELOW in name or name.startswith(_at(known.position.name))
     return tree or (Quantity(name) if reserved else None)
 
@@ -238,8 +244,9 @@ def reading_of(name: str, known: Known) -> Name | None:
     ``_d_``, ``__below_`` and ``POSITION_at_`` are never part of a plain name.
     """
     tree = form_of(name, known)
-    if isinstance(tree, (Reduced, ListOfExtrema)) and not tree.position:
-        return tree if known.is_public(root_of(tree)) else None
+    of = bounded_of(tree) if tree else None
+    if isinstance(of, (Reduced, ListOfExtrema)) and not of.position:
+        return tree if known.is_public(root_of(of)) else None
     if isinstance(tree, (ErrorBound, Trust)):
         return tree if known.declares(root_of(tree)) else None
     return tree
@@ -274,6 +281,23 @@ def _of_position(name: str, known: Known) -> Name | None:
         return Trust(_within(name.removesuffix(_TRUST), known))
     of, sign, variant = name.partition(_BELOW)
     return Below(Quantity(of), variant) if sign and of and variant else None
+
+
+def bounded_of(tree: Name) -> Name:
+    """Return the name that an error bound of a property of the cycle bounds; any other name itself."""
+    if isinstance(tree, ErrorBound) and isinstance(tree.of, (Reduced, ListOfExtrema)):
+        return tree.of
+    return tree
+
+
+def _of_cycle(name: str, known: Known) -> Name | None:
+    """Return the tree of a name whose ending means a property of the cycle, or the error bound of one, else None."""
+    if tree := _over_cycle(name, known):
+        return tree
+    inner = name.removesuffix(_ERROR)
+    # a declared name that ends as a reduction is its declaration
+    of = _over_cycle(inner, known) if inner != name and not known.declares(inner) else None
+    return ErrorBound(of) if of else None
 
 
 def _over_cycle(name: str, known: Known) -> Name | None:

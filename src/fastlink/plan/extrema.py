@@ -7,7 +7,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import replace
 
 from fastlink.catalogue.catalogue import Catalogue, CatalogueError, Fact, System
-from fastlink.facts.names import derivative_name
+from fastlink.facts.names import derivative_name, error_name
 from fastlink.numerics.compiler import syntax
 from fastlink.numerics.vectors import magnitude
 from fastlink.plan.program import ExtremaProgram, ExtremumSearch, Output
@@ -89,6 +89,18 @@ def extrema_programs(
     graded = catalogue.graded
     assert graded is not None
     bounded = {output.request.quantity for output in outputs if output.request.can_be_refined}
+    position, with_errors = (
+        catalogue.position.name,
+        {o.request.quantity for o in outputs if o.request.is_error},
+    )
+    searches = [
+        replace(
+            s, bounded_by=(error_name(s.quantity), error_name(s.slope), derivative_name(s.slope, position))
+        )
+        if s.quantity in with_errors
+        else s
+        for s in searches
+    ]
     # The fact that vanishes there is the sine of the angle times a length: odd where the angle is.
     jumps = [
         replace(
@@ -98,6 +110,7 @@ def extrema_programs(
             slope_parity=s.parity,
             magnitude=False,
             onto=s.quantity,
+            bounded_by=(),
         )
         for s in searches
         if s.quantity in bounded and s.quantity in graded.wraps_at
@@ -108,11 +121,11 @@ def extrema_programs(
     programs = []
     for group in groups.values():
         names = [
-            catalogue.position.name,
+            position,
             graded.bounded_factor,
             *(name for end in graded.ends for name in end),
         ]
-        names += [name for search in group for name in (search.slope, search.quantity)]
+        names += [name for s in group for name in (s.slope, s.quantity, *s.bounded_by)]
         steps = _steps(catalogue, names, given, variants)
         read = {name for step in steps for name in step.depends_on}
         known = catalogue.known_inputs(variants)

@@ -8,8 +8,8 @@ from functools import cached_property
 from typing import Any
 
 from fastlink.catalogue.catalogue import Catalogue
-from fastlink.errors import InputError
-from fastlink.facts.names import Quantity, Reduced
+from fastlink.errors import InputError, Setting
+from fastlink.facts.names import ErrorBound, Quantity, Reduced, error_name
 from fastlink.plan.extrema import extrema_programs, find_extremum_search
 from fastlink.plan.pointwise import output_of, pointwise_programs
 from fastlink.plan.program import ExtremumSearch, Output, Program
@@ -97,10 +97,14 @@ def make_plan(
     searches: dict[str, ExtremumSearch | None] = {}
     refined: set[str] = set()
     for request in requests:
-        if request.listed or (extrema == "refined" and request.can_be_refined):
+        if request.listed or request.is_error or (extrema == "refined" and request.can_be_refined):
             quantity = request.quantity
             if quantity not in searches:
                 searches[quantity] = find_extremum_search(catalogue, quantity, given, variants)
+            if request.is_error and (
+                searches[quantity] is None or not (request.listed or extrema == "refined")
+            ):
+                raise _no_error(request, catalogue, variants, given, searched=searches[quantity] is not None)
             if searches[quantity] is not None:
                 refined.add(request.name)
             elif request.listed:
@@ -131,3 +135,20 @@ def _not_refined(request: Request, catalogue: Catalogue) -> InputError:
         f"{catalogue.position.name} here, so its extremes cannot be listed",
         remedy=remedy,
     )
+
+
+def _no_error(
+    request: Request, catalogue: Catalogue, variants: Sequence[str], given: Sequence[str], *, searched: bool
+) -> InputError:
+    """Return the error for the error bound of an extreme of samples; `searched` tells that they were chosen."""
+    quantity, position = request.quantity, catalogue.position.name
+    catalogue.resolve(error_name(quantity), variants, given)  # values of a linear system have none
+    what = f"quantity {request.name!r}: the extremes of {quantity} are those of samples here, and how far they are from"
+    what += f" those over all {position} is not known"
+    of_samples = (
+        f"ask for {Reduced(ErrorBound(Quantity(quantity)), 'max')}, the greatest error of the samples"
+    )
+    if not searched:
+        return InputError(what, remedy=of_samples)
+    turn = (f"give no array of {position} and write ", Setting("extrema", "refined"))
+    return InputError(what, remedy=(*turn, f", or {of_samples}"))

@@ -115,6 +115,8 @@ class ExtremumSearch:
         Whether it is the magnitude of a vector: its square is smooth where it comes close to zero.
     onto : str
         Where `slope` vanishes at jumps by 2 pi instead: the quantity, which reaches pi and -pi there.
+    bounded_by : tuple of str
+        Where error bounds of the extremes are requested: those of quantity and slope, and the slope's derivative.
     """
 
     quantity: str
@@ -129,6 +131,7 @@ class ExtremumSearch:
     divided: bool
     magnitude: bool
     onto: str = ""
+    bounded_by: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -153,6 +156,11 @@ class ExtremaProgram(Program):
     def coordinates(self) -> tuple[str, ...]:
         """The values that are given at each position of the graded range."""
         return self.graded.coordinates
+
+    @property
+    def has_bounds(self) -> bool:
+        """Whether error bounds of extremes are requested."""
+        return any(search.bounded_by for search in self.searches)
 
     @property
     def mirrored(self) -> bool:

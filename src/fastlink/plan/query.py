@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Literal
 
 from fastlink._text import short_repr
 from fastlink.errors import InputError, Problems
-from fastlink.facts.names import ListOfExtrema, Quantity, Reduced
+from fastlink.facts.names import ErrorBound, ListOfExtrema, Quantity, Reduced, bounded_of, error_name
 from fastlink.plan.reductions import REDUCTIONS, Reduction
 from fastlink.plan.suggestions import unknown_quantity
 
@@ -37,8 +37,10 @@ class Request:
         The reduction over the cycle that it is.
     is_position : bool
         Whether it is the input position of an extremum instead of its value.
-    listed : {"", "value", "position", "count", "kind"}
+    listed : {"", "value", "position", "count", "kind", "error"}
         The part of a list of extrema that it is, if it is one.
+    is_error : bool
+        Whether it is the error bound of an extremum or of each of a list instead of the value.
     """
 
     name: str
@@ -46,11 +48,22 @@ class Request:
     reduction: Reduction | None = None
     is_position: bool = False
     listed: str = ""
+    is_error: bool = False
 
     @property
     def is_of_quantity(self) -> bool:
         """Whether a value has the meaning and the values of its quantity: no mean of a code is one, no position."""
         return not self.is_position and (self.reduction is None or self.reduction.sign != 0)
+
+    @property
+    def has_its_units(self) -> bool:
+        """Whether it is in the units of its quantity, or those of its reduction: no position, number or kind."""
+        return not self.is_position and self.listed in ("", "value", "error")
+
+    @property
+    def bounded(self) -> str:
+        """The quantity, or its error bound where the request is the error bound of extremes."""
+        return error_name(self.quantity) if self.is_error else self.quantity
 
     @property
     def can_be_refined(self) -> bool:
@@ -64,16 +77,38 @@ def parse_request(name: str, catalogue: Catalogue) -> Request:
     Raises
     ------
     InputError
-        Neither the name nor the quantity in it is known.
+        Neither the name nor the quantity in it is known, or it has no error bound.
     """
     if catalogue.is_quantity(name):
         return Request(name, name)
     tree = catalogue.parse(name)
-    if isinstance(tree, (Reduced, ListOfExtrema)) and catalogue.has_reductions(quantity := str(tree.of)):
-        if isinstance(tree, Reduced):
-            return Request(name, quantity, REDUCTIONS[tree.how], bool(tree.position))
-        return Request(name, quantity, listed="position" if tree.position else tree.part)
+    of = bounded_of(tree)
+    if isinstance(of, (Reduced, ListOfExtrema)) and catalogue.has_reductions(quantity := str(of.of)):
+        listed = "" if isinstance(of, Reduced) else "position" if of.position else of.part
+        if (is_error := of is not tree or listed == "error") and (refusal := _no_error(name, of, catalogue)):
+            raise refusal
+        if isinstance(of, Reduced):
+            return Request(name, quantity, REDUCTIONS[of.how], bool(of.position), is_error=is_error)
+        return Request(name, quantity, listed=listed, is_error=is_error)
     raise unknown_quantity(name, catalogue)
+
+
+def _no_error(name: str, of: Reduced | ListOfExtrema, catalogue: Catalogue) -> InputError | None:
+    """Return the error that says why a property of the cycle has no error bound, None where it has one."""
+    catalogue.public_fact(error_name(str(of.of)))  # codes have none, nor have error bounds
+    what, remedy = f"quantity {name!r}: ", f"ask for {Reduced(ErrorBound(of.of), 'max')}"
+    if isinstance(of, ListOfExtrema) and of.part in ("count", "kind"):
+        return InputError(f"{what}{of} is a code, which has no error", remedy="leave it out")
+    if of.position:
+        of_value = (
+            ErrorBound(Reduced(of.of, of.how)) if isinstance(of, Reduced) else ListOfExtrema(of.of, "error")
+        )
+        what += f"{of} is off by the error of the slope over the curvature there, of which no bound is known"
+        return InputError(what, remedy=f"ask for {of_value}, the error of the extreme itself")
+    if isinstance(of, Reduced) and REDUCTIONS[of.how].sign == 0:
+        what += f"{of} is taken from samples of the cycle, and how far these are from all of it is not known"
+        return InputError(what, remedy=f"{remedy}, the greatest error of the samples")
+    return None
 
 
 def check_names(parameter: str, given: Iterable[str]) -> tuple[str, ...]:

@@ -17,7 +17,7 @@ from fastlink.catalogue.search import (
 )
 from fastlink.catalogue.words import canonical, parts, squeezed
 from fastlink.errors import InputError, Remedy, listed
-from fastlink.facts.names import Derivative, ErrorBound, ListOfExtrema, Name, Reduced
+from fastlink.facts.names import Derivative, ErrorBound, ListOfExtrema, Name, Reduced, bounded_of
 from fastlink.mechanisms import NAMES
 from fastlink.mechanisms import catalogue as find_catalogue
 from fastlink.plan.reductions import REDUCTIONS
@@ -258,10 +258,13 @@ def require_quantity(name: str, catalogue: Catalogue) -> None:
     if catalogue.is_quantity(name):
         catalogue.public_fact(name)
         return
-    tree = catalogue.parse(name)
+    named = catalogue.parse(name)
+    tree = bounded_of(named)
     if isinstance(tree, (Reduced, ListOfExtrema)) and catalogue.has_reductions(str(tree.of)):
         what = f"quantity {name!r} is over the whole cycle, not at an input position"
-        raise InputError(what, remedy=f"request it of fl.sweep or fl.function, or write {str(tree.of)!r}")
+        is_error = tree is not named or (isinstance(tree, ListOfExtrema) and tree.part == "error")
+        here = str(ErrorBound(tree.of) if is_error else tree.of)
+        raise InputError(what, remedy=f"request it of fl.sweep or fl.function, or write {here!r}")
     raise unknown_quantity(name, catalogue, over_cycle=False)
 
 

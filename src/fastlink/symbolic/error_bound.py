@@ -7,7 +7,7 @@ is a `Fact` like any other: kernels paste it, and it runs on floats and arrays.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -27,6 +27,9 @@ __all__ = ["ErrorBounds", "trust_fact", "with_error_labels"]
 
 #: Relative error bounds up to this one are trusted.
 TRUSTED = 1e-6
+#: Roundings of the two fractions of the graded range at an exact x, rest = 1/(1 + x x) and (x x) rest: at most one
+#: each of x x, of the sum, of the quotient and of the product.
+FRACTION = 4.0
 TRUST_FLAGS = {0: "trusted", 1: "ill_conditioned", 2: "not_finite"}
 NUMERICS = "docs/numerics.md#error-bounds"
 
@@ -78,6 +81,8 @@ class ErrorBounds:
         The assembly modes.
     tables, low_parts : mapping
         The tables of the input position, and the table of which each low part is one.
+    fractions : sequence of str
+        The coordinates in the graded range that kernels compute from an exact position there.
     """
 
     def __init__(
@@ -87,9 +92,10 @@ class ErrorBounds:
         branches: Mapping[int, str],
         tables: Mapping[str, Fact],
         low_parts: Mapping[str, str],
+        fractions: Sequence[str] = (),
     ) -> None:
         self.find, self.inputs, self.branches = find, inputs, branches
-        self.tables, self.low_parts = tables, low_parts
+        self.tables, self.low_parts, self.fractions = tables, low_parts, fractions
         self.rules = Rules(self.named)
         self.graph, self.exact = self.rules.graph, self.rules.exact
         self._named: dict[str, Bound] = {}
@@ -156,7 +162,7 @@ class ErrorBounds:
 
     def _parts(self, name: str) -> Iterator[str]:
         """Yield the names whose bounds determine the bound of a name."""
-        if name in self.low_parts or name in self.tables or self.find(name) is None:
+        if name in self.low_parts or self.find(name) is None:
             return
         visited: dict[Node, None] = {}
         for node in postorder([self._value(name)], bounded_parts, visited):
@@ -168,9 +174,11 @@ class ErrorBounds:
         graph = self.graph
         if name in self.low_parts:
             return replace(self.exact, lost={graph.name(name): (1.0, graph.name(self.low_parts[name]))})
-        if name in self.tables:
-            return self._of_table(name)
-        if self.find(name) is None:
+        if name in self.fractions:
+            return replace(self.exact, relative=FRACTION, positive=True)
+        if self.find(name) is None:  # no fact of a variant gives a table otherwise
+            if name in self.tables:
+                return self._of_table(name)
             positive = name in self.inputs and self.inputs[name].rule != "any"
             return replace(self.exact, positive=positive)
         fact = self.bounded_fact(name)

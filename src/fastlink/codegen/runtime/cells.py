@@ -31,6 +31,9 @@ ITEM_ROWS = 9
 X, F, X1, F1, X2, F2, TOLERANCE, STEPS, OPEN = range(ITEM_ROWS, ITEM_ROWS + 9)
 # The extremum: value, input position, mirror image of that, kind.
 VALUE, THETA, IMAGE, KIND = range(ITEM_ROWS + 9, ITEM_ROWS + 13)
+# Where error bounds are requested, in rows that the iteration has left: those of the value and of the slope at the
+# position, and the sizes of the slope and of the second derivative.
+BOUND, SLOPE, SLOPE_BOUND, BEND = X1, F1, X2, F2
 # Of a cell that is divided: the fine samples' positions, negative beyond an end of the range, and values there.
 PARTS = 8
 FINE_SAMPLES = PARTS + 3

@@ -8,8 +8,10 @@ from __future__ import annotations
 
 from typing import Any
 
+from fastlink.codegen.runtime.bounds import of_better
 from fastlink.codegen.runtime.cells import (
     AT_LIMIT,
+    BOUND,
     BRANCHES,
     FA,
     FB,
@@ -40,13 +42,15 @@ from fastlink.numerics.elementary import ANGLE_ROUNDING, INFINITY, NOT_A_NUMBER,
 
 __all__ = [
     *("clear", "collect_ends", "end_values", "extrema_at_zeros", "mirror_image"),
-    *("store_best", "store_counts", "store_extrema", "store_list"),
+    *("store_best", "store_bound", "store_counts", "store_extrema", "store_list"),
 ]
 
-# Rows of the lists: an extremum's position, value and kind.
-LIST_THETA, LIST_VALUE, LIST_KIND = range(3)
-# Rows of the best: greatest and least value with their positions, and how many extrema there are.
-GREATEST, AT_GREATEST, LEAST, AT_LEAST, COUNT = range(5)
+# Rows of the lists: an extremum's position, value and kind; where error bounds are requested, that of the value.
+LIST_THETA, LIST_VALUE, LIST_KIND, LIST_BOUND = range(4)
+LIST_ROWS = 3
+# Rows of the best: greatest and least value with their positions, and how many extrema there are; where error bounds
+# are requested, those of both.
+GREATEST, AT_GREATEST, LEAST, AT_LEAST, COUNT, GREATEST_BOUND, LEAST_BOUND = range(7)
 BEST_ROWS = 5
 
 
@@ -56,30 +60,28 @@ def clear(lists: Any, best: Any) -> None:
     for r in range(lists.shape[0]):
         for column in range(lists.shape[1]):
             for k in range(lists.shape[2]):
-                lists[r, column, k] = NOT_A_NUMBER if r < LIST_KIND else 0.0
+                lists[r, column, k] = 0.0 if r == LIST_KIND else NOT_A_NUMBER
     for i in lanes(best.shape[1]):
         best[GREATEST, i] = -INFINITY
         best[LEAST, i] = INFINITY
         best[AT_GREATEST, i] = NOT_A_NUMBER
         best[AT_LEAST, i] = NOT_A_NUMBER
         best[COUNT, i] = 0.0
+    for r in range(BEST_ROWS, best.shape[0]):
+        for i in lanes(best.shape[1]):
+            best[r, i] = 0.0
 
 
 @outlined
-def _insert(lists: Any, column: int, count: int, theta: float, value: float, kind: float) -> None:
-    """Insert an extremum into a sorted list of so many; beyond its length the last one drops out."""
-    room = lists.shape[2]
-    k = min(count, room)
+def _insert(lists: Any, column: int, count: int, theta: float) -> int:
+    """Make room in a sorted list of so many extrema, the last of which drops out beyond its length; return where."""
+    k = count if count < lists.shape[2] else int(lists.shape[2])
     while k > 0 and lists[LIST_THETA, column, k - 1] > theta:
         k -= 1
-    if k == room:
-        return
-    for move in range(min(count, room - 1), k, -1):
-        for r in range(3):
+    for move in range(min(count, lists.shape[2] - 1), k, -1):
+        for r in range(lists.shape[0]):
             lists[r, column, move] = lists[r, column, move - 1]
-    lists[LIST_THETA, column, k] = theta
-    lists[LIST_VALUE, column, k] = value
-    lists[LIST_KIND, column, k] = kind
+    return k
 
 
 @inlined
@@ -132,16 +134,16 @@ def store_extrema(s: Any, count: int, table: Any, search: Any, lists: Any, best:
     ----------
     s, count, table, search
         As for `extrema_at_zeros`.
-    lists : array (3, columns, length)
+    lists : array (3 or 4, columns, length)
         Sorted lists of extrema; a column is of one search, branch and design.
-    best : array (5, columns)
+    best : array (5 or 7, columns)
         The greatest and least values.
     """
     sides, branches = table[SIDES], table[BRANCHES]
     onto, parity = search[ONTO], float(search[PARITY])
     jumps = onto != search[NUMBER]
     for i in range(count):
-        value, theta, kind = s[VALUE, i], s[THETA, i], s[KIND, i]
+        value, theta, kind, bound = s[VALUE, i], s[THETA, i], s[KIND, i], s[BOUND, i]
         if kind != kind:
             continue
         lane, branch = int(s[LANE, i]), int(s[HALF, i]) >> (sides - 1)
@@ -157,12 +159,22 @@ def store_extrema(s: Any, count: int, table: Any, search: Any, lists: Any, best:
             column = (onto * branches + target) * LANES + lane
             if kind != 0.0:
                 if lists.shape[2] > 0:
-                    _insert(lists, column, int(best[COUNT, column]), theta, value, kind)
+                    k = _insert(lists, column, int(best[COUNT, column]), theta)
+                    if k < lists.shape[2]:
+                        lists[LIST_THETA, column, k] = theta
+                        lists[LIST_VALUE, column, k] = value
+                        lists[LIST_KIND, column, k] = kind
+                        if lists.shape[0] > LIST_BOUND:
+                            lists[LIST_BOUND, column, k] = bound
                 best[COUNT, column] += 1.0
+            least = -PI if jumps else value
+            if best.shape[0] > BEST_ROWS:
+                high, low = best[GREATEST_BOUND, column], best[LEAST_BOUND, column]
+                best[GREATEST_BOUND, column] = of_better(best[GREATEST, column], high, value, bound)
+                best[LEAST_BOUND, column] = of_better(-best[LEAST, column], low, -least, bound)
             if value > best[GREATEST, column]:
                 best[GREATEST, column] = value
                 best[AT_GREATEST, column] = theta
-            least = -PI if jumps else value
             if least < best[LEAST, column]:
                 best[LEAST, column] = least
                 best[AT_LEAST, column] = theta
@@ -194,7 +206,7 @@ def collect_ends(w: Any, count: int, table: Any, search: Any, best: Any, ends: A
 @outlined
 def store_list(result: Any, first: int, count: int, base: int, lists: Any, row: int) -> None:
     """Copy a list of each design and branch; beyond the last extremum stands NaN, and 0 as a kind."""
-    beyond = NOT_A_NUMBER if row < LIST_KIND else 0.0
+    beyond = 0.0 if row == LIST_KIND else NOT_A_NUMBER
     for i in range(count):
         for branch in range(result.shape[1]):
             for k in range(result.shape[2]):
@@ -218,3 +230,14 @@ def store_best(result: Any, first: int, count: int, base: int, best: Any, row: i
             column = base + branch * LANES + i
             theta = best[row | 1, column]
             result[first + i, branch] = best[row, column] if theta == theta else NOT_A_NUMBER
+
+
+@outlined
+def store_bound(result: Any, first: int, count: int, base: int, best: Any, row: int) -> None:
+    """Copy the error bound of the greatest or least value; NaN where there is none."""
+    of = GREATEST_BOUND if row == GREATEST else LEAST_BOUND
+    for i in range(count):
+        for branch in range(result.shape[1]):
+            column = base + branch * LANES + i
+            theta = best[row | 1, column]
+            result[first + i, branch] = best[of, column] if theta == theta else NOT_A_NUMBER

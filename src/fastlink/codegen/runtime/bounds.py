@@ -1,0 +1,124 @@
+"""Error bounds of extrema, where they are requested.
+
+Every position x of the graded range is one of the reachable range. So the exact quantity at an x that was found, which
+is within its error bound E of the computed value, is never beyond the extreme; it may fall short of it, as x is
+not the exact place.
+
+- At a zero of the slope s, the exact slope is at most S = |s| + E_s, with the error bound E_s of the slope: x is off by
+  at most S/|b|, b being the second derivative, and the value by half of S S/|b|. Twice that is added, as b changes on
+  the way and has an error of its own. Where two extremes are about to meet, or one is flat, b differs on the way, and
+  the value is off by a power of S beyond the first (4/3 for an extreme like x^4): a thousandth of E.
+- Where b vanishes, s is within E_s: the value is off by at most 2 E_s times half a turn. At a kink s is far from zero
+  on both sides; its place is known to 2^-51 of x, less than 2^-48 in the input position, or to where rounding hides
+  which side it is on, by E.
+- The magnitude of a vector that almost vanishes has a kink, too. A least magnitude f is off by at most the greater of E
+  and f, as the exact one is between 0 and f + E.
+- An end of the range counts at x = 0, which is exact; or at a first sample x = 2^-60 r beside a toggle or a fold, for
+  quantities that have no value at the toggle itself. In x they are smooth there, and the input position changes by
+  less than 4 x. The value is off by at most 8 x |s|; beside a toggle, where it may change as c x and s grows as 1/x, by
+  c x = s s/|b|. What is infinite at a toggle has no bound, nor has what grows as 1/x or more towards a fold: |b| x^2 is
+  at least half of it, then.
+- Where no slope changes its sign, a place in the middle of the turn stands for the extreme. If its slope is within its
+  error bound the quantity is constant but for rounding: off by at most S times half a turn on each side.
+- A jump by a whole turn is at pi, which is off by its own rounding.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+from fastlink.codegen.runtime.cells import (
+    BEND,
+    BOUND,
+    KIND,
+    LANE,
+    NUMBER,
+    ONTO,
+    SLOPE,
+    SLOPE_BOUND,
+    START,
+    TOGGLE,
+    UPPER,
+    VALUE,
+    X,
+    padded,
+)
+from fastlink.numerics.compiler import inlined, lanes, outlined
+from fastlink.numerics.elementary import INFINITY, PI, TWO_PI
+
+__all__ = ["bound_ends", "bound_zeros", "of_better"]
+
+# For what the powers of E_s beyond the first come to, and for the roundings of the bound itself.
+MARGIN = 1.0 + 2.0**-10
+# Of pi in doubles, 1.2e-16: half of its last place is 2^-52.
+OF_PI = 2.0**-52
+# The place of a kink.
+OF_PLACE = 2.0**-48
+
+
+@inlined
+def known(bound: Any) -> Any:
+    """Return a bound, infinite where it is not a number."""
+    return bound if bound >= 0.0 else INFINITY
+
+
+@outlined
+def bound_zeros(s: Any, count: int, search: Any, magnitude: int) -> None:
+    """Add to the bounds of values at zeros of the slope what the places are off.
+
+    Parameters
+    ----------
+    s, count : array, int
+        State of the items, and how many they are.
+    search : array of int
+        Table of the search, see `cells`.
+    magnitude : int
+        1 for the magnitude of a vector, else 0.
+    """
+    if search[ONTO] != search[NUMBER]:
+        for i in lanes(padded(count)):
+            s[BOUND, i] = OF_PI
+    else:
+        for i in lanes(padded(count)):
+            own, value, slope, slope_bound = MARGIN * s[BOUND, i], s[VALUE, i], s[SLOPE, i], s[SLOPE_BOUND, i]
+            steep = slope + slope_bound
+            off, most = steep * (steep / s[BEND, i]), own + (OF_PLACE * slope + TWO_PI * slope_bound)
+            bound = own + (off if off < most else most)
+            least = (magnitude > 0) & (s[KIND, i] < 0.0) & (bound > value)
+            s[BOUND, i] = known((value if value > own else own) if least else bound)
+
+
+@outlined
+def bound_ends(s: Any, count: int, w: Any, table: Any) -> None:
+    """Add to the bounds of values at ends of the range what the places are off.
+
+    Parameters
+    ----------
+    s, count : array, int
+        State of the items, and how many they are.
+    w, table : array
+        Lane values, and the table of the kernel, see `cells`.
+    """
+    for i in range(count):
+        first = w[table[START] + int(s[UPPER, i]), int(s[LANE, i])]
+        x, size, slope, bend = s[X, i], abs(s[VALUE, i]), s[SLOPE, i], s[BEND, i]
+        steep, toggle = slope + s[SLOPE_BOUND, i], w[table[TOGGLE] + int(s[UPPER, i]), int(s[LANE, i])] > 0.0
+        off, beside = 8.0 * x * slope, 4.0 * slope * (slope / bend)
+        off = 0.0 if x == 0.0 else (beside if beside < off else off)
+        off = PI * steep if (first == 0.0) & (slope <= s[SLOPE_BOUND, i]) else off
+        pole = (not toggle) & (x > 0.0) & (size > 0.0) & (4.0 * (bend * (x * x)) >= size)
+        s[BOUND, i] = INFINITY if (size == INFINITY) | pole else known(MARGIN * s[BOUND, i] + off)
+
+
+@inlined
+def of_better(best: Any, best_bound: Any, value: Any, bound: Any) -> Any:
+    """Return the error bound of the better of two candidates for an extreme, of which the other may be it.
+
+    Each extreme lies within the bound of its own candidate, so that the outermost of all lies within that of the best
+    candidate, or beyond it by at most what the bound of another exceeds the distance of both values.
+    """
+    ahead = value - best
+    own = bound if ahead > 0.0 else best_bound
+    other = best_bound if ahead > 0.0 else bound
+    reach = other - abs(ahead)
+    return reach if reach > own else own
