@@ -32,6 +32,10 @@ ROUNDS, PARTS = 6, 16
 #: Newton's iteration ends at this change of x; from 1e-9 it takes two steps.
 SETTLED, MOST_STEPS = CONTEXT.mpf(10) ** -25, 12
 DIFFERENCE = CONTEXT.mpf(10) ** -12
+#: An iteration is lost that ends at a value less extreme than that of the samples, by more than their rounding.
+LOST = 1e-9
+#: Distances from a kink of the positions whose lines meet there, but for the square of the distance.
+KINKS = (CONTEXT.mpf(10) ** -7, CONTEXT.mpf(10) ** -12, CONTEXT.mpf(10) ** -20)
 #: Kinds of candidates beside maxima (1) and minima (-1).
 END, JUMP = 0, 2
 #: As near to a toggle as 50 digits allow, and so much farther: a quantity that changes by such a factor between the
@@ -130,6 +134,7 @@ class Stationary:
         designs = np.arange(count)[:, None]
         facts = self._read(ends, middle, np.zeros_like(middle, dtype=bool), designs)
         scale, start, toggle = (np.hstack([facts[k], facts[k + 3]])[..., None] for k in range(3))
+        self.scale = scale[..., 0]
         # Where the range has no end, x = 0 is a position like any other, and samples go on with the other sign.
         self.bounded = ((start > 0.0) | (toggle > 0.0))[..., 0]
         grid = scale * np.sinh(np.arange(1, SAMPLES + 1) * (np.arcsinh(1.0 / scale) / SAMPLES))
@@ -222,18 +227,30 @@ class Stationary:
         base = self.facts.at(design_values | self._leaves_at(end, x))
         if candidate.kind == END:
             return self._at_end(base, candidate, self.size(design))
-        for _ in range(MOST_STEPS):
-            change = self._newton(base, end, x)
-            if not abs(change) < abs(x) + AT_END:  # the position by samples is better
-                break
-            x += change
-            if abs(change) < SETTLED:
-                break
+        scale = CONTEXT.mpf(min(1.0, self.scale[design, end]))
+        x, smooth = self._refined(base, candidate, x, scale)
         base = self._at(base, end, x)
         condition = self.facts.condition(base, self.movable)
-        position_condition = self._position_condition(base, end, x) if positions else CONTEXT.zero
+        position_condition = self._position_condition(base, end, x, scale) if positions else CONTEXT.zero
         value, size = base[self.quantity], condition[self.quantity]
-        return Extreme(value, size, base[self.position], position_condition, is_stationary=True)
+        return Extreme(value, size, base[self.position], position_condition, smooth)
+
+    def _refined(self, base: Mapping[str, Any], candidate: Candidate, first: Any, scale: Any) -> tuple[Any, bool]:
+        """Return the place of an extreme, and whether Newton's iteration finds it: at a kink that is lost."""
+        end, x = candidate.end, first
+        for _ in range(MOST_STEPS):
+            change = self._newton(base, end, x, scale)
+            if not abs(change) < abs(x) + AT_END:
+                break
+            x += change
+            if abs(change) < SETTLED * scale:
+                found = self._at(base, end, x)[self.quantity]
+                if candidate.kind * (found - candidate.value) >= -LOST * abs(candidate.value):
+                    return x, True
+                break
+        kink = self._kink(base, end, first, scale)
+        value, there = (self._at(base, end, place)[self.quantity] for place in (first, kink))
+        return kink if candidate.kind * (there - value) > 0 else first, False  # or that by samples is better
 
     def _leaves_at(self, end: int, x: Any) -> dict[str, Any]:
         near = x * x / (1 + x * x)
@@ -243,19 +260,30 @@ class Stationary:
     def _at(self, base: Mapping[str, Any], end: int, x: Any) -> dict[str, Any]:
         return self.facts.moved(base, self._leaves_at(end, x))
 
-    def _newton(self, base: Mapping[str, Any], end: int, x: Any) -> Any:
-        """Return one step towards the extreme, from differences of the quantity."""
-        below, here, above = (self._at(base, end, x + k * DIFFERENCE)[self.quantity] for k in (-1, 0, 1))
-        curvature = (below - 2 * here + above) / DIFFERENCE
+    def _newton(self, base: Mapping[str, Any], end: int, x: Any, scale: Any) -> Any:
+        """Return one step towards the extreme, from differences of the quantity over a share of the scale there."""
+        step = DIFFERENCE * scale
+        below, here, above = (self._at(base, end, x + k * step)[self.quantity] for k in (-1, 0, 1))
+        curvature = (below - 2 * here + above) / step
         return -(above - below) / 2 / curvature if curvature != 0 else CONTEXT.zero
 
-    def _position_condition(self, base: Mapping[str, Any], end: int, x: Any) -> Any:
+    def _kink(self, base: Mapping[str, Any], end: int, x: Any, scale: Any) -> Any:
+        """Return the place of a kink: where the lines on both sides of it meet."""
+        for distance in KINKS:
+            step = distance * (abs(x) + scale)
+            here = {k: self._at(base, end, x + k * step)[self.quantity] for k in (-2, -1, 1, 2)}
+            before, after = here[-1] - here[-2], here[2] - here[1]
+            if before != after:
+                x += step * (here[1] - after - here[-1] - before) / (before - after)
+        return x
+
+    def _position_condition(self, base: Mapping[str, Any], end: int, x: Any, scale: Any) -> Any:
         """Return the condition of the input angle of an extreme, which moves with inputs."""
         total = CONTEXT.zero
         for name in self.movable:
             if base[name] != 0:
                 moved = self.facts.moved(base, {name: base[name] * (1 + STEP)})
-                there = self._at(moved, end, x + self._newton(moved, end, x))
+                there = self._at(moved, end, x + self._newton(moved, end, x, scale))
                 total += abs(there[self.position] - base[self.position]) / STEP
         return total
 
