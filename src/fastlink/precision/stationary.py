@@ -235,7 +235,9 @@ class Stationary:
         value, size = base[self.quantity], condition[self.quantity]
         return Extreme(value, size, base[self.position], position_condition, smooth)
 
-    def _refined(self, base: Mapping[str, Any], candidate: Candidate, first: Any, scale: Any) -> tuple[Any, bool]:
+    def _refined(
+        self, base: Mapping[str, Any], candidate: Candidate, first: Any, scale: Any
+    ) -> tuple[Any, bool]:
         """Return the place of an extreme, and whether Newton's iteration finds it: at a kink that is lost."""
         end, x = candidate.end, first
         for _ in range(MOST_STEPS):
