@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import contextlib
+
 import mpmath as mp
 import numpy as np
 import pytest
@@ -11,6 +13,7 @@ import fastlink as fl
 from fastlink.mechanisms import NAMES, catalogue, inputs_of
 from fastlink.plan.validate import variants_of
 from fastlink.precision.reference import CONTEXT, HighPrecision
+from fastlink.symbolic.derivative import NoDerivative
 
 #: A change point but for 1e-16: the gap is within the rounding of the lengths.
 ISSUE = {
@@ -22,30 +25,48 @@ ISSUE = {
 CASES = [pytest.param(*case, id="-".join(filter(None, case))) for case in FAMILIES]
 
 
-def bounded(of):
+#: A length of each mechanism, with respect to which derivatives are taken.
+LAST = {"planar_4r": "a4", "slider_crank": "e", "hart": "kappa", "focal": "d", "minkowski_4r": "h"}
+
+
+def bounded(of, inputs):
     """Return the quantities that have an error bound, but those that are nothing but errors."""
     measures = ("residual", "deviation")
     return [
-        name for name, one in of.public.items() if not (one.flags or any(word in name for word in measures))
+        name
+        for name, one in of.public.items()
+        if not (one.flags or name in inputs or any(word in name for word in measures))
     ]
+
+
+def slopes(of, names, by, variants):
+    """Return the names of the derivatives that there are."""
+    found = []
+    for name in (f"d_{name}_d_{by}" for name in names):
+        with contextlib.suppress(NoDerivative):
+            of.resolve(name, variants, variants)
+            found.append(name)
+    return found
 
 
 def test_every_mechanism_and_input_has_degenerate_designs():
     assert {case[:2] for case in FAMILIES} == {(name, drive) for name in NAMES for drive in inputs_of(name)}
 
 
-def errors(mechanism, drive, about, n):
-    """Yield quantity, value, bound, trust and exact value at configurations of the family."""
+def errors(mechanism, drive, about, n, by=""):
+    """Yield quantity, value, bound, trust and exact value at configurations of the family; or of derivatives."""
     of = catalogue(mechanism, drive)
     rng = np.random.default_rng(7)
     inputs = FAMILIES[mechanism, drive, about](rng, n)
-    for name, codes in (("branch", 2), *((("completion", 2),) if mechanism == "focal" else ())):
-        inputs.setdefault(name, rng.integers(1, codes + 1, n).astype(float))
-    names = bounded(of)
+    n = len(inputs[drive])
+    inputs.setdefault("branch", rng.integers(1, 3, n).astype(float))
+    variants = variants_of(of, None, "eliminated", inputs)
+    names = bounded(of, inputs)
+    names = slopes(of, names, by, variants) if by else names
     asked = [f"{name}{ending}" for name in names for ending in ("", "_error", "_trust")]
     found = fl.evaluate(mechanism, asked, input=drive, **inputs)
     found = {name: np.broadcast_to(values, n) for name, values in found.items()}
-    facts = HighPrecision(of, names, inputs, variants_of(of, None, "eliminated", inputs))
+    facts = HighPrecision(of, names, inputs, variants)
     for i in range(n):
         one = {name: float(values[i]) for name, values in inputs.items()}
         exact = facts.at(one)
@@ -55,11 +76,11 @@ def errors(mechanism, drive, about, n):
                 yield name, one, value, bound, trust, exact[name]
 
 
-def assert_bounds_hold(mechanism, drive, about, n):
+def assert_bounds_hold(mechanism, drive, about, n, by=""):
     """Hold every bound against the exact value of the very same doubles; return how many are finite, and all."""
     of = catalogue(mechanism, drive)
     finite = total = 0
-    for name, one, value, bound, trust, exact in errors(mechanism, drive, about, n):
+    for name, one, value, bound, trust, exact in errors(mechanism, drive, about, n, by):
         total += 1
         finite += bound < np.inf
         assert bound >= 0.0, (name, one)  # of a number it is one
@@ -76,16 +97,24 @@ def assert_bounds_hold(mechanism, drive, about, n):
 
 @pytest.mark.parametrize(("mechanism", "drive", "about"), CASES)
 def test_bounds_hold_at_every_degenerate_set(mechanism, drive, about):
-    finite, total = assert_bounds_hold(mechanism, drive, about, 40)
+    finite, total = assert_bounds_hold(mechanism, drive, about, 30)
     # infinite bounds are for places where nothing is known; Hart's line ends where most of these positions are
     assert finite > (0.5 if mechanism == "hart" else 0.8) * total
     assert total > 40
+
+
+@pytest.mark.parametrize("mechanism", LAST)
+def test_bounds_of_derivatives_hold_at_every_degenerate_set(mechanism):
+    finite, total = assert_bounds_hold(mechanism, inputs_of(mechanism)[0], "", 12, LAST[mechanism])
+    assert 0 < finite <= total
 
 
 @pytest.mark.stress
 @pytest.mark.parametrize(("mechanism", "drive", "about"), CASES)
 def test_bounds_hold_at_many_degenerate_designs(mechanism, drive, about):
     assert_bounds_hold(mechanism, drive, about, 10_000)
+    for by in (drive, LAST[mechanism]):
+        assert_bounds_hold(mechanism, drive, about, 2_000, by)
 
 
 def test_a_gap_that_counts_as_zero_is_in_the_bound():
@@ -142,25 +171,25 @@ def test_bounds_hold_against_circles_that_intersect():
     assert tested > n // 3
 
 
-def test_verification_takes_lengths_as_they_are():
-    names = ["omega4", "omega4_error", "theta1_low", "grashof_class", "status"]
-    result = fl.sweep(
-        "planar_4r", fl.grid(**ISSUE, omega1=1.0), names, angles=np.array([1e-8, 2e-8]), branch=2, verify=1
-    )
-    assert result["omega4"].attrs["error_max_relative"] > 0.9
-    # its bound says so, and codes say what counts as zero
-    assert result.attrs["verify_mismatches"] == 0
-    assert result["grashof_class"].values == 8
-
-
-def test_verification_of_extremes_takes_lengths_as_they_are_and_the_number_of_extremes_as_meant():
-    names = ["transmission_angle_min", "omega4_max", "omega4_extrema", "alpha4_max", "grashof_excess_trust"]
+def test_verification_takes_lengths_as_they_are_and_codes_as_meant():
+    names = ["transmission_angle_min", "omega4_extrema", "grashof_class", "grashof_excess_trust"]
     result = fl.sweep("planar_4r", fl.grid(**ISSUE, omega1=1.0), names, branch=2, verify=1)
     assert result["transmission_angle_min"].values == 0.0
     assert result["transmission_angle_min"].attrs["error_max_relative"] == 1.0  # as given it is not 0
     assert result["omega4_extrema_count"].values == 0
+    assert result["grashof_class"].values == 8
+    # neither reading is wrong
     assert result.attrs["verify_mismatches"] == 0
     assert result["grashof_excess_trust"].values == 1  # the flag of such a design
-    exact = ISSUE | {"a1": 0.5, "a2": 1.25, "a3": 0.75, "a4": 1.0}
+    exact = {"a1": 0.5, "a2": 1.25, "a3": 0.75, "a4": 1.0}
     found = fl.evaluate("planar_4r", ["grashof_excess", "grashof_excess_trust"], theta1=1.0, **exact)
     assert (found["grashof_excess"], found["grashof_excess_trust"]) == (0.0, 0.0)
+
+
+def test_verification_shows_how_far_rates_are_from_those_of_the_lengths_as_they_are():
+    angles = np.array([1e-8, 2e-8])
+    result = fl.sweep(
+        "planar_4r", fl.grid(**ISSUE, omega1=1.0), ["omega4"], angles=angles, branch=2, verify=1
+    )
+    assert result["omega4"].attrs["error_max_relative"] > 0.9
+    assert result.attrs["verify_mismatches"] == 0  # its bound is infinite

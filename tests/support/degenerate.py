@@ -12,7 +12,7 @@ from functools import partial
 import numpy as np
 
 import fastlink as fl
-from tests.support import configurations, focal_configurations, hart_configurations
+from tests.support import configurations, focal_configurations, focal_designs, hart_configurations
 from tests.support.slider_crank_configurations import SLIDER_CRANK
 
 Inputs = dict[str, np.ndarray]
@@ -66,11 +66,25 @@ def lengths(rng: np.random.Generator, n: int) -> np.ndarray:
     return np.where(rng.random(n) < 0.05, equal, found)
 
 
+def beside(rng: np.random.Generator, angle: np.ndarray, limits: Inputs) -> np.ndarray:
+    """Return angles of which some are a few roundings from one of the limits, where there is one."""
+    limit = np.stack(list(limits.values()))[rng.integers(0, len(limits), angle.size), np.arange(angle.size)]
+    limit = limit * (1.0 + gaps(rng, angle.size)) * rng.choice([-1.0, 1.0], angle.size)
+    return np.where((rng.random(angle.size) < 0.3) & np.isfinite(limit), limit, angle)
+
+
 def planar(rng: np.random.Generator, n: int) -> Inputs:
-    """Return configurations of the planar 4R driven at O."""
+    """Return configurations of the planar 4R driven at O, at folds and toggles."""
     inputs = dict(zip(configurations.LENGTHS, lengths(rng, n), strict=True))
-    inputs |= configurations.masses_and_points(rng, n)
-    return inputs | {"theta1": angles(rng, n, (0.0, 0.0, np.pi))}
+    theta = angles(rng, n, (0.0, 0.0, np.pi))
+    toggles = fl.evaluate("planar_4r", ["theta1_low", "theta1_high"], theta1=theta, **inputs)
+    theta = beside(rng, theta, toggles)
+    return inputs | configurations.masses_and_points(rng, n) | {"theta1": theta}
+
+
+def loaded(rng: np.random.Generator, n: int) -> Inputs:
+    """Return the same under all loads at once."""
+    return planar(rng, n) | configurations.all_loads(rng, n)
 
 
 def driven(joint: int, rng: np.random.Generator, n: int) -> Inputs:
@@ -90,7 +104,9 @@ def slider_crank(rng: np.random.Generator, n: int) -> Inputs:
     for name, declared in SLIDER_CRANK.inputs.items():
         if name not in inputs:
             inputs |= configurations.draw({name: declared}, rng, n)
-    return inputs | {"theta": angles(rng, n, (0.5 * np.pi, -0.5 * np.pi, 0.0))}
+    theta = angles(rng, n, (0.5 * np.pi, -0.5 * np.pi, 0.0))
+    toggles = fl.evaluate("slider_crank", ["theta_low", "theta_high"], theta=theta, **inputs)
+    return inputs | {"theta": beside(rng, theta, toggles)}
 
 
 def hart(rng: np.random.Generator, n: int) -> Inputs:
@@ -120,15 +136,24 @@ def hart_by_line(rng: np.random.Generator, n: int) -> Inputs:
 
 
 def focal(drive: str, rng: np.random.Generator, n: int) -> Inputs:
-    """Return configurations of the focal mechanism whose four-bar has a gap, or rho next to -1."""
+    """Return configurations of the focal mechanism whose four-bar has a gap, or with rho next to where bars vanish."""
     inputs = focal_configurations.random_designs(rng, n)
     # MA, NB, AB, MN are the links 1, 3, 2, 4 of the planar 4R
     inputs |= dict(zip("acbd", lengths(rng, n), strict=True))
-    inputs["rho"] = np.where(rng.random(n) < 0.1, -1.0 + gaps(rng, n), inputs["rho"])
-    inputs["rho"] = np.where(
-        rng.random(n) < 0.1, inputs["a"] / inputs["b"] * (1.0 + gaps(rng, n)), inputs["rho"]
-    )
+    ratio = inputs["a"] / inputs["b"]
+    met = focal_designs.meeting(rng, inputs, n)["rho"]
+    special = np.array([np.full(n, -1.0), ratio, -(ratio**2), rng.choice(met, n) if met.size else ratio])
+    rho = special[rng.integers(0, 4, n), np.arange(n)] * (1.0 + gaps(rng, n))
+    inputs["rho"] = np.where(rng.random(n) < 0.3, rho, inputs["rho"])
     return inputs | {drive: angles(rng, n, (0.0, 0.0, np.pi))}
+
+
+def focal_by(given: str, drive: str, rng: np.random.Generator, n: int) -> Inputs:
+    """Return the same given by s or lambda_."""
+    inputs = focal(drive, rng, n)
+    inputs["rho"] = np.where(inputs["rho"] == -1.0, 1.0, inputs["rho"])  # S is at infinity
+    inputs = focal_designs.given_by(given, inputs)
+    return {name: values for name, values in inputs.items() if name != "rho"}
 
 
 def minkowski(rng: np.random.Generator, n: int) -> Inputs:
@@ -136,8 +161,9 @@ def minkowski(rng: np.random.Generator, n: int) -> Inputs:
     inputs = dict(zip("ahbg", lengths(rng, n), strict=True)) | {
         name: rng.uniform(-2.0, 2.0, n) for name in "xy"
     }
-    inputs["theta"] = angles(rng, n, (0.0,))
-    return inputs
+    theta = angles(rng, n, (0.0,))
+    limits = fl.evaluate("minkowski_4r", ["theta_min", "theta_max", "theta_escape"], theta=theta, **inputs)
+    return inputs | {"theta": beside(rng, theta, limits)}
 
 
 def tolerant(rng: np.random.Generator, n: int) -> Inputs:
@@ -145,15 +171,18 @@ def tolerant(rng: np.random.Generator, n: int) -> Inputs:
     return minkowski(rng, n) | {"tolerance": 10.0 ** rng.uniform(-17.0, -13.0, n)}
 
 
-#: By mechanism and input; the second of the Minkowskian 4R with a tolerance.
+#: By mechanism, input, and what else is given.
 FAMILIES: dict[tuple[str, str, str], Family] = {
     ("planar_4r", "theta1", ""): planar,
+    ("planar_4r", "theta1", "loads"): loaded,
     **{("planar_4r", f"joint_angle_{joint}", ""): partial(driven, joint) for joint in (1, 2, 3, 4)},
     ("slider_crank", "theta", ""): slider_crank,
     ("hart", "phi", ""): hart,
     ("hart", "F_y", ""): hart_by_line,
     ("focal", "phi", ""): partial(focal, "phi"),
     ("focal", "sigma", ""): partial(focal, "sigma"),
+    ("focal", "phi", "s"): partial(focal_by, "s", "phi"),
+    ("focal", "sigma", "lambda_"): partial(focal_by, "lambda_", "sigma"),
     ("minkowski_4r", "theta", ""): minkowski,
     ("minkowski_4r", "theta", "tolerance"): tolerant,
 }
