@@ -19,6 +19,8 @@ from fastlink.codegen.runtime.bounds import of_better
 from fastlink.mechanisms import catalogue
 from fastlink.numerics.compensated import UNIT_ROUNDING
 from fastlink.plan.plan import make_plan
+from fastlink.precision.errors import MeasuredErrors
+from fastlink.precision.reference import CONTEXT
 
 LENGTHS = ("a1", "a2", "a3", "a4")
 DRIVEN = [
@@ -137,6 +139,25 @@ def test_a_scaling_axis_and_units_of_a_design_leave_bounds_right():
     np.testing.assert_array_equal(found["omega4_max_error"][0], one["omega4_max_error"])
     far = swept(["omega4_max_error"], tuple(2.0**-700 * length for length in (0.4, 1.2, 0.8, 1.0)))
     np.testing.assert_array_equal(far["omega4_max_error"], one["omega4_max_error"])
+
+
+def test_verification_holds_errors_of_extremes_against_their_bounds():
+    names = ["omega4_max", "omega4_max_error", "omega4_extrema", "omega4_extrema_error", "theta4_min_error"]
+    found = swept(names, verify=1)
+    for name in ("omega4_max_error", "omega4_extrema_error"):
+        assert 0.0 <= found[name].attrs["error_max_of_bound"] <= 1.0
+    assert found.attrs["verify_mismatches"] == 0
+    assert found.attrs["verify_left_out"] == "theta4_min_error"  # without its value there is no error
+    assert "of the bound, of 1" in fl.summary(found)
+
+
+def test_verification_notices_a_bound_that_is_too_small():
+    measured = MeasuredErrors("")
+    measured.add_bound(0.5, 1.0, CONTEXT.mpf(1.25))
+    assert measured.attrs()["error_max_of_bound"] == 0.5
+    for bound, value, exact in ((0.2, 1.0, 1.25), (0.0, 1.0, 1.25), (np.nan, 1.0, 1.25), (1.0, np.inf, 1.0)):
+        measured.add_bound(bound, value, CONTEXT.mpf(exact))
+    assert (measured.values, measured.mismatches) == (5, 4)
 
 
 @pytest.mark.parametrize(

@@ -61,6 +61,12 @@ class Request:
         return not self.is_position and self.listed in ("", "value", "error")
 
     @property
+    def value(self) -> str:
+        """The name of the value, of an extreme or a list, of which it is the error bound."""
+        of = Quantity(self.quantity)
+        return str(ListOfExtrema(of) if self.reduction is None else Reduced(of, self.reduction.suffix))
+
+    @property
     def bounded(self) -> str:
         """The quantity, or its error bound where the request is the error bound of extremes."""
         return error_name(self.quantity) if self.is_error else self.quantity

@@ -36,6 +36,8 @@ class MeasuredErrors:
         more than their error bound; exact values that no formula of the facts confirms are among these.
     independent : list of float
         Differences of exact values from independent ones, in units of `unit_of`.
+    shares : list of float
+        Of the values of an error bound, the share that the error has.
     """
 
     method: str
@@ -45,6 +47,7 @@ class MeasuredErrors:
     values: int = 0
     mismatches: int = 0
     independent: list[float] = field(default_factory=list)
+    shares: list[float] = field(default_factory=list)
 
     def add(
         self,
@@ -93,6 +96,17 @@ class MeasuredErrors:
         self.values += 1
         self.mismatches += int(exact != value)
 
+    def add_bound(self, bound: float, value: float, exact: Any) -> None:
+        """Hold an error bound against the error of its value; one of what is not finite has to be infinite or NaN."""
+        self.values += 1
+        if not (np.isfinite(value) and CONTEXT.isfinite(exact)):
+            self.mismatches += int(np.isfinite(bound))
+            return
+        error = abs(CONTEXT.mpf(value) - exact)
+        self.mismatches += int(not error <= bound)
+        if 0.0 < bound < np.inf:
+            self.shares.append(float(error / bound))
+
     def add_independent(self, difference: float | None) -> None:
         """Compare an exact value with an independent one, if there is one, by their difference over `unit_of`."""
         if difference is not None:
@@ -113,6 +127,9 @@ class MeasuredErrors:
             attrs["error_reference"] = self.method
         if self.roundings:
             attrs["error_max_roundings"] = max(self.roundings)
+        if self.shares:
+            attrs["error_max_of_bound"] = max(self.shares)
+            attrs["error_reference"] = self.method
         if self.independent:
             attrs["independent_values"] = len(self.independent)
             attrs["independent_max_difference"] = max(self.independent)

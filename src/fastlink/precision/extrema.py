@@ -23,13 +23,16 @@ __all__ = ["outermost", "refined"]
 
 TURN = 2 * CONTEXT.pi
 METHOD = "extremes refined with 50 digits"
+BOUNDED = f"errors against {METHOD}"
 #: Extremes whose values differ by less may change order: a search in doubles cannot tell them apart.
 TIED_EXTREMA = 1e-12
 #: The cost of finding an extreme in evaluations, without its condition.
 EVALUATIONS = 12
 
 
-def outermost(stationary: Stationary, design: int, sign: int, *, near: float | None = None) -> Extreme:
+def outermost(
+    stationary: Stationary, design: int, sign: int, *, near: float | None = None, of_all: bool = False
+) -> Extreme:
     """Return the greatest (sign 1) or least (-1) value of a design, with 50 digits.
 
     Parameters
@@ -43,6 +46,8 @@ def outermost(stationary: Stationary, design: int, sign: int, *, near: float | N
     near : float, optional
         The input angle that a sweep found; among equal extremes the nearest one is returned, with the condition of
         its position.
+    of_all : bool
+        Whether the very greatest is returned, of those that doubles cannot tell apart, too; else any of them.
     """
     candidates = stationary.candidates[design]
     ends = [stationary.extreme(design, candidate) for candidate in candidates if candidate.kind == END]
@@ -51,7 +56,7 @@ def outermost(stationary: Stationary, design: int, sign: int, *, near: float | N
     inner = [candidate for candidate in candidates if candidate.kind == sign]
     best = max((sign * candidate.value for candidate in inner), default=-np.inf)
     tied = [c for c in inner if sign * c.value >= best - TIED_EXTREMA * abs(best)]
-    tied = tied[:1] if near is None else tied
+    tied = tied[:1] if near is None and not of_all else tied
     extremes = [stationary.extreme(design, c, positions=near is not None) for c in tied]
     extremes += [end for end in ends if not CONTEXT.isnan(end.value)]
     greatest = max((sign * extreme.value for extreme in extremes), default=-CONTEXT.inf)
@@ -59,6 +64,8 @@ def outermost(stationary: Stationary, design: int, sign: int, *, near: float | N
     if not extremes or sign * sample > greatest + TIED_EXTREMA * size:
         # a constant, an extreme that no slope shows, or no value at all
         return Extreme(CONTEXT.mpf(sample), CONTEXT.mpf(size), CONTEXT.nan, CONTEXT.zero)
+    if of_all:
+        return max((e for e in extremes if not CONTEXT.isnan(e.value)), key=lambda e: sign * e.value)
     equal = [
         e for e in extremes if sign * e.value >= greatest - TIED_EXTREMA * size or sign * e.value == greatest
     ]
@@ -70,7 +77,10 @@ def refined(sample: Sample, outputs: Sequence[Output], share: int) -> dict[str, 
     quantity = outputs[0].request.quantity
     parts = {_part(output): output for output in outputs}
     errors = {
-        part: MeasuredErrors(METHOD, TURN if _is_position(output) else 0) for part, output in parts.items()
+        part: MeasuredErrors(
+            BOUNDED if output.request.is_error else METHOD, TURN if _is_position(output) else 0
+        )
+        for part, output in parts.items()
     }
     count = affordable(sample, quantity, share, outputs)
     inputs = {name: column[:count] for name, column in sample.inputs.items()}
@@ -105,6 +115,11 @@ def _compare_outermost(
     exact = outermost(stationary, design, reduction.sign, near=near)
     if value in results:
         errors[value].add(float(results[value]), exact.value, exact.condition, zeroed=zeroed)
+    if _bound_of(value) in results:
+        greatest = outermost(stationary, design, reduction.sign, of_all=True)
+        if not CONTEXT.isnan(greatest.position):  # else it is a sample in doubles
+            bound = float(results[_bound_of(value)])
+            errors[_bound_of(value)].add_bound(bound, float(results[value]), greatest.value)
     if position in results and not (CONTEXT.isnan(exact.position) and CONTEXT.isfinite(exact.value)):
         _add_position(errors[position], float(results[position]), exact)
     return exact
@@ -127,6 +142,10 @@ def _compare_list(
         candidates.remove(nearest)
         exact = stationary.extreme(design, nearest, positions=True)
         errors["value"].add(float(results["value"][k]), exact.value, exact.condition)
+        if _bound_of("") in results:
+            errors[_bound_of("")].add_bound(
+                float(results[_bound_of("")][k]), float(results["value"][k]), exact.value
+            )
         if "position" in results:
             _add_position(errors["position"], near, exact)
         if "kind" in results:
@@ -163,11 +182,18 @@ def _reductions(outputs: Sequence[Output]) -> list[Reduction]:
 
 
 def _part(output: Output) -> str:
-    """Return the part of an output: [at] SUFFIX, value, position, count or kind."""
+    """Return the part of an output: [at] SUFFIX, value, position, count or kind, or SUFFIX with error."""
     request = output.request
+    if request.is_error:
+        return _bound_of(request.reduction.suffix if request.reduction is not None else "")
     if request.reduction is None:
         return request.listed
     return f"at {request.reduction.suffix}" if request.is_position else request.reduction.suffix
+
+
+def _bound_of(suffix: str) -> str:
+    """Return the part of the error bound of an extreme, or of those of a list, which has no suffix."""
+    return f"{suffix} error"
 
 
 def _is_position(output: Output) -> bool:

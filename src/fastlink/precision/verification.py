@@ -154,9 +154,11 @@ def _groups(outputs: Sequence[Output]) -> tuple[list[tuple[str, list[Output]]], 
     """Return the outputs by method and quantity, and the names of unverified ones."""
     groups: dict[tuple[str, str], list[Output]] = {}
     left_out = []
+    names = {output.name for output in outputs}
     for output in outputs:
         request = output.request
-        if any(word in request.quantity for word in OF_ERRORS):
+        alone = request.is_error and request.value not in names
+        if alone or any(word in request.quantity for word in OF_ERRORS):
             left_out.append(output.name)
         elif output.refined:
             groups.setdefault(("refined", request.quantity), []).append(output)

@@ -150,6 +150,8 @@ def _errors(dataset: xr.Dataset) -> list[tuple[str, str]]:
             texts.append(f"{told['error_max_relative']:.1e} relative")
         if told.has("error_max_roundings"):
             texts.append(f"{told['error_max_roundings']:.2g} roundings")
+        if told.has("error_max_of_bound"):
+            texts.append(f"{told['error_max_of_bound']:.2g} of the bound")
         if told.get("verify_mismatches"):
             texts.append(f"{counted(int(told['verify_mismatches']), 'value')} NOT AS WITH 50 DIGITS")
         if texts:
