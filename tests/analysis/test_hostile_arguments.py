@@ -48,11 +48,31 @@ CALLS: dict[str, tuple[Callable[..., Any], dict[str, Any]]] = {
     ),
     "focal.cubic": (fl.focal.cubic, FOCAL | {"branch": 2}),
     "focal.cubic_points": (fl.focal.cubic_points, FOCAL | {"branch": 2, "samples": 3}),
+    "focal.from_point": (
+        lambda **given: fl.focal.from_point(**given).values,
+        FOCAL | {"x": 1.0, "y": 2.0, "branch": 2},
+    ),
+    "focal.best_point": (lambda **given: fl.focal.best_point(**given).values, FOCAL | {"branch": 2}),
+    "focal.inscribed_conics": (fl.focal.inscribed_conics, FOCAL | {"t": 0.3, "branch": 2}),
+    "focal.involution": (
+        lambda **given: fl.focal.involution(**given).first,
+        FOCAL | {"x": 1.0, "y": 2.0, "branch": 2},
+    ),
+    "focal.five_bar": (
+        fl.focal.five_bar,
+        {"m": 1.0, "p": 1.5, "q": 2.0, "n": 1.2, "d": 2.0, "phi": 0.4, "omega_angle": 1.0, "branch": 2},
+    ),
+    "focal.held_at_AB": (
+        fl.focal.held_at_AB,
+        {name: FOCAL[name] for name in "abcd"} | {"rho": 0.8, "completion": 2},
+    ),
+    "hart.held_at_AB": (fl.hart.held_at_AB, {"m": 1.0, "n": 1.2, "d": 2.0, "kappa": 0.5}),
     "minkowski.sextic": (fl.minkowski.sextic, {"a": 3.0, "b": 5.0, "g": 6.0, "h": 4.0, "x": 0.0, "y": 0.0}),
 }
 OPTIONAL = {"links", "radius1", "mass3"}
 #: Not lengths or masses: any finite number will do.
-OF_ANY_SIGN = {"P_u", "P_v", "phi", "x", "y", *(name for name in MASSES if name[0] == "G")}
+OF_ANY_SIGN = {"P_u", "P_v", "phi", "x", "y", "t", "omega_angle", "rho", "kappa"}
+OF_ANY_SIGN |= {name for name in MASSES if name[0] == "G"}
 #: By default each argument has another third of the values.
 EVERY_THIRD = pytest.mark.parametrize("step", [3, pytest.param(1, marks=pytest.mark.stress)])
 
@@ -80,7 +100,7 @@ def may_be(name: str, value: Any) -> bool:
         return name in OPTIONAL
     if name in ("pair", "maps", "links") or number is None or not math.isfinite(number):
         return False
-    if name == "branch":
+    if name in ("branch", "completion"):
         return number in (1, 2)
     if name == "samples":
         return isinstance(value, (int, np.int8)) and number >= 1

@@ -305,6 +305,8 @@ HART = (
         many=200,
         # Some ten roundings from F_y to P, those of PF, and of five bars each eight.
         errors={"F_deviation": 16.0, "closure_residual": 32 * UNIT_ROUNDING},
+        # Products of two directions, each a quotient of sums and roots: 4.1 is the worst of 5000.
+        long_chains=dict.fromkeys(("M_across_AB", "N_across_AB"), 8.0),
         kinks=("kite 0",),
     ),
 )

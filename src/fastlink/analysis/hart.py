@@ -1,4 +1,4 @@
-"""Hart's linkages in whole numbers (Wunderlich, section 7), by exact arithmetic.
+"""Hart's linkages held at AB, and in whole numbers by exact arithmetic (Wunderlich, section 7).
 
 With kappa = i/j in lowest terms the eight sizes m, n, p = kappa n, q = -kappa m, a = (1 - kappa^2) m,
 b = (1 - kappa^2) n, c = kappa d and d are whole if and only if
@@ -19,10 +19,12 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
+from fastlink.analysis.designs import read_design
 from fastlink.doors import door
+from fastlink.mechanisms.hart import hart
 from fastlink.options import check_switch, check_whole
 
-__all__ = ["integer_designs"]
+__all__ = ["held_at_AB", "integer_designs"]
 
 
 def __dir__() -> list[str]:
@@ -124,3 +126,44 @@ def _with_kappa(i: int, j: int, size: int, movable: bool) -> Any:
     d = np.arange(counts.sum()) - np.repeat(starts - first, counts)
     once = np.gcd(np.gcd(m, n), d) == 1
     return np.stack([np.full(m.size, i), np.full(m.size, j), m, n, d])[:, once]
+
+
+@door(hint="inputs are given by name, such as m=4.0, or as one mapping")
+def held_at_AB(design: Any = None, **inputs: Any) -> dict[str, Any]:
+    """Return the Hart linkage that a Hart linkage is with AB held fixed.
+
+    Its M, N, A, B are A, B, M, N of the other one; P, Q and F stay, and F runs along a straight line again.
+
+    Parameters
+    ----------
+    design : mapping, pandas.DataFrame or xarray.Dataset, optional
+        Inputs of ``hart`` by name: ``m``, ``n``, ``d`` and ``kappa``. Other inputs are not read.
+    **inputs : float, array_like or xarray.DataArray
+        The same by name.
+
+    Returns
+    -------
+    dict of str to ndarray
+        The same inputs of the linkage that stands on AB, as `fastlink.sweep` takes them: kappa^2 m, kappa^2 n,
+        |kappa| d and 1/kappa.
+
+    Raises
+    ------
+    InputError
+        The design lacks a number, or one is not valid.
+
+    Examples
+    --------
+    >>> import fastlink as fl
+    >>> held = fl.hart.held_at_AB(m=4.0, n=8.0, d=6.0, kappa=0.5)
+    >>> {name: float(value) for name, value in held.items()}
+    {'m': 1.0, 'n': 2.0, 'd': 3.0, 'kappa': 2.0}
+    >>> line = fl.evaluate("hart", ["line_along_AB"], m=4.0, n=8.0, d=6.0, kappa=0.5, phi=1.0)
+    >>> float(line["line_along_AB"]), float(fl.evaluate("hart", ["line_x"], **held, phi=1.0)["line_x"])
+    (3.0, 3.0)
+    """
+    given = read_design("held_at_AB", hart, design, inputs, ("m", "n", "d", "kappa"))
+    m, n, d, kappa = given.values()
+    size = np.abs(kappa)
+    with np.errstate(divide="ignore"):
+        return {"m": size * (size * m), "n": size * (size * n), "d": size * d, "kappa": 1.0 / kappa}

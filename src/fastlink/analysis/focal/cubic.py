@@ -5,24 +5,19 @@ It is the locus of the foci of the conics that touch the lines MA, AB, BN and NM
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from typing import Any
 
 import numpy as np
 
-from fastlink.analysis.designs import broadcast, check_lengths, check_samples
-from fastlink.catalogue.catalogue import Input
+from fastlink.analysis.designs import check_samples
+from fastlink.analysis.focal.position import read_position
 from fastlink.doors import door
-from fastlink.engine.broadcast import like
 from fastlink.engine.evaluate import evaluate
-from fastlink.mechanisms.focal import focal
-from fastlink.mechanisms.planar_4r import planar_4r
 from fastlink.numerics.vectors import cross
-from fastlink.plan.validate import branch_codes
 
 __all__ = ["cubic", "cubic_points"]
 
-#: Lengths are at most this, and at least its inverse: products of four neither overflow nor vanish.
-GREATEST_LENGTH = 1e70
 #: Between the four directions in which both points of a line through M meet.
 ARCS = 4
 
@@ -73,7 +68,11 @@ def cubic(a: Any, b: Any, c: Any, d: Any, phi: Any, branch: Any = 1) -> Any:
     >>> [round(abs(float(np.polynomial.polynomial.polyval2d(x, y, k))), 9) for x, y in on_it]
     [0.0, 0.0, 0.0, 0.0]
     """
-    a, b, c, d, phi, branch = _numbers("cubic", a, b, c, d, phi, branch)
+    return coefficients(*read_position("cubic", a, b, c, d, phi, branch))
+
+
+def coefficients(a: Any, b: Any, c: Any, d: Any, phi: Any, branch: Any) -> Any:
+    """Return the equations of focal cubics of positions that are read; see `cubic`."""
     values = evaluate(
         "planar_4r",
         ["A_x", "A_y", "B_x", "B_y", "theta2"],
@@ -127,9 +126,14 @@ def cubic_points(a: Any, b: Any, c: Any, d: Any, phi: Any, branch: Any = 1, *, s
     (328, 2)
     """
     samples = check_samples("cubic_points", samples, 2)
-    a, b, c, d, phi, branch = _numbers("cubic_points", a, b, c, d, phi, branch)
+    return trace(read_position("cubic_points", a, b, c, d, phi, branch), samples)
+
+
+def trace(position: Iterable[Any], samples: int) -> Any:
+    """Return points of the focal cubics of positions that are read; see `cubic_points`."""
+    a, b, c, d, phi, branch = position
     size = np.maximum(np.maximum(a, b), np.maximum(c, d))
-    k = cubic(a / size, b / size, c / size, d / size, phi, branch)
+    k = coefficients(a / size, b / size, c / size, d / size, phi, branch)
     ends = _double_directions(k)
     # from each of the directions to the next one, round half a turn
     width = np.diff(ends, axis=-1, append=ends[..., :1] + np.pi)
@@ -154,16 +158,6 @@ def cubic_points(a: Any, b: Any, c: Any, d: Any, phi: Any, branch: Any = 1, *, s
     arcs[~np.isfinite(distance)] = np.nan
     gaps = np.full((*arcs.shape[:-2], 1, 2), np.nan)
     return np.concatenate([arcs, gaps], axis=-2).reshape(*d.shape, 2 * ARCS * (samples + 1), 2)
-
-
-def _numbers(function: str, *numbers: Any) -> list[Any]:
-    """Return the numbers of a position as arrays of one shape, checked."""
-    *position, branch = numbers
-    declared = [*(focal.inputs[name] for name in "abcd"), focal.position]
-    mode = Input("branch", "1", "branch", "assembly mode")
-    arrays = broadcast(function, [*declared, mode], *position, like(branch, branch_codes(planar_4r, branch)))
-    check_lengths(function, declared, arrays[:-1], GREATEST_LENGTH, "four lengths")
-    return arrays
 
 
 def _on_lines(k: Any, x: Any, y: Any) -> tuple[Any, Any, Any]:

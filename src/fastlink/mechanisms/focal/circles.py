@@ -14,7 +14,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from fastlink.mechanisms._shared.laws import along, half, product, turned
+from fastlink.mechanisms._shared.laws import along, half, moment, product, turned
 from fastlink.mechanisms.focal.by_crank import quantities, steps
 from fastlink.mechanisms.focal.inputs import WUNDERLICH
 from fastlink.mechanisms.focal.points import POSITION
@@ -30,11 +30,6 @@ POLES = (
 # -- where opposite sides meet ----------------------------------------------------------------------------------
 
 
-def crossed(x: Any, y: Any, to_x: Any, to_y: Any) -> Any:
-    """Return the third component of the product of two vectors."""
-    return x * to_y - y * to_x
-
-
 def reach_of_X(d: Any, v_y: Any, u_v: Any) -> Any:
     """Distance of X from M along MA."""
     return d * v_y / u_v
@@ -46,7 +41,7 @@ def meets_ground(a: Any, u_x: Any, u_y: Any, e_x: Any, e_y: Any) -> Any:
 
 
 step = steps(units="1", source=POSITION)
-step(crossed, "u_v", "(u, v)", "Sine of the angle from MA to NB", x="u_x", y="u_y", to_x="v_x", to_y="v_y")
+step(moment, "u_v", "(u, v)", "Sine of the angle from MA to NB", x="u_x", y="u_y", F_x="v_x", F_y="v_y")
 steps(units="m", source=CIRCLES)(reach_of_X, "MX", "MX")
 place = quantities(units="m", source=CIRCLES)
 place.vector(product, "X_*", "X_*", "Point X of MA and NB, infinite where they are parallel", x="MX", y="u_*")
@@ -114,7 +109,7 @@ step(along, "SQ_x", "SQ_x", "Vector from S to Q, scaled, x", start="s_SN", lengt
 step(product, "SQ_y", "SQ_y", "Vector from S to Q, scaled, y", x="s_n", y="v_y")
 step.vector(turned, "SP_SQ_*", "SP SQ", "Product of SP and SQ", u="SP_x", v="SP_y", x="SQ_x", y="SQ_y")
 _AREA = "Twice the area of S, P, Q, scaled, over c/lambda"
-step(crossed, "SP_QP", "(SP, L)", _AREA, x="SP_x", y="SP_y", to_x="QP_x", to_y="e_y")
+step(moment, "SP_QP", "(SP, L)", _AREA, x="SP_x", y="SP_y", F_x="QP_x", F_y="e_y")
 _OFF = "Vector from S to the centre of P, S, Q, T"
 step.vector((from_triangle_x, from_triangle_y), "PSQT_off_*", "C - S", _OFF)
 

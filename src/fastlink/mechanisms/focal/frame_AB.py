@@ -11,45 +11,19 @@ from __future__ import annotations
 
 from typing import Any
 
+from fastlink.mechanisms._shared.frame import ACROSS, ALONG, M_across, M_along, across, along
 from fastlink.mechanisms.focal.by_crank import by_crank, quantities
 from fastlink.mechanisms.focal.inputs import WUNDERLICH, focal
 from fastlink.numerics.elementary import NOT_A_NUMBER, select
 
 HELD = f"{WUNDERLICH}, sections 3 and 7"
 
-# -- joints of MN --------------------------------------------------------------------------------------------------
-
-
-def seen_along(place: Any, a: Any, u_x: Any, u_y: Any, e_x: Any, e_y: Any) -> Any:
-    """Return how far a point of MN is along AB from A."""
-    return (place - a * u_x) * e_x - a * u_y * e_y
-
-
-def seen_across(place: Any, a: Any, u_x: Any, u_y: Any, e_x: Any, e_y: Any) -> Any:
-    """Return how far a point of MN is to the left of AB."""
-    return -((place - a * u_x) * e_y + a * u_y * e_x)
-
-
-def pivot_along(a: Any, u_x: Any, u_y: Any, e_x: Any, e_y: Any) -> Any:
-    """Return how far M is along AB from A."""
-    return -(a * (u_x * e_x + u_y * e_y))
-
-
-def pivot_across(a: Any, u_x: Any, u_y: Any, e_x: Any, e_y: Any) -> Any:
-    """Return how far M is to the left of AB."""
-    return a * (u_x * e_y - u_y * e_x)
-
-
-ALONG, ACROSS = (
-    "Joint {} in the frame of AB, from A towards B",
-    "Joint {} in the frame of AB, to the left of AB",
-)
 seen = quantities(units="m", source=HELD)
-seen(pivot_along, "M_along_AB", "M_AB", ALONG.format("M"))
-seen(pivot_across, "M_across_AB", "M_AB", ACROSS.format("M"))
+seen(M_along, "M_along_AB", "M_AB", ALONG.format("M"))
+seen(M_across, "M_across_AB", "M_AB", ACROSS.format("M"))
 for _joint, _place in (("N", "d"), ("S", "S_x")):
-    seen(seen_along, f"{_joint}_along_AB", f"{_joint}_AB", ALONG.format(_joint), place=_place)
-    seen(seen_across, f"{_joint}_across_AB", f"{_joint}_AB", ACROSS.format(_joint), place=_place)
+    seen(along, f"{_joint}_along_AB", f"{_joint}_AB", ALONG.format(_joint), place=_place)
+    seen(across, f"{_joint}_across_AB", f"{_joint}_AB", ACROSS.format(_joint), place=_place)
 
 # -- F ---------------------------------------------------------------------------------------------------------------
 

@@ -6,6 +6,7 @@ from fastlink.mechanisms.hart import (  # noqa: F401 (they declare its facts)
     by_line,
     design_facts,
     four_bar,
+    frame_AB,
     keywords,
     line,
     motion,

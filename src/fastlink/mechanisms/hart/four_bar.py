@@ -101,13 +101,15 @@ NAMES |= {
 }
 NAMES |= {name: name for name in ("branch_sign", "output_offset", "gamma0", "crank_excess", "range_width")}
 NAMES |= {"kappa": "squares_excess", "AD_x": "AN_x", "assembles": "assembles", "valid": "valid"}
-NAMES |= {name: name for name in ("A_x", "A_y", "sure_A1", "grashof_class")}
+NAMES |= {name: name for name in ("A_x", "A_y", "AB_x", "AB_y", "sure_A1", "grashof_class")}
 
 borrow_tables(hart, planar_4r, NAMES)
 
 LABELS: dict[str, dict[str, Any]] = {
     "A_x": {"source": POSITION},
     "A_y": {"source": POSITION},
+    "AB_x": {},
+    "AB_y": {},
     "DB_y": {"symbol": "B_y", "meaning": "Joint B, y", "source": POSITION, "internal": False},
     "theta4": {"symbol": "psi", "meaning": "Direction of NB in the ground frame", "source": POSITION},
     "output_ratio": {
@@ -133,6 +135,6 @@ borrow_range(
         "psi": planar_4r.graded.max_extrema["theta4"],
         "dpsi_dphi": planar_4r.graded.max_extrema["omega4"],
     },
-    not_differentiable=("F_x", "F_deviation", "closure_residual"),
+    not_differentiable=("F_x", "F_along_AB", "F_deviation", "closure_residual"),
     wraps_at={"psi": "B_y", "omega_angle": "sine_part"},
 )

@@ -1,0 +1,194 @@
+"""Section 5: conics that touch the four lines of a position, their foci, and the involution of their tangents."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from tests.support.focal_configurations import random_designs
+from tests.support.refusals import refused
+
+import fastlink as fl
+from fastlink.numerics.compensated import UNIT_ROUNDING
+from fastlink.precision.reference import CONTEXT as MP
+
+POSITION = ("a", "b", "c", "d", "phi", "branch")
+
+
+@pytest.fixture(scope="module")
+def figure():
+    """Positions that close, with F and the corners as complex numbers."""
+    rng = np.random.default_rng(21)
+    inputs = random_designs(rng, 3000) | {"phi": rng.uniform(-np.pi, np.pi, 3000)}
+    found = fl.evaluate("focal", ["A_x", "A_y", "B_x", "B_y", "F_x", "F_y"], **inputs)
+    closes = np.isfinite(found["F_x"])
+    values = {name: np.asarray(value)[closes] for name, value in inputs.items()}
+    values |= {joint: (found[f"{joint}_x"] + 1j * found[f"{joint}_y"])[closes] for joint in "ABF"}
+    return values | {"M": 0.0 * values["A"], "N": values["d"] + 0j}
+
+
+def position(figure):
+    return [figure[name] for name in POSITION]
+
+
+def sides(figure):
+    """Return a point and the direction of each line that the conics touch."""
+    ends = (("M", "A"), ("A", "B"), ("B", "N"), ("N", "M"))
+    return [
+        (figure[one], (figure[two] - figure[one]) / np.abs(figure[two] - figure[one])) for one, two in ends
+    ]
+
+
+def distances(conic, start, direction):
+    """Return the signed distances of both foci from a line."""
+    foci = (conic.x1 + 1j * conic.y1, conic.x2 + 1j * conic.y2)
+    return [((focus - start) * np.conj(direction)).imag for focus in foci]
+
+
+def assert_touches(figure, conic, roundings=200):
+    """Assert that all four lines touch: the distances of the foci from a tangent have the product +-minor^2."""
+    squared = np.where(conic.kind == 1, -1.0, 1.0) * conic.minor**2
+    size = np.max([np.abs(figure[joint]) for joint in "ABN"], axis=0) + np.hypot(conic.x1, conic.y1)
+    size = size + np.hypot(conic.x2, conic.y2)
+    # a focus is the root of a quadratic equation: both are as far off as they are near each other
+    apart = np.hypot(conic.x1 - conic.x2, conic.y1 - conic.y2)
+    steep = 1.0 + size / np.maximum(apart, 1e-300)
+    for start, direction in sides(figure):
+        one, two = distances(conic, start, direction)
+        assert (np.abs(one * two - squared) <= roundings * UNIT_ROUNDING * size**2 * steep).all()
+
+
+@pytest.mark.parametrize("t", [-3.0, -0.4, 0.2, 0.5, 0.9, 1.7, 40.0])
+def test_every_conic_touches_all_four_lines(figure, t):
+    conic = fl.focal.inscribed_conics(*position(figure), t=t)
+    assert np.isin(conic.kind, (0, 1)).all()
+    assert_touches(figure, conic)
+    middle = 0.5 * ((1 - t) * (figure["M"] + figure["B"]) + t * (figure["A"] + figure["N"]))
+    np.testing.assert_allclose(
+        conic.centre_x + 1j * conic.centre_y, middle, rtol=0, atol=1e-13 * (1 + abs(t))
+    )
+    half = np.hypot(conic.x1 - conic.x2, conic.y1 - conic.y2) / 2
+    signed = np.where(conic.kind == 0, 1.0, -1.0) * conic.minor**2
+    np.testing.assert_allclose(conic.major**2, half**2 + signed, rtol=0, atol=1e-12 * (1 + abs(t)) ** 2)
+
+
+@pytest.mark.parametrize("t", [-0.4, 0.2, 0.5, 1.7])
+def test_the_foci_lie_on_the_focal_cubic(figure, t):
+    conic = fl.focal.inscribed_conics(*position(figure), t=t)
+    k = fl.focal.cubic(*position(figure))
+    for x, y in ((conic.x1, conic.y1), (conic.x2, conic.y2)):
+        terms = [k[..., i, j] * x**i * y**j for i in range(4) for j in range(4 - i)]
+        size = np.sum(np.abs(terms), axis=0) + np.abs(k).max(axis=(1, 2))
+        apart = np.hypot(conic.x1 - conic.x2, conic.y1 - conic.y2)
+        assert (np.abs(np.sum(terms, axis=0)) <= 1e3 * UNIT_ROUNDING * size * (1.0 + 1.0 / apart)).all()
+
+
+def test_F_is_a_focus_and_its_conic_is_found(figure):
+    """Section 5: F is a focus of one of the conics."""
+    F = figure["F"]
+    conic = fl.focal.inscribed_conics(*position(figure), x=F.real, y=F.imag)
+    nearer = np.minimum(
+        np.hypot(conic.x1 - F.real, conic.y1 - F.imag), np.hypot(conic.x2 - F.real, conic.y2 - F.imag)
+    )
+    size = np.max([np.abs(figure[joint]) for joint in "ABNF"], axis=0) + np.hypot(conic.x1, conic.y1)
+    assert np.median(nearer / size) <= 10 * UNIT_ROUNDING
+    # where both foci are near each other or t is great the root loses digits
+    assert (nearer <= 1e-7 * size).all()
+    assert_touches(figure, conic, 1e5)
+
+
+def test_0_and_1_are_pairs_of_opposite_corners(figure):
+    size = np.max([np.abs(figure[joint]) for joint in "ABN"], axis=0)
+    for t, one, other in ((0.0, "M", "B"), (1.0, "A", "N")):
+        conic = fl.focal.inscribed_conics(*position(figure), t=t)
+        foci = np.stack([conic.x1 + 1j * conic.y1, conic.x2 + 1j * conic.y2])
+        for corner in (figure[one], figure[other]):
+            # the corners of another mechanism, each some roundings of the bars off
+            assert (np.abs(foci - corner).min(axis=0) <= 20 * UNIT_ROUNDING * size).all()
+        assert (conic.minor**2 <= 100 * UNIT_ROUNDING * size**2).all()
+
+
+def test_the_tangents_of_a_conic_by_its_equation_with_50_digits(figure):
+    """A conic with foci f, g and the sum (difference) 2 major of distances: a tangent meets it in one point."""
+    conic = fl.focal.inscribed_conics(*position(figure), t=0.37)
+    for i in (0, 1, 2, 3, 4):
+        if conic.kind[i] != 0:
+            continue
+        with MP.workdps(50):
+            f, g = (MP.mpc(x[i], y[i]) for x, y in ((conic.x1, conic.y1), (conic.x2, conic.y2)))
+            for start, direction in sides(figure):
+                s, w = MP.mpc(complex(start[i])), MP.mpc(complex(direction[i]))
+                # of the points of a tangent the sum of distances is least where it touches, and there 2 major
+                image = s + w**2 * MP.conj(g - s) / abs(w) ** 2
+                assert abs(abs(f - image) - 2 * MP.mpf(conic.major[i])) <= 1e-12
+
+
+def rays_to(figure, joint, x, y):
+    return np.angle(figure[joint] - (x + 1j * y))
+
+
+def same_line(one, other):
+    """Return what vanishes where two directions are those of one line."""
+    return np.abs(np.sin(one - other))
+
+
+def test_rays_to_opposite_corners_are_pairs(figure):
+    """Desargues: GM, GB and GN, GA, and at F all pairs have common bisectors."""
+    rng = np.random.default_rng(4)
+    x, y = rng.uniform(-2.0, 2.0, (2, figure["a"].size))
+    found = fl.focal.involution(*position(figure), x=x, y=y)
+    for one, other in (("M", "B"), ("N", "A"), ("B", "M"), ("A", "N")):
+        off = same_line(found.partner(rays_to(figure, one, x, y)), rays_to(figure, other, x, y))
+        assert np.quantile(off, 0.9) <= 1e-13
+        assert np.quantile(off, 0.999) <= 1e-9
+
+
+@pytest.mark.parametrize("t", [-0.8, 0.3, 2.5])
+def test_tangents_from_a_point_are_a_pair_and_touch(figure, t):
+    rng = np.random.default_rng(6)
+    x, y = rng.uniform(-3.0, 3.0, (2, figure["a"].size))
+    found = fl.focal.involution(*position(figure), x=x, y=y)
+    one, other = found.tangents(t)
+    real = np.isfinite(one) & np.isfinite(other)
+    assert real.sum() > 200
+    assert np.quantile(same_line(found.partner(one), other)[real], 0.99) <= 1e-10
+    conic = fl.focal.inscribed_conics(*position(figure), t=t)
+    squared = np.where(conic.kind == 1, -1.0, 1.0) * conic.minor**2
+    for direction in (one, other):
+        near, far = distances(conic, x + 1j * y, np.exp(1j * np.where(real, direction, 0.0)))
+        off = np.abs(near * far - squared)[real]
+        assert np.quantile(off, 0.95) <= 1e-10
+
+
+def test_at_points_of_the_cubic_alone_the_involution_is_symmetric(figure):
+    """Section 5: it then comprises the isotropic lines."""
+    F = figure["F"]
+    found = fl.focal.involution(*position(figure), x=F.real, y=F.imag)
+    sure = np.isfinite(found.asymmetry)
+    assert np.median(np.abs(found.asymmetry[sure])) <= 20 * UNIT_ROUNDING
+    assert np.quantile(np.abs(found.asymmetry[sure]), 0.99) <= 1e-10
+    bisects = np.abs(np.cos(found.first - found.second))
+    assert np.quantile(bisects[sure], 0.99) <= 1e-10
+    # angles of a pair with the double ray are equal and opposite
+    turned = rays_to(figure, "M", F.real, F.imag) + rays_to(figure, "B", F.real, F.imag) - 2.0 * found.first
+    assert np.quantile(np.abs(np.sin(turned)[sure]), 0.99) <= 1e-10
+    beside = fl.focal.involution(*position(figure), x=F.real + 0.1, y=F.imag - 0.1)
+    assert np.median(np.abs(beside.asymmetry)) > 1e-3
+
+
+def test_where_the_four_bar_does_not_assemble_there_is_none():
+    never = (1.0, 1.0, 0.1, 5.0, 0.0)
+    assert all(np.isnan(value) for value in fl.focal.inscribed_conics(*never, t=0.5))
+    assert np.isnan(fl.focal.involution(*never, x=1.0, y=1.0).first)
+
+
+@pytest.mark.parametrize(
+    ("given", "key"),
+    [
+        ({}, "x and y and t are missing"),
+        ({"t": 0.5, "x": 1.0}, "given together"),
+        ({"x": 1.0}, "y is missing"),
+    ],
+)
+def test_a_conic_is_given_by_its_number_or_a_focus(given, key):
+    with refused(key, "give t=..., or a focus"):
+        fl.focal.inscribed_conics(1.0, 1.2, 0.8, 1.1, 0.5, **given)
