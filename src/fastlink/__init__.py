@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from fastlink.engine.sweep import sweep as sweep
     from fastlink.errors import InputError as InputError
     from fastlink.errors import InputWarning as InputWarning
+    from fastlink.io.check import check as check
     from fastlink.maps import finite as finite
     from fastlink.maps import open as open
     from fastlink.mechanisms.listing import mechanisms as mechanisms

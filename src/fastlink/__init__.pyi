@@ -18,6 +18,7 @@ from fastlink.diagnostics.explain import explain as explain
 from fastlink.engine.function import Function
 from fastlink.errors import InputError as InputError
 from fastlink.errors import InputWarning as InputWarning
+from fastlink.io.check import check as check
 from fastlink.maps import finite as finite
 from fastlink.maps import open as open
 from fastlink.mechanisms.listing import mechanisms as mechanisms
@@ -60,6 +61,7 @@ __all__ = [
     "__version__",
     "accuracy",
     "accuracy_table",
+    "check",
     "evaluate",
     "explain",
     "finite",

@@ -247,6 +247,7 @@ DOORS: list[Door] = [
         MECHANISM | _slots(internal=("flag", "False"), input=("choice", "None", "theta1")),
         "",
     ),
+    Door("check", "fl.check($path)", _slots(path=("path", "'maps.h5'", "maps.h5")), ""),
     Door("summary", "fl.summary($maps)", _slots(maps=("dataset", "MAPS", "MAPS", DATASETS[-1])), ""),
     Door("finite", "fl.finite($maps)", _slots(maps=("dataset", "MAPS", "MAPS", *DATASETS)), ""),
     Door(

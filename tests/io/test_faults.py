@@ -10,7 +10,6 @@ import sys
 from collections import Counter
 from pathlib import Path
 
-import h5py
 import numpy as np
 import pytest
 from numpy.testing import assert_array_equal
@@ -240,22 +239,6 @@ def test_an_interrupt_of_the_verification_keeps_all_designs(tmp_path, monkeypatc
             sweep(path)
     assert "100% of the designs are kept" in caught.value.__notes__[0]
     assert_resumes(path, expected, 64)
-
-
-def test_a_partial_file_that_was_cut_off_goes_on_before_the_cut(tmp_path, monkeypatch, expected):
-    path, part = tmp_path / "m.h5", tmp_path / "m.h5.part"
-    with monkeypatch.context() as patch:
-        failing_after(patch, 6, KeyboardInterrupt())
-        with pytest.raises(KeyboardInterrupt):
-            sweep(path)
-    with h5py.File(part, "r") as file:
-        start = file["theta4"].id.get_offset()
-        assert start == max(file[name].id.get_offset() for name in file)
-    os.truncate(part, start + 40 * 2 * 8 * 8 + 5)  # 40 designs of two branches and eight angles, and a little
-    with sweep(path) as resumed:
-        assert resumed.attrs["designs_of_earlier_runs"] == 40
-        for name in expected:
-            assert_array_equal(resumed[name], expected[name], err_msg=name)
 
 
 # --- faults by the hundred -------------------------------------------------------------------------

@@ -14,7 +14,7 @@ from tests.support.refusals import refused
 
 import fastlink as fl
 from fastlink.io import journal
-from fastlink.io.journal import RECORD, Journal, journal_of, missing, read_journal
+from fastlink.io.journal import Journal, journal_of, missing, read_journal
 from fastlink.io.writer import Writer
 
 COUPLERS, OUTPUTS = np.linspace(1.0, 1.4, 41), np.linspace(0.6, 1.0, 31)
@@ -126,9 +126,9 @@ def counted(self):
     with changed:
         commits += 1
         changed.notify_all()
-def waits(self, start, stop):
+def waits(self, start, stop, addends):
     # until a commit that began after it: however slow the disk, the sweep does not end before it is killed
-    add(self, start, stop)
+    add(self, start, stop, addends)
     with changed:
         wanted = commits + 2
         assert changed.wait_for(lambda: commits >= wanted, timeout=60)
@@ -149,8 +149,7 @@ def test_a_killed_run_loses_nothing_that_was_noted(tmp_path, commits):
         [sys.executable, "-c", KILLED, str(path), str(commits)], check=False, capture_output=True
     )
     assert run.returncode == -signal.SIGKILL, run.stderr.decode()
-    noted = journal_of(tmp_path / "map.h5.part").read_bytes().partition(b"\n")[2]
-    designs = sum(stop - start for start, stop, _ in RECORD.iter_unpack(noted))
+    designs = sum(stop - start for start, stop in read_journal(tmp_path / "map.h5.part")[1])
     assert designs > 0
     with sweep(path) as resumed, sweep(tmp_path / "whole.h5") as expected:
         assert resumed.attrs["designs_of_earlier_runs"] == designs
@@ -161,24 +160,28 @@ def test_a_torn_record_ends_the_journal(tmp_path):
     part = tmp_path / "map.h5.part"
     part.write_bytes(b"data")
     fd = os.open(part, os.O_RDWR)
-    notes = Journal(fd, part, {"fingerprint": "f", "offsets": {}}, [(0, 2)])
-    notes.add(2, 4)
-    notes.add(6, 8)
+    notes = Journal(fd, part, {"fingerprint": "f", "offsets": {}}, [(0, 2)], {0: 12})
+    notes.add(2, 4, [(0, 5)])
+    notes._commit()
+    notes.add(6, 8, [(0, 3), (1, 8), (1, 1)])
     notes.close()
-    about, written = read_journal(part)
-    assert (about["fingerprint"], written, missing(written, 9)) == ("f", [(0, 4), (6, 8)], [(4, 6), (8, 9)])
+    first, both = ([(0, 4)], {0: 12 ^ 5}), ([(0, 4), (6, 8)], {0: 12 ^ 5 ^ 3, 1: 8 ^ 1})
+    assert (read_journal(part)[1:], missing(both[0], 9)) == (both, [(4, 6), (8, 9)])
     whole = journal_of(part).read_bytes()
-    journal_of(part).write_bytes(whole[:-1])
-    assert read_journal(part)[1] == [(0, 4)]
-    flipped = bytearray(whole)
-    flipped[-RECORD.size] ^= 1
-    journal_of(part).write_bytes(flipped)
-    assert read_journal(part)[1] == [(0, 4)]
-    for place in range(whole.index(b"\n")):
+    head, second = whole.index(b"\n"), whole.rindex(b"\n", 0, -1)
+    assert read_journal(part)[0]["fingerprint"] == "f"
+    for place in range(second + 1, len(whole) - 1):
+        journal_of(part).write_bytes(whole[:place])
+        assert read_journal(part)[1:] == first
+    for place in range(len(whole) - 1):
         flipped = bytearray(whole)
         flipped[place] ^= 1
         journal_of(part).write_bytes(flipped)
-        assert read_journal(part) is None
+        found = read_journal(part)
+        if place <= head:
+            assert found is None
+        else:
+            assert found[1:] == (first if place >= second else ([], {}))
     os.close(fd)
 
 
@@ -203,8 +206,8 @@ def test_a_failure_to_synchronise_notes_nothing(tmp_path, monkeypatch):
         raise OSError(5, "input/output error")
 
     monkeypatch.setattr(journal, "_synchronise", fails)
-    notes = Journal(fd, part, {"fingerprint": "f"}, [])
-    notes.add(0, 2)
+    notes = Journal(fd, part, {"fingerprint": "f"}, [], {})
+    notes.add(0, 2, [])
     notes.close()
     assert not journal_of(part).exists()
     assert (notes.error.errno, notes.recorded) == (5, [])

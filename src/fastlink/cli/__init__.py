@@ -18,6 +18,7 @@ for function in (
     studies.explain,
     studies.run,
     maps.info,
+    maps.check,
     maps.plot,
     studies.accuracy,
     mechanisms.cache,

@@ -1,4 +1,4 @@
-"""The commands on maps: info, plot."""
+"""The commands on maps: info, check, plot."""
 
 from __future__ import annotations
 
@@ -10,7 +10,9 @@ import typer
 from fastlink.cli.app import MapFile, command
 from fastlink.errors import InputError, Setting
 
-__all__ = ["info", "plot"]
+__all__ = ["check", "info", "plot"]
+
+CHANGED = 1
 
 
 @command
@@ -21,6 +23,19 @@ def info(
     from fastlink.report.summary import contents
 
     typer.echo(contents(file))
+
+
+@command
+def check(
+    file: MapFile,
+) -> None:
+    """Check every byte of a map against its checksums; the exit status is 1 where some have changed."""
+    from fastlink.io.check import check
+
+    found = check(file)
+    typer.echo(str(found))
+    if not found:
+        raise typer.Exit(CHANGED)
 
 
 @command

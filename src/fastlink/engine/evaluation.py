@@ -111,7 +111,7 @@ class Evaluation:
         axis, coords = self.resolved.scaling_axis, self._coordinates()
         key = self._fingerprint(attrs), self.job.size
         ways = {"overwrite": overwrite, "restart": restart}
-        with Writer(path, coords, self.variables, attrs, **ways, run=key) as writer:
+        with Writer(path, coords, self.variables, attrs, **ways, run=key, rows=axis) as writer:
 
             def write(start: int, stop: int, arrays: list[NDArray[Any]]) -> None:
                 for variable, array in zip(self.variables, arrays, strict=True):
@@ -170,11 +170,13 @@ class Evaluation:
         """Pass on the results of a killed run, and return the number of its designs."""
         axis, count = self.resolved.scaling_axis, 0
         step = max(1, min(REPLAYED, BLOCK_BYTES // row_bytes(self.job.shapes)))
+        rows = zip(self.variables, self.job.shapes, strict=True)
+        # only what the sinks look at is read
+        values = [writer.values(variable.name, shape) for variable, (shape, _) in rows]
         for start, stop in writer.written:
             for first, last in axis.ranges(start, stop) if axis else [(start, stop)]:
                 count += last - first
                 for k in range(first, last, step):
                     end = min(k + step, last)
-                    rows = zip(self.variables, self.job.shapes, strict=True)
-                    sink(k, end, [writer.read(variable.name, k, end, shape) for variable, (shape, _) in rows])
+                    sink(k, end, [array[k:end] for array in values])
         return count

@@ -96,6 +96,18 @@ class ScalingAxis:
             else:
                 yield from ((begin, begin + last - first) for begin in self._starts(first))
 
+    def evaluated(self, start: int, stop: int) -> Iterator[tuple[int, int]]:
+        """Yield the ranges of evaluated designs that a range of all designs follows from, or a little more."""
+        of_slab = self.length * self.inner
+        if stop - start > of_slab:
+            yield start // of_slab * self.inner, -(-stop // of_slab) * self.inner
+            return
+        while start < stop:
+            slab, offset = start // of_slab, start % self.inner
+            count = min(self.inner - offset, stop - start)
+            yield slab * self.inner + offset, slab * self.inner + offset + count
+            start += count
+
     def _starts(self, first: int) -> list[int]:
         """Return the number among all designs of an evaluated one, at each axis value."""
         slab, offset = divmod(first, self.inner)

@@ -9,17 +9,18 @@ from __future__ import annotations
 
 import json
 import os
-import struct
 import threading
 import zlib
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any
+
+from fastlink.io.checksums import add
 
 __all__ = ["Journal", "Range", "joined", "journal_of", "missing", "read_journal"]
 
 STEP_BYTES = 32 << 20
 STEP_SECONDS = 1.0
-RECORD = struct.Struct("<QQI")
 
 Range = tuple[int, int]
 
@@ -29,25 +30,39 @@ def journal_of(part: Path) -> Path:
     return part.with_name(part.name + ".journal")
 
 
-def read_journal(part: Path) -> tuple[dict[str, Any], list[Range]] | None:
-    """Return the head and the written designs of a journal, None where none can be read.
+def read_journal(part: Path) -> tuple[dict[str, Any], list[Range], dict[int, int]] | None:
+    """Return the head, the written designs and the checksums of their values; None where no journal can be read.
 
     It ends before a record that a kill or a power cut has torn.
     """
     try:
-        head, _, records = journal_of(part).read_bytes().partition(b"\n")
-        text, _, check = head.rpartition(b" ")
-        about = json.loads(text) if check == _check_of_head(text) else None
-    except (OSError, ValueError):
+        head, *lines = journal_of(part).read_bytes().split(b"\n")
+    except OSError:
         return None
-    if about is None:
+    about = _read(head)
+    if not isinstance(about, dict):
         return None
-    written = []
-    for start, stop, check in RECORD.iter_unpack(records[: len(records) // RECORD.size * RECORD.size]):
-        if check != _check(start, stop):
+    written: list[Range] = []
+    sums: dict[int, int] = {}
+    for line in lines:
+        record = _read(line)
+        if record is None:
             break
-        written.append((start, stop))
-    return about, joined(written)
+        written += [(start, stop) for start, stop in record[0]]
+        add(sums, record[1])
+    return about, joined(written), sums
+
+
+def _line(content: Any) -> bytes:
+    """Return a line of the journal: JSON and its CRC-32."""
+    text = json.dumps(content, separators=(",", ":")).encode()
+    return b"%b %08x\n" % (text, zlib.crc32(text))
+
+
+def _read(line: bytes) -> Any:
+    """Return the content of a line, None of one that is torn or changed."""
+    text, _, check = line.rpartition(b" ")
+    return json.loads(text) if check == b"%08x" % zlib.crc32(text) and text else None
 
 
 def joined(ranges: list[Range]) -> list[Range]:
@@ -80,14 +95,6 @@ def missing(written: list[Range], size: int) -> list[Range]:
     return [(a, b) for a, b in zip(ends, starts, strict=True) if a < b]
 
 
-def _check(start: int, stop: int) -> int:
-    return zlib.crc32(struct.pack("<QQ", start, stop))
-
-
-def _check_of_head(text: bytes) -> bytes:
-    return b"%08x" % zlib.crc32(text)
-
-
 class Journal:
     """A thread that synchronises pending data of a file, then records their designs.
 
@@ -104,15 +111,19 @@ class Journal:
         The head of the journal: the fingerprint of the run, and the offsets of its data.
     written : list of (start, stop)
         The designs that are written already.
+    sums : mapping of int to int
+        The checksums of their values, by block.
     """
 
-    def __init__(self, fd: int, part: Path, about: dict[str, Any], written: list[Range]) -> None:
+    def __init__(
+        self, fd: int, part: Path, about: dict[str, Any], written: list[Range], sums: Mapping[int, int]
+    ) -> None:
         self._fd = fd
         self._path = journal_of(part)
-        text = json.dumps(about).encode()
-        self._head = text + b" " + _check_of_head(text) + b"\n"
+        self._head = _line(about)
         self._pending_bytes = 0
         self._pending: list[Range] = list(written)
+        self._sums = dict(sums)
         self._journal_fd: int | None = None
         self._closed = False
         self.error: OSError | None = None
@@ -131,10 +142,11 @@ class Journal:
             if self._pending_bytes >= STEP_BYTES:
                 self._changed.notify()
 
-    def add(self, start: int, stop: int) -> None:
-        """Add designs whose every result is written; thread-safe."""
+    def add(self, start: int, stop: int, addends: Iterable[tuple[int, int]]) -> None:
+        """Add designs whose every result is written, and what they add to the checksums; thread-safe."""
         with self._changed:
             self._pending.append((start, stop))
+            add(self._sums, addends)
 
     def close(self) -> None:
         """Synchronise all data, and record the last designs."""
@@ -166,6 +178,7 @@ class Journal:
         with self._changed:
             # before the data are synchronised: designs that come meanwhile wait for the next time
             ranges, self._pending = joined(self._pending), []
+            sums, self._sums = self._sums, {}
             nbytes, self._pending_bytes = self._pending_bytes, 0
         if self.error or not (ranges or nbytes):
             return
@@ -175,7 +188,7 @@ class Journal:
                 return
             if self._journal_fd is None:
                 self._journal_fd = self._start()
-            os.write(self._journal_fd, b"".join(RECORD.pack(a, b, _check(a, b)) for a, b in ranges))
+            _append(self._journal_fd, memoryview(_line([ranges, list(sums.items())])))
             _synchronise(self._journal_fd)
             self.recorded = joined([*self.recorded, *ranges])
         except OSError as error:
@@ -191,6 +204,12 @@ class Journal:
             os.fsync(file.fileno())
         os.replace(fresh, self._path)
         return os.open(self._path, os.O_RDWR | os.O_APPEND | getattr(os, "O_BINARY", 0))
+
+
+def _append(fd: int, data: memoryview) -> None:
+    """Append every byte, however few the system takes at a time."""
+    while data:
+        data = data[os.write(fd, data) :]
 
 
 def _synchronise(fd: int) -> None:

@@ -76,7 +76,7 @@ def open_map(path: str | os.PathLike[str], *, chunks: Any = None, **options: Any
     ...         maps.title, float(maps.omega4_max.sel(a2=1.2))
     ('two designs', 29.5)
     """
-    path = _existing(path)
+    path = existing_map(path)
     _check_options(chunks, options)
     try:
         dataset = xr.open_dataset(path, engine="h5netcdf", chunks=chunks, **options)
@@ -138,8 +138,8 @@ def as_dataset(maps: Any) -> Iterator[xr.Dataset]:
         raise InputError(what, where=("maps",), remedy=remedy)
 
 
-def _existing(path: Any) -> Path:
-    """Return the path of a file, or refuse it."""
+def existing_map(path: Any) -> Path:
+    """Return the path of a file that may be a map, or refuse it."""
     file = check_path(("path",), path)
     if other := not_a_file(file):
         raise InputError(f"{file}: {other}", remedy="give the path of a map that a sweep has written")

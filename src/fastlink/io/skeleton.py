@@ -9,12 +9,20 @@ from pathlib import Path
 from typing import Any
 
 import h5py
+import numpy as np
 import xarray as xr
 
+from fastlink.io.checksums import BLOCK_BYTES, block_count
 from fastlink.io.dataset import Variable, plain_attrs
 from fastlink.io.partial_file import released, write_all
 
 PAGE_BYTES = 4096
+#: The group of the checksums: of the values, block by block, and of all else in the file.
+CHECKSUMS, OF_VALUES, OF_REST = "checksums", "checksums/values", "checksums/rest"
+ALGORITHM = (
+    "CRC-32 of zlib. values: of each block_bytes of the values of a variable as they lie in the file, one variable "
+    "after the other; rest: of the file without those values, the bytes of rest itself taken for zeros"
+)
 COPIED_BYTES = 1 << 24
 
 
@@ -28,7 +36,14 @@ def lay_out(
         path, engine="h5netcdf", encoding={name: {"_FillValue": None} for name in coords.coords}
     )
     with h5py.File(path, "r+", alignment_threshold=PAGE_BYTES, alignment_interval=PAGE_BYTES) as file:
-        return {variable.name: _create(file, coords, variable) for variable in variables}
+        blocks = sum(block_count(variable.nbytes) for variable in variables)
+        group = file.create_group(CHECKSUMS)
+        about = {"algorithm": ALGORITHM, "block_bytes": BLOCK_BYTES}
+        for name, value in plain_attrs(about | {"variables": " ".join(v.name for v in variables)}).items():
+            group.attrs[name] = value
+        sizes = {OF_VALUES: blocks, OF_REST: 1}
+        offsets = {name: _reserved(group, name.partition("/")[2], (n,), "u4")[1] for name, n in sizes.items()}
+        return offsets | {variable.name: _create(file, coords, variable) for variable in variables}
 
 
 def lay_labels_again(fresh: Path, fd: int, offsets: Mapping[str, int], variables: Sequence[Variable]) -> None:
@@ -48,20 +63,7 @@ def lay_labels_again(fresh: Path, fd: int, offsets: Mapping[str, int], variables
 
 def _create(file: Any, coords: xr.Dataset, variable: Variable) -> int:
     """Create one contiguous dataset with its space and labels; return its offset."""
-    plist = h5py.h5p.create(h5py.h5p.DATASET_CREATE)
-    plist.set_layout(h5py.h5d.CONTIGUOUS)
-    plist.set_alloc_time(h5py.h5d.ALLOC_TIME_EARLY)
-    plist.set_fill_time(h5py.h5d.FILL_TIME_NEVER)
-    plist.set_obj_track_times(False)  # time stamps would make equal results differ
-    # low level: Group.create_dataset drops the property list of a scalar
-    identifier = h5py.h5d.create(
-        file.id,
-        variable.name.encode(),
-        h5py.h5t.py_create(variable.dtype, logical=True),
-        h5py.h5s.create_simple(variable.shape) if variable.shape else h5py.h5s.create(h5py.h5s.SCALAR),
-        plist,
-    )
-    dataset = h5py.Dataset(identifier)
+    dataset, offset = _reserved(file, variable.name, variable.shape, variable.dtype)
     for axis, dim in enumerate(variable.dims):
         # unless attached, dimensions are matched by length and equal axes are swapped
         dataset.dims[axis].attach_scale(file[dim])
@@ -74,10 +76,28 @@ def _create(file: Any, coords: xr.Dataset, variable: Variable) -> int:
         dataset.attrs[name] = value
     if auxiliary:
         dataset.attrs["coordinates"] = " ".join(str(name) for name in auxiliary)
+    return offset
+
+
+def _reserved(group: Any, name: str, shape: tuple[int, ...], dtype: Any) -> tuple[Any, int]:
+    """Create one contiguous dataset with its space; return it and its offset."""
+    plist = h5py.h5p.create(h5py.h5p.DATASET_CREATE)
+    plist.set_layout(h5py.h5d.CONTIGUOUS)
+    plist.set_alloc_time(h5py.h5d.ALLOC_TIME_EARLY)
+    plist.set_fill_time(h5py.h5d.FILL_TIME_NEVER)
+    plist.set_obj_track_times(False)  # time stamps would make equal results differ
+    # low level: Group.create_dataset drops the property list of a scalar
+    identifier = h5py.h5d.create(
+        group.id,
+        name.encode(),
+        h5py.h5t.py_create(np.dtype(dtype), logical=True),
+        h5py.h5s.create_simple(shape) if shape else h5py.h5s.create(h5py.h5s.SCALAR),
+        plist,
+    )
     offset = identifier.get_offset()
     if offset is None:
-        raise RuntimeError(f"HDF5 has reserved no space for {variable.name}")
-    return int(offset)
+        raise RuntimeError(f"HDF5 has reserved no space for {name}")
+    return h5py.Dataset(identifier), int(offset)
 
 
 def set_attrs(

@@ -92,7 +92,7 @@ def check_left(path: Path, fingerprint: str) -> None:
     part = part_of(path)
     journal = read_journal(part)
     if journal is not None and part.exists():
-        about, written = journal
+        about, written, _ = journal
         count, size = sum(stop - start for start, stop in written), about.get("size", 0)
         same = about.get("fingerprint") == fingerprint
         whose = "laid out by another version of HDF5" if same else "of another request, or by another version"

@@ -22,12 +22,14 @@ from numpy.typing import NDArray
 
 from fastlink.errors import InputError
 from fastlink.io import partial_file
+from fastlink.io.checksums import add, block_count, of_file, of_piece
 from fastlink.io.dataset import FORMAT_VERSION, Variable, check_dims, plain_attrs
 from fastlink.io.finished import marks, stamp
 from fastlink.io.finishing import uninterrupted
-from fastlink.io.journal import Journal, Range, joined, journal_of, missing, read_journal
+from fastlink.io.journal import Journal, Range, joined, journal_of, missing
 from fastlink.io.place import NO_ROOM, SLACK, no_room, part_of, reason, refused
-from fastlink.io.skeleton import check_readable, lay_labels_again, lay_out, set_attrs
+from fastlink.io.resume import Rows, SameRows, first_blocks, resume
+from fastlink.io.skeleton import OF_REST, OF_VALUES, check_readable, lay_out, set_attrs
 from fastlink.io.target import check_left, check_target
 from fastlink.space.dataset import FORMAT
 
@@ -58,6 +60,8 @@ class Writer:
     run : (fingerprint, size), optional
         A hash that no other run has, and the number of designs to evaluate. With it, `record` keeps the journal,
         and a killed run of the same fingerprint is resumed: `pending` are the designs that it left.
+    rows : Rows, optional
+        The rows of the file that follow from each design that is evaluated; itself unless given.
     """
 
     def __init__(
@@ -70,6 +74,7 @@ class Writer:
         overwrite: bool = False,
         restart: bool = False,
         run: tuple[str, int] | None = None,
+        rows: Rows | None = None,
     ) -> None:
         for variable in variables:
             check_dims(coords, variable)
@@ -83,7 +88,10 @@ class Writer:
         self._writing = 0
         self._closed = False
         self._fingerprint, self._size = run or ("", 0)
+        self._rows = rows or SameRows()
         self._ranges: list[Range] = []
+        self._first_block, self._sums = first_blocks(variables), dict[int, int]()
+        self._of_thread = threading.local()
         try:
             if restart or not self._resumed(coords, attrs):
                 if not restart:
@@ -92,7 +100,7 @@ class Writer:
         except (OSError, RuntimeError) as error:  # HDF5 reports a full disk as either
             raise self._failure(error) from error
         about = {"fingerprint": self._fingerprint, "size": self._size, "offsets": self._offsets}
-        self._journal = Journal(self._fd, self.part, about, self._ranges)
+        self._journal = Journal(self._fd, self.part, about, self._ranges, self._sums)
 
     def __enter__(self) -> Writer:
         return self
@@ -111,7 +119,7 @@ class Writer:
         return missing(self._ranges, self._size)
 
     def record(self, start: int, stop: int) -> None:
-        """Record that all variables of some designs are written; thread-safe.
+        """Record that all variables of some designs are written, by this thread; thread-safe.
 
         Parameters
         ----------
@@ -120,19 +128,19 @@ class Writer:
         """
         with self._idle:
             self._ranges = joined([*self._ranges, (start, stop)])
-        self._journal.add(start, stop)
+        addends, self._of_thread.addends = getattr(self._of_thread, "addends", []), []
+        self._journal.add(start, stop, addends)
 
     @property
     def written(self) -> list[Range]:
         """Ranges of designs that are written, by this run or by the one that it resumes."""
         return list(self._ranges)
 
-    def read(self, name: str, start: int, stop: int, row: tuple[int, ...]) -> NDArray[Any]:
-        """Return written values: one row of a given shape per design, as in `write`."""
-        dtype, length = self._variables[name].dtype, math.prod(row)
-        with open(self.part, "rb") as file:
-            file.seek(self._offsets[name] + start * length * dtype.itemsize)
-            return np.fromfile(file, dtype, (stop - start) * length).reshape(stop - start, *row)
+    def values(self, name: str, row: tuple[int, ...]) -> NDArray[Any]:
+        """Return the values in the file, read where they are looked at: one row of a given shape per design."""
+        dtype = self._variables[name].dtype
+        shape = (self._size * self._rows.length, *row)
+        return np.memmap(self.part, dtype, "r", self._offsets[name], shape)
 
     def write(self, name: str, start: int, block: NDArray[Any]) -> None:
         """Write the values of consecutive designs of one variable; thread-safe.
@@ -154,12 +162,18 @@ class Writer:
         try:
             if self._journal.error:  # what is written from now on would be lost
                 raise self._journal.error
-            partial_file.write_all(self._fd, block.reshape(-1).view(np.uint8).data, position)
+            data = block.reshape(-1).view(np.uint8).data
+            partial_file.write_all(self._fd, data, position)
         except OSError as error:
             raise self._failure(error) from error
         else:
             self._journal.add_bytes(block.nbytes)
+            first, variable = self._first_block[name], self._variables[name]
+            addends = of_piece(data, position - self._offsets[name], variable.nbytes)
+            added = [(first + k, addend) for k, addend in addends]
+            self._of_thread.addends = [*getattr(self._of_thread, "addends", []), *added]
             with self._idle:
+                add(self._sums, added)
                 self._values_written[name] += block.size
         finally:
             with self._idle:
@@ -190,6 +204,7 @@ class Writer:
                 if self._journal.error:
                     raise self._journal.error
                 set_attrs(self._fd, self.part, last, further)
+                self._write_checksums()
                 os.fsync(self._fd)
                 stamp(self.part, last)
                 check_readable(self._fd, self.part, list(self._variables.values()), self._offsets)
@@ -198,6 +213,16 @@ class Writer:
                 self._keep_or_discard(failure)
                 raise failure from (None if failure is error else error)
             self._publish()
+
+    def _write_checksums(self) -> None:
+        """Write the checksums of all values, then that of all else in the file."""
+        variables, places = list(self._variables.values()), self._offsets
+        blocks = sum(block_count(variable.nbytes) for variable in variables)
+        sums = np.array([self._sums[block] for block in range(blocks)], "u4")
+        partial_file.write_all(self._fd, sums.view(np.uint8).data, places[OF_VALUES])
+        values = {places[variable.name]: variable.nbytes for variable in variables}
+        rest = np.array([of_file(self._fd, values, (places[OF_REST], places[OF_REST] + 4))], "u4")
+        partial_file.write_all(self._fd, rest.view(np.uint8).data, places[OF_REST])
 
     def _publish(self) -> None:
         try:
@@ -211,39 +236,17 @@ class Writer:
         self._journal.remove()
 
     def _resumed(self, coords: xr.Dataset, attrs: Mapping[str, Any]) -> bool:
-        """Resume a killed run of the same fingerprint, if there is one."""
-        journal = read_journal(self.part) if self._fingerprint else None
-        if journal is None or journal[0].get("fingerprint") != self._fingerprint:
+        """Go on with a run of the same fingerprint, if there is one."""
+        variables = list(self._variables.values())
+        run = self._fingerprint, self._size, self._rows
+        found = resume(self.part, run, coords, variables, attrs)
+        if found is None:
             return False
-        fd = partial_file.reopened(self.part)
-        if fd is None:
-            return False
-        about, ranges = journal
-        fresh, size = partial_file.fresh_name(self.part), os.fstat(fd).st_size
-        try:
-            partial_file.make_sure_of_room(fresh, coords.nbytes + SLACK)
-            offsets = lay_out(fresh, coords, list(self._variables.values()), attrs)
-            if offsets != about["offsets"]:
-                os.close(fd)
-                return False
-            lay_labels_again(fresh, fd, offsets, list(self._variables.values()))
-        finally:
-            fresh.unlink(missing_ok=True)
-        partial_file.reserve(fd, SLACK)
-        self._offsets, self._fd = offsets, fd
-        self._ranges = self._below(size, ranges)
+        self._fd, self._offsets, self._ranges, self._sums = found.fd, found.offsets, found.ranges, found.sums
         written = sum(stop - start for start, stop in self._ranges)
         for name, variable in self._variables.items():
             self._values_written[name] = math.prod(variable.shape) // self._size * written
         return True
-
-    def _below(self, size: int, ranges: list[Range]) -> list[Range]:
-        """Return the written designs of a file whose end may have been cut off."""
-        whole = self._size
-        for name, variable in self._variables.items():
-            room = max(0, size - self._offsets[name])
-            whole = min(whole, room // max(1, variable.nbytes // self._size))
-        return [(start, min(stop, whole)) for start, stop in ranges if start < whole]
 
     def _keep_or_discard(self, error: BaseException | None) -> None:
         """Keep the partial file where its journal names designs, to be resumed; else remove it."""

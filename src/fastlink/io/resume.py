@@ -1,0 +1,205 @@
+"""Go on with the partial file of a run that did not end."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterable, Mapping, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Protocol
+
+import xarray as xr
+
+from fastlink.errors import remark
+from fastlink.io import partial_file
+from fastlink.io.checksums import BLOCK_BYTES, add, block_count, of_piece, pread
+from fastlink.io.dataset import Variable
+from fastlink.io.journal import Range, joined, missing, read_journal
+from fastlink.io.place import SLACK
+from fastlink.io.skeleton import lay_labels_again, lay_out
+
+__all__ = ["Resumed", "Rows", "SameRows", "first_blocks", "resume"]
+
+#: Bytes that a thread reads at once, whole blocks.
+READ_BYTES = 4 * BLOCK_BYTES
+
+
+class Rows(Protocol):
+    """Tells which rows of a file follow from a design that is evaluated, `length` from each."""
+
+    @property
+    def length(self) -> int:
+        """How many rows follow from each design."""
+
+    def ranges(self, start: int, stop: int) -> Iterable[Range]:
+        """Return the ranges of rows that follow from a range of designs."""
+
+    def evaluated(self, start: int, stop: int) -> Iterable[Range]:
+        """Return the ranges of designs that a range of rows follows from."""
+
+
+class SameRows:
+    """The rows of a file whose designs are all evaluated."""
+
+    length = 1
+
+    def ranges(self, start: int, stop: int) -> list[Range]:
+        """Return the range itself."""
+        return [(start, stop)]
+
+    evaluated = ranges
+
+
+@dataclass(frozen=True)
+class Resumed:
+    """A partial file to go on with.
+
+    Attributes
+    ----------
+    fd : int
+        The open file, held.
+    offsets : dict
+        Where the values of each variable begin.
+    ranges : list of (start, stop)
+        The designs that are written, and as they were written.
+    sums : dict
+        The checksums of their values, by block.
+    """
+
+    fd: int
+    offsets: dict[str, int]
+    ranges: list[Range]
+    sums: dict[int, int]
+
+
+def first_blocks(variables: Sequence[Variable]) -> dict[str, int]:
+    """Return the number of the first block of each variable."""
+    counts = [block_count(variable.nbytes) for variable in variables]
+    return {variable.name: sum(counts[:k]) for k, variable in enumerate(variables)}
+
+
+def resume(
+    part: Path,
+    run: tuple[str, int, Rows],
+    coords: xr.Dataset,
+    variables: Sequence[Variable],
+    attrs: Mapping[str, Any],
+) -> Resumed | None:
+    """Hold the partial file of an earlier run of the same fingerprint, if there is one that can be gone on with.
+
+    Its labels are laid out again, and its values read: designs whose values have changed since are to be written again.
+
+    Parameters
+    ----------
+    part : Path
+        The partial file.
+    run : (fingerprint, size, rows)
+        The hash of the request, its number of designs to evaluate, and the rows that follow from them.
+    coords, variables, attrs
+        What is to be laid out, as for a `Writer`.
+    """
+    fingerprint, size, rows = run
+    journal = read_journal(part) if fingerprint else None
+    if journal is None or journal[0].get("fingerprint") != fingerprint:
+        return None
+    fd = partial_file.reopened(part)
+    if fd is None:
+        return None
+    about, ranges, sums = journal
+    fresh = partial_file.fresh_name(part)
+    try:
+        partial_file.make_sure_of_room(fresh, coords.nbytes + SLACK)
+        offsets = lay_out(fresh, coords, variables, attrs)
+        if offsets != about["offsets"]:
+            os.close(fd)
+            return None
+        lay_labels_again(fresh, fd, offsets, variables)
+        partial_file.reserve(fd, SLACK)
+        values = _Values(fd, offsets, variables, size, rows)
+        whole, found = ranges, values.sums(ranges)  # what was cut off reads as zeros
+        wrong = [block for block in sums.keys() | found.keys() if sums.get(block) != found.get(block)]
+        if wrong:
+            whole = values.without(wrong, whole)
+            found = values.sums(whole)
+            lost = _count(ranges) - _count(whole)
+            remark(f"{part}: the values of {lost:,} designs have changed; they are computed again")
+    except BaseException:
+        os.close(fd)
+        raise
+    finally:
+        fresh.unlink(missing_ok=True)
+    return Resumed(fd, offsets, whole, found)
+
+
+class _Values:
+    """The values in a partial file.
+
+    Parameters
+    ----------
+    fd : int
+        The open file.
+    offsets : mapping of str to int
+        Where the values of each variable begin.
+    variables : sequence of Variable
+        The variables.
+    size : int
+        The number of designs that are evaluated.
+    rows : Rows
+        The rows that follow from them.
+    """
+
+    def __init__(
+        self, fd: int, offsets: Mapping[str, int], variables: Sequence[Variable], size: int, rows: Rows
+    ) -> None:
+        self.fd, self.offsets, self.variables, self.size, self.rows = fd, offsets, variables, size, rows
+        self.first = first_blocks(variables)
+
+    def row_bytes(self, variable: Variable) -> int:
+        """Return the bytes of a row."""
+        return variable.nbytes // (self.size * self.rows.length)
+
+    def sums(self, ranges: list[Range]) -> dict[int, int]:
+        """Return the checksums of the values of some designs, by block."""
+        pieces = [
+            (variable, position, min(READ_BYTES - position % READ_BYTES, stop * row - position))
+            for variable in self.variables
+            for row in [self.row_bytes(variable)]
+            for of_designs in ranges
+            for start, stop in self.rows.ranges(*of_designs)
+            for position in _steps(start * row, stop * row)
+        ]
+        result: dict[int, int] = {}
+        with ThreadPoolExecutor() as pool:
+            for addends in pool.map(self._of_piece, pieces):
+                add(result, addends)
+        return result
+
+    def _of_piece(self, piece: tuple[Variable, int, int]) -> list[tuple[int, int]]:
+        variable, position, count = piece
+        data = bytearray()
+        while len(data) < count:
+            data += pread(self.fd, count - len(data), self.offsets[variable.name] + position + len(data))
+        first = self.first[variable.name]
+        return [(first + k, addend) for k, addend in of_piece(memoryview(data), position, variable.nbytes)]
+
+    def without(self, blocks: list[int], ranges: list[Range]) -> list[Range]:
+        """Return ranges without the designs that have values in some blocks."""
+        gone = []
+        for variable in self.variables:
+            first, row = self.first[variable.name], self.row_bytes(variable)
+            for block in blocks:
+                start, stop = ((block - first + k) * BLOCK_BYTES for k in (0, 1))
+                if 0 <= start < variable.nbytes:
+                    gone.append((start // row, min(variable.nbytes // row, -(-stop // row))))
+        designs = [piece for rows in gone for piece in self.rows.evaluated(*rows)]
+        return missing(joined([*missing(ranges, self.size), *designs]), self.size)
+
+
+def _steps(start: int, stop: int) -> list[int]:
+    """Return where pieces of whole blocks begin in a range of bytes."""
+    return [start, *range((start // READ_BYTES + 1) * READ_BYTES, stop, READ_BYTES)] if start < stop else []
+
+
+def _count(ranges: list[Range]) -> int:
+    return sum(stop - start for start, stop in ranges)

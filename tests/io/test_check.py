@@ -1,0 +1,215 @@
+"""A byte that changes in a map is found; one that changes in a partial file is computed again."""
+
+from __future__ import annotations
+
+import itertools
+import os
+import zlib
+
+import h5py
+import numpy as np
+import pytest
+from numpy.testing import assert_array_equal
+from tests.io.test_faults import failing_after, sweep
+from tests.support.map_files import SPACES, Sample
+from tests.support.refusals import refused
+
+import fastlink as fl
+from fastlink.io import checksums, journal
+from fastlink.io.journal import journal_of, read_journal
+
+
+@pytest.fixture
+def small_blocks(monkeypatch):
+    """Blocks as small as those of a large map are to it."""
+    for module in ("checksums", "skeleton", "resume"):
+        monkeypatch.setattr(f"fastlink.io.{module}.BLOCK_BYTES", 256)
+    monkeypatch.setattr("fastlink.io.resume.READ_BYTES", 1024)
+    monkeypatch.setattr(checksums, "READ_BYTES", 1000)
+
+
+def test_a_sum_of_pieces_in_any_order_is_the_crc_of_the_block():
+    rng = np.random.default_rng(0)
+    nbytes = 2 * checksums.BLOCK_BYTES + 12_345
+    data = memoryview(rng.bytes(nbytes))
+    cuts = [0, *sorted(map(int, rng.integers(0, nbytes, 30))), nbytes]
+    pieces = list(itertools.pairwise(cuts))
+    rng.shuffle(pieces)
+    sums = {}
+    for start, stop in pieces:
+        checksums.add(sums, checksums.of_piece(data[start:stop], int(start), nbytes))
+    expected = [
+        zlib.crc32(data[k : k + checksums.BLOCK_BYTES]) for k in range(0, nbytes, checksums.BLOCK_BYTES)
+    ]
+    assert [sums[k] for k in range(3)] == expected
+
+
+@pytest.mark.parametrize("space", SPACES.values(), ids=SPACES)
+def test_checksums_are_read_without_fastlink(tmp_path, space, small_blocks):
+    """As the attribute `algorithm` says."""
+    path = Sample(space).save(tmp_path / "m.h5")
+    assert fl.check(path)
+    whole = bytearray(path.read_bytes())
+    with h5py.File(path) as file:
+        group = file["checksums"]
+        size, names = int(group.attrs["block_bytes"]), group.attrs["variables"].split()
+        values = [file[name][()].tobytes() for name in names]
+        places = [(file[name].id.get_offset(), file[name].nbytes) for name in names]
+        said, rest, at = group["values"][:], group["rest"][0], group["rest"].id.get_offset()
+    assert said.tolist() == [zlib.crc32(v[k : k + size]) for v in values for k in range(0, len(v), size)]
+    whole[at : at + 4] = bytes(4)
+    for offset, nbytes in sorted(places, reverse=True):
+        del whole[offset : offset + nbytes]
+    assert rest == zlib.crc32(whole)
+
+
+def flips(path, count, seed):
+    """Yield a file's bytes with one bit changed, at random places."""
+    rng = np.random.default_rng(seed)
+    whole = path.read_bytes()
+    for place in rng.integers(0, len(whole), count):
+        changed = bytearray(whole)
+        changed[place] ^= 1 << int(rng.integers(8))
+        yield int(place), bytes(changed)
+
+
+def noticed(path):
+    """Tell whether a check sees that a file has changed."""
+    try:
+        return not fl.check(path)
+    except fl.InputError:
+        return True
+
+
+def test_any_changed_bit_is_noticed(tmp_path, small_blocks):
+    path = Sample().save(tmp_path / "m.h5")
+    changed = tmp_path / "changed.h5"
+    for place, content in flips(path, 150, seed=1):
+        changed.write_bytes(content)
+        assert noticed(changed), place
+
+
+@pytest.mark.stress
+def test_any_changed_byte_is_noticed(tmp_path, small_blocks):
+    sample = Sample()
+    sample.attrs["study"] = "short"  # that of the sample fills most of its file
+    path = sample.save(tmp_path / "m.h5")
+    whole, changed = path.read_bytes(), tmp_path / "changed.h5"
+    for place in range(len(whole)):
+        changed.write_bytes(whole[:place] + bytes([whole[place] ^ 0x10]) + whole[place + 1 :])
+        assert noticed(changed), place
+
+
+def test_what_has_changed_is_told(tmp_path, small_blocks):
+    path = tmp_path / "m.h5"
+    sweep(path).close()
+    assert str(fl.check(path)).endswith("is as it was written")
+    with h5py.File(path, "r+") as file:
+        start = file["theta4"].id.get_offset()
+        file["theta4"].attrs["units"] = "deg"
+    with open(path, "r+b") as file:
+        file.seek(start + 300)
+        file.write(b"changed!")
+    found = fl.check(path)
+    assert not found
+    assert (found.damaged, found.rest_is_intact) == ({"theta4": [(32, 63)]}, False)
+    assert "values of theta4 have changed, between number 32 and 63" in str(found)
+
+
+def test_a_zeroed_block_and_a_cut_are_noticed(tmp_path):
+    path = Sample().save(tmp_path / "m.h5")
+    whole = path.read_bytes()
+    with h5py.File(path) as file:
+        start, nbytes = file["B_x"].id.get_offset(), file["B_x"].nbytes
+    path.write_bytes(whole[:start] + bytes(nbytes) + whole[start + nbytes :])
+    assert "B_x" in fl.check(path).damaged
+    path.write_bytes(whole[:-1])
+    assert noticed(path)
+
+
+def test_a_file_without_checksums_is_refused(tmp_path):
+    path = Sample().save(tmp_path / "m.h5")
+    with h5py.File(path, "r+") as file:
+        del file["checksums"]
+    with refused("m.h5", "write it again"):
+        fl.check(path)
+
+
+# --- partial files ---------------------------------------------------------------------------------
+
+
+@pytest.fixture
+def interrupted(tmp_path, monkeypatch, small_blocks):
+    """A partial file of 40 of 64 designs, and the whole map in memory."""
+    path = tmp_path / "m.h5"
+    with monkeypatch.context() as patch:
+        patch.setattr(journal, "STEP_SECONDS", 0.0)
+        failing_after(patch, 5, KeyboardInterrupt())
+        with pytest.raises(KeyboardInterrupt):
+            sweep(path)
+    with sweep(None) as expected:
+        return path, expected.load()
+
+
+def assert_goes_on(path, expected):
+    with sweep(path, verify=0) as found:
+        for name in expected:
+            assert_array_equal(found[name], expected[name], err_msg=name)
+        assert fl.check(path)
+        return int(found.attrs.get("designs_of_earlier_runs", 0))
+
+
+def test_changed_values_of_a_partial_file_are_computed_again(interrupted):
+    path, expected = interrupted
+    part = path.with_name("m.h5.part")
+    with h5py.File(part) as file:
+        start = file["theta4"].id.get_offset()
+    with open(part, "r+b") as file:
+        file.seek(start + 1000)
+        file.write(b"changed!")
+    with pytest.warns(fl.InputWarning, match="the values of 2 designs have changed; they are computed again"):
+        assert assert_goes_on(path, expected) == 38
+
+
+def test_a_partial_file_that_was_cut_off_goes_on_before_the_cut(interrupted):
+    path, expected = interrupted
+    part = path.with_name("m.h5.part")
+    with h5py.File(part, "r") as file:
+        start = file["theta4"].id.get_offset()
+        assert start == max(
+            one.id.get_offset() or 0 for one in file.values() if isinstance(one, h5py.Dataset)
+        )
+    os.truncate(part, start + 35 * 2 * 8 * 8 + 5)  # 35 designs of two branches and eight angles, and a little
+    with pytest.warns(fl.InputWarning, match="they are computed again"):
+        assert assert_goes_on(path, expected) == 34  # a block holds two designs of theta4
+
+
+def changed_partial(path, which, count, seed, expected):
+    part = path.with_name("m.h5.part")
+    whole, notes = part.read_bytes(), journal_of(part).read_bytes()
+    target = part if which == "values and labels" else journal_of(part)
+    outcomes = []
+    for _, content in flips(target, count, seed):
+        part.write_bytes(whole)
+        journal_of(part).write_bytes(notes)
+        target.write_bytes(content)
+        outcomes.append(assert_goes_on(path, expected))
+        path.unlink()
+    return outcomes
+
+
+@pytest.mark.filterwarnings("ignore::fastlink.InputWarning")
+@pytest.mark.parametrize("which", ["values and labels", "journal"])
+def test_a_partial_file_with_any_changed_bit_ends_right(interrupted, which):
+    path, expected = interrupted
+    assert read_journal(path.with_name("m.h5.part"))[1] == [(0, 40)]
+    changed_partial(path, which, 6, 3, expected)
+
+
+@pytest.mark.stress
+@pytest.mark.filterwarnings("ignore::fastlink.InputWarning")
+@pytest.mark.parametrize("which", ["values and labels", "journal"])
+def test_a_partial_file_with_any_changed_bit_ends_right_many_times(interrupted, which):
+    path, expected = interrupted
+    outcomes = changed_partial(path, which, 300, 4, expected)
+    assert len(set(outcomes)) > 1  # some cost designs
