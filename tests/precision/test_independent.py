@@ -118,7 +118,7 @@ def nearly(right):
 
 #: A mechanism, a fact on the way, a quantity that it makes wrong, and inputs of a sweep.
 WRONG = [
-    ("planar_4r", "F21_x", "T41", CRANK, {"links": BARS}),
+    ("planar_4r", "torque2", "T41", CRANK, {"links": BARS}),
     ("planar_4r", "jerk4", "jerk4", CRANK, {}),
     ("planar_4r", "joint_angle_3", "joint_angle_3", CRANK, {}),
     (

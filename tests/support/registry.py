@@ -142,6 +142,9 @@ REACTIONS = (
     *("T41", "shaking_moment"),
 )
 
+#: Where links turn nearly as one, the crank is loaded along itself; a difference of vectors does not know it.
+ACROSS = ("F41_x", "F41_y", "F21_x", "F21_y")
+
 PLANAR_4R = (
     # The longest chain (T41) has about 40 operations: 1.9 is the worst seen.
     Entry(
@@ -153,6 +156,19 @@ PLANAR_4R = (
         slopes=SLOPES,
         # B and the mass centre from D, each differentiated in five to ten operations, one less the other: 6.3.
         long_chains={f"d_r33_{xy}_d_a1": 8.0 for xy in "xy"},
+    ),
+    Entry(
+        *("planar_4r", "theta1"),
+        about="of unequal lengths",
+        families=families(configurations.unequal, configurations.UNEQUAL),
+        few=12,
+        many=600,
+        errors=CLOSURE,
+        # Of 10^6 values a few are beyond 4, sums of vectors that happen to turn little with what is rounded: 4.7.
+        multiple=16.0,
+        # By the one short length, and of magnitudes where links turn nearly as one, forward mode cancels.
+        slopes=dict.fromkeys(("two short 1e-4", "two short 1e-8"), 0.95),
+        elsewhere=dict.fromkeys(ACROSS, "is right to roundings of the force: test_unequal_lengths.py"),
     ),
     Entry(
         *("planar_4r", "theta1"),

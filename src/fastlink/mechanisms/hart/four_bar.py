@@ -46,10 +46,16 @@ def coupler_excess(K: Any, s_d: Any, s_n: Any, size_lambda: Any, size_lambda_low
     return total
 
 
-@hart.quantity(units="1", symbol="delta", source=f"{PLANAR}#position", internal=True)
+@hart.quantity(units="1", symbol="-2 delta", source=f"{PLANAR}#position", internal=True)
 def output_offset(s_n: Any, coupler_excess: Any, s_m: Any, s_d: Any) -> Any:
-    """NB (NB - AB)/(4 MA MN), lambda divided out."""
-    return -(s_n * coupler_excess) / (4.0 * (s_m * s_d))
+    """NB (AB - NB)/(2 MA MN), lambda divided out."""
+    return (s_n * coupler_excess) / (2.0 * (s_m * s_d))
+
+
+@hart.quantity(units="1", symbol="2 beta", source=f"{PLANAR}#position", internal=True)
+def coupler_offset(K: Any, coupler_excess: Any, s_a: Any) -> Any:
+    """AB (AB - NB)/(2 MA MN), MN divided out."""
+    return (K * coupler_excess) / (2.0 * s_a)
 
 
 @hart.quantity(units="1", symbol="gamma_0", source=f"{PLANAR}#rates", internal=True)
@@ -99,7 +105,10 @@ NAMES |= {"sure_B1": "far_difference_less", "sure_C1": "far_difference_plus"}
 NAMES |= {
     name: name for name in ("Z", "Z_low", "C", "C_low", "Z0", "Z0_low", "C0", "C0_low", "sigma", "per_sigma")
 }
-NAMES |= {name: name for name in ("branch_sign", "output_offset", "gamma0", "crank_excess", "range_width")}
+NAMES |= {
+    name: name
+    for name in ("coupler_offset", "branch_sign", "output_offset", "gamma0", "crank_excess", "range_width")
+}
 NAMES |= {"kappa": "squares_excess", "AD_x": "AN_x", "assembles": "assembles", "valid": "valid"}
 NAMES |= {name: name for name in ("A_x", "A_y", "AB_x", "AB_y", "sure_A1", "grashof_class")}
 

@@ -29,9 +29,12 @@ step(quotient, "G2_along", "G_2u/a_2", f"Mass centre of the coupler along {_AXIS
 step(quotient, "G2_across", "G_2v/a_2", f"Mass centre of the coupler across {_AXIS}", x="G2_v", y="a2")
 step(quotient, "G3_along", "G_3u/a_3", f"Mass centre of the output link along {_AXIS}", x="G3_u", y="a3")
 step(quotient, "G3_across", "G_3v/a_3", f"Mass centre of the output link across {_AXIS}", x="G3_v", y="a3")
+_OUTPUT = "Mass centre of the output link, with what is fixed to it,"
+step(same, "DG_along", "DG_3u/a_3", f"{_OUTPUT} along {_AXIS}", x="G3_along")
+step(same, "DG_across", "DG_3v/a_3", f"{_OUTPUT} across {_AXIS}", x="G3_across")
 step = planar_4r.steps(units="m", source=CENTRES)
 _G1 = {"u": "G1_u", "v": "G1_v", **THETA1}
-_G3 = {"u": "G3_along", "v": "G3_across", **DB}
+_G3 = {"u": "DG_along", "v": "DG_across", **DB}
 step.vector(turned, "OG_*", "OG_1*", "Mass centre of the crank from O", **_G1)
 step.vector(turned, "AG_*", "AG_2*", "Mass centre of the coupler from A", u="G2_along", v="G2_across", **AB)
 step.vector(turned, "DG_*", "DG_3*", "Mass centre of the output link from D", **_G3)

@@ -89,11 +89,6 @@ def reciprocal(whole: Any) -> Any:
     return select(whole > 0.0, 1.0 / select(whole > 0.0, whole, 1.0), 0.0)
 
 
-def leaning(part: Any, per_mass: Any, length: Any) -> Any:
-    """Cross product of the mass centre of the output link with its counterweight and B, both from D."""
-    return -((part * per_mass) * (length * length))
-
-
 def about_centre(
     replaced: Any, own: Any, mass: Any, per_mass: Any, radius: Any, direction: Any, G_u: Any, G_v: Any
 ) -> Any:
@@ -103,20 +98,18 @@ def about_centre(
     return replaced + ((own * per_mass) * mass) * (u * u + v * v)
 
 
-def declare_centre(link: int, pivot: str) -> None:
-    """Declare the mass centre of a link with its counterweight, and its moment of inertia about it."""
+def declare_centre(link: int, centre: str, moment: str, symbol: str, units: str) -> None:
+    """Declare both components of a link's mass centre with its counterweight, and the moment of inertia about it."""
     name, per_mass = f"counterweight{link}", f"per_mass{link}"
-    step = planar_4r.steps(units="m", source=COUNTERWEIGHTS, variant=name)
+    step = planar_4r.steps(units=units, source=COUNTERWEIGHTS, variant=name)
     step(reciprocal, per_mass, f"1/m_{link}", whole=f"mass{link}", units="kg-1")
-    centre = "Mass centre of a link with its counterweight, from its fixed pivot"
-    step(product, f"{pivot}G_x", f"{pivot}G_{link}x", centre, x=f"m{link}_{pivot}G_x", y=per_mass)
-    step(product, f"{pivot}G_y", f"{pivot}G_{link}y", centre, x=f"m{link}_{pivot}G_y", y=per_mass)
+    meaning = "Mass centre of a link with its counterweight, from its fixed pivot"
+    for part in ("x", "y") if units == "m" else ("along", "across"):
+        step(product, centre + part, symbol + part, meaning, x=moment + part, y=per_mass)
     own = {"own": f"m{link}", "per_mass": per_mass, "G_u": f"G{link}_u", "G_v": f"G{link}_v"}
     given = {part: f"{name}_{part}" for part in ("mass", "radius", "direction")}
     build_on(name, f"I{link}_G", about_centre, **own, **given)
 
 
-declare_centre(1, "O")
-declare_centre(3, "D")
-step = planar_4r.steps(units="m2", source=COUNTERWEIGHTS, variant="counterweight3")
-step(leaning, "DG_cross_DB", "DG_3 x DB", part="m3_G3_across", per_mass="per_mass3", length="a3")
+declare_centre(1, "OG_", "m1_OG_", "OG_1", "m")
+declare_centre(3, "DG_", "m3_G3_", "DG_3/a_3 ", "1")

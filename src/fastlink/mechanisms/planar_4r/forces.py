@@ -1,8 +1,17 @@
 """Facts of force of the planar 4R: mass centres, joint reactions, driving torque.
 
 F_ij is the force of link i on link j, T41 the driving torque on the crank. The moments of links 3 and 2
-give F32, everything else follows link by link; the divisor AB x DB is 2 a1 a4 sigma up to sign, which
+give F32, the other forces follow link by link; the divisor AB x DB is 2 a1 a4 sigma up to sign, which
 keeps its digits at a toggle where a cross product of the vectors does not.
+
+The torque is that of the power: sum of m_i a_Gi . v_Gi + I_i alpha_i omega_i over omega1. With n = omega2/omega1, the
+acceleration of the coupler's mass centre, -omega1^2 A + alpha2 J AG - omega2^2 AG, times its velocity over omega1,
+J (A + n AG), is
+
+    alpha2 AG . (A + n AG) - omega1^2 n (n - 1) A x AG:
+
+where the links turn nearly as one (a4 is short), every term is as small as the torque, while A x F21 and the sum of
+the moments about O are small differences of great forces. Products of parallel vectors are left out, not computed.
 """
 
 from __future__ import annotations
@@ -10,6 +19,7 @@ from __future__ import annotations
 from typing import Any
 
 from fastlink.mechanisms._shared.laws import (
+    along,
     difference,
     norm,
     product,
@@ -17,10 +27,10 @@ from fastlink.mechanisms._shared.laws import (
     total,
     turned,
 )
+from fastlink.mechanisms.planar_4r import angle_derivatives  # noqa: F401 (declares the ratios)
 from fastlink.mechanisms.planar_4r.centres import CENTRES, EQUATION_9, OUTPUT, THETA1, about_fixed
 from fastlink.mechanisms.planar_4r.inputs import planar_4r
 from fastlink.mechanisms.planar_4r.position import DB
-from fastlink.numerics.vectors import cross
 
 REACTIONS = EQUATION_9
 
@@ -68,10 +78,22 @@ step(about_pivot, "I1_O", "I_1O", "Moment of inertia of the crank about O", **_I
 step(about_pivot, "I3_D", "I_3D", "Moment of inertia of the output link about D", **_I3)
 
 
+_I2 = {"inertia": "I2", "mass": "m2", "G_u": "G2_u", "G_v": "G2_v"}
+step(about_pivot, "I2_A", "I_2A", "Moment of inertia of the coupler about A", **_I2)
+step = planar_4r.steps(units="kg rad2 s-2", source=REACTIONS)
+step(product, "m2_omega1_squared", "m_2 omega_1^2", "Mass times squared speed", x="m2", y="omega1_squared")
+
+
+@planar_4r.quantity(units="m2", symbol="A x AG", source=REACTIONS, internal=True)
+def A_cross_AG(a1: Any, G2_along: Any, G2_across: Any, AB_u: Any, AB_v: Any) -> Any:
+    """Cross product of the crank pin and the coupler's mass centre from it, of the angle between them."""
+    return a1 * (G2_along * AB_v + G2_across * AB_u)
+
+
 @planar_4r.quantity(units="N m", symbol="M_2", source=REACTIONS, internal=True)
-def moment2_A(I2: Any, alpha2: Any, AG_x: Any, AG_y: Any, p2_x: Any, p2_y: Any) -> Any:
+def moment2_A(I2_A: Any, alpha2: Any, m2_omega1_squared: Any, A_cross_AG: Any) -> Any:
     """Rate of moment of momentum of the coupler about A, A held."""
-    return I2 * alpha2 + cross(AG_x, AG_y, p2_x, p2_y)
+    return I2_A * alpha2 + m2_omega1_squared * A_cross_AG
 
 
 @planar_4r.quantity(units="m-1", symbol="unit/(2 a_1 a_4)", source=REACTIONS, internal=True)
@@ -115,10 +137,29 @@ force.vector(difference, "F41_*", "F_41*", "Force of the ground on the crank at 
 force.vector(total, "F43_*", "F_43*", "Force of the ground on the output link at D", x="p3_*", y="F32_*")
 
 
-@planar_4r.quantity(units="N m", symbol="T_41", source=REACTIONS)
-def T41(A_x: Any, A_y: Any, F21_x: Any, F21_y: Any) -> Any:
-    """Driving torque of the ground on the crank."""
-    return A_y * F21_x - A_x * F21_y
+arm = planar_4r.steps(units="m", source=REACTIONS)
+_ARM = "Velocity of the coupler's mass centre over omega1, a quarter turn back"
+arm.vector(along, "arm2_*", "A + n AG_2", _ARM, start="A_*", length="coupler_ratio", direction="AG_*")
+
+
+@planar_4r.quantity(units="N m", symbol="T_2", source=REACTIONS, internal=True)
+def torque2(
+    I2: Any, m2: Any, alpha2: Any, coupler_ratio: Any, joint_ratio_2: Any, AG_x: Any, AG_y: Any, arm2_x: Any,
+    arm2_y: Any, m2_omega1_squared: Any, A_cross_AG: Any,
+) -> Any:  # fmt: skip
+    """Power that the coupler takes up, over omega1."""
+    centripetal = m2_omega1_squared * ((coupler_ratio * joint_ratio_2) * A_cross_AG)
+    return alpha2 * (I2 * coupler_ratio + m2 * (AG_x * arm2_x + AG_y * arm2_y)) - centripetal
+
+
+_POWER = "Power that the output link takes up, over omega1"
+step = planar_4r.steps(units="N m", source=REACTIONS)
+step(
+    product, "moment3_D", "M_3", "Rate of moment of momentum of the output link about D", x="I3_D", y="alpha4"
+)
+step(product, "torque3", "T_3", _POWER, x="moment3_D", y="output_ratio")
+torque = planar_4r.quantities(units="N m", source=f"{REACTIONS}, by its power")
+torque(total, "T41", "T_41", "Driving torque of the ground on the crank", x="torque2", y="torque3")
 
 
 force(norm, "F41", "|F_41|", "Force of the ground on the crank at O, magnitude", x="F41_x", y="F41_y")

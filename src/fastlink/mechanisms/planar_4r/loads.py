@@ -2,15 +2,15 @@
 
 Each load is a variant that one of its inputs selects; loads without inputs are left out, not zero.
 Its facts build on what they replace, so that loads add up in any combination. A weight is part of the rate of
-momentum, p_i = m_i (a_Gi - g): then every equation of `forces` holds as it stands but for the moments about the
-fixed pivots.
+momentum, p_i = m_i (a_Gi - g): then every equation of forces holds as it stands, while moments and powers gain those of
+the loads.
 """
 
 from __future__ import annotations
 
 from typing import Any
 
-from fastlink.mechanisms._shared.laws import moment, product, turned
+from fastlink.mechanisms._shared.laws import along, moment, product, turned
 from fastlink.mechanisms.planar_4r import dense, forces, shaking  # noqa: F401 (declare what is replaced)
 from fastlink.mechanisms.planar_4r.centres import THETA1
 from fastlink.mechanisms.planar_4r.inputs import HAYES, build_on, less, planar_4r, plus
@@ -71,14 +71,30 @@ def pull_less(replaced: Any, further: Any, unit_per_2_a1_a4: Any, per_sigma: Any
     return replaced - further * (branch_sign * (unit_per_2_a1_a4 * per_sigma))
 
 
+def less_sum(replaced: Any, x: Any, y: Any) -> Any:
+    """Take the sum of two terms away."""
+    return replaced - (x + y)
+
+
 step = planar_4r.steps(units="N m", source=LOADS, variant=GRAVITY)
 _G1, _G3 = {"x": "m1_OG_x", "y": "m1_OG_y"}, {"x": "m3_DG_x", "y": "m3_DG_y"}
+_G = {"F_x": "weight2_x", "F_y": "weight2_y"}
+step.vector(product, "weight2_*", "m_2 g", "Weight of the coupler", x="m2", y="gravity_*", units="N")
+_WEIGHT2 = "Moment of the coupler's weight"
+step(moment, "weight_moment2_A", "AG_2 x m_2 g", f"{_WEIGHT2} about A", x="AG_x", y="AG_y", **_G)
+step(moment, "weight_moment2_O", "OG_2 x m_2 g", f"{_WEIGHT2} about O", x="G2_x", y="G2_y", **_G)
+_POWER = "Power of the coupler's weight, over omega1"
+step(moment, "weight_torque2", "(A + n AG_2) x m_2 g", _POWER, x="arm2_x", y="arm2_y", **_G)
 _G = {"F_x": "gravity_x", "F_y": "gravity_y"}
 step(moment, "weight_moment1", "OG_1 x m_1 g", "Moment of the crank's weight about O", **_G1, **_G)
 step(moment, "weight_moment3", "DG_3 x m_3 g", "Moment of the output link's weight about D", **_G3, **_G)
 
 build_on(GRAVITY, "pull_along_AB", pull_less, further="weight_moment3")
-build_on(GRAVITY, "spin_rate3", less, further="weight_moment3")
+build_on(GRAVITY, "moment2_A", less, further="weight_moment2_A")
+build_on(GRAVITY, "spin_rate2", less, further="weight_moment2_O")
+build_on(GRAVITY, "moment3_D", less, further="weight_moment3")
+build_on(GRAVITY, "DG_cross_p3", less, further="weight_moment3")
+build_on(GRAVITY, "torque2", less, further="weight_torque2")
 build_on(GRAVITY, "T41", less, further="weight_moment1")
 build_on(GRAVITY, "shaking_moment", plus, further="weight_moment1")
 
@@ -94,6 +110,11 @@ step(moment, "load_moment_A", "AP x F_P", "Moment of the load on the coupler poi
 step(moment, "load_moment_of_A", "A x F_P", _ABOUT_O, **_A, **_FP)
 
 
+_POWER = "Power of the load on the coupler point, over omega1"
+_P = {"start": "load_moment_of_A", "length": "coupler_ratio", "direction": "load_moment_A"}
+step(along, "load_torque2", "(A + n AP) x F_P", _POWER, **_P)
+
+
 @planar_4r.quantity(units="N m", symbol="G_2P x F_P", source=LOADS, internal=True, variant=COUPLER_FORCE)
 def load_moment_G(AP_x: Any, AP_y: Any, AG_x: Any, AG_y: Any, FP_x: Any, FP_y: Any) -> Any:
     """Moment of the load on the coupler point about the coupler's mass centre."""
@@ -101,7 +122,8 @@ def load_moment_G(AP_x: Any, AP_y: Any, AG_x: Any, AG_y: Any, FP_x: Any, FP_y: A
 
 
 build_on(COUPLER_FORCE, "moment2_A", less, further="load_moment_A")
-build_on(COUPLER_FORCE, "spin_rate2", less, further="load_moment_of_A")
+build_on(COUPLER_FORCE, "spin_rate2", less_sum, x="load_moment_of_A", y="load_moment_A")
+build_on(COUPLER_FORCE, "torque2", less, further="load_torque2")
 build_on(COUPLER_FORCE, "inertia_moment2", less, further="load_moment_G")
 build_on(COUPLER_FORCE, "F21_x", plus, further="FP_x")
 build_on(COUPLER_FORCE, "F21_y", plus, further="FP_y")
@@ -121,7 +143,7 @@ def load_torque(T_load: Any, T_load_linear: Any, T_load_quadratic: Any, omega4: 
 
 
 build_on(OUTPUT_TORQUE, "pull_along_AB", pull_less, further="load_torque")
-build_on(OUTPUT_TORQUE, "spin_rate3", less, further="load_torque")
+build_on(OUTPUT_TORQUE, "moment3_D", less, further="load_torque")
 build_on(OUTPUT_TORQUE, "inertia_moment3", less, further="load_torque")
 
 

@@ -8,7 +8,16 @@ from __future__ import annotations
 
 from typing import Any
 
-from fastlink.mechanisms._shared.laws import angle, opposite_product, product, quotient, total, turned
+from fastlink.mechanisms._shared.laws import (
+    angle,
+    half,
+    opposite_product,
+    product,
+    quotient,
+    same,
+    total,
+    turned,
+)
 from fastlink.mechanisms.planar_4r.inputs import HAYES, NUMERICS, planar_4r
 from fastlink.numerics.elementary import atan2, cos, select, sin, sqrt
 from fastlink.numerics.vectors import largest
@@ -83,14 +92,21 @@ point(product, "A_x", "A_x", "Moving pivot A, x", x="a1", y="cos_theta1")
 point(product, "A_y", "A_y", "Moving pivot A, y", x="a1", y="sin_theta1")
 
 
-def foot_along(p: Any, offset: Any, per_gamma: Any) -> Any:
-    """Foot of B on AD from one of its ends, over |AD|."""
-    return (0.5 * p + offset) * per_gamma
+@planar_4r.quantity(units="1", symbol="1 + kappa/gamma", source=POSITION, internal=True)
+def output_share(p: Any, coupler_offset: Any, per_gamma: Any) -> Any:
+    """Twice the foot of B on AD, from A, over |AD|: factor of H in the ratio of the output link."""
+    return (p + coupler_offset) * per_gamma
+
+
+@planar_4r.quantity(units="1", symbol="kappa/gamma - 1", source=POSITION, internal=True)
+def coupler_share(p: Any, output_offset: Any, per_gamma: Any) -> Any:
+    """Twice the foot of B on AD, from D, towards A, over |AD|: factor of H in the ratio of the coupler."""
+    return (output_offset - p) * per_gamma
 
 
 step = planar_4r.steps(units="1", source=POSITION)
-step(foot_along, "coupler_along", "f_2", "Foot of B on AD, from A, over |AD|", offset="coupler_offset")
-step(foot_along, "output_along", "f_3", "Foot of B on AD, from D, over |AD|", offset="output_offset")
+step(half, "coupler_along", "f_2", "Foot of B on AD, from A, over |AD|", x="output_share")
+step(half, "output_along", "f_3", "Foot of B on AD, from D, towards A, over |AD|", x="coupler_share")
 
 
 @planar_4r.quantity(units="1", symbol="h", source=POSITION, internal=True)
@@ -107,14 +123,28 @@ def beside(foot: Any, across: Any, branch_sign: Any) -> Any:
 step = planar_4r.steps(units="m", source=POSITION)
 step(product, "along_AB_x", "AF_x", "Foot of B on AD from A, x", x="coupler_along", y="AD_x")
 step(opposite_product, "along_AB_y", "AF_y", "Foot of B on AD from A, y", x="coupler_along", y="A_y")
-step(opposite_product, "along_DB_x", "DF_x", "Foot of B on AD from D, x", x="output_along", y="AD_x")
-step(product, "along_DB_y", "DF_y", "Foot of B on AD from D, y", x="output_along", y="A_y")
+step(product, "along_DB_x", "DF_x", "Foot of B on AD from D, x", x="output_along", y="AD_x")
+step(opposite_product, "along_DB_y", "DF_y", "Foot of B on AD from D, y", x="output_along", y="A_y")
 step(product, "across_x", "FB_x", "From the foot to B in branch 2, x", x="height", y="A_y")
 step(product, "across_y", "FB_y", "From the foot to B in branch 2, y", x="height", y="AD_x")
 step.vector(beside, "AB_*", "AB_*", "Vector from A to B", foot="along_AB_*", across="across_*")
 step.vector(beside, "DB_*", "DB_*", "Vector from D to B", foot="along_DB_*", across="across_*")
-step.vector(total, "foot_*", "F_*", "Foot of B on AD, the same in both branches", x="A_*", y="along_AB_*")
-point.vector(beside, "B_*", "B_*", "Moving pivot B", foot="foot_*", across="across_*")
+
+
+@planar_4r.quantity(units="1", symbol="near O", source=POSITION, internal=True)
+def from_A(s1: Any, s2: Any, s3: Any, s4: Any) -> Any:
+    """1 where B is reached by shorter links from O than from D, else 0."""
+    return select(s1 + s2 <= s3 + s4, 1.0, 0.0)
+
+
+@planar_4r.quantity(units="m", symbol="F_x", source=POSITION, internal=True)
+def foot_x(from_A: Any, A_x: Any, a4: Any, coupler_along: Any, output_along: Any, AD_x: Any) -> Any:
+    """Foot of B on AD, x, the same in both branches."""
+    return select(from_A == 1.0, A_x, a4) + select(from_A == 1.0, coupler_along, output_along) * AD_x
+
+
+point(beside, "B_x", "B_x", "Moving pivot B, x", foot="foot_x", across="across_x")
+point(same, "B_y", "B_y", "Moving pivot B, y", x="DB_y")
 
 
 AB, DB = {"x": "AB_x", "y": "AB_y"}, {"x": "DB_x", "y": "DB_y"}

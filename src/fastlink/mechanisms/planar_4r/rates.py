@@ -6,7 +6,9 @@ With gamma = |AD|^2/(4 a1 a4), sigma = sqrt(p q) and ' = d/dtheta1 the transmiss
     omega2/omega1 = [1 + epsilon/gamma - s H (1 - kappa/gamma)]/2,    H = sin(theta1)/(2 sigma),
 
 the solution of eq. (7) without the half-angle of the output, and free of cancellation except at its own
-zeros. H' needs no difference of large terms either: H' = (C0 Z p - Z0 C q)/(2 sigma^3).
+zeros. 1 + kappa/gamma and 1 - kappa/gamma are twice the feet of B on AD, from A and from D, over |AD|: sums with p that
+keep their digits where two short links stand on two long ones. H' needs no difference of large terms either:
+H' = (C0 Z p - Z0 C q)/(2 sigma^3).
 """
 
 from __future__ import annotations
@@ -44,18 +46,6 @@ def half_omega1_squared(omega1: Any) -> Any:
 def mean_rate(half_omega1: Any, crank_excess: Any, Z: Any, per_gamma: Any) -> Any:
     """Mean of the angular velocity over both branches."""
     return half_omega1 * ((crank_excess + Z) * per_gamma)
-
-
-@planar_4r.quantity(units="1", symbol="1 + kappa/gamma", source=RATES, internal=True)
-def output_share(kappa_per_gamma: Any) -> Any:
-    """Factor of H in the ratio of the output link."""
-    return 1.0 + kappa_per_gamma
-
-
-@planar_4r.quantity(units="1", symbol="kappa/gamma - 1", source=RATES, internal=True)
-def coupler_share(kappa_per_gamma: Any) -> Any:
-    """Factor of H in the ratio of the coupler."""
-    return kappa_per_gamma - 1.0
 
 
 def link_rate(mean_rate: Any, odd_rate: Any, share: Any, branch_sign: Any) -> Any:

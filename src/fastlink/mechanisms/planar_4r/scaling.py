@@ -57,13 +57,18 @@ def squares_ratio(x: Any, y: Any, per_4_s1_s4: Any) -> Any:
 
 
 def offset(x: Any, y: Any, per_4_s1_s4: Any) -> Any:
-    """Return x (x - y)/(4 a1 a4)."""
-    return x * (x - y) * per_4_s1_s4
+    """Return x (x - y)/(2 a1 a4)."""
+    return 2.0 * x * (x - y) * per_4_s1_s4
+
+
+def offset_less(x: Any, y: Any, per_4_s1_s4: Any) -> Any:
+    """Return y (x - y)/(2 a1 a4)."""
+    return 2.0 * y * (x - y) * per_4_s1_s4
 
 
 step = planar_4r.steps(units="1", source=f"{NUMERICS}#rates")
 step(squares_ratio, "epsilon", "epsilon", "(a1^2 - a4^2)/(4 a1 a4)", x="s1", y="s4")
 step(squares_ratio, "kappa", "kappa", "(a2^2 - a3^2)/(4 a1 a4)", x="s2", y="s3")
 step = planar_4r.steps(units="1", source=f"{NUMERICS}#position")
-step(offset, "coupler_offset", "beta", "a2 (a2 - a3)/(4 a1 a4)", x="s2", y="s3")
-step(offset, "output_offset", "delta", "a3 (a3 - a2)/(4 a1 a4)", x="s3", y="s2")
+step(offset, "coupler_offset", "2 beta", "a2 (a2 - a3)/(2 a1 a4)", x="s2", y="s3")
+step(offset_less, "output_offset", "-2 delta", "a3 (a2 - a3)/(2 a1 a4)", x="s2", y="s3")

@@ -1,6 +1,7 @@
 """Shaking force and shaking moment of the planar 4R.
 
-They need no reaction at all: they are minus the rates of momentum and of moment of momentum.
+They need no reaction at all: they are minus the rates of momentum and of moment of momentum, OG x m a_G without the
+products of parallel vectors, as in `forces`.
 """
 
 from __future__ import annotations
@@ -8,9 +9,7 @@ from __future__ import annotations
 from typing import Any
 
 from fastlink.mechanisms._shared.laws import norm
-from fastlink.mechanisms.planar_4r.centres import CENTRES
 from fastlink.mechanisms.planar_4r.inputs import HAYES, planar_4r
-from fastlink.numerics.vectors import cross
 
 SHAKING = f"{HAYES}, section 5"
 
@@ -28,15 +27,19 @@ force(norm, "shaking_force", "|F|", "Shaking force on the ground, magnitude", **
 
 
 @planar_4r.quantity(units="N m", symbol="dL_2/dt", source=SHAKING, internal=True)
-def spin_rate2(moment2_A: Any, A_x: Any, A_y: Any, p2_x: Any, p2_y: Any) -> Any:
+def spin_rate2(
+    I2: Any, m2: Any, alpha2: Any, coupler_ratio: Any, joint_ratio_2: Any, AG_x: Any, AG_y: Any, G2_x: Any,
+    G2_y: Any, m2_omega1_squared: Any, A_cross_AG: Any,
+) -> Any:  # fmt: skip
     """Rate of moment of momentum of the coupler about O."""
-    return moment2_A + cross(A_x, A_y, p2_x, p2_y)
+    centripetal = m2_omega1_squared * (((coupler_ratio + 1.0) * joint_ratio_2) * A_cross_AG)
+    return alpha2 * (I2 + m2 * (AG_x * G2_x + AG_y * G2_y)) - centripetal
 
 
 @planar_4r.quantity(units="N m", symbol="dL_3/dt", source=SHAKING, internal=True)
-def spin_rate3(I3_D: Any, alpha4: Any, a4: Any, p3_y: Any) -> Any:
+def spin_rate3(moment3_D: Any, a4: Any, p3_y: Any) -> Any:
     """Rate of moment of momentum of the output link about O."""
-    return I3_D * alpha4 + a4 * p3_y
+    return moment3_D + a4 * p3_y
 
 
 @planar_4r.quantity(units="N m", symbol="M_O", source=SHAKING)
@@ -51,19 +54,18 @@ def shaking_moment_at(shaking_moment: Any) -> Any:
     return shaking_moment
 
 
-@planar_4r.quantity(units="m2", symbol="DG_3 x DB", source=CENTRES, internal=True)
-def DG_cross_DB(G3_v: Any, a3: Any) -> Any:
-    """Cross product of the output link's mass centre and B, both from D."""
-    return -(G3_v * a3)
+@planar_4r.quantity(units="N m", symbol="DG_3 x p_3", source=SHAKING, internal=True)
+def DG_cross_p3(alpha4: Any, DG_x: Any, DG_y: Any, m3_DG_x: Any, m3_DG_y: Any) -> Any:
+    """Rate of moment of momentum about D of the output link's mass in its centre."""
+    return alpha4 * (DG_x * m3_DG_x + DG_y * m3_DG_y)
 
 
 @planar_4r.quantity(units="N m", symbol="T_14 + r_34 x F_34", source=SHAKING)
 def shaking_moment_printed(
-    T41: Any, pull_along_DB: Any, pull_along_AB: Any, DG_cross_DB: Any, DG_x: Any, DG_y: Any, AB_x: Any,
-    AB_y: Any, p3_x: Any, p3_y: Any, per_unit: Any,
+    T41: Any, pull_along_DB: Any, pull_along_AB: Any, moment3_D: Any, DG_along: Any, DG_across: Any,
+    AB_x: Any, AB_y: Any, DB_x: Any, DB_y: Any, a3: Any, DG_cross_p3: Any, per_unit: Any,
 ) -> Any:  # fmt: skip
     """Shaking moment as printed, T14 + r34 x F34 with r34 from the output link's mass centre to D."""
-    along_DB = pull_along_DB * per_unit
-    along_AB = pull_along_AB * per_unit
-    joint_B = along_DB * DG_cross_DB + along_AB * cross(DG_x, DG_y, AB_x, AB_y)
-    return (joint_B + cross(DG_x, DG_y, p3_x, p3_y)) - T41
+    # DB x F32 is -moment3_D: a cross product of DB and AB would lose its digits where these align.
+    F32_dot_DB = (pull_along_DB * (a3 * a3) + pull_along_AB * (AB_x * DB_x + AB_y * DB_y)) * per_unit
+    return (DG_cross_p3 - (DG_along * moment3_D + DG_across * F32_dot_DB)) - T41
