@@ -399,6 +399,29 @@ DOORS: list[Door] = [
         "",
     ),
     Door(
+        "planar.force_equations",
+        f"fl.planar.force_equations({_of('', 'a1 a2 a3 a4 omega1 theta1')}, branch=$branch, links=BARS, $more)",
+        INPUTS | _slots(theta1="reals 1.0", branch=("modes", "1")) | MORE,
+        "",
+    ),
+    Door(
+        "planar.bar_properties",
+        f"fl.planar.bar_properties({_of('', 'a1 a2 a3')}, links=$links, $more)",
+        {name: LENGTHS[name] for name in ("a1", "a2", "a3")}
+        | _slots(links=("thing", "BARS", "1.0", "BARS"))
+        | MORE,
+        "",
+    ),
+    Door(
+        "planar.rate_extrema",
+        "fl.planar.rate_extrema($space, pair=$pair, threads=1)",
+        _slots(
+            space=("space", "fl.grid(a1=0.4, a2=[1.1, 1.2], a3=0.8, a4=1.0, joint_omega_1=25.0)", "SPACE"),
+            pair=("name", "'14'", "14"),
+        ),
+        "",
+    ),
+    Door(
         "planar.force_hypothesis",
         "fl.planar.force_hypothesis($maps)",
         _slots(maps=("dataset", "RATES", "RATES", DATASETS[-1])),

@@ -21,6 +21,7 @@ __all__ = [
     "CURVE",
     "GREATEST_LENGTH",
     "MOST_SAMPLES",
+    "all_entries",
     "broadcast",
     "broadcast_points",
     "check_lengths",
@@ -74,11 +75,7 @@ def read_design(
     """
     known, problems = catalogue.known_inputs(catalogue.variant_inputs), Problems()
     of_position = (catalogue.position.name, f"{catalogue.position.name}_deg")
-    given = {name: of for name, of in _entries(function, design, known).items() if name not in of_position}
-    for name in inputs:
-        if name in given:
-            problems.add("is in the design and given by name", (function, name), "leave one out")
-    given |= inputs
+    given = all_entries(function, design, inputs, known, problems, of_position)
     names = [name for name in given if angle_of(name) not in known]  # no angle is needed
     problems.noted += name_problems(catalogue, names, known, function)
     for name in needed:
@@ -93,7 +90,23 @@ def read_design(
     return numbers
 
 
-def _entries(function: str, design: Any, known: Mapping[str, Input]) -> dict[str, Any]:
+def all_entries(
+    function: str,
+    design: Any,
+    inputs: Mapping[str, Any],
+    known: Iterable[str],
+    problems: Problems,
+    unread: Iterable[str] = (),
+) -> dict[str, Any]:
+    """Return what a design gives of the known names but some, and what is given by name; note what is in both."""
+    given = {name: of for name, of in _entries(function, design, known).items() if name not in unread}
+    for name in inputs:
+        if name in given:
+            problems.add("is in the design and given by name", (function, name), "leave one out")
+    return given | dict(inputs)
+
+
+def _entries(function: str, design: Any, known: Iterable[str]) -> dict[str, Any]:
     """Return name and values of each input of a design."""
     if design is None:
         return {}
@@ -104,7 +117,7 @@ def _entries(function: str, design: Any, known: Mapping[str, Input]) -> dict[str
     raise InputError(what, where=(function, "design"), remedy=remedy)
 
 
-def _entries_of(design: Any, known: Mapping[str, Input]) -> dict[str, Any] | None:
+def _entries_of(design: Any, known: Iterable[str]) -> dict[str, Any] | None:
     """Return name and values of each input of a DataFrame, a Dataset or a mapping; None of what is none of these."""
     if has(design, "data_vars") and has(design, "variables"):
         return {name: design[name] for name in design.variables if name in known}

@@ -16,7 +16,7 @@ from fastlink.catalogue.catalogue import Catalogue, Fact, System
 from fastlink.catalogue.sizes import sized, sizes_of
 from fastlink.numerics.elementary import context_of
 
-__all__ = ["evaluate_on_doubles", "evaluate_step", "read_facts", "steps_of", "tables_at"]
+__all__ = ["evaluate_on_doubles", "evaluate_step", "read_facts", "stack_rows", "steps_of", "tables_at"]
 
 
 def read_facts(
@@ -118,6 +118,16 @@ def evaluate_on_doubles(steps: Iterable[Fact | System], known: dict[str, Any]) -
                     known[name] = np.float64(known[name])
 
 
+def stack_rows(rows: Any) -> Any:
+    """Return the rows of a system, doubles or arrays of one shape, as one array with rows and columns last."""
+    shape = np.broadcast_shapes(*(np.shape(entry) for row in rows for entry in row))
+    stacked = np.empty((*shape, len(rows), len(rows[0])))
+    for r, row in enumerate(rows):
+        for c, entry in enumerate(row):
+            stacked[..., r, c] = entry
+    return stacked
+
+
 def _solve(rows: Any) -> list[Any]:
     """Solve a system given as rows with the right-hand side last."""
     size = len(rows)
@@ -127,12 +137,8 @@ def _solve(rows: Any) -> list[Any]:
             return [context.nan] * size
         matrix = context.matrix([list(row[:size]) for row in rows])
         return list(context.lu_solve(matrix, context.matrix([row[size] for row in rows])))
-    shape = np.broadcast_shapes(*(np.shape(entry) for row in rows for entry in row))
-    stacked = np.empty((*shape, size, size + 1))
-    for r, row in enumerate(rows):
-        for c, entry in enumerate(row):
-            stacked[..., r, c] = entry
+    stacked = stack_rows(rows)
     closes = np.isfinite(stacked).all(axis=(-2, -1))
-    result = np.full((*shape, size), np.nan)
+    result = np.full((*closes.shape, size), np.nan)
     result[closes] = np.linalg.solve(stacked[closes][..., :size], stacked[closes][..., size:])[..., 0]
     return [result[..., r] for r in range(size)]

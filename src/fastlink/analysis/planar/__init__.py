@@ -9,13 +9,16 @@ from fastlink.analysis.planar.cognates import Cognate, cognates
 from fastlink.analysis.planar.curves import curve_straightness, sextic, straightness
 from fastlink.analysis.planar.double_points import crunode_count, crunodes, cusp_count, cusps
 from fastlink.analysis.planar.flywheel import flywheel_inertia
+from fastlink.analysis.planar.force_equations import bar_properties, force_equations
 from fastlink.analysis.planar.force_hypothesis import force_hypothesis
 from fastlink.analysis.planar.inflections import inflections
 from fastlink.analysis.planar.input_output import io_coefficients
 from fastlink.analysis.planar.path_integrals import curve_area, curve_length
+from fastlink.analysis.planar.rate_extrema import rate_extrema
 
 __all__ = [
     "Cognate",
+    "bar_properties",
     "cognates",
     "crunode_count",
     "crunodes",
@@ -26,9 +29,11 @@ __all__ = [
     "cusps",
     "flywheel_inertia",
     "force_balance",
+    "force_equations",
     "force_hypothesis",
     "inflections",
     "io_coefficients",
+    "rate_extrema",
     "sextic",
     "straightness",
 ]

@@ -8,7 +8,7 @@ from typing import Any
 from fastlink.catalogue.catalogue import Catalogue
 from fastlink.numerics.elementary import PI
 
-__all__ = ["ROUND_BAR", "declare"]
+__all__ = ["ROUND_BAR", "bar_volume", "declare"]
 
 ROUND_BAR = "round_bar"
 SOURCE = "Hayes, Hninn, Irani, Table 1"
@@ -22,6 +22,11 @@ def bar_mass_per_length(density: Any, radius: Any) -> Any:
 def bar_section(radius: Any) -> Any:
     """Squared radius of gyration of the round section about a diameter."""
     return 0.25 * (radius * radius)
+
+
+def bar_volume(length: Any, radius: Any) -> Any:
+    """Volume of a solid cylinder."""
+    return PI * (radius * radius) * length
 
 
 def bar_mass(length: Any, bar_mass_per_length: Any) -> Any:

@@ -13,6 +13,12 @@ from fastlink.mechanisms.planar_4r.inputs import HAYES, LINKS, planar_4r
 from fastlink.numerics.vectors import cross
 
 UNKNOWNS = ("F41_x", "F41_y", "F21_x", "F21_y", "F32_x", "F32_y", "F43_x", "F43_y", "T41")
+#: The right-hand side, vector b.
+RIGHT_SIDE = (
+    *("inertia_force1_x", "inertia_force1_y", "inertia_moment1"),
+    *("inertia_force2_x", "inertia_force2_y", "inertia_moment2"),
+    *("inertia_force3_x", "inertia_force3_y", "inertia_moment3"),
+)
 SHAKING = f"{HAYES}, section 5"
 
 
