@@ -83,6 +83,7 @@ def bounded_extremes(entry: Entry, designs: dict[str, np.ndarray], names: Iterab
         for branch in found["branch"].values:
             mode = found.sel(branch=branch)
             exact = Stationary(catalogue, name, designs, np.full(count, float(branch)), variants)
+            exact.movable = []  # conditions, which take most of the time, are not needed
             for k in range(count):
                 inputs = {key: float(values[k]) for key, values in designs.items()} | {
                     "branch": float(branch)

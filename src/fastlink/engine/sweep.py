@@ -68,7 +68,8 @@ def sweep(
         ``NAME_mean``, ``NAME_fluctuation``,
         ``INPUT_at_NAME_max``, ``INPUT_at_NAME_min``, with the input that drives, such as theta1, for INPUT; or
         ``NAME_extrema``, all extremes by growing input position along the dimension ``extremum``, with their
-        ``INPUT_at_NAME_extrema``, ``NAME_extrema_kind`` and ``NAME_extrema_count``.
+        ``INPUT_at_NAME_extrema``, ``NAME_extrema_kind`` and ``NAME_extrema_count``. ``NAME_error``,
+        ``NAME_max_error`` and ``NAME_extrema_error`` bound the errors of values and of extremes.
         `fastlink.quantities` lists them. ``status`` comes along.
     links : Links, optional
         The model of the links that gives their mass data, such as ``fastlink.round_bar(density=7750.0, radius=0.01)``.

@@ -165,10 +165,14 @@ class QuantityList(list[Quantity]):
             for each in REDUCTIONS.values()
             if each.has_position
         ]
+        bounds = [
+            f"`{ErrorBound(Reduced(NAME, each.suffix))}`" for each in REDUCTIONS.values() if each.has_position
+        ]
         lists = (
             f"`{ListOfExtrema(NAME)}` lists all extremes over the reachable range by growing {position.name}, along "
             f"the dimension `extremum`, together with `{ListOfExtrema(NAME, position=position.name)}`, "
             f"`{ListOfExtrema(NAME, 'count')}` and `{ListOfExtrema(NAME, 'kind')}`. "
+            f"{', '.join(bounds)} and `{ListOfExtrema(NAME, 'error')}` bound the errors of exact extremes. "
         )
         return (
             f"Any NAME with the dimension `{position.name}` has {joined(reductions)}, and {joined(positions)} (the "
