@@ -26,6 +26,7 @@ from fastlink.facts.fact import Input, statements
 from fastlink.numerics import compensated, vectors
 from fastlink.numerics.compensated import UNIT_ROUNDING
 from fastlink.plan.pointwise import make_program
+from fastlink.precision.reference import HighPrecision
 from fastlink.symbolic.derivative import RULES
 from fastlink.symbolic.expression import ExpressionGraph
 from fastlink.symbolic.generate import generate_function
@@ -63,9 +64,10 @@ def difference(names, one, by, variants=()):
     (below 1e4 here): 1e-25 is safe.
     """
     with mp.workdps(DIGITS):
-        exact = {name: mp.mpf(value) for name, value in one.items()}
+        facts = HighPrecision(PLANAR, names, one, variants)  # pi with all digits, too
+        exact = facts.at(one)
         step = abs(exact[by]) * mp.mpf(10) ** -20
-        ends = [read_facts(PLANAR, names, exact | {by: exact[by] + s * step}, variants) for s in (1, -1)]
+        ends = [facts.moved(exact, {by: exact[by] + s * step}) for s in (1, -1)]
         return {name: (ends[0][name] - ends[1][name]) / (2 * step) for name in names}
 
 

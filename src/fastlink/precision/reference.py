@@ -31,6 +31,7 @@ STEP = CONTEXT.mpf(10) ** -20
 #: What is pi in the text of facts, in doubles and with all digits.
 DOUBLES = {"PI": PI, "TWO_PI": TWO_PI}
 TURNS = {"PI": CONTEXT.pi, "TWO_PI": 2 * CONTEXT.pi}
+TURNS_OF = {double: TURNS[name] for name, double in DOUBLES.items()}
 
 
 class HighPrecision:
@@ -140,10 +141,15 @@ def _exact_turns(step: Fact | System) -> Fact | System:
     """Return a step in whose text pi stands for all its digits, not for the double."""
     law = step.function
     exact = {name: value for name, value in TURNS.items() if law.__globals__.get(name) is DOUBLES[name]}
-    if isinstance(step, System) or not set(exact).intersection(law.__code__.co_names):
+    written = law.__code__.co_consts  # in the text of a derivative pi is a number
+    numbers = tuple(TURNS_OF.get(x, x) if isinstance(x, float) else x for x in written)
+    if isinstance(step, System) or (
+        numbers == written and not set(exact).intersection(law.__code__.co_names)
+    ):
         return step
+    code = law.__code__.replace(co_consts=numbers)
     function = FunctionType(
-        law.__code__, {**law.__globals__, **exact}, law.__name__, law.__defaults__, law.__closure__
+        code, {**law.__globals__, **exact}, law.__name__, law.__defaults__, law.__closure__
     )
     return replace(step, function=function)
 
