@@ -66,6 +66,8 @@ class Form(NamedTuple):
         The part of a list of extremes.
     error : bool
         Whether the bound of the rounding error is asked for.
+    of_extreme : bool
+        Whether that bound is of the extreme, and not the extreme of the bounds.
     """
 
     rest: tuple[str, ...]
@@ -73,9 +75,12 @@ class Form(NamedTuple):
     position: bool = False
     listed: str = ""
     error: bool = False
+    of_extreme: bool = False
 
     def of(self, name: Name, position: str) -> Name:
         """Return the name that the words ask for, of a quantity."""
+        if self.of_extreme:
+            return ErrorBound(Reduced(name, self.how)) if self.how else ListOfExtrema(name, "error")
         tree = ErrorBound(name) if self.error else name
         if self.listed:
             return ListOfExtrema(tree, self.listed, position if self.position else "")
@@ -99,7 +104,11 @@ def _forms(spelt: Sequence[str], position: str) -> Iterable[Form]:
         names = tuple(word for word in names if word not in COUNTS | KINDS)
         yield Form(names, "", at is not None and kind == "value", kind)
     if ERRORS.intersection(rest) and (names := tuple(word for word in rest if word not in ERRORS)):
-        yield Form(names, how[0] if how else "", False, "", True)
+        if how and REDUCTIONS[how[0]].has_position:
+            yield Form(names, how[0], error=True, of_extreme=True)
+        yield Form(names, how[0] if how else "", error=True)
+        if LISTS.intersection(names) and (names := tuple(word for word in names if word not in LISTS | ALL)):
+            yield Form(names, error=True, of_extreme=True)
 
 
 def _reductions() -> dict[str, str]:
@@ -163,9 +172,12 @@ def _ranked(spelt: tuple[str, ...], catalogue: Catalogue, over_cycle: bool, by: 
             if one.score < LEAST:
                 break
             tree = catalogue.parse(one.name)
-            if (form.how or form.listed) and not catalogue.has_reductions(one.name):
+            of_cycle = bool(form.how or form.listed or form.of_extreme)
+            if of_cycle and not catalogue.has_reductions(one.name):
                 continue
-            if not over_cycle and (form.how or form.listed or not catalogue.is_quantity(one.name)):
+            if form.of_extreme and catalogue.graded is None:
+                continue
+            if not over_cycle and (of_cycle or not catalogue.is_quantity(one.name)):
                 continue
             if (by or form.error) and not _has_derivative(one.name, catalogue):
                 continue
