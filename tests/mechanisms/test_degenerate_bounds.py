@@ -8,6 +8,8 @@ import mpmath as mp
 import numpy as np
 import pytest
 from tests.support.degenerate import FAMILIES
+from tests.support.extrema_errors import bounded_extremes
+from tests.support.registry import ENTRIES
 
 import fastlink as fl
 from fastlink.mechanisms import NAMES, catalogue, inputs_of
@@ -169,6 +171,47 @@ def test_bounds_hold_against_circles_that_intersect():
             assert abs(values["omega4"] - exact[1]) <= values["omega4_error"], one
             tested += 1
     assert tested > n // 3
+
+
+#: A rate, and an angle or coordinate, by mechanism and input.
+EXTREMES = {
+    ("planar_4r", "theta1"): ("omega4", "transmission_angle"),
+    ("planar_4r", "joint_angle_2"): ("joint_omega_3",),
+    ("slider_crank", "theta"): ("slider_acceleration", "slider_position"),
+    ("hart", "phi"): ("F_y",),
+    ("focal", "sigma"): ("transmission_angle_F",),
+}
+
+
+def assert_extremes_are_within_their_bounds(mechanism, drive, n):
+    """Hold extremes of the family's designs against those of the lengths as given; return how many have a bound."""
+    entry = next(one for one in ENTRIES if (one.mechanism, one.input) == (mechanism, drive))
+    designs = FAMILIES[mechanism, drive, ""](np.random.default_rng(3), n)
+    designs = {name: values for name, values in designs.items() if name not in (drive, "branch")}
+    extremes = list(bounded_extremes(entry, designs, EXTREMES[mechanism, drive]))
+    assert [one for one in extremes if one.bound != np.inf and not one.holds] == []
+    return sum(one.bound < np.inf for one in extremes)
+
+
+def test_extremes_are_within_their_bounds_or_have_none():
+    assert assert_extremes_are_within_their_bounds("planar_4r", "theta1", 12) > 20
+
+
+@pytest.mark.stress
+@pytest.mark.parametrize(("mechanism", "drive"), EXTREMES)
+def test_many_extremes_are_within_their_bounds_or_have_none(mechanism, drive):
+    assert_extremes_are_within_their_bounds(mechanism, drive, 300)
+
+
+def test_of_extremes_at_a_gap_that_counts_as_zero_nothing_is_known():
+    names = ["omega4_max", "omega4_max_error", "omega4_extrema", "omega4_extrema_error", "theta4_max_error"]
+    lengths = {"a1": 0.6, "a2": 0.3, "a3": 0.4, "a4": 0.1}  # 0.6 + 0.1 is not 0.3 + 0.4 in binary
+    found = fl.sweep("planar_4r", fl.grid(**lengths, omega1=1.0), names)
+    assert np.isfinite(found["omega4_max"]).all()
+    for name in ("omega4_max", "theta4_max"):
+        assert (found[f"{name}_error"] == np.inf).all()
+    np.testing.assert_array_equal(np.isnan(found["omega4_extrema"]), np.isnan(found["omega4_extrema_error"]))
+    assert (found["omega4_extrema_error"].max("extremum") == np.inf).any()
 
 
 def test_verification_takes_lengths_as_they_are_and_codes_as_meant():

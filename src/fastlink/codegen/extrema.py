@@ -47,6 +47,8 @@ class _ExtremaWriter(ExtremaSchedule):
             for number, search in enumerate(searches):
                 if self.needs_ends(search):
                     self.write_ends(number)
+            for row in self.doubts:
+                text.call(results.doubt, f"w, {row}, n_here, lists, best")
             for output in self.program.outputs:
                 self.write_result(output)
         kernel, text.lines = text.lines, text.functions

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 from fastlink.codegen.schedule import needed_steps
 from fastlink.facts.fact import Fact
+from fastlink.facts.names import error_name
 
 if TYPE_CHECKING:
     from fastlink.plan.program import ExtremaProgram, ExtremumSearch
@@ -29,6 +30,8 @@ class ExtremaSchedule:
         for ends in zip(*program.graded.ends, strict=True):
             for name in ends:
                 self.row(name)
+        # positive where a gap counts as zero, so that it is not known whether there is a toggle
+        self.doubts = [self.row(error_name(end[2])) for end in program.graded.ends if program.has_bounds]
 
     def row(self, name: str) -> int:
         """Return the row of a lane value, reserving it on first use."""

@@ -126,6 +126,7 @@ def extrema_programs(
             *(name for end in graded.ends for name in end),
         ]
         names += [name for s in group for name in (s.slope, s.quantity, *s.bounded_by)]
+        names += [error_name(end[2]) for end in graded.ends if any(s.bounded_by for s in group)]
         steps = _steps(catalogue, names, given, variants)
         read = {name for step in steps for name in step.depends_on}
         known = catalogue.known_inputs(variants)

@@ -21,6 +21,8 @@ not the exact place.
 - Where no slope changes its sign, a place in the middle of the turn stands for the extreme. If its slope is within its
   error bound the quantity is constant but for rounding: off by at most S times half a turn on each side.
 - A jump by a whole turn is at pi, which is off by its own rounding.
+- Where a gap counts as zero within the rounding of the lengths, others may stand next to the fold for the lengths as
+  given: nothing bounds them.
 """
 
 from __future__ import annotations

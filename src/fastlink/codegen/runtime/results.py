@@ -41,7 +41,7 @@ from fastlink.numerics.compiler import inlined, lanes, outlined
 from fastlink.numerics.elementary import ANGLE_ROUNDING, INFINITY, NOT_A_NUMBER, PI, TWO_PI
 
 __all__ = [
-    *("clear", "collect_ends", "end_values", "extrema_at_zeros", "mirror_image"),
+    *("clear", "collect_ends", "doubt", "end_values", "extrema_at_zeros", "mirror_image"),
     *("store_best", "store_bound", "store_counts", "store_extrema", "store_list"),
 ]
 
@@ -201,6 +201,29 @@ def collect_ends(w: Any, count: int, table: Any, search: Any, best: Any, ends: A
                     set_bracket(ends, total, x, 0.0, x, 0.0)
                     total = append_item(ends, total, i, half, upper == 1)
     return total
+
+
+@outlined
+def doubt(w: Any, row: int, count: int, lists: Any, best: Any) -> None:
+    """Make the bounds of all extremes of designs infinite where a lane value is positive.
+
+    Parameters
+    ----------
+    w, row : array, int
+        Lane values, and the row of the error of a toggle.
+    count : int
+        The number of designs.
+    lists, best : array
+        The results.
+    """
+    for i in range(count):
+        if w[row, i] > 0.0:
+            for column in range(i, best.shape[1], LANES):
+                for r in range(BEST_ROWS, best.shape[0]):
+                    best[r, column] = INFINITY
+                if lists.shape[0] > LIST_BOUND:
+                    for k in range(lists.shape[2]):
+                        lists[LIST_BOUND, column, k] = lists[LIST_BOUND, column, k] + INFINITY
 
 
 @outlined
