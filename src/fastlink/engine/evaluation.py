@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import hashlib
 import time
 from collections.abc import Mapping
@@ -18,6 +19,7 @@ from fastlink.engine.sinks import StatusCounts, into, tee
 from fastlink.io.dataset import plain_attrs
 from fastlink.io.finished import finished_map
 from fastlink.io.place import existing_file
+from fastlink.io.target import forget_published
 from fastlink.io.writer import Writer
 from fastlink.precision import DESIGNS, Verification
 
@@ -67,6 +69,8 @@ class Evaluation:
         path = existing_file(to)
         if path is None:
             return None
+        with contextlib.suppress(OSError):
+            forget_published(path)
         verified = 0 if self.verification is None else self.verification.designs.size
         return finished_map(
             path,

@@ -7,6 +7,7 @@ dirty, and the last fsync would write it all at once.
 
 from __future__ import annotations
 
+import contextlib
 import json
 import os
 import threading
@@ -162,7 +163,8 @@ class Journal:
 
     def remove(self) -> None:
         """Remove the journal of a file that has its name, or that is thrown away."""
-        self._path.unlink(missing_ok=True)
+        with contextlib.suppress(OSError):  # the next run removes what is left
+            self._path.unlink(missing_ok=True)
 
     def _work(self) -> None:
         while True:

@@ -159,12 +159,12 @@ def write_all(fd: int, data: memoryview, position: int) -> None:
 
 
 def discard(fd: int, part: Path) -> None:
-    """Remove a partial file."""
+    """Remove a partial file, if the system lets it be removed; the next run will replace it."""
     if fcntl is None:
         os.close(fd)  # an open file cannot be removed there
+    with contextlib.suppress(OSError):
         part.unlink(missing_ok=True)
-    else:
-        part.unlink(missing_ok=True)
+    if fcntl is not None:
         os.close(fd)
 
 

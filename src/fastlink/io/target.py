@@ -24,7 +24,7 @@ from fastlink.io.place import (
 from fastlink.options import check_output
 from fastlink.space.dataset import FORMAT
 
-__all__ = ["check_left", "check_target"]
+__all__ = ["check_left", "check_target", "forget_published"]
 
 #: The remedy where a run left what another request would lose.
 RESTART: Remedy = (
@@ -73,11 +73,11 @@ def forget_published(target: Path) -> None:
     """Remove what a kill left of a map that has its name: the second name, and the journal."""
     part = part_of(target)
     try:
-        if not os.path.samestat(os.lstat(part), os.lstat(target)):
+        if os.path.lexists(part) and not os.path.samestat(os.lstat(part), os.lstat(target)):
             return
     except FileNotFoundError:
         return
-    part.unlink()
+    part.unlink(missing_ok=True)
     journal_of(part).unlink(missing_ok=True)
 
 
