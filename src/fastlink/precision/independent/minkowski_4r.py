@@ -13,9 +13,12 @@ __all__ = ["DESIGN", "QUANTITIES", "configuration", "design", "digits"]
 #: Quantities by the order of the derivatives that they need.
 QUANTITIES = dict.fromkeys(("A_x", "A_y", "B_x", "B_y", "X_x", "X_y", "psi", "phi", "cosh_zeta", "zeta"), 0)
 QUANTITIES |= dict.fromkeys(("AB_rapidity", "AB_orientation", "CB_orientation", "half_angle_root"), 0)
+QUANTITIES |= dict.fromkeys(("coefficient_A", "coefficient_B", "coefficient_C", "delta", "psi_remark"), 0)
+QUANTITIES |= dict.fromkeys(("lambda_AX", "mu_BX"), 0)
 QUANTITIES |= {"dpsi_dtheta": 1, "d2psi_dtheta2": 2}
 DESIGN: tuple[str, ...] = ("T1", "T2", "T3", "T4", "T5", "T7")
 DESIGN += ("cosh_theta_min", "cosh_theta_max", "cosh_psi_min", "cosh_psi_max", "theta_escape")
+DESIGN += ("r_AX", "s_BX", "gamma")
 
 
 #: Rapidities beyond which the equations take too many digits.
@@ -46,6 +49,7 @@ def configuration(ctx: Any, at: Mapping[str, Any], order: int, values: dict[str,
     drive = Series((at["theta"], *([ctx.mpf(1), ctx.mpf(0)][:order])))
     p = ctx.exp(drive.terms[0])
     values |= _coordinates("A", a * p, a / p)
+    values |= _remark(ctx, at, p)
     try:
         q = _root(ctx, at, p)
     except Open:
@@ -74,7 +78,12 @@ def configuration(ctx: Any, at: Mapping[str, Any], order: int, values: dict[str,
         values["zeta"] = abs(rapidity.terms[0] - psi.terms[0])
     values |= _coordinates("B", g + b * q, g + b / q)
     if "x" in at and "y" in at:
-        values |= _coordinates("X", a * p + (at["x"] + at["y"]) * k, a / p + (at["x"] - at["y"]) / k)
+        AX = (at["x"] + at["y"]) * k, (at["x"] - at["y"]) / k
+        BX = AX[0] - h * k, AX[1] - h / k
+        values |= _coordinates("X", a * p + AX[0], a / p + AX[1])
+        for name, (u, v) in (("lambda_AX", AX), ("mu_BX", BX)):
+            if u * v != 0:
+                values[name] = ctx.log(abs(u / v)) / 2
     values |= {name: psi.derivative(i) for i, name in enumerate(RATES[:order], 1)}
 
 
@@ -83,14 +92,32 @@ def _coordinates(name: str, u: Any, v: Any) -> dict[str, Any]:
     return {f"{name}_x": (u + v) / 2, f"{name}_y": (u - v) / 2}
 
 
+def _coefficients(at: Mapping[str, Any], p: Any) -> tuple[Any, Any, Any]:
+    """Return A, B and C of Theorem 3.1 for p = e^theta."""
+    a, b, g, h = (at[name] for name in "abgh")
+    ch, sh = (p + 1 / p) / 2, (p - 1 / p) / 2
+    return 2 * g * b - 2 * a * b * ch, 2 * a * b * sh, h * h - g * g - b * b - a * a + 2 * a * g * ch
+
+
+def _remark(ctx: Any, at: Mapping[str, Any], p: Any) -> dict[str, Any]:
+    """Return A, B and C, and the closed form of the Remark to Theorem 3.1 where it has a value."""
+    A, B, C = _coefficients(at, p)
+    values = {"coefficient_A": A, "coefficient_B": B, "coefficient_C": C}
+    if abs(B) < A:
+        values["delta"] = ctx.atanh(B / A)
+        cosh = C / ctx.sqrt(A * A - B * B)
+        if cosh >= 1:
+            arch = ctx.acosh(cosh)
+            values["psi_remark"] = (arch if int(at["branch"]) == 1 else -arch) - values["delta"]
+    return values
+
+
 RATES = ("dpsi_dtheta", "d2psi_dtheta2")
 
 
 def _root(ctx: Any, at: Mapping[str, Any], p: Any) -> Any:
     """Return q = e^psi, or -e^psi where CB is past-pointing, by the half-angle of eq. (3)."""
-    a, b, g, h = (at[name] for name in "abgh")
-    ch, sh = (p + 1 / p) / 2, (p - 1 / p) / 2
-    A, B, C = 2 * g * b - 2 * a * b * ch, 2 * a * b * sh, h * h - g * g - b * b - a * a + 2 * a * g * ch
+    A, B, C = _coefficients(at, p)
     square = B * B + C * C - A * A
     if square < 0:
         raise Open("no root of eq. (3) is real")
@@ -112,3 +139,9 @@ def design(ctx: Any, at: Mapping[str, Any], values: dict[str, Any]) -> None:
     values["cosh_psi_min"] = ((a - h) ** 2 - g * g - b * b) / (2 * b * g)
     values["cosh_psi_max"] = ((a + h) ** 2 - g * g - b * b) / (2 * b * g)
     values["theta_escape"] = abs(ctx.log(g / a))
+    if "x" in at and "y" in at:
+        x, y = at["x"], at["y"]
+        AX, BX = (x + y, x - y), (x - h + y, x - h - y)
+        values |= {"r_AX": ctx.sqrt(abs(AX[0] * AX[1])), "s_BX": ctx.sqrt(abs(BX[0] * BX[1]))}
+        if values["r_AX"] * values["s_BX"] != 0:
+            values["gamma"] = ctx.log(abs(BX[0] * AX[1] / (BX[1] * AX[0]))) / 2
