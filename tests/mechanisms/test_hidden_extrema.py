@@ -121,3 +121,32 @@ def test_finer_samples_show_no_more_extremes_of_anything(entry, monkeypatch):
 def test_finer_samples_show_no_more_extremes_of_forces_of_a_million_designs(monkeypatch):
     forces = ("F41", "F21", "F32", "F43", "shaking_force", "T41")
     assert_finer_samples_show_no_more(GRADED[0], "random", 1_000_000, forces, monkeypatch)
+
+
+def test_designs_in_a_sweep_leave_each_other_alone():
+    """A speed that is constant but for rounding has zeros of its slope without end, which once filled all lists."""
+    constant = {"a1": 0.0004194733386214631, "a2": 0.4003315786432696, "a3": 0.00041947333862142275}
+    constant |= {
+        "a4": 0.4003315786432696,
+        "P_u": -0.36602983798650074,
+        "P_v": 13.846241829606216,
+        "omega1": 1.0,
+    }
+    narrow = {"a1": 1.0881782807647401, "a2": 2.1763565615294802, "a3": 2.5390826551177268}
+    narrow |= {
+        "a4": 1.4509043743529879,
+        "P_u": 2.8528788783126706,
+        "P_v": -1782570.0943710102,
+        "omega1": -1.0,
+    }
+
+    def least(neighbours):
+        designs = [constant] * neighbours + [narrow]
+        space = fl.table({name: np.array([one[name] for one in designs]) for name in narrow})
+        return fl.sweep("planar_4r", space, ["P_speed_min"]).P_speed_min.values[-1]
+
+    alone = least(0)
+    np.testing.assert_array_equal(least(40), alone)
+    positions = np.linspace(-np.pi, np.pi, 20001)
+    curve = fl.evaluate("planar_4r", ["P_speed"], branch=2, theta1=positions, **narrow)["P_speed"]
+    assert alone[1] <= np.nanmin(curve)

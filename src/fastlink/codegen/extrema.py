@@ -69,14 +69,15 @@ class _ExtremaWriter(ExtremaSchedule):
             Array("samples", "float64", (samples, LANES)),
             Array("state", "float64", (STATE_ROWS + max(map(len, map(self.item_needs, searches))), LANES)),
             Array("marks", "int8", (samples, LANES)),
-            Array("valleys", "float64", (ITEM_ROWS, room * self.samples + MOST_LANES)),
-            Array("roots", "float64", (ITEM_ROWS, 3 * room * self.samples + MOST_LANES)),
-            Array("unresolved", "float64", (ITEM_ROWS, room * self.samples + MOST_LANES)),
+            # as many for each lane; of a smooth function, which has few, far less
+            Array("valleys", "float64", (ITEM_ROWS, 2 * room * self.samples + MOST_LANES)),
+            Array("roots", "float64", (ITEM_ROWS, 6 * room * self.samples + MOST_LANES)),
+            Array("unresolved", "float64", (ITEM_ROWS, 4 * room * self.samples + MOST_LANES)),
             Array("fine_marks", "int8", (cells.FINE_SAMPLES, LANES)),
             Array("ends", "float64", (ITEM_ROWS, 2 * room + MOST_LANES)),
             Array("flags", "int8", (LANES,)),
             Array("vectors", "int64", (LANES // MOST_LANES,)),
-            Array("counts", "int64", (4,)),
+            Array("counts", "int64", (cells.COUNTS,)),
             Array("best", "float64", (results.BEST_ROWS + 2 * self.program.has_bounds, columns)),
             Array("lists", "float64", (results.LIST_ROWS + self.program.has_bounds, columns, kept)),
         )
@@ -184,8 +185,7 @@ class _ExtremaWriter(ExtremaSchedule):
     def write_search(self, number: int) -> None:
         """Write the search for the cells that hold a zero of one function, their refinement, and the extrema there."""
         text, search = self.text, self.program.searches[number]
-        for kind in (cells.VALLEYS, cells.ROOTS, cells.UNRESOLVED):
-            text.add(f"counts[{kind}] = 0")
+        text.call(cells.nothing_yet, "counts")
         for half in range(self.halves):
             part = f"part_{number}_{half}"
             text.call(sampling.mark_ends, f"w, table, samples, marks, {part}, width")

@@ -15,8 +15,10 @@ __all__ = [
     "MOST_LANES",
     "STATE_ROWS",
     "append_item",
+    "append_of_lane",
     "append_unresolved",
     "gather",
+    "nothing_yet",
     "padded",
     "set_bracket",
 ]
@@ -54,8 +56,9 @@ NUMBER, ONTO, ORDER, PARITY, AT_LIMIT = range(5)
 # continues it beyond both ends, number of the half, -1 where a zero at a sample counts for the cell on its other side
 # (else 1), half the number of cells, the sign with which the half beyond continues the function (1 or -1).
 FIRST, BEYOND, PART, SIGN, CELLS, CONTINUED = range(6)
-# How many designs, valleys, roots and unresolved cells there are at hand.
-DESIGNS, VALLEYS, ROOTS, UNRESOLVED = range(4)
+# How many designs, valleys, roots and unresolved cells there are; then how many each lane has of the last three.
+DESIGNS, VALLEYS, ROOTS, UNRESOLVED, SHARES = range(5)
+COUNTS = SHARES + 3 * LANES
 
 
 @inlined
@@ -83,6 +86,28 @@ def append_item(items: Any, count: int, lane: int, half: int, upper: bool) -> in
     items[HALF, count] = half
     items[UPPER, count] = 1.0 if upper else 0.0
     return count + 1 if count + MOST_LANES <= items.shape[1] else count
+
+
+@merged
+def append_of_lane(items: Any, counts: Any, kind: int, lane: int, half: int, upper: bool) -> None:
+    """Append the item whose bracket is set to a list, unless its design has its share of the list already.
+
+    A function that is constant but for rounding has zeros without end; what other designs find must not depend on them.
+    """
+    count, own = counts[kind], SHARES + (kind - 1) * LANES + lane
+    items[LANE, count] = lane
+    items[HALF, count] = half
+    items[UPPER, count] = 1.0 if upper else 0.0
+    one = 1 if (counts[own] + 1) * LANES <= items.shape[1] else 0
+    counts[own] = counts[own] + one
+    counts[kind] = count + one
+
+
+@outlined
+def nothing_yet(counts: Any) -> None:
+    """Begin the lists of a search: no items of any kind, of no lane."""
+    for k in range(VALLEYS, COUNTS):
+        counts[k] = 0
 
 
 @merged

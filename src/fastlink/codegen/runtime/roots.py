@@ -28,7 +28,7 @@ from fastlink.codegen.runtime.cells import (
     XC,
     F,
     X,
-    append_item,
+    append_of_lane,
     padded,
     set_bracket,
 )
@@ -222,6 +222,6 @@ def split(s: Any, count: int, counts: Any, roots: Any) -> None:
         if (s[F, i] > 0.0) != (s[FC, i] > 0.0) and deep:
             lane, half, upper = int(s[LANE, i]), int(s[HALF, i]), s[UPPER, i] > 0.0
             set_bracket(roots, counts[ROOTS], s[XA, i], s[FA, i], s[X, i], s[F, i])
-            counts[ROOTS] = append_item(roots, counts[ROOTS], lane, half, upper)
+            append_of_lane(roots, counts, ROOTS, lane, half, upper)
             set_bracket(roots, counts[ROOTS], s[X, i], s[F, i], s[XB, i], s[FB, i])
-            counts[ROOTS] = append_item(roots, counts[ROOTS], lane, half, upper)
+            append_of_lane(roots, counts, ROOTS, lane, half, upper)

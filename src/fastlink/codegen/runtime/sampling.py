@@ -24,7 +24,7 @@ from fastlink.codegen.runtime.cells import (
     UNRESOLVED,
     VALLEYS,
     XC,
-    append_item,
+    append_of_lane,
     append_unresolved,
     padded,
     set_bracket,
@@ -174,7 +174,7 @@ def _add_root(samples: Any, part: Any, j: int, lane: int, counts: Any, roots: An
     at, upper = part[FIRST] + j, j >= cells
     a, b = _position(samples, cells, j, upper, lane), _position(samples, cells, j + 1, upper, lane)
     set_bracket(roots, n, a, samples[at, lane], b, samples[at + 1, lane])
-    counts[ROOTS] = append_item(roots, n, lane, part[PART], upper)
+    append_of_lane(roots, counts, ROOTS, lane, part[PART], upper)
 
 
 @merged
@@ -197,7 +197,7 @@ def _add_valley(samples: Any, part: Any, j: int, lane: int, counts: Any, valleys
         set_bracket(valleys, n, a, fa, b, fb)
         valleys[XC, n] = _position(samples, cells, j, upper, lane)
         valleys[FC, n] = middle
-        counts[VALLEYS] = append_item(valleys, n, lane, part[PART], upper)
+        append_of_lane(valleys, counts, VALLEYS, lane, part[PART], upper)
 
 
 @outlined
@@ -267,4 +267,4 @@ def collect_unresolved(samples: Any, marks: Any, part: Any, counts: Any, unresol
                 set_bracket(unresolved, n, a, samples[at, lane], b, samples[at + 1, lane])
                 owner = not _is_unresolved(marks, part, j - 1, lane)
                 append_unresolved(unresolved, n, 1, float(part[SIGN]), owner)
-                counts[UNRESOLVED] = append_item(unresolved, n, lane, part[PART], upper)
+                append_of_lane(unresolved, counts, UNRESOLVED, lane, part[PART], upper)

@@ -32,7 +32,7 @@ from fastlink.codegen.runtime.cells import (
     XC,
     F,
     X,
-    append_item,
+    append_of_lane,
     append_unresolved,
     padded,
     set_bracket,
@@ -213,9 +213,7 @@ def divide(s: Any, count: int, marks: Any, counts: Any, items: Any) -> None:
                 )
                 first = (parts >> (k - 1)) & 1 == 0 and (k > 1 or owner)
                 append_unresolved(items, n, level + 1, 1.0 if s[FC, i] > 0.0 else -1.0, first)
-                counts[UNRESOLVED] = append_item(
-                    items, n, int(s[LANE, i]), int(s[HALF, i]), s[UPPER, i] > 0.0
-                )
+                append_of_lane(items, counts, UNRESOLVED, int(s[LANE, i]), int(s[HALF, i]), s[UPPER, i] > 0.0)
 
 
 @outlined
@@ -241,8 +239,8 @@ def collect_fine(s: Any, count: int, marks: Any, counts: Any, roots: Any, valley
                 set_bracket(valleys, n, s[at - a, i], s[f - a, i], s[at + b, i], s[f + b, i])
                 valleys[XC, n] = s[at, i]
                 valleys[FC, n] = s[f, i]
-                counts[VALLEYS] = append_item(valleys, n, lane, half, upper)
+                append_of_lane(valleys, counts, VALLEYS, lane, half, upper)
             if k <= PARTS and (parts >> k) & 1 == 0 and marks[k, i] & ROOT != 0:
                 n = counts[ROOTS]
                 set_bracket(roots, n, s[at, i], s[f, i], s[at + 1, i], s[f + 1, i])
-                counts[ROOTS] = append_item(roots, n, lane, half, upper)
+                append_of_lane(roots, counts, ROOTS, lane, half, upper)

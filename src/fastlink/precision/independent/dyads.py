@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from fastlink.precision.independent.four_bar import angle_between, polygon
-from fastlink.precision.independent.series import Open, Series, Singular, rotation, solved
+from fastlink.precision.independent.series import Open, Series, Singular, rotation, solved, unit_vector
 
 __all__ = ["Position", "argument", "between_rockers", "by_F", "closing", "coordinates", "points"]
 
@@ -77,7 +77,7 @@ def by_F(
     if abs(cosine) > 1:
         raise Open("the dyad MPF does not reach F")
     omega = ctx.atan2(omega_sign * ctx.sqrt((1 - cosine) * (1 + cosine)), cosine)
-    seen = m - p * ctx.mpc(ctx.cos(omega), ctx.sin(omega))
+    seen = m - p * unit_vector(ctx, omega)
 
     def dyad(unknown: list[Series], drive: Series) -> list[Series]:
         missed = rotation(ctx, unknown[0]) * (m - p * rotation(ctx, unknown[1])) - joint_F(drive)

@@ -31,24 +31,27 @@ DESIGN = ("lambda_", "m", "n", "p", "q", "r", "FT", "s", "S_x", "T_ratio", "line
 def design(ctx: Any, at: Mapping[str, Any], values: dict[str, Any]) -> None:
     """Add the bars of a design, by Newton's iteration on eq. (2.5)."""
     a, b, c, d = (at[name] for name in "abcd")
-    rho, factor = at.get("rho"), at.get("lambda_")
+    rho: Any = at.get("rho")
+    factor: Any = at.get("lambda_")
     squares = a * a + b * b + d * d - c * c
     # the quadratic equation that section 6 speaks of, for lambda or for rho; the first completion is the greater root
     if factor is None:
-        rho = at["s"] / (d - at["s"]) if "s" in at else at["rho"]
-        if rho == 0 or rho == -1:
-            raise Singular("S is M, or at infinity")
-        values["T_ratio"] = rho / (1 + rho)
-        values["s"] = values["S_x"] = d * rho / (1 + rho)
-        if 2 * max(a, b, c, d) > a + b + c + d:
-            raise Open("the four-bar never assembles")
+        share = at["s"] / d if "s" in at else rho / (1 + rho) if rho != -1 else None
+        if share is not None:
+            values["T_ratio"], values["s"], values["S_x"] = share, share * d, share * d
+        if rho == 0 or share == 0 or share == 1:
+            raise Singular("S is M or N")
+        if "s" in at:
+            rho = at["s"] / (d - at["s"])
+        _assembled(a, b, c, d)
         sides = rho * b * b + a * a / rho
         roots = _roots(ctx, d * d, -(squares + sides), a * a + b * b + sides)
-        factor = sorted(roots, key=lambda root: -abs(root - 1))[int(at["completion"]) - 1]
+        factor = sorted(roots, key=lambda root: -abs(root - 1))[at["completion"] - 1]
     else:
+        _assembled(a, b, c, d)
         none, one = a * a * (1 - factor), d * d * factor * factor - squares * factor + a * a + b * b
         roots = _roots(ctx, b * b * (1 - factor), one, none)
-        rho = sorted(roots, key=lambda root: -abs(root))[int(at["completion"]) - 1]
+        rho = sorted(roots, key=lambda root: -abs(root))[at["completion"] - 1]
     if factor == 0 or factor == 1 or rho == 0:
         raise Singular("a bar has no length, or no end")
     square = (factor - 1) * a * a / (factor * factor * rho)
@@ -75,6 +78,12 @@ def design(ctx: Any, at: Mapping[str, Any], values: dict[str, Any]) -> None:
     values["r"] = _radius(ctx, m, n, p, q, d)
     # section 3: fixed AB makes it the five-bar BQFPA
     values["FT"] = _radius(ctx, p * q / m, p * q / n, q, p, c)
+
+
+def _assembled(a: Any, b: Any, c: Any, d: Any) -> None:
+    """Raise where one link of the four-bar is longer than the other three together."""
+    if 2 * max(a, b, c, d) > a + b + c + d:
+        raise Open("the four-bar never assembles")
 
 
 def _roots(ctx: Any, two: Any, one: Any, none: Any) -> tuple[Any, Any]:
@@ -144,7 +153,7 @@ def _by_crank(
         return from_M
 
     values |= coordinates({"F": joint_F(drive)})
-    found, angles = by_F(ctx, bars, joint_F, drive, 1 if int(bars["branch"]) == 1 else -1)
+    found, angles = by_F(ctx, bars, joint_F, drive, 1 if bars["branch"] == 1 else -1)
     return found, dict(zip(("phi", "psi"), angles, strict=True))
 
 
@@ -161,7 +170,7 @@ def _by_rocker(
         values |= coordinates({"P": bars["m"] * u})
     except (Open, Singular) as error:
         completed = error
-    psi = between_rockers(ctx, (d, a, c, b), drive, int(at["branch"]))
+    psi = between_rockers(ctx, (d, a, c, b), drive, at["branch"])
     v = rotation(ctx, psi)
     places = {"B": b * v + d}
     if "T_ratio" in bars:
@@ -169,9 +178,10 @@ def _by_rocker(
     values |= coordinates(places)
     _add_angles(ctx, at, {"psi": psi}, "phi", values)
     if completed is not None:
-        if "rho" in at or "s" in at:
-            # PF and QF are parallel to MA and NB turned by omega, whatever their lengths
-            ahead = -1 if (at["rho"] if "rho" in at else at["s"] / (d - at["s"])) < 0 else 1
+        # PF and QF are parallel to MA and NB turned by omega, whatever their lengths
+        sign = at["rho"] if "rho" in at else at["s"] * (d - at["s"]) if "s" in at else at["lambda_"] - 1
+        if sign != 0:
+            ahead = -1 if sign < 0 else 1
             values["transmission_angle_F"] = abs(angle_between(ctx, ahead * u.terms[0], -v.terms[0]))
         raise completed
     return closing(bars, u, v), {"psi": psi}

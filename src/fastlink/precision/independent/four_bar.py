@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from fastlink.precision.independent.series import Open, Series, Singular, rotation, solved
+from fastlink.precision.independent.series import Open, Series, Singular, rotation, solved, unit_vector
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -58,7 +58,7 @@ def polygon(ctx: Any, lengths: Sequence[Any], turn: Series, branch: int) -> list
         1 where the angle from the third link to the fourth is between 0 and pi, 2 where it is between -pi and 0.
     """
     first, second, third, fourth = lengths
-    to_start = -(first + second * ctx.mpc(ctx.cos(turn.terms[0]), ctx.sin(turn.terms[0])))
+    to_start = -(first + second * unit_vector(ctx, turn.terms[0]))
     apex = corner(ctx, to_start, third, fourth, -1 if branch == 1 else 1)
     last = to_start - apex
     start = [ctx.atan2(one.imag, one.real) for one in (apex, last)]
@@ -73,7 +73,8 @@ def polygon(ctx: Any, lengths: Sequence[Any], turn: Series, branch: int) -> list
 
 def wrapped(ctx: Any, angle: Any) -> Any:
     """Return an angle within (-pi, pi]."""
-    return ctx.atan2(ctx.sin(angle), ctx.cos(angle))
+    cosine, sine = ctx.cos_sin(angle)
+    return ctx.atan2(sine, cosine)
 
 
 def angle_between(ctx: Any, one: Any, other: Any) -> Any:

@@ -7,7 +7,7 @@ from typing import Any
 
 from fastlink.precision.independent.dyads import between_rockers, by_F, closing, coordinates, points
 from fastlink.precision.independent.four_bar import wrapped
-from fastlink.precision.independent.series import Open, Series, rotation
+from fastlink.precision.independent.series import Open, Series, Singular, rotation, unit_vector
 
 __all__ = ["BY_LINE", "BY_ROCKER", "DESIGN", "configuration", "design"]
 
@@ -23,6 +23,8 @@ def design(ctx: Any, at: Mapping[str, Any], values: dict[str, Any]) -> None:
     """Add the bars of a design, and of one that assembles its line, and how much of it F traces."""
     m, n, d, kappa = (at[name] for name in ("m", "n", "d", "kappa"))
     ratio = 1 - kappa * kappa
+    if kappa == 0 or ratio == 0:
+        raise Singular("bars have no length")
     values |= {
         "p": kappa * n,
         "q": -kappa * m,
@@ -59,8 +61,15 @@ def configuration(ctx: Any, at: Mapping[str, Any], by_line: bool, order: int, va
         Receives the quantities, first those that do not ask whether the loop closes.
     """
     bars = dict(at)
-    design(ctx, at, bars)
-    ratio, branch = bars["lambda_"], int(at["branch"])
+    try:
+        design(ctx, at, bars)
+    finally:
+        if "a" in bars and not by_line:
+            along_MA = unit_vector(ctx, at["phi"])
+            reach = bars["m"] if bars["a"] > 0 else -bars["m"]
+            places = {"A": abs(bars["a"]) * along_MA, "P": reach * along_MA}
+            values |= coordinates({name: Series((place,)) for name, place in places.items()})
+    ratio, branch = bars["lambda_"], at["branch"]
     drive = Series((at["F_y" if by_line else "phi"], *([ctx.mpf(1)][:order])))
     if by_line:
 

@@ -121,7 +121,7 @@ def _root(ctx: Any, at: Mapping[str, Any], p: Any) -> Any:
     square = B * B + C * C - A * A
     if square < 0:
         raise Open("no root of eq. (3) is real")
-    sign = 1 if int(at["branch"]) == 1 else -1
+    sign = 1 if at["branch"] == 1 else -1
     top, below = -B + sign * ctx.sqrt(square), A + C
     if below == top:
         raise Singular("psi is infinite")

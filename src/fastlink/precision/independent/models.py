@@ -19,6 +19,9 @@ __all__ = ["Model", "model_of"]
 TURNING: tuple[str, ...] = ("theta2", "theta4", "psi", "phi", "sigma", "omega_angle", "alpha", "beta", "chi")
 TURNING += tuple(f"joint_angle_{i}" for i in (1, 2, 3, 4))
 
+#: Modes, which are no numbers.
+CODES = ("branch", "completion")
+
 
 @dataclass(frozen=True)
 class Model:
@@ -64,7 +67,7 @@ class Model:
         names : iterable of str
             Quantities that the model covers.
         """
-        given = {name: ctx.mpf(value) for name, value in at.items()}
+        given = {name: int(value) if name in CODES else ctx.mpf(value) for name, value in at.items()}
         moving = [name for name in names if name in self.orders]
         fixed = [name for name in names if name in self.of_design]
         found: dict[str, Any] = {}

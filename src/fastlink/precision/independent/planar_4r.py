@@ -9,7 +9,7 @@ from typing import Any
 
 from fastlink.precision.independent.bodies import Link, bar_data, cross, reactions
 from fastlink.precision.independent.four_bar import polygon, triangle_angle, wrapped
-from fastlink.precision.independent.series import Open, Series, rotation
+from fastlink.precision.independent.series import Open, Series, rotation, unit_vector
 
 __all__ = ["DESIGN", "FIXED_FRAME", "JOINTS", "design", "fixed_frame", "joints"]
 
@@ -52,7 +52,7 @@ def joints(ctx: Any, at: Mapping[str, Any], joint: int, order: int, values: dict
     _add_joint(ctx, values, joint, at[f"joint_angle_{joint}"])
     number = [(joint - 2 + k) % 4 for k in range(4)]  # of the links from 0: the one before the joint first
     drive = Series((at[f"joint_angle_{joint}"], *([ctx.mpf(1), *[ctx.mpf(0)] * 3][:order])))
-    found = polygon(ctx, [at[f"a{k + 1}"] for k in number], drive, int(at["branch"]))
+    found = polygon(ctx, [at[f"a{k + 1}"] for k in number], drive, at["branch"])
     directions = [found[number.index(k)] for k in range(4)]
     directions = [one - directions[3] + ctx.pi for one in directions]
     rate, acceleration = at.get(f"joint_omega_{joint}"), at.get(f"joint_alpha_{joint}", ctx.mpf(0))
@@ -74,9 +74,10 @@ RATES = ("omega", "alpha")
 
 def _add_joint(ctx: Any, values: dict[str, Any], joint: int, angle: Any) -> None:
     """Add the angle of a joint, and the tangent of its half."""
-    values[f"joint_angle_{joint}"] = wrapped(ctx, angle)
-    if ctx.cos(angle / 2) != 0:
-        values[f"v{joint}"] = ctx.tan(angle / 2)
+    cosine, sine = ctx.cos_sin(angle)
+    values[f"joint_angle_{joint}"] = ctx.atan2(sine, cosine)
+    if cosine > 0 or sine != 0:
+        values[f"v{joint}"] = sine / (1 + cosine) if cosine > 0 else (1 - cosine) / sine
 
 
 def fixed_frame(ctx: Any, at: Mapping[str, Any], order: int, forces: bool, values: dict[str, Any]) -> None:
@@ -145,11 +146,11 @@ def _forces(
         points = [(mass, local)]
         if f"counterweight{i}_mass" in at:
             turn = at.get(f"counterweight{i}_direction", ctx.mpf(math.pi))
-            arm = at[f"counterweight{i}_radius"] * ctx.mpc(ctx.cos(turn), ctx.sin(turn))
+            arm = at[f"counterweight{i}_radius"] * unit_vector(ctx, turn)
             points.append((at[f"counterweight{i}_mass"], arm))
         curves = [(mass, (origin + arm * direction).at_speed(*speed)) for mass, arm in points]
         whole = sum(mass for mass, _ in curves)
-        centre = origin.terms[0]
+        centre = curves[0][1].terms[0] if len(curves) == 1 else origin.terms[0]
         if whole != 0:
             centre = sum(mass * curve.terms[0] for mass, curve in curves) / whole
         links.append(Link(curves, inertia * alpha, centre, ends[i - 1], torque=8 if i == 1 else None))

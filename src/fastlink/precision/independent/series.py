@@ -1,7 +1,7 @@
 """Truncated power series of the drive, and Newton's iteration on equations between them.
 
 Numbers are those of a context, `MPContext` of mpmath or one with the same functions: real and complex numbers, `mpf`,
-`mpc`, `sqrt`, `cos`, `sin`, `exp`, `atan2`. Derivatives follow from the equations themselves: no formula of a rate
+`mpc`, `sqrt`, `cos_sin`, `exp`, `atan2`. Derivatives follow from the equations themselves: no formula of a rate
 stands anywhere.
 """
 
@@ -14,7 +14,17 @@ from typing import Any
 
 from mpmath import MPContext
 
-__all__ = ["Open", "Series", "Singular", "context", "exponential", "linear_solution", "rotation", "solved"]
+__all__ = [
+    "Open",
+    "Series",
+    "Singular",
+    "context",
+    "exponential",
+    "linear_solution",
+    "rotation",
+    "solved",
+    "unit_vector",
+]
 
 MOST_STEPS = 12
 
@@ -60,13 +70,13 @@ class Series:
 
     def __add__(self, other: Any) -> Series:
         if isinstance(other, Series):
-            return Series(a + b for a, b in zip(self.terms, other.terms, strict=False))
+            return Series([a + b for a, b in zip(self.terms, other.terms, strict=False)])
         return Series((self.terms[0] + other, *self.terms[1:]))
 
     __radd__ = __add__
 
     def __neg__(self) -> Series:
-        return Series(-term for term in self.terms)
+        return Series([-term for term in self.terms])
 
     def __sub__(self, other: Any) -> Series:
         return self.__add__(-other)
@@ -76,9 +86,9 @@ class Series:
 
     def __mul__(self, other: Any) -> Series:
         if not isinstance(other, Series):
-            return Series(term * other for term in self.terms)
+            return Series([term * other for term in self.terms])
         count = min(len(self.terms), len(other.terms))
-        return Series(_convolved(self.terms, other.terms, k) for k in range(count))
+        return Series([_convolved(self.terms, other.terms, k) for k in range(count)])
 
     __rmul__ = __mul__
 
@@ -136,8 +146,12 @@ def exponential(ctx: Any, exponent: Series) -> Series:
 
 def rotation(ctx: Any, angle: Series) -> Series:
     """Return the direction e^(i x) of a series x, a complex number of size 1."""
-    first = ctx.mpc(ctx.cos(angle.terms[0]), ctx.sin(angle.terms[0]))
-    return _exponential(first, angle * ctx.mpc(0, 1))
+    return _exponential(unit_vector(ctx, angle.terms[0]), angle * ctx.mpc(0, 1))
+
+
+def unit_vector(ctx: Any, angle: Any) -> Any:
+    """Return the complex number of size 1 of an angle."""
+    return ctx.mpc(*ctx.cos_sin(angle))
 
 
 def linear_solution(rows: Sequence[Sequence[Any]]) -> list[Any]:

@@ -44,7 +44,7 @@ def configuration(ctx: Any, at: Mapping[str, Any], order: int, forces: bool, val
     rise = e - r * ctx.sin(drive.terms[0])
     if abs(rise) > l:
         raise Open("the rod does not reach the line of the slider")
-    along = ctx.sqrt((l - rise) * (l + rise)) * (1 if int(at["branch"]) == 1 else -1)
+    along = ctx.sqrt((l - rise) * (l + rise)) * (1 if at["branch"] == 1 else -1)
     offset = ctx.mpc(0, e)
 
     def closure(unknown: list[Series], drive: Series) -> list[Series]:
