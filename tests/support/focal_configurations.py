@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+import fastlink as fl
 from fastlink.mechanisms import catalogue
 from fastlink.precision.reference import CONTEXT as MP
 from fastlink.precision.reference import HighPrecision
@@ -89,3 +90,58 @@ def family(drive, kind, rng, n):
     if name == "scale":
         designs |= {length: designs[length] * float(size) for length in LENGTHS}
     return designs | {drive: angles}
+
+
+# -- unlike numbers -----------------------------------------------------------------------------------------------
+
+#: rho from 1e-10 to 1e10 and lambda next to 1 or 0 (where one bar, or the other, is 1e-10 of its neighbours), two bars
+#: or one bar down to 1e-8 of the others.
+UNLIKE = (
+    "rho",
+    "lambda next to 0",
+    "two short",
+    "two short, rho",
+    "two short, lambda next to 0",
+    "one short, rho",
+)
+
+
+def short_bars(rng, n, of):
+    """Return lengths that assemble, one or two of them down to 1e-8 of the others."""
+    lengths = np.empty((4, n))
+    for i in range(n):
+        bars = rng.permutation(4)
+        size = 10.0 ** rng.uniform(-8.0, 0.0)
+        if of == "two":
+            short = rng.uniform(0.3, 2.0, 2) * size
+            long = rng.uniform(0.5, 2.0)
+            values = (*short, long, abs(long + short.sum() * rng.uniform(-0.95, 0.95)))
+        else:
+            one, two = rng.uniform(0.5, 1.5, 2)
+            values = (one * size, one, two, abs(one - two) + 2.0 * min(one, two) * rng.uniform(0.05, 0.95))
+        lengths[bars, i] = values
+    return dict(zip(LENGTHS, lengths, strict=True))
+
+
+def unlike(drive, kind, rng, n):
+    """Return configurations of designs with unlike numbers, within reach of the crank and of the rockers."""
+    of, _, ratio = kind.rpartition(", ") if "," in kind else ("", "", kind)
+    designs = random_designs(rng, n)
+    if kind.startswith(("two", "one")):
+        designs |= short_bars(rng, n, kind[:3])
+        ratio = ratio if of else ""
+    signs = rng.choice([-1.0, 1.0], n)
+    if ratio == "rho":
+        designs["rho"] = signs * 10.0 ** rng.uniform(-10.0, 10.0, n)
+    if ratio == "lambda next to 0":
+        off = 1.0 + signs * 10.0 ** rng.uniform(-12.0, -1.0, n)
+        designs["rho"] = -((designs["a"] / designs["b"]) ** 2) * off
+    ends = [fl.evaluate("focal", [end], phi=0.0, **designs)[end] for end in ("phi_low", "phi_high")]
+    angles = ends[0] + rng.uniform(0.02, 0.98, n) * (ends[1] - ends[0])
+    designs["phi"] = rng.choice([-1.0, 1.0], n) * angles
+    designs = {name: values[np.isfinite(angles)] for name, values in designs.items()}
+    if drive == "phi":
+        return designs
+    sigma = fl.evaluate("focal", ["sigma"], **designs)["sigma"]
+    designs = {name: values[np.isfinite(sigma)] for name, values in designs.items() if name != "phi"}
+    return designs | {"sigma": sigma[np.isfinite(sigma)]}

@@ -21,8 +21,8 @@ by_crank = ByOtherInput(
     focal,
     f"{focal.title}, driven by the crank SF",
     branches={
-        1: "omega_angle from 0 to pi: P to the right of the directed line from M to F",
-        2: "omega_angle from -pi to 0: P to the left of the directed line from M to F",
+        1: "omega_angle from 0 to pi: P to the left of the directed line from M to F where m p > 0",
+        2: "omega_angle from -pi to 0: P to the right of the directed line from M to F where m p > 0",
     },
     position=Input("sigma", "rad", "sigma", "direction of SF in the ground frame"),
     instead=("dphi_dsigma",),

@@ -34,8 +34,37 @@ def declare_products(catalogue: Catalogue, w: str) -> None:
         step.vector(turned, f"{made}_*", f"{made}_*", f"Product of the directions {one} and {two}", **parts)
 
 
-step = steps(units="1", source=POSITION)
-step(total, "QP_x", "x", "Vector from P to Q over c, times lambda, x", x="e_x", y="t")
+
+@focal.quantity(units="1", symbol="lambda < 1/2", source=POSITION, internal=True)
+def far_P(x: Any) -> Any:
+    """1 where P and Q are farther from M and N than A and B are, or beyond them, else 0."""
+    return select(x < -0.5, 1.0, 0.0)
+
+
+@focal.quantity(units="1", symbol="t", source=POSITION, internal=True)
+def QP_start(far_P: Any, t: Any, lambda_: Any, s_d: Any, s_c: Any) -> Any:
+    """(lambda - 1) d/c, or where P is far away lambda d/c."""
+    return select(far_P == 1.0, lambda_ * (s_d / s_c), t)
+
+
+@focal.quantity(units="1", symbol="b/c", source=POSITION, internal=True)
+def QP_v(far_P: Any, s_b: Any, s_c: Any) -> Any:
+    """Ratio b/c where P is far away, else 0."""
+    return far_P * (s_b / s_c)
+
+
+@focal.quantity(units="1", symbol="a/c", source=POSITION, internal=True)
+def QP_u(far_P: Any, s_a: Any, s_c: Any) -> Any:
+    """Ratio a/c where P is far away, else 0."""
+    return far_P * (s_a / s_c)
+
+
+@either(units="1", symbol="x", source=POSITION, internal=True)
+def QP_x(far_P: Any, e_x: Any, QP_start: Any, QP_v: Any, v_x: Any, QP_u: Any, u_x: Any) -> Any:
+    """Vector from P to Q over c, times lambda, x: by way of A and B, or where P is far away by M and N."""
+    # c e + (lambda - 1) d, where c e = d + b v - a u may nearly be d
+    return (1.0 - far_P) * e_x + (QP_start + (QP_v * v_x - QP_u * u_x))
+
 
 # -- joints -----------------------------------------------------------------------------------------------------
 

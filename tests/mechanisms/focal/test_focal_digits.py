@@ -1,0 +1,59 @@
+"""No digits are lost, however unlike the lengths and however far rho from 1: against circles alone, with 120 digits."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from tests.support import focal_geometry as geometry
+from tests.support.focal_configurations import DRIVES, LENGTHS, UNLIKE, rows, unlike
+
+import fastlink as fl
+from fastlink.numerics.compensated import UNIT_ROUNDING
+
+#: The longest chain from the inputs to a quantity has some 60 operations that do not cancel, of one rounding each.
+#: Left out is what is only a multiple (rates by time).
+ROUNDINGS = 64
+
+
+def lost(drive, inputs):
+    """Return by name the errors that are too great, in roundings of the value and of the inputs."""
+    exact = geometry.at(inputs, drive)
+    found = fl.evaluate("focal", tuple(exact), input=drive, **inputs)
+    sizes, units = {}, {name: abs(value) for name, value in exact.items()}
+    for name, value in exact.items():
+        error = geometry.MP.mpf(float(found[name])) - value
+        sizes[name] = abs(geometry.turned(error) if name in geometry.ANGLES else error) / UNIT_ROUNDING
+    for moved in (drive, "rho", *LENGTHS):
+        beyond = [name for name in exact if not sizes[name] <= ROUNDINGS * units[name]]
+        if not beyond:
+            return {}
+        for name, change in geometry.changes(inputs, drive, exact, moved, beyond).items():
+            units[name] += change
+    return {
+        name: float(sizes[name] / units[name]) for name in exact if not sizes[name] <= ROUNDINGS * units[name]
+    }
+
+
+def assert_digits_are_kept(drive, kind, n, seed):
+    """Assert the rule for n configurations at most; return how many there are."""
+    held = 0
+    for inputs in rows(unlike(drive, kind, np.random.default_rng(seed), n)):
+        try:
+            assert lost(drive, inputs) == {}, inputs
+        except geometry.DoesNotCloseError:
+            continue
+        held += 1
+    return held
+
+
+@pytest.mark.parametrize("kind", UNLIKE)
+@pytest.mark.parametrize("drive", DRIVES)
+def test_no_quantity_loses_digits(drive, kind):
+    assert assert_digits_are_kept(drive, kind, 20, 3) > 8
+
+
+@pytest.mark.stress
+@pytest.mark.parametrize("kind", UNLIKE)
+@pytest.mark.parametrize("drive", DRIVES)
+def test_no_quantity_loses_digits_in_many_configurations(drive, kind):
+    assert assert_digits_are_kept(drive, kind, 1000, 4) > 400
