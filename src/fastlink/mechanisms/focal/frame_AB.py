@@ -4,7 +4,8 @@ With the directions u, v, e, g of `points` M is -a u/e there, and T = AT. F hang
 
     F = AT -+ FT g = -((lambda - 1) m + p w) u/e,    - where rho is positive,
 
-of which the way with the shorter bars is taken: T is far away where rho nears -1, P where lambda nears 0.
+and alike from B by way of T and of Q. Of these the way with the shortest bars is taken: T is far away where rho
+nears -1, P and Q where lambda nears 0, and F may be next to A (rho near 0) or B (rho large).
 """
 
 from __future__ import annotations
@@ -12,8 +13,10 @@ from __future__ import annotations
 from typing import Any
 
 from fastlink.mechanisms._shared.frame import ACROSS, ALONG, M_across, M_along, across, along
-from fastlink.mechanisms.focal.by_crank import by_crank, quantities
+from fastlink.mechanisms._shared.laws import product
+from fastlink.mechanisms.focal.by_crank import quantities, steps
 from fastlink.mechanisms.focal.inputs import WUNDERLICH, focal
+from fastlink.mechanisms.focal.joint_F import of_nearer, unless, where, whether_nearer
 from fastlink.numerics.elementary import NOT_A_NUMBER, select
 
 HELD = f"{WUNDERLICH}, sections 3 and 7"
@@ -25,95 +28,91 @@ for _joint, _place in (("N", "d"), ("S", "S_x")):
     seen(along, f"{_joint}_along_AB", f"{_joint}_AB", ALONG.format(_joint), place=_place)
     seen(across, f"{_joint}_across_AB", f"{_joint}_AB", ACROSS.format(_joint), place=_place)
 
-# -- F ---------------------------------------------------------------------------------------------------------------
+# -- F: from A by way of P or T, or from B by way of Q or T, whichever is shortest -----------------------------------
 
 
-@focal.quantity(units="1", symbol="AP", source=HELD, internal=True)
-def s_AP(x: Any, s_m: Any) -> Any:
-    """Scaled length AP along MA."""
-    return x * s_m
-
-
-@focal.quantity(units="1", symbol="AT", source=HELD, internal=True)
-def s_AT(T_share: Any, s_c: Any) -> Any:
-    """Scaled distance of T from A along AB."""
-    return T_share * s_c
-
-
-@focal.quantity(units="1", symbol="|AT| + FT < |AP|, |p|", source=HELD, internal=True)
-def near_T(s_AT: Any, s_FT: Any, s_AP: Any, s_p: Any) -> Any:
-    """1 where T is nearer to A and F than P is, else 0."""
-    reach = abs(s_AT) + s_FT
-    return select((reach < abs(s_AP)) & (reach < abs(s_p)), 1.0, 0.0)
-
-
-def of_T(near_T: Any, length: Any) -> Any:
-    """A length where F is computed from T, else 0."""
-    return select(near_T == 1.0, length, 0.0)
-
-
-def of_P(near_T: Any, length: Any) -> Any:
-    """A length where F is computed from P, else 0."""
-    return select(near_T == 1.0, 0.0, length)
-
-
-def of_T_with_sign(near_T: Any, ratio_sign: Any, s_FT: Any) -> Any:
-    """FT with the sign of rho where F is computed from T, else 0."""
-    return select(near_T == 1.0, ratio_sign * s_FT, 0.0)
+@focal.quantity(units="1", symbol="TB", source=HELD, internal=True)
+def s_TB(s_c: Any, rho_plus_1: Any) -> Any:
+    """Scaled distance of B from T along AB."""
+    return s_c / rho_plus_1
 
 
 step = focal.steps(units="1", source=HELD)
-step(of_T, "held_AT", "AT", length="s_AT")
-step(of_T_with_sign, "held_FT", "FT")
-step(of_P, "held_AP", "AP", length="s_AP")
-step(of_P, "held_p", "p", length="s_p")
+step(product, "s_AP", "AP", "Scaled length from P to A along MA", x="x", y="s_m")
+step(product, "s_BQ", "BQ", "Scaled length from Q to B along NB", x="x", y="s_n")
+step(product, "s_AT", "AT", "Scaled distance of T from A along AB", x="T_share", y="s_c")
+_NEAR = "1 where T is nearer to {0} and F than {1} is, else 0"
+_A, _B = "|AT| + FT < |AP|, |p|", "|TB| + FT < |BQ|, q"
+step(whether_nearer, "near_T", _A, _NEAR.format("A", "P"), one="s_AT", two="s_FT", far="s_AP", other="s_p")
+step(whether_nearer, "near_T_B", _B, _NEAR.format("B", "Q"), one="s_TB", two="s_FT", far="s_BQ", other="s_q")
 
 
-def bars(held_AP: Any, u: Any, held_p: Any, f: Any) -> Any:
-    """Return a component of the vector from F to A by way of P."""
-    return held_AP * u + held_p * f
+@focal.quantity(units="1", symbol="FT", source=HELD, internal=True)
+def FT_of_sign(ratio_sign: Any, s_FT: Any) -> Any:
+    """Scaled length FT with the sign of rho."""
+    return ratio_sign * s_FT
+
+
+by_T, by_T_B = {"way": "near_T"}, {"way": "near_T_B"}
+step(where, "held_AT", "AT", length="s_AT", **by_T)
+step(where, "held_FT", "FT", length="FT_of_sign", **by_T)
+step(unless, "held_AP", "AP", length="s_AP", **by_T)
+step(unless, "held_p", "p", length="s_p", **by_T)
+step(where, "held_TB", "TB", length="s_TB", **by_T_B)
+step(where, "held_FT_B", "FT", length="FT_of_sign", **by_T_B)
+step(unless, "held_BQ", "BQ", length="s_BQ", **by_T_B)
+step(unless, "held_q", "q", length="s_q", **by_T_B)
+
+
+@focal.quantity(units="1", symbol="BF < AF", source=HELD, internal=True)
+def held_by_B(
+    held_AT: Any, held_FT: Any, held_AP: Any, held_p: Any, held_TB: Any, held_FT_B: Any, held_BQ: Any,
+    held_q: Any,
+) -> Any:  # fmt: skip
+    """1 where the way from B to F is shorter than that from A, else 0."""
+    from_A = (abs(held_AT) + abs(held_FT)) + (abs(held_AP) + abs(held_p))
+    from_B = (abs(held_TB) + abs(held_FT_B)) + (abs(held_BQ) + held_q)
+    return select(from_B < from_A, 1.0, 0.0)
+
+
+def start_along(held_by_B: Any, held_AT: Any, held_TB: Any, s_c: Any) -> Any:
+    """Where the way to F begins along AB: A or B, or T."""
+    return select(held_by_B == 1.0, s_c - held_TB, held_AT)
+
+
+in_hand = {"way": "held_by_B"}
+step(start_along, "held_start", "AT")
+step(of_nearer, "seen_FT", "FT", near_N="held_by_B", from_M="held_FT", from_N="held_FT_B")
+step(unless, "seen_AP", "AP", length="held_AP", **in_hand)
+step(unless, "seen_p", "p", length="held_p", **in_hand)
+step(where, "seen_BQ", "BQ", length="held_BQ", **in_hand)
+step(where, "seen_q", "q", length="held_q", **in_hand)
+
+
+def bars(seen_AP: Any, u: Any, seen_p: Any, f: Any, seen_BQ: Any, v: Any, seen_q: Any, h: Any) -> Any:
+    """Return a component of the vector from F to A by way of P, or to B by way of Q."""
+    return (seen_AP * u + seen_p * f) + (seen_BQ * v - seen_q * h)
 
 
 def F_seen_along(
-    held_AT: Any, held_FT: Any, g_x: Any, FA_by_P_x: Any, FA_by_P_y: Any, e_x: Any, e_y: Any, scale: Any
-) -> Any:  # fmt: skip
+    held_start: Any, seen_FT: Any, g_x: Any, F_back_x: Any, F_back_y: Any, e_x: Any, e_y: Any, scale: Any
+) -> Any:
     """Return how far F is along AB from A."""
-    return scale * ((held_AT - held_FT * g_x) - (FA_by_P_x * e_x + FA_by_P_y * e_y))
+    return scale * ((held_start - seen_FT * g_x) - (F_back_x * e_x + F_back_y * e_y))
 
 
 def F_seen_across(
-    held_FT: Any, g_y: Any, FA_by_P_x: Any, FA_by_P_y: Any, e_x: Any, e_y: Any, scale: Any
-) -> Any:  # fmt: skip
+    seen_FT: Any, g_y: Any, F_back_x: Any, F_back_y: Any, e_x: Any, e_y: Any, scale: Any
+) -> Any:
     """Return how far F is to the left of AB."""
-    return scale * ((FA_by_P_x * e_y - FA_by_P_y * e_x) - held_FT * g_y)
+    return scale * ((F_back_x * e_y - F_back_y * e_x) - seen_FT * g_y)
 
 
-step.vector(bars, "FA_by_P_*", "FA", "Vector from F to A by way of P, scaled", u="u_*", f="f_*")
-F_AB = ALONG.format("F"), ACROSS.format("F")
-seen = focal.quantities(units="m", source=HELD)
-seen(F_seen_along, "F_along_AB", "F_AB", F_AB[0])
-seen(F_seen_across, "F_across_AB", "F_AB", F_AB[1])
-
-
-@focal.quantity(units="m", symbol="p/n", source=HELD, internal=True)
-def lever_AN(P_sign: Any, crank_sign: Any, root_rho: Any, root_x: Any, scale: Any) -> Any:
-    """FA over FN, with the sign of both mirrors, times the unit of length."""
-    return P_sign * crank_sign * (root_rho * root_x) * scale
-
-
-def F_mirrored_along(lever_AN: Any, g_x: Any, g_y: Any, NF_x: Any, MF_y: Any) -> Any:
-    """Return how far F is along AB from A, as the triangles NQF and FPA are similar."""
-    return lever_AN * (g_x * NF_x + g_y * MF_y)
-
-
-def F_mirrored_across(lever_AN: Any, g_x: Any, g_y: Any, NF_x: Any, MF_y: Any) -> Any:
-    """Return how far F is to the left of AB, by the same similarity."""
-    return lever_AN * (g_y * NF_x - g_x * MF_y)
-
-
-seen = by_crank.quantities(units="m", source=HELD)
-seen(F_mirrored_along, "F_along_AB", "F_AB", F_AB[0])
-seen(F_mirrored_across, "F_across_AB", "F_AB", F_AB[1])
+step = steps(units="1", source=HELD)
+step.vector(bars, "F_back_*", "FA", "Vector from F to A or B, scaled", u="u_*", f="f_*", v="v_*", h="h_*")
+seen = quantities(units="m", source=HELD)
+seen(F_seen_along, "F_along_AB", "F_AB", ALONG.format("F"))
+seen(F_seen_across, "F_across_AB", "F_AB", ACROSS.format("F"))
 
 
 @focal.quantity(units="m", symbol="x_AB", source=f"{WUNDERLICH}, section 7")

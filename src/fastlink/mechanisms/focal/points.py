@@ -34,7 +34,6 @@ def declare_products(catalogue: Catalogue, w: str) -> None:
         step.vector(turned, f"{made}_*", f"{made}_*", f"Product of the directions {one} and {two}", **parts)
 
 
-
 @focal.quantity(units="1", symbol="lambda < 1/2", source=POSITION, internal=True)
 def far_P(x: Any) -> Any:
     """1 where P and Q are farther from M and N than A and B are, or beyond them, else 0."""
