@@ -12,7 +12,7 @@ from numpy.testing import assert_array_equal
 from tests.support.refusals import refused
 
 import fastlink as fl
-from fastlink.io.writer import Writer
+from fastlink.io.writing.writer import Writer
 from fastlink.report.summary import contents
 
 FIXED = {"a1": 0.4, "a4": 1.0, "omega1": 25.0}

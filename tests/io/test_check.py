@@ -15,16 +15,17 @@ from tests.support.map_files import SPACES, Sample
 from tests.support.refusals import refused
 
 import fastlink as fl
-from fastlink.io import checksums, journal
-from fastlink.io.journal import journal_of, read_journal
+from fastlink.io import checksums
+from fastlink.io.writing import journal
+from fastlink.io.writing.journal import journal_of, read_journal
 
 
 @pytest.fixture
 def small_blocks(monkeypatch):
     """Blocks as small as those of a large map are to it."""
-    for module in ("checksums", "skeleton", "resume"):
+    for module in ("checksums", "writing.skeleton", "writing.resume"):
         monkeypatch.setattr(f"fastlink.io.{module}.BLOCK_BYTES", 256)
-    monkeypatch.setattr("fastlink.io.resume.READ_BYTES", 1024)
+    monkeypatch.setattr("fastlink.io.writing.resume.READ_BYTES", 1024)
     monkeypatch.setattr(checksums, "READ_BYTES", 1000)
 
 

@@ -18,9 +18,9 @@ from tests.support.map_files import Sample, digest, left_in, raising
 from tests.support.refusals import refused
 
 import fastlink as fl
-from fastlink.io import journal, partial_file, writer
-from fastlink.io.journal import journal_of
 from fastlink.io.reader import open_map
+from fastlink.io.writing import journal, partial_file, writer
+from fastlink.io.writing.journal import journal_of
 
 COUPLERS = np.linspace(1.0, 1.4, 64)
 
@@ -246,7 +246,7 @@ def test_an_interrupt_of_the_verification_keeps_all_designs(tmp_path, monkeypatc
 TRIAL = """
 import os, signal, sys, traceback
 import fastlink as fl
-from fastlink.io import journal
+from fastlink.io.writing import journal
 from tests.io.test_faults import sweep
 from tests.support.faults import Injector
 journal.STEP_SECONDS = 0.0

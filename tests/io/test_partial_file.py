@@ -14,12 +14,13 @@ import xarray as xr
 from tests.support.map_files import DESCRIBED, Sample, digest, left_in, raising
 
 from fastlink.errors import InputError
-from fastlink.io import partial_file, place, target
+from fastlink.io import place
 from fastlink.io.dataset import Variable, coordinates
 from fastlink.io.reader import open_map
-from fastlink.io.skeleton import lay_out
-from fastlink.io.target import check_target
-from fastlink.io.writer import Writer
+from fastlink.io.writing import partial_file, target
+from fastlink.io.writing.skeleton import lay_out
+from fastlink.io.writing.target import check_target
+from fastlink.io.writing.writer import Writer
 from fastlink.space.samplers import grid
 
 # --- other processes -------------------------------------------------------------------------------
@@ -80,7 +81,7 @@ def test_the_room_of_what_a_killed_run_left_is_given_back_first(tmp_path, monkey
         sizes.append(part.stat().st_size)
         return lay_out(*args)
 
-    monkeypatch.setattr("fastlink.io.writer.lay_out", observed)
+    monkeypatch.setattr("fastlink.io.writing.writer.lay_out", observed)
     Sample().save(tmp_path / "m.h5")
     assert sizes == [0]
 

@@ -13,9 +13,9 @@ from numpy.testing import assert_array_equal
 from tests.support.refusals import refused
 
 import fastlink as fl
-from fastlink.io import journal
-from fastlink.io.journal import Journal, journal_of, missing, read_journal
-from fastlink.io.writer import Writer
+from fastlink.io.writing import journal
+from fastlink.io.writing.journal import Journal, journal_of, missing, read_journal
+from fastlink.io.writing.writer import Writer
 
 COUPLERS, OUTPUTS = np.linspace(1.0, 1.4, 41), np.linspace(0.6, 1.0, 31)
 DESIGNS = {"a1": 0.4, "a2": COUPLERS, "a3": OUTPUTS, "a4": 1.0}
@@ -111,7 +111,7 @@ KILLED = """
 import os, signal, sys, threading
 import numpy as np
 import fastlink as fl
-from fastlink.io import journal
+from fastlink.io.writing import journal
 journal.STEP_SECONDS = 0.0
 commit, add = journal.Journal._commit, journal.Journal.add
 place, kill_at = sys.argv[1], int(sys.argv[2])

@@ -9,7 +9,7 @@ import signal
 from collections.abc import Callable
 from typing import Any
 
-from fastlink.io import partial_file
+from fastlink.io.writing import partial_file
 
 #: The system calls of a run that writes a file; HDF5's own are not among them.
 CALLS = (

@@ -6,7 +6,7 @@ import os
 import numpy as np
 
 from fastlink.io.dataset import Variable, assemble, coordinates
-from fastlink.io.writer import Writer
+from fastlink.io.writing.writer import Writer
 from fastlink.space.samplers import grid, table
 
 METRE = {"units": "m", "long_name": "length", "symbol": "a"}

@@ -20,7 +20,7 @@ from fastlink.engine.options import check_options
 from fastlink.engine.resolve import resolve
 from fastlink.engine.sweep import sweep
 from fastlink.errors import InputError, Problems
-from fastlink.io.target import check_target
+from fastlink.io.writing.target import check_target
 from fastlink.memory import available_memory
 from fastlink.precision import DESIGNS
 

@@ -16,7 +16,7 @@ import numpy as np
 
 from fastlink.engine.executor import Job, Sink, default_threads, row_bytes, run
 from fastlink.engine.needs import designs_per_block
-from fastlink.io.partial_file import write_all
+from fastlink.io.writing.partial_file import write_all
 from fastlink.precision import Verification
 from fastlink.space.design_space import sampled
 

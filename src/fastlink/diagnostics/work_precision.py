@@ -19,7 +19,7 @@ from fastlink.engine.options import Check, check_options, optional
 from fastlink.engine.resolve import resolve
 from fastlink.errors import InputError, KeyPath
 from fastlink.io.dataset import plain_attrs
-from fastlink.io.target import check_target
+from fastlink.io.writing.target import check_target
 from fastlink.options import MOST_SEED, check_path, check_switch, check_whole
 from fastlink.plot.picture import check_picture, save
 from fastlink.space.design_space import sampled

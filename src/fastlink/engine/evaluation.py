@@ -19,8 +19,8 @@ from fastlink.engine.sinks import StatusCounts, into, tee
 from fastlink.io.dataset import plain_attrs
 from fastlink.io.finished import finished_map
 from fastlink.io.place import existing_file
-from fastlink.io.target import forget_published
-from fastlink.io.writer import Writer
+from fastlink.io.writing.target import forget_published
+from fastlink.io.writing.writer import Writer
 from fastlink.precision import DESIGNS, Verification
 
 if TYPE_CHECKING:

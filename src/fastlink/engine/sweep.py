@@ -17,7 +17,7 @@ from fastlink.engine.options import check_options
 from fastlink.engine.resolve import resolve
 from fastlink.engine.sinks import ProgressBar
 from fastlink.errors import Problems
-from fastlink.io.target import check_target
+from fastlink.io.writing.target import check_target
 from fastlink.maps import open as open_map
 
 if TYPE_CHECKING:

@@ -1,4 +1,4 @@
-"""Labelled HDF5 files: their layout, writing, resuming and reading.
+"""Labelled HDF5 files: what stands in them, reading and checking them; `writing` makes them.
 
 Nothing here knows a mechanism or a kernel.
 """

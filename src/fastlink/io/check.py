@@ -14,10 +14,9 @@ import numpy as np
 from fastlink._text import size
 from fastlink.doors import door
 from fastlink.errors import InputError
-from fastlink.io.checksums import crc32, of_file, pread
+from fastlink.io.checksums import CHECKSUMS, OF_REST, OF_VALUES, crc32, of_file, pread
 from fastlink.io.place import reason
 from fastlink.io.reader import existing_map
-from fastlink.io.skeleton import CHECKSUMS, OF_REST, OF_VALUES
 
 __all__ = ["FileCheck", "check"]
 

@@ -17,8 +17,25 @@ try:  # the same numbers, three to five times as fast
 except ImportError:
     from zlib import crc32
 
-__all__ = ["BLOCK_BYTES", "add", "block_count", "crc32", "of_file", "of_piece"]
+__all__ = [
+    "ALGORITHM",
+    "BLOCK_BYTES",
+    "CHECKSUMS",
+    "OF_REST",
+    "OF_VALUES",
+    "add",
+    "block_count",
+    "crc32",
+    "of_file",
+    "of_piece",
+]
 
+#: The group of the checksums: of the values, block by block, and of all else in the file.
+CHECKSUMS, OF_VALUES, OF_REST = "checksums", "checksums/values", "checksums/rest"
+ALGORITHM = (
+    "CRC-32 of zlib. values: of each block_bytes of the values of a variable as they lie in the file, one variable "
+    "after the other; rest: of the file without those values, the bytes of rest itself taken for zeros"
+)
 BLOCK_BYTES = 1 << 20
 #: The polynomial of CRC-32, bits reversed: the greatest bit is the coefficient of x^0.
 POLYNOMIAL, ONE = 0xEDB88320, 1 << 31

@@ -65,7 +65,7 @@ def open_map(path: str | os.PathLike[str], *, chunks: Any = None, **options: Any
     --------
     >>> import tempfile, numpy as np, xarray as xr
     >>> from fastlink.io.dataset import Variable
-    >>> from fastlink.io.writer import Writer
+    >>> from fastlink.io.writing.writer import Writer
     >>> coords = xr.Dataset(coords={"a2": ("a2", [1.0, 1.2], {"units": "m"})})
     >>> speed = Variable("omega4_max", ("a2",), (2,), np.dtype("f8"), {"units": "rad s-1"})
     >>> with tempfile.TemporaryDirectory() as folder:

@@ -12,7 +12,7 @@ from fastlink.doors import door
 from fastlink.engine.options import check_options
 from fastlink.engine.sweep import sweep
 from fastlink.errors import InputError, Problems, nearest
-from fastlink.io.target import check_target
+from fastlink.io.writing.target import check_target
 from fastlink.mechanisms import NAMES
 from fastlink.mechanisms import catalogue as find_catalogue
 from fastlink.options import check_path

@@ -21,16 +21,16 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from fastlink.errors import InputError
-from fastlink.io import partial_file
-from fastlink.io.checksums import add, block_count, of_file, of_piece
+from fastlink.io.checksums import OF_REST, OF_VALUES, add, block_count, of_file, of_piece
 from fastlink.io.dataset import FORMAT_VERSION, Variable, check_dims, plain_attrs
 from fastlink.io.finished import marks, stamp
-from fastlink.io.finishing import uninterrupted
-from fastlink.io.journal import Journal, Range, joined, journal_of, missing
 from fastlink.io.place import NO_ROOM, SLACK, no_room, part_of, reason, refused
-from fastlink.io.resume import Rows, SameRows, first_blocks, resume
-from fastlink.io.skeleton import OF_REST, OF_VALUES, check_readable, lay_out, set_attrs
-from fastlink.io.target import check_left, check_target
+from fastlink.io.writing import partial_file
+from fastlink.io.writing.finishing import uninterrupted
+from fastlink.io.writing.journal import Journal, Range, joined, journal_of, missing
+from fastlink.io.writing.resume import Rows, SameRows, first_blocks, resume
+from fastlink.io.writing.skeleton import check_readable, lay_out, set_attrs
+from fastlink.io.writing.target import check_left, check_target
 from fastlink.space.dataset import FORMAT
 
 __all__ = ["Writer"]

@@ -12,17 +12,11 @@ import h5py
 import numpy as np
 import xarray as xr
 
-from fastlink.io.checksums import BLOCK_BYTES, block_count
+from fastlink.io.checksums import ALGORITHM, BLOCK_BYTES, CHECKSUMS, OF_REST, OF_VALUES, block_count
 from fastlink.io.dataset import Variable, plain_attrs
-from fastlink.io.partial_file import released, write_all
+from fastlink.io.writing.partial_file import released, write_all
 
 PAGE_BYTES = 4096
-#: The group of the checksums: of the values, block by block, and of all else in the file.
-CHECKSUMS, OF_VALUES, OF_REST = "checksums", "checksums/values", "checksums/rest"
-ALGORITHM = (
-    "CRC-32 of zlib. values: of each block_bytes of the values of a variable as they lie in the file, one variable "
-    "after the other; rest: of the file without those values, the bytes of rest itself taken for zeros"
-)
 COPIED_BYTES = 1 << 24
 
 

@@ -12,12 +12,12 @@ from typing import Any, Protocol
 import xarray as xr
 
 from fastlink.errors import remark
-from fastlink.io import partial_file
 from fastlink.io.checksums import BLOCK_BYTES, add, block_count, of_piece, pread
 from fastlink.io.dataset import Variable
-from fastlink.io.journal import Range, joined, missing, read_journal
 from fastlink.io.place import SLACK
-from fastlink.io.skeleton import lay_labels_again, lay_out
+from fastlink.io.writing import partial_file
+from fastlink.io.writing.journal import Range, joined, missing, read_journal
+from fastlink.io.writing.skeleton import lay_labels_again, lay_out
 
 __all__ = ["Resumed", "Rows", "SameRows", "first_blocks", "resume"]
 

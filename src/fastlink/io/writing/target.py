@@ -9,8 +9,6 @@ from pathlib import Path
 import h5py
 
 from fastlink.errors import Remedy, Setting
-from fastlink.io.journal import journal_of, read_journal
-from fastlink.io.partial_file import given_back, reopened
 from fastlink.io.place import (
     SLACK,
     check_place,
@@ -21,6 +19,8 @@ from fastlink.io.place import (
     part_of,
     refused,
 )
+from fastlink.io.writing.journal import journal_of, read_journal
+from fastlink.io.writing.partial_file import given_back, reopened
 from fastlink.options import check_output
 from fastlink.space.dataset import FORMAT
 
