@@ -25,7 +25,16 @@ MASSES = {
 FAMILIES = (
     *("random", "inline", "gap 1e-4", "gap 1e-8", "gap 1e-13", "toggle 1e-3", "toggle 1e-6", "toggle 1e-9"),
     *("normal 1e-3", "normal 1e-9", "aligned 1e-3", "aligned 1e-9", "isosceles 1e-3", "isosceles 1e-9"),
-    *("reach 1e-3", "reach 1e-9", "stiff 1e3", "stiff 1e9", "short 1e-1", "scale 1e-150", "scale 1e150"),
+    *(
+        "reach 1e-3",
+        "reach 1e-9",
+        "stiff 1e3",
+        "stiff 1e9",
+        "short 1e-1",
+        "short 1e-8",
+        "scale 1e-150",
+        "scale 1e150",
+    ),
 )
 
 

@@ -117,10 +117,14 @@ def test_every_local_extremum_of_dense_samples_is_found(family, masses, n):
             j = int(np.argmin(distance))
             # Between two samples there is no other one.
             assert distance[j] <= 2 * TURN / SAMPLES, about
-            # A golden section stops within sqrt(rounding) of the place, where the value is right to rounding: that of
-            # its terms, which are no more than 1e3 times larger than the extrema of these linkages.
+            # A golden section stops within sqrt(rounding) of the place, where values are right to rounding: mostly that
+            # of terms no more than 1e3 times larger than the extrema. Next to the toggles of non-Grashof linkages terms
+            # are larger: there both values keep to the bound, and so do the two that the section took for alike.
             size = np.max(np.abs(value[i, k, : count[i, k]]))
-            assert abs(value[i, k, j] - seen) <= 1e3 * UNIT_ROUNDING * size, about
+            if abs(value[i, k, j] - seen) > 1e3 * UNIT_ROUNDING * size:
+                one = {name: column[i] for name, column in inputs.items()}
+                bound = values_at(f"{quantity}_error", one, links, k + 1, place)
+                assert abs(value[i, k, j] - seen) <= 4 * bound, about
             matched[i, k, j] = True
         # What samples do not show are pairs closer than a step: true extrema all the same.
         for i, k, j in zip(*np.nonzero((kind != 0) & ~matched), strict=True):
