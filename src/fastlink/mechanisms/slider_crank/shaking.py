@@ -30,12 +30,12 @@ whole(norm, "shaking_force", "|F|", "Shaking force on the ground, magnitude", x=
 
 @slider_crank.quantity(units="N m", symbol="dL_2/dt", source=SHAKING, internal=True)
 def spin_rate2(
-    m2: Any, m2_omega_squared: Any, one_less_H_squared: Any, A_cross_AG: Any, A_dot_AG: Any, alpha2: Any,
-    I2_A: Any,
+    moment2_A: Any, m2_omega_squared: Any, AB_x_bend: Any, A_x: Any, A_y: Any, G2_along: Any, G2_across: Any
 ) -> Any:  # fmt: skip
     """Rate of moment of momentum of the connecting rod about O."""
-    centripetal = m2_omega_squared * (one_less_H_squared * A_cross_AG)
-    return centripetal + alpha2 * (m2 * A_dot_AG + I2_A)
+    # A x p2 without A x A; of a short rod, which B drags along, without what its turning leaves across the line, too.
+    across = AB_x_bend * (G2_across * A_x - G2_along * A_y)
+    return moment2_A + m2_omega_squared * (across + A_y * (G2_along * A_x + G2_across * A_y))
 
 
 @slider_crank.quantity(units="N m", symbol="M_O", source=SHAKING)
