@@ -99,6 +99,21 @@ def test_what_grows_without_bound_is_marked(maps):
     assert WITHOUT_BOUND in [text.get_text() for text in line.axes[0].get_legend().get_texts()]
 
 
+def test_gaps_along_a_sample_are_one_shape_however_many_they_are():
+    space = fl.sobol(512, a1=(0.05, 2.0), a2=(0.05, 2.0), a3=(0.05, 2.0), a4=1.0, omega1=1.0)
+    sample = fl.sweep("planar_4r", space, ["omega4_max"], branch=1)
+    (axis,) = fl.plot_map(sample, "omega4_max").axes
+    values = sample.omega4_max.values
+    for shape, gaps in zip(axis.collections, (np.isnan(values), np.isposinf(values)), strict=True):
+        shaded = np.zeros(512, dtype=bool)
+        for path in shape.get_paths():
+            low, high = path.get_extents().intervalx
+            inside = np.arange(512)
+            shaded |= (inside > low - 1e-9) & (inside < high + 1e-9)
+        assert_array_equal(shaded, gaps)
+        assert len(shape.get_paths()) > 20
+
+
 def test_designs_that_assemble_without_a_value_are_not_called_unassembled():
     space = fl.grid(a1=[0.4, 0.9], a2=[1.1, 1.2], a3=0.8, a4=1.0)
     figure = fl.plot_map(fl.sweep("planar_4r", space, ["time_ratio"]), "time_ratio")

@@ -46,6 +46,7 @@ WITHOUT_BOUND = "grows without bound"
 VEIL = (1.0, 1.0, 1.0, 0.55)
 LINES = ("#0b5fa5", "#d1495b", "#2a9d5c", "#8a5fbf")
 CONTOURS = 8
+MANY = 10_000  # points from which to look for the best place of a legend takes longer than to draw them
 BESIDE, BELOW = 32, 60  # letters in a line of a legend
 STYLE = {
     "font.size": 10,
@@ -277,7 +278,7 @@ def _draw_lines(figure: Any, shown: Selection) -> None:
     handles, labels = axis.get_legend_handles_labels()
     if any(labels):
         named = [(handle, label) for handle, label in zip(handles, labels, strict=True) if label]
-        axis.legend(*zip(*named, strict=True))
+        axis.legend(*zip(*named, strict=True), loc="best" if len(x) < MANY else "upper right")
 
 
 def _scale_along(axis: Any, shown: Selection) -> None:
@@ -308,7 +309,13 @@ def _cut(x: Any, values: Any, units: Any) -> tuple[Any, Any]:
 def _shade(axis: Any, x: Any, absent: Any, colour: str, label: str) -> None:
     """Shade where there is no value to draw, half-way to the neighbours that have one."""
     edges = np.flatnonzero(np.diff(np.concatenate(([False], absent, [False])).astype(int)))
+    if not edges.size:
+        return
     middles = np.concatenate((x[:1], 0.5 * (x[:-1] + x[1:]), x[-1:]))
-    for number, (start, stop) in enumerate(edges.reshape(-1, 2)):
-        shown = "_further" if number else label  # matplotlib leaves out labels with an underscore
-        axis.axvspan(middles[start], middles[stop], color=colour, linewidth=0, label=shown)
+    starts, stops = middles[edges[::2]], middles[edges[1::2]]
+    spans = list(
+        zip(starts, stops - starts, strict=True)
+    )  # as one shape: a sample has a span for every third design
+    height = axis.get_xaxis_transform()
+    axis.broken_barh(spans, (0.0, 1.0), transform=height, color=colour, linewidth=0, label=label)
+    axis.update_datalim([(starts[0], 0.0), (stops[-1], 0.0)], updatey=False)
