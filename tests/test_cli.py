@@ -14,6 +14,7 @@ from typer.testing import CliRunner
 
 import fastlink as fl
 from fastlink.cli import app
+from fastlink.cli.app import ELSEWHERE
 from fastlink.mechanisms import NAMES
 from fastlink.study import study as study_module
 
@@ -191,6 +192,27 @@ def test_an_interrupted_run_is_kept_to_go_on(folder, number, word, code):
     assert interrupted == f"fastlink: {word}"
     assert kept.endswith("study.h5.part; run the same again to go on")
     assert left == ["study.h5.part", "study.h5.part.journal", "study.toml"]
+
+
+@pytest.mark.parametrize(
+    ("name", "remedy"),
+    [
+        ("summary", "did you mean 'info'?"),
+        ("sweep", "did you mean 'run'?"),
+        ("exlpain", "did you mean 'explain'?"),
+    ]
+    + [("help", "`fastlink --help` lists the commands"), ("spatial", "known: accuracy, ")],
+)
+def test_an_unknown_command_is_answered_with_the_one_that_is_meant(name, remedy):
+    done = called(name, "maps.h5")
+    assert (done.exit_code, done.stdout) == (2, "")
+    assert done.stderr.startswith(f"fastlink: {name!r} is not a command; {remedy}")
+
+
+def test_the_words_of_others_are_for_commands_that_are_there():
+    names = {command.name or command.callback.__name__ for command in app.registered_commands}
+    assert not ELSEWHERE.keys() - names
+    assert not names & {word for words in ELSEWHERE.values() for word in words}
 
 
 # -- the other commands ----------------------------------------------------------------------------

@@ -80,3 +80,12 @@ def test_the_position_of_another_input_names_the_right_one():
         theta1=1.0,
         **slider,
     )
+
+
+def test_what_is_of_the_design_needs_no_position():
+    design = {"a1": 0.4, "a2": [1.2, 1.3], "a3": 0.8, "a4": 1.0}
+    found = fl.evaluate("planar_4r", ["swing"], **design)["swing"]
+    assert found.tolist() == fl.evaluate("planar_4r", ["swing"], theta1=1.0, **design)["swing"].tolist()
+    assert found.shape == (2,)
+    with refused("theta1", "give it in rad"):
+        fl.evaluate("planar_4r", ["swing", "theta4"], **design)

@@ -12,8 +12,9 @@ from pathlib import Path
 from typing import Annotated, Any, TypeVar, get_type_hints
 
 import typer
+import typer.core
 
-from fastlink.errors import InputError, InputWarning, KeyPath, Piece, Setting, Wording
+from fastlink.errors import InputError, InputWarning, KeyPath, Piece, Setting, Wording, suggest
 
 __all__ = ["MapFile", "MechanismName", "Overwrite", "StudyFile", "app", "command"]
 
@@ -27,7 +28,38 @@ MechanismName = Annotated[
 ]
 Overwrite = Annotated[bool, typer.Option("--overwrite", help="Replace an existing file.")]
 
+#: What other programs, or Python, call a command.
+ELSEWHERE = {
+    "accuracy": ("benchmark", "error", "errors"),
+    "check": ("fsck", "verify", "checksum"),
+    "explain": ("estimate", "forecast", "plan"),
+    "info": ("describe", "head", "open", "print", "show", "summary"),
+    "mechanisms": ("list", "ls"),
+    "new": ("init", "template"),
+    "plot": ("draw", "picture", "plot_map"),
+    "run": ("compute", "evaluate", "run_study", "sweep"),
+}
+
+
+class _Commands(typer.core.TyperGroup):
+    """The commands; an unknown one is answered with the one that is meant."""
+
+    def resolve_command(self, ctx: Any, args: list[str]) -> Any:
+        name = args[0] if args else ""
+        if self.get_command(ctx, name) is None and not name.startswith("-"):
+            known = self.list_commands(ctx)
+            meant = [command for command in known if name in ELSEWHERE.get(command, ())]
+            if name == "help":
+                remedy = "`fastlink --help` lists the commands"
+            else:
+                remedy = f"did you mean {meant[0]!r}?" if meant else suggest(name, known)
+            typer.echo(f"fastlink: {name!r} is not a command; {remedy}", err=True)
+            ctx.exit(BAD_INPUT)
+        return super().resolve_command(ctx, args)
+
+
 app = typer.Typer(
+    cls=_Commands,
     add_completion=False,
     no_args_is_help=True,
     rich_markup_mode=None,

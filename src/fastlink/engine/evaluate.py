@@ -104,15 +104,18 @@ def evaluate(
         inputs = radian_keywords(catalogue, "evaluate", inputs, problems, position=True)
     version = catalogue.version
     names: tuple[str, ...] = ()
+    of_design = False
     with problems.at():
         names = check_names("quantities", quantities)
-        _check_quantities(catalogue, version, names)
+        of_design = not _check_quantities(catalogue, version, names)
     with problems.at():
         check_model(catalogue, links, solver)
     with problems.at():
         allow_invalid = check_switch(("allow_invalid",), allow_invalid)
     of_links = links.values if isinstance(links, Links) else {}
     variants = selected_variants(catalogue, links, solver, inputs)
+    if of_design and catalogue.position.name not in inputs:
+        inputs = {**inputs, catalogue.position.name: 0.0}  # which nothing depends on
     given = _given(catalogue, version, mechanism, variants, tuple(of_links), tuple(inputs))
     problems.noted += given.problems
     values: dict[str, Any] = dict(given.defaults)
@@ -233,13 +236,14 @@ def _given(
 
 
 @lru_cache(maxsize=256)
-def _check_quantities(catalogue: Catalogue, version: int, names: tuple[str, ...]) -> None:
-    """Refuse unknown quantities, and what needs a whole cycle."""
+def _check_quantities(catalogue: Catalogue, version: int, names: tuple[str, ...]) -> bool:
+    """Refuse unknown quantities, and what needs a whole cycle; tell whether one varies with the input position."""
     problems = Problems()
     for k, name in enumerate(names):
         with problems.at("quantities", k):
             require_quantity(name, catalogue)
     problems.stop()
+    return any(catalogue.varies(name) for name in names)
 
 
 @lru_cache(maxsize=256)
