@@ -200,8 +200,9 @@ def test_an_interrupted_run_is_kept_to_go_on(folder, number, word, code):
         ("summary", "did you mean 'info'?"),
         ("sweep", "did you mean 'run'?"),
         ("exlpain", "did you mean 'explain'?"),
-    ]
-    + [("help", "`fastlink --help` lists the commands"), ("spatial", "known: accuracy, ")],
+        ("help", "`fastlink --help` lists the commands"),
+        ("spatial", "known: accuracy, "),
+    ],
 )
 def test_an_unknown_command_is_answered_with_the_one_that_is_meant(name, remedy):
     done = called(name, "maps.h5")

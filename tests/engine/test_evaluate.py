@@ -87,5 +87,4 @@ def test_what_is_of_the_design_needs_no_position():
     found = fl.evaluate("planar_4r", ["swing"], **design)["swing"]
     assert found.tolist() == fl.evaluate("planar_4r", ["swing"], theta1=1.0, **design)["swing"].tolist()
     assert found.shape == (2,)
-    with refused("theta1", "give it in rad"):
-        fl.evaluate("planar_4r", ["swing", "theta4"], **design)
+    refused("theta1 is missing", "give it in rad", names=["swing", "theta4"], **design)
