@@ -45,7 +45,7 @@ def evaluated(result: dict[str, Any], text: str, names: dict[str, Any]) -> str:
     inputs = {name: value for name, value in options.items() if name not in OPTIONS}
     choices = {name: min(one.choices) for name, one in facts.inputs.items() if one.choices}
     for place, one in configurations(choices | inputs | {"branch": options.get("branch", 1)}):
-        reference = HighPrecision(facts, result, one)
+        reference = HighPrecision(facts, result, one, zeroes=True)
         exact = reference.at(one)
         condition = reference.condition(exact, [name for name in one if name not in (*choices, "branch")])
         for name, values in result.items():
