@@ -44,14 +44,17 @@ CONFIRMED = {
         cosh_zeta half_angle_root dpsi_dtheta d2psi_dtheta2 T1 T2 T3 T4 T5 T7 cosh_theta_min cosh_theta_max
         cosh_psi_min cosh_psi_max theta_escape""",
     ("focal", "phi"): """A_x A_y B_x B_y P_x P_y Q_x Q_y T_x T_y F_x F_y psi sigma omega_angle alpha beta chi
-        dpsi_dphi dsigma_dphi psi_rate sigma_rate lambda_ m n p q r s FT T_ratio line_x transmission_angle_F""",
+        dpsi_dphi dsigma_dphi psi_rate sigma_rate lambda_ m n p q r s FT T_ratio line_x transmission_angle_F
+        X_x X_y Y_x PFQX_x PFQX_radius SFTY_y PSQT_radius M_along_AB N_across_AB S_along_AB F_across_AB
+        line_along_AB""",
     ("focal", "sigma"): """A_x A_y B_x B_y P_x P_y Q_x Q_y T_x T_y F_x F_y psi phi omega_angle alpha beta chi
-        dpsi_dsigma dphi_dsigma psi_rate phi_rate lambda_ m n p q r s FT transmission_angle_P transmission_angle_Q""",
+        dpsi_dsigma dphi_dsigma psi_rate phi_rate lambda_ m n p q r s FT transmission_angle_P transmission_angle_Q
+        X_x Y_x PFQX_x SFTY_radius PSQT_y M_across_AB N_along_AB S_across_AB F_along_AB""",
     (
         "hart",
         "phi",
     ): """A_x A_y B_x B_y P_x P_y Q_x Q_y F_x F_y PF_mid_x PF_mid_y psi omega_angle dpsi_dphi dF_y_dphi
-        line_x F_y_outer F_y_inner stroke p q a b c lambda_""",
+        line_x F_y_outer F_y_inner stroke p q a b c lambda_ M_along_AB F_across_AB line_along_AB""",
     ("hart", "F_y"): "A_x A_y B_x B_y P_x P_y Q_x Q_y F_x phi psi omega_angle dphi_dF_y dpsi_dF_y line_x",
     (
         "slider_crank",

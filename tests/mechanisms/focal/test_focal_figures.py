@@ -86,6 +86,18 @@ def test_the_angles_of_3_1_are_those_of_1_1(figure):
             assert (np.abs(enclosed - figure[name]) <= 30 * UNIT_ROUNDING * figure.size / shorter).all()
 
 
+def test_opposite_sides_are_seen_from_F_at_angles_of_sum_0_or_pi(figure):
+    """(4.4) and (4.7): AFM + NFB and MFN + BFA, as directed angles of lines."""
+    M, N, A, B, F = (figure.points[joint] for joint in "MNABF")
+    nearest = np.min([np.abs(F - corner) for corner in (M, N, A, B)], axis=0)
+    for corners in ((A, M, N, B), (M, N, B, A)):
+        one, two, three, four = (corner - F for corner in corners)
+        turned = two * np.conj(one) * four * np.conj(three)
+        # four directions, each off by roundings of its ends over their distance
+        off = np.abs(np.sin(np.angle(turned)))
+        assert (off <= 60 * UNIT_ROUNDING * figure.size / nearest).all()
+
+
 def test_joints_seen_from_AB_are_those_of_the_ground_turned(figure):
     A, B = figure.points["A"], figure.points["B"]
     for joint in "MNSF":
@@ -132,3 +144,15 @@ def test_extremes_of_what_passes_infinity_are_those_of_the_given_positions():
     )
     np.testing.assert_array_equal(maps.X_x_max, maps.X_x.max("phi"))
     np.testing.assert_array_equal(maps.Y_x_min, maps.Y_x.min("phi"))
+
+
+def test_where_the_dyads_do_not_close_there_is_no_frame_of_AB():
+    """By the crank F is on its circle whatever the dyads do."""
+    names = ["F_x", "B_x", "M_along_AB", "F_along_AB", "F_across_AB"]
+    design = {"a": 1.3757, "b": 1.7453, "c": 0.6526, "d": 1.1454, "rho": -0.7693, "completion": 2}
+    found = fl.evaluate("focal", names, input="sigma", sigma=np.linspace(-3.0, 3.0, 50), **design)
+    open_ = np.isnan(found["B_x"])
+    assert np.isfinite(found["F_x"]).all()
+    assert 0 < open_.sum() < 50
+    for name in names[2:]:
+        np.testing.assert_array_equal(np.isnan(found[name]), open_)

@@ -14,6 +14,7 @@ from fastlink.precision.independent.dyads import (
     coordinates,
     points,
 )
+from fastlink.precision.independent.figures import CIRCLES, MEETING, SEEN, circles, meeting, seen_from_AB
 from fastlink.precision.independent.four_bar import angle_between, wrapped
 from fastlink.precision.independent.series import Open, Series, Singular, rotation, solved
 
@@ -22,10 +23,10 @@ __all__ = ["BY_CRANK", "BY_ROCKER", "DESIGN", "configuration", "design"]
 #: Quantities by the order of the derivatives that they need.
 _BOTH = dict.fromkeys((f"{joint}_{axis}" for joint in "ABPQTF" for axis in "xy"), 0)
 _BOTH |= dict.fromkeys(("psi", "omega_angle", "alpha", "beta", "chi"), 0)
-_BOTH |= dict.fromkeys((f"transmission_angle_{joint}" for joint in "PQF"), 0)
+_BOTH |= dict.fromkeys((f"transmission_angle_{joint}" for joint in "PQF"), 0) | MEETING | CIRCLES | SEEN
 BY_ROCKER = _BOTH | {"sigma": 0, "dpsi_dphi": 1, "psi_rate": 1, "dsigma_dphi": 1, "sigma_rate": 1}
 BY_CRANK = _BOTH | {"phi": 0, "dpsi_dsigma": 1, "psi_rate": 1, "dphi_dsigma": 1, "phi_rate": 1}
-DESIGN = ("lambda_", "m", "n", "p", "q", "r", "FT", "s", "S_x", "T_ratio", "line_x")
+DESIGN = ("lambda_", "m", "n", "p", "q", "r", "FT", "s", "S_x", "T_ratio", "line_x", "line_along_AB")
 
 
 def design(ctx: Any, at: Mapping[str, Any], values: dict[str, Any]) -> None:
@@ -72,6 +73,8 @@ def design(ctx: Any, at: Mapping[str, Any], values: dict[str, Any]) -> None:
     weight = m * p + n * q
     if rho == -1:
         values["line_x"] = d / 2 + (m * m + p * p - n * n - q * q) / (2 * d)
+        AP, BQ = p * q / n, p * q / m
+        values["line_along_AB"] = c / 2 + (AP * AP + p * p - BQ * BQ - q * q) / (2 * c)
         return
     values["s"] = values["S_x"] = m * p * d / weight
     values["T_ratio"] = m * p / weight
@@ -137,8 +140,19 @@ def configuration(
         places["T"] = places["A"] + bars["T_ratio"] * (places["B"] - places["A"])
         if not by_crank and "r" in bars:
             names["sigma"] = argument(ctx, places["F"] - bars["s"])
-    values |= coordinates(places)
+    values |= coordinates(places) | _figures(bars, places)
     _add_angles(ctx, at, names, "sigma" if by_crank else "phi", values)
+
+
+def _figures(bars: Mapping[str, Any], places: Mapping[str, Series]) -> dict[str, Any]:
+    """Return points, circles and joints in the frame of AB, as far as the joints are known."""
+    joints = {name: place.terms[0] for name, place in places.items()}
+    A, B, d = joints["A"], joints["B"], bars["d"]
+    joints |= {"M": 0 * A, "N": 0 * A + d}
+    if "s" in bars:
+        joints["S"] = 0 * A + bars["s"]
+    seen = {name: joints[name] for name in "MNSF" if name in joints}
+    return meeting(A, B, d) | circles(joints) | seen_from_AB(seen, A, B)
 
 
 def _by_crank(
@@ -175,7 +189,7 @@ def _by_rocker(
     places = {"B": b * v + d}
     if "T_ratio" in bars:
         places["T"] = a * u + bars["T_ratio"] * (places["B"] - a * u)
-    values |= coordinates(places)
+    values |= coordinates(places) | _figures(bars, places | {"A": a * u})
     _add_angles(ctx, at, {"psi": psi}, "phi", values)
     if completed is not None:
         # PF and QF are parallel to MA and NB turned by omega, whatever their lengths

@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from fastlink.precision.independent.dyads import between_rockers, by_F, closing, coordinates, points
+from fastlink.precision.independent.figures import SEEN, seen_from_AB
 from fastlink.precision.independent.four_bar import wrapped
 from fastlink.precision.independent.series import Open, Series, Singular, rotation, unit_vector
 
@@ -14,9 +15,10 @@ __all__ = ["BY_LINE", "BY_ROCKER", "DESIGN", "configuration", "design"]
 #: Quantities by the order of the derivatives that they need.
 _BOTH = dict.fromkeys((f"{joint}_{axis}" for joint in ("A", "B", "P", "Q", "PF_mid") for axis in "xy"), 0)
 _BOTH |= {"F_x": 0, "psi": 0, "omega_angle": 0}
+_BOTH |= {name: order for name, order in SEEN.items() if name[0] != "S"}
 BY_ROCKER = _BOTH | {"F_y": 0, "dF_y_dphi": 1, "dpsi_dphi": 1}
 BY_LINE = _BOTH | {"phi": 0, "dphi_dF_y": 1, "dpsi_dF_y": 1}
-DESIGN = ("p", "q", "a", "b", "c", "lambda_", "line_x", "F_y_outer", "F_y_inner", "stroke")
+DESIGN = ("p", "q", "a", "b", "c", "lambda_", "line_x", "line_along_AB", "F_y_outer", "F_y_inner", "stroke")
 
 
 def design(ctx: Any, at: Mapping[str, Any], values: dict[str, Any]) -> None:
@@ -41,6 +43,11 @@ def design(ctx: Any, at: Mapping[str, Any], values: dict[str, Any]) -> None:
     ends = [(m + sign * abs(values["p"])) ** 2 - line * line for sign in (1, -1)]
     outer, inner = (ctx.sqrt(max(end, 0 * d)) for end in ends)
     stroke = outer - inner if inner > 0 else 2 * outer
+    AP, BQ = m - values["a"], n - values["b"]
+    seen = abs(values["c"])
+    values["line_along_AB"] = seen / 2 + (AP * AP + values["p"] ** 2 - BQ * BQ - values["q"] ** 2) / (
+        2 * seen
+    )
     values |= {"line_x": line, "F_y_outer": outer, "F_y_inner": inner, "stroke": stroke}
 
 
@@ -95,4 +102,5 @@ def configuration(ctx: Any, at: Mapping[str, Any], by_line: bool, order: int, va
         rates = {"dphi_dF_y": angles[0], "dpsi_dF_y": angles[1]} if by_line else {"dpsi_dphi": angles[1]}
         rates |= {} if by_line else {"dF_y_dphi": places["F"].imag}
         values |= {name: rate.derivative(1) for name, rate in rates.items()}
-    values |= coordinates(places)
+    A, B, F = (places[name].terms[0] for name in "ABF")
+    values |= coordinates(places) | seen_from_AB({"M": 0 * A, "N": 0 * A + bars["d"], "F": F}, A, B)
