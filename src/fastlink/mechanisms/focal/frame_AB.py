@@ -78,22 +78,9 @@ def lever_AN(P_sign: Any, crank_sign: Any, root_rho: Any, root_x: Any, scale: An
     return P_sign * crank_sign * (root_rho * root_x) * scale
 
 
-<<<<<<< HEAD
 def F_mirrored_along(lever_AN: Any, NF_at_0: Any, C: Any, NF_at_pi: Any, Z: Any) -> Any:
     """Return how far F is along AB from A, as the triangles NQF and FPA are similar: NF along the crank."""
     return lever_AN * (NF_at_0 * C - NF_at_pi * Z)
-=======
-def F_mirrored_along(lever_AN: Any, g_x: Any, g_y: Any, NF_x: Any, MF_y: Any, half_sine_omega: Any) -> Any:
-    """Return how far F is along AB from A, as the triangles NQF and FPA are similar; NaN where there is no AB."""
-    along_AB = lever_AN * (g_x * NF_x + g_y * MF_y)
-    return select(half_sine_omega >= 0.0, along_AB, NOT_A_NUMBER)
-
-
-def F_mirrored_across(lever_AN: Any, g_x: Any, g_y: Any, NF_x: Any, MF_y: Any, half_sine_omega: Any) -> Any:
-    """Return how far F is to the left of AB, by the same similarity."""
-    across_AB = lever_AN * (g_y * NF_x - g_x * MF_y)
-    return select(half_sine_omega >= 0.0, across_AB, NOT_A_NUMBER)
->>>>>>> 986fc5c (X, Y, circles and the frame of AB have independent values; F in the frame of AB is NaN where there is no AB; (4.4) and (4.7) by the points)
 
 
 seen = by_crank.quantities(units="m", source=HELD)
