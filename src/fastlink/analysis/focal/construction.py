@@ -19,6 +19,7 @@ from fastlink.analysis.focal.nearest import nearest_point
 from fastlink.analysis.focal.position import corners, point, read_position
 from fastlink.doors import door
 from fastlink.engine.evaluate import evaluate
+from fastlink.numerics.compensated import UNIT_ROUNDING
 from fastlink.options import check_choice
 
 __all__ = ["Construction", "from_point"]
@@ -109,13 +110,19 @@ def from_point(
     A, B = corners(*position)
     F = nearest_point(tuple(position), x + 1j * y)
     size = np.maximum(np.maximum(a, b), np.maximum(c, d))
-    to_M, to_N, to_A, to_B = (np.conj(F) / size, np.conj(F - d) / size, (F - A) / size, (F - B) / size)
+    to_A, to_B, to_M, to_N = (_apart(F - corner, size) for corner in (A, B, 0.0, d))
     with np.errstate(all="ignore"):
-        rho = -_real_ratio(to_A * to_M, to_B * to_N)
-        excess = -_real_ratio(to_B * np.conj(to_A), np.conj(to_N) * to_M)
+        rho = -_real_ratio(to_A * np.conj(to_M), to_B * np.conj(to_N))
+        excess = -_real_ratio(to_B * np.conj(to_A), to_N * np.conj(to_M))
         completion = np.where(np.abs(excess) * d >= c, 1.0, 2.0)  # the roots have the product (c/d)^2
     design = {"a": a, "b": b, "c": c, "d": d, "rho": rho, "completion": completion}
     return construction(design, {"phi": phi, "branch": branch}, by, 1.0 + excess)
+
+
+def _apart(vector: Any, size: Any) -> Any:
+    """Return a vector from a corner to F over a size, 0 where F is the corner but for roundings."""
+    vector = vector / size
+    return np.where(np.abs(vector) <= 8.0 * UNIT_ROUNDING, 0.0, vector)
 
 
 def _real_ratio(above: Any, below: Any) -> Any:
