@@ -267,25 +267,10 @@ FOCAL = (
             # What is taken from S: s takes 3 roundings and r about 10, each of its own, while F, whose condition
             # counts, depends on rho through both at once: where S is far away their changes cancel in F, their
             # roundings do not. Of 1218 of these configurations one is beyond 4 (F_x, 4.3); the worst ever met is 6.2
-            # (chi, where S is far away). Centres of circles lie beyond S or F, F in the frame of AB beyond T or P (4.8
-            # of 10,000), and Y where AB, by the crank a product of five directions, meets MN (4.1).
+            # (chi, where S is far away). F in the frame of AB follows F_y, centres of circles lie beyond F or S (4.6),
+            # and Y is where AB, by the crank a product of five directions, meets MN (4.1).
             long_chains=dict.fromkeys(
-                (
-                    *(
-                        "sigma",
-                        "alpha",
-                        "chi",
-                        "F_x",
-                        "F_y",
-                        "T_x",
-                        "T_y",
-                        "Y_x",
-                        "F_along_AB",
-                        "F_across_AB",
-                    ),
-                    *("PSQT_x", "PFQX_x", "SFTY_x"),
-                ),
-                8.0,
+                "sigma alpha chi F_x F_y T_x T_y Y_x F_along_AB F_across_AB PSQT_x PFQX_x SFTY_x".split(), 8.0
             ),
             # Of the longest bar: two ends of two coordinates, each right to 8 roundings, and the length itself.
             errors={"closure_residual": 40 * UNIT_ROUNDING},

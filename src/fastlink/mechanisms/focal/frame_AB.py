@@ -13,7 +13,7 @@ from typing import Any
 
 from fastlink.mechanisms._shared.frame import ACROSS, ALONG, M_across, M_along, across, along
 from fastlink.mechanisms._shared.laws import product
-from fastlink.mechanisms.focal.by_crank import by_crank, either, quantities
+from fastlink.mechanisms.focal.by_crank import by_crank, quantities
 from fastlink.mechanisms.focal.inputs import WUNDERLICH, focal
 from fastlink.mechanisms.focal.joint_F import unless, where, whether_nearer
 from fastlink.numerics.elementary import NOT_A_NUMBER, select
@@ -30,10 +30,12 @@ for _joint, _place in (("N", "d"), ("S", "S_x")):
 # -- F ---------------------------------------------------------------------------------------------------------------
 
 
-@either(units="m", symbol="F_AB", source=HELD, meaning=ACROSS.format("F"))
-def F_across_AB(t: Any, F_y: Any) -> Any:
-    """Joint F in the frame of AB, to the left of AB: its height over MN, mirrored and as PA : MP is to AB : MN."""
+def mirrored_height(t: Any, F_y: Any) -> Any:
+    """Return how far F is to the left of AB: its height over MN, mirrored, and as PA : MP is to AB : MN."""
     return -(t * F_y)
+
+
+focal.quantities(units="m", source=HELD)(mirrored_height, "F_across_AB", "F_AB", ACROSS.format("F"))
 
 
 def of_T_with_sign(way: Any, ratio_sign: Any, s_FT: Any) -> Any:
@@ -78,13 +80,20 @@ def lever_AN(P_sign: Any, crank_sign: Any, root_rho: Any, root_x: Any, scale: An
     return P_sign * crank_sign * (root_rho * root_x) * scale
 
 
-def F_mirrored_along(lever_AN: Any, NF_at_0: Any, C: Any, NF_at_pi: Any, Z: Any) -> Any:
-    """Return how far F is along AB from A, as the triangles NQF and FPA are similar: NF along the crank."""
-    return lever_AN * (NF_at_0 * C - NF_at_pi * Z)
+def F_mirrored_along(lever_AN: Any, NF_at_0: Any, C: Any, NF_at_pi: Any, Z: Any, half_sine_omega: Any) -> Any:
+    """Return how far F is along AB from A, as the triangles NQF and FPA are similar; NaN where there is no AB."""
+    from_A = lever_AN * (NF_at_0 * C - NF_at_pi * Z)  # NF along the crank
+    return select(half_sine_omega >= 0.0, from_A, NOT_A_NUMBER)
+
+
+def F_mirrored_across(t: Any, F_y: Any, half_sine_omega: Any) -> Any:
+    """Return how far F is to the left of AB, by its height over MN; NaN where there is no AB."""
+    return select(half_sine_omega >= 0.0, -(t * F_y), NOT_A_NUMBER)
 
 
 seen = by_crank.quantities(units="m", source=HELD)
 seen(F_mirrored_along, "F_along_AB", "F_AB", ALONG.format("F"))
+seen(F_mirrored_across, "F_across_AB", "F_AB", ACROSS.format("F"))
 
 
 @focal.quantity(units="m", symbol="x_AB", source=f"{WUNDERLICH}, section 7")
