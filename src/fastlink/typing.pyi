@@ -143,8 +143,8 @@ FocalResult: TypeAlias = Literal[
     "sigma_at_M_across_AB_max", "sigma_at_M_across_AB_min", "sigma_at_N_along_AB_max",
     "sigma_at_N_along_AB_min", "sigma_at_N_across_AB_max", "sigma_at_N_across_AB_min",
     "sigma_at_S_along_AB_max", "sigma_at_S_along_AB_min", "sigma_at_S_across_AB_max",
-    "sigma_at_S_across_AB_min", "sigma_at_F_across_AB_max", "sigma_at_F_across_AB_min",
-    "sigma_at_F_along_AB_max", "sigma_at_F_along_AB_min", "sigma_at_closure_residual_max",
+    "sigma_at_S_across_AB_min", "sigma_at_F_along_AB_max", "sigma_at_F_along_AB_min",
+    "sigma_at_F_across_AB_max", "sigma_at_F_across_AB_min", "sigma_at_closure_residual_max",
     "sigma_at_closure_residual_min", "sigma_at_F_path_residual_max", "sigma_at_F_path_residual_min"
 ]  # fmt: skip
 HartDriver: TypeAlias = Literal[
