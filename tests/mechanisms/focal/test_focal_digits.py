@@ -57,3 +57,14 @@ def test_no_quantity_loses_digits(drive, kind):
 @pytest.mark.parametrize("drive", DRIVES)
 def test_no_quantity_loses_digits_in_many_configurations(drive, kind):
     assert assert_digits_are_kept(drive, kind, 1000, 4) > 400
+
+
+def test_F_is_nowhere_where_the_crank_cannot_be():
+    """By sigma F lies at a crank that only MPF and NQF hold: with neither in reach it has no place."""
+    design = {"a": 1.5, "b": 1.2, "c": 1.4, "d": 0.8, "rho": 0.7, "completion": 1, "branch": 1}
+    sigma = np.linspace(-3.1, 3.1, 63)
+    found = fl.evaluate("focal", ["crank_type", "F_x", "F_y", "P_x"], input="sigma", sigma=sigma, **design)
+    assert np.isin(found["crank_type"], (1, 2, 3)).all()
+    assert 0 < np.isnan(found["P_x"]).sum() < len(sigma)
+    for name in ("F_x", "F_y"):
+        np.testing.assert_array_equal(np.isnan(found[name]), np.isnan(found["P_x"]))

@@ -171,11 +171,11 @@ def crank_start(near_N: Any, near_crank: Any, near_crank_N: Any, s_s: Any, s_SN:
 
 step = focal.steps(units="1", source=POSITION)
 step(of_nearer, "place_r", "s_r", from_M="near_r", from_N="near_r_N")
-by_P, by_Q = {"way": "near_N"}, {"way": "near_N"}
-step(unless, "place_m", "s_m", length="near_m", **by_P)
-step(unless, "place_p", "s_p", length="near_p", **by_P)
-step(where, "place_n", "s_n", length="near_n", **by_Q)
-step(where, "place_q", "s_q", length="near_q", **by_Q)
+by_N = {"way": "near_N"}
+step(unless, "place_m", "s_m", length="near_m", **by_N)
+step(unless, "place_p", "s_p", length="near_p", **by_N)
+step(where, "place_n", "s_n", length="near_n", **by_N)
+step(where, "place_q", "s_q", length="near_q", **by_N)
 
 
 def way(

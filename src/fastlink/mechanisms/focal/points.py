@@ -14,10 +14,10 @@ from typing import Any
 
 from fastlink.catalogue.catalogue import Catalogue
 from fastlink.mechanisms._shared.laws import along, product, total, turned
-from fastlink.mechanisms.focal.by_crank import either, quantities, steps
+from fastlink.mechanisms.focal.by_crank import by_crank, either, quantities, steps
 from fastlink.mechanisms.focal.design_facts import length_of
 from fastlink.mechanisms.focal.inputs import DESIGN, WUNDERLICH, focal
-from fastlink.numerics.elementary import atan2, select, sqrt
+from fastlink.numerics.elementary import NOT_A_NUMBER, atan2, select, sqrt
 
 POSITION = f"{DESIGN}#position"
 FIGURES = f"{WUNDERLICH}, Figs. 1 and 2"
@@ -74,8 +74,17 @@ joint(along, "B_x", "B_x", "Joint B on NB, x", start="d", length="b", direction=
 joint(product, "B_y", "B_y", "Joint B on NB, y", x="b", y="v_y")
 joint(along, "Q_x", "Q_x", "Joint Q on NB, x", start="d", length="n", direction="v_x")
 joint(product, "Q_y", "Q_y", "Joint Q on NB, y", x="n", y="v_y")
-joint = quantities(units="m", source=f"{WUNDERLICH}, eqs. (1.3), (1.7)")
+joint = focal.quantities(units="m", source=f"{WUNDERLICH}, eqs. (1.3), (1.7)")
 joint.vector(length_of, "F_*", "F_*", "Joint F", scaled="MF_*")
+
+
+def where_it_closes(scaled: Any, scale: Any, half_sine_omega: Any) -> Any:
+    """Return a length from its scaled length; NaN where the crank points, and the dyads do not reach."""
+    return select(half_sine_omega >= 0.0, scaled * scale, NOT_A_NUMBER)
+
+
+joint = by_crank.quantities(units="m", source=f"{WUNDERLICH}, eqs. (1.3), (1.7)")
+joint.vector(where_it_closes, "F_*", "F_*", "Joint F", scaled="MF_*")
 
 # -- T, from A or B -----------------------------------------------------------------------------------------------
 
