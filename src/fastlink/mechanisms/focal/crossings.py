@@ -24,14 +24,14 @@ def far_S(rho_plus_1: Any) -> Any:
     return select(abs(rho_plus_1) < 0.5, 1.0, 0.0)
 
 
-def power_of_M(rho: Any, s_d: Any, mixed: Any, lambda_: Any, rho_plus_1: Any) -> Any:
+def power_of_M(rho: Any, s_d: Any, V: Any, rho_plus_1: Any) -> Any:
     """Power of M with respect to the circle of F, s^2 - r^2."""
-    return (rho * (s_d * s_d) - mixed / lambda_) / rho_plus_1
+    return (rho * (s_d * s_d) - V / rho_plus_1) / rho_plus_1
 
 
-def power_of_N(s_d: Any, mixed: Any, lambda_: Any, rho_plus_1: Any) -> Any:
+def power_of_N(s_d: Any, V: Any, rho_plus_1: Any) -> Any:
     """Power of N with respect to the circle of F, (d - s)^2 - r^2."""
-    return (s_d * s_d - mixed / lambda_) / rho_plus_1
+    return (s_d * s_d - V / rho_plus_1) / rho_plus_1
 
 
 def where_folded(fold_sign: Any, sine: Any, cosine: Any) -> Any:

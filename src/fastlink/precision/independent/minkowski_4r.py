@@ -108,7 +108,7 @@ def _remark(ctx: Any, at: Mapping[str, Any], p: Any) -> dict[str, Any]:
         cosh = C / ctx.sqrt(A * A - B * B)
         if cosh >= 1:
             arch = ctx.acosh(cosh)
-            values["psi_remark"] = (arch if int(at["branch"]) == 1 else -arch) - values["delta"]
+            values["psi_remark"] = (arch if at["branch"] == 1 else -arch) - values["delta"]
     return values
 
 

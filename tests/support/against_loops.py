@@ -1,0 +1,271 @@
+"""Values, bounds and extremes against the loops: ``python -m tests.support.against_loops [DESIGNS [MECHANISM ...]]``.
+
+The reference shares no formula with the facts: `fastlink.precision.independent` on balls of python-flint, with as many
+bits as it takes. A mechanism may be followed by its input, as in ``focal:sigma``.
+"""
+
+from __future__ import annotations
+
+import sys
+from collections import Counter
+from dataclasses import dataclass, field
+
+import numpy as np
+
+import fastlink as fl
+from fastlink.errors import InputError
+from fastlink.mechanisms import catalogue
+from fastlink.precision.independent.models import model_of
+from tests.support.flint_numbers import context
+from tests.support.neighbourhoods import DRAWN
+
+#: Bits of the reference, each taken where the one before leaves something open.
+BITS = (256, 1024, 4096)
+BLOCK = 4096
+#: A whole turn, and what rounding it to a double loses.
+TURN, TURN_LOW = 6.283185307179586, 2.4492935982947064e-16
+#: What a value of the reference is.
+NUMBER, OPEN, UNKNOWN = 0, 1, 2
+#: Quantities whose greatest and least values are compared, in a share of the blocks.
+EXTREMES = {
+    ("planar_4r", "theta1"): (
+        "omega4",
+        "alpha4",
+        "P_speed",
+        "transmission_angle",
+        "F41",
+        "T41",
+        "shaking_force",
+    ),
+    ("planar_4r", "joint_angle_2"): ("joint_omega_4",),
+    ("slider_crank", "theta"): ("slider_velocity", "slider_acceleration", "F41", "T41"),
+    ("focal", "phi"): ("F_y", "dpsi_dphi", "dsigma_dphi"),
+    ("focal", "sigma"): ("T_y", "dphi_dsigma"),
+    ("hart", "phi"): ("F_y", "dpsi_dphi"),
+}
+SHARE = 0.5
+#: The share of a bound that a ball may have.
+SHARP = 2.0**-20
+
+
+@dataclass
+class Tally:
+    """What came out for one mechanism by one input.
+
+    Attributes
+    ----------
+    counts : Counter
+        By the columns of the table.
+    worst : (float, str)
+        The greatest share of an error in its bound, and the quantity that has it.
+    failures : dict
+        By kind and quantity how many there are, and the first: its configuration and what is wrong.
+    """
+
+    mechanism: str
+    input: str
+    counts: Counter = field(default_factory=Counter)
+    worst: tuple[float, str] = (0.0, "")
+    failures: dict = field(default_factory=dict)
+
+    def fail(self, kind, name, at, about):
+        """Add a failure."""
+        self.counts[kind] += 1
+        number, *first = self.failures.get((kind, name), (0, at, about))
+        self.failures[kind, name] = (number + 1, *first)
+
+    def row(self):
+        """Return the row of the table."""
+        share, name = self.worst
+        numbers = (f"{self.counts[column]:,}" for column in COLUMNS)
+        return f"| {self.mechanism}, {self.input} | {share:.3f} ({name}) | {' | '.join(numbers)} |"
+
+    def report(self):
+        """Return the failures by their first examples."""
+        examples = {}
+        for (kind, name), (number, at, about) in self.failures.items():
+            examples.setdefault(str(at), []).append(f"    {name}: {kind}, {number} times; {about}")
+        return "\n".join(
+            f"{self.mechanism}, {self.input}, {at}\n" + "\n".join(of) for at, of in examples.items()
+        )
+
+
+COLUMNS = (
+    "designs",
+    "values",
+    "beyond",
+    "finite where none",
+    "extremes",
+    "missed",
+    "flagged",
+    "NaN",
+    "not told",
+    "open",
+)
+HEADER = f"| mechanism, input | worst error/bound | {' | '.join(COLUMNS)} |\n{'|---' * (len(COLUMNS) + 2)}|"
+
+
+def references(model, names, rows, bits):
+    """Return values as high and low parts, radii, and kinds, each (names, rows); `names` has their numbers."""
+    shape = (len(names), len(rows))
+    high, low, radius = np.full(shape, np.nan), np.zeros(shape), np.zeros(shape)
+    kinds = np.full(shape, UNKNOWN)
+    for i, at in enumerate(rows):
+        lost = model.lost(at)
+        if lost is None:
+            continue
+        with context(bits + 4 * lost) as ctx:
+            for name, value in model.values(ctx, at, names).items():
+                k = names[name]
+                if value is None:
+                    kinds[k, i] = OPEN
+                    continue
+                if not value.is_finite():
+                    continue
+                high[k, i] = float(value.mid())
+                if np.isfinite(high[k, i]):
+                    low[k, i] = float((value - high[k, i]).mid())
+                radius[k, i] = float(value.rad())
+                kinds[k, i] = NUMBER
+    return high, low, radius, kinds
+
+
+def computed(mechanism, drive, names, design):
+    """Return the values in doubles and their error bounds, each (names, designs)."""
+    n = len(next(iter(design.values())))
+    known = catalogue(mechanism, drive)
+    bounded = [name for name in names if not known.public_fact(name).flags]
+    wanted = [*names, *(f"{name}_error" for name in bounded)]
+    with np.errstate(all="ignore"):
+        found = fl.evaluate(mechanism, wanted, input=drive, **design)
+    values = np.array([np.broadcast_to(found[name], n) for name in names])
+    bounds = np.array(
+        [np.broadcast_to(found[f"{name}_error"], n) if name in bounded else np.zeros(n) for name in names]
+    )
+    return values, bounds
+
+
+def errors_of(values, high, low, turning):
+    """Return the errors of values, of angles modulo a turn."""
+    with np.errstate(all="ignore"):
+        errors = (values - high) - low
+        turns = np.where(turning[:, None] & (abs(errors) > 3.0), np.sign(errors), 0.0)
+        return abs((((values - high) - turns * TURN) - low) - turns * TURN_LOW)
+
+
+def compare(tally, design, rng, extremes):
+    """Compare one block of designs."""
+    model = model_of(catalogue(tally.mechanism, tally.input))
+    known = catalogue(tally.mechanism, tally.input)
+    names = [
+        name for name in (*model.orders, *model.of_design) if name in known.public and name not in design
+    ]
+    names = [name for name in names if _has(known, name, design)]
+    n = len(next(iter(design.values())))
+    rows = [{str(name): float(values[i]) for name, values in design.items()} for i in range(n)]
+    values, bounds = computed(tally.mechanism, tally.input, names, design)
+    turning = np.array([name in model.turning for name in names])
+    index = {name: k for k, name in enumerate(names)}
+    high, low, radius, kinds = references(model, index, rows, BITS[0])
+    for bits in BITS[1:]:
+        errors = errors_of(values, high, low, turning)
+        again = suspicious(values, bounds, errors, radius, kinds).any(axis=0).nonzero()[0]
+        if not again.size:
+            break
+        found = references(model, index, [rows[i] for i in again], bits)
+        for whole, part in zip((high, low, radius, kinds), found, strict=True):
+            whole[:, again] = part
+    count(tally, names, rows, values, bounds, errors_of(values, high, low, turning), radius, kinds, high)
+    for name in EXTREMES.get((tally.mechanism, tally.input), ()) if extremes else ():
+        if name in index and rng.random() < SHARE:
+            k = index[name]
+            told = (kinds[k] == NUMBER) & np.isfinite(bounds[k]) & np.isfinite(high[k])
+            compare_extremes(tally, design, rows, name, np.where(told, high[k], np.nan))
+
+
+def compare_extremes(tally, design, rows, name, exact):
+    """Compare the greatest and least values of a block with exact ones at the drawn positions: none is beyond them."""
+    columns = {key: values for key, values in design.items() if key not in (tally.input, "branch")}
+    ends = [f"{name}_{end}" for end in ("max", "min")]
+    asked = [*ends, *(f"{end}_error" for end in ends)]
+    maps = fl.sweep(tally.mechanism, fl.table(columns), asked, input=tally.input, angles=8, threads=1)
+    each, branch = np.arange(len(rows)), design["branch"].astype(int) - 1
+    most, least, above, below = (maps[one].values[each, branch] for one in asked)
+    told = np.isfinite(exact) & (above < np.inf) & (below < np.inf)
+    tally.counts["extremes"] += 2 * int(told.sum())
+    with np.errstate(all="ignore"):
+        inside = (exact <= most + above) & (exact >= least - below)
+    for i in np.flatnonzero(told & ~inside):
+        about = f"exact {float(exact[i])!r}, found from {float(least[i])!r} to {float(most[i])!r}"
+        tally.fail("missed", name, rows[i], about)
+
+
+def suspicious(values, bounds, errors, radius, kinds):
+    """Return where the reference should be computed with more bits: wrong values, unless it is sharp."""
+    with np.errstate(invalid="ignore"):
+        right = (kinds == NUMBER) & (errors <= bounds) & ((radius <= SHARP * bounds) | (errors == 0.0))
+    return np.isfinite(values) & np.isfinite(bounds) & ~right
+
+
+def count(tally, names, rows, values, bounds, errors, radius, kinds, high):
+    """Add a block to the tally; a value with an infinite bound is flagged, it claims nothing."""
+    finite, claims = np.isfinite(values), np.isfinite(bounds)
+    inside, is_open = (kinds == NUMBER) & np.isfinite(high), kinds == OPEN
+    with np.errstate(all="ignore"):
+        wrong = finite & inside & claims & (errors > bounds)
+        beyond = wrong & (radius <= 0.01 * errors)
+        sharp = finite & inside & claims & (bounds > 0.0) & (radius <= SHARP * np.maximum(errors, bounds))
+        shares = np.where(sharp & ~beyond, errors / bounds, 0.0)
+    unknown = finite & claims & (kinds == UNKNOWN)
+    tally.counts += Counter(
+        {
+            "designs": len(rows),
+            "values": int((finite & inside).sum() + (is_open & ~finite).sum()),
+            "flagged": int((finite & ~claims & (kinds != UNKNOWN)).sum()),
+            "NaN": int((np.isnan(values) & inside).sum()),
+            "not told": int((unknown | wrong & ~beyond).sum()),
+            "open": int(is_open.any(axis=0).sum()),
+        }
+    )
+    k, i = np.unravel_index(np.argmax(shares), shares.shape)
+    tally.worst = max(tally.worst, (float(shares[k, i]), names[k]))
+    for kind, where in (("beyond", beyond), ("finite where none", finite & is_open & claims)):
+        for k, i in zip(*where.nonzero(), strict=True):
+            about = f"value {float(values[k, i])!r}, exact {float(high[k, i])!r}, bound {bounds[k, i]:.3g}"
+            tally.fail(kind, names[k], rows[i], about)
+
+
+def _has(known, name, design):
+    """Tell whether the drawn inputs determine a quantity."""
+    try:
+        known.dependencies([name], design, known.variants_selected_by(design))
+    except (InputError, LookupError):
+        return False
+    return True
+
+
+def campaign(mechanism, drive, designs, seed=0, extremes=True):
+    """Return the tally of so many designs."""
+    tally = Tally(mechanism, drive)
+    rng = np.random.default_rng([seed, *map(ord, mechanism + drive)])
+    for start in range(0, designs, BLOCK):
+        n = min(BLOCK, designs - start)
+        design = DRAWN[mechanism, drive](rng, n) | {"branch": rng.integers(1, 3, n).astype(float)}
+        compare(tally, design, rng, extremes)
+    return tally
+
+
+def main():
+    """Print the table, row by row, then what fails."""
+    designs = int(sys.argv[1]) if len(sys.argv) > 1 else 1000
+    chosen = [drawn for drawn in DRAWN if not sys.argv[2:] or {drawn[0], ":".join(drawn)} & {*sys.argv[2:]}]
+    print(HEADER)
+    tallies = []
+    for mechanism, drive in chosen:
+        tallies.append(campaign(mechanism, drive, designs))
+        print(tallies[-1].row(), flush=True)
+    print("\n".join(filter(None, (tally.report() for tally in tallies))))
+
+
+if __name__ == "__main__":
+    main()
