@@ -86,6 +86,39 @@ def test_the_angles_of_3_1_are_those_of_1_1(figure):
             assert (np.abs(enclosed - figure[name]) <= 30 * UNIT_ROUNDING * figure.size / shorter).all()
 
 
+def test_the_quadrangles_of_section_4_are_similar(figure):
+    """MPFS ~ FQBT and NQFS ~ FPAT, turned over."""
+    points = figure.points
+    for one, other in (("MPFS", "FQBT"), ("NQFS", "FPAT")):
+        sides = [points[corner] - points[one[1]] for corner in one]
+        images = [points[corner] - points[other[1]] for corner in other]
+        for k in (2, 3):
+            turned = sides[0].conj() * images[k] - sides[k].conj() * images[0]
+            # products of two vectors, each some ten roundings of the joints off
+            assert (np.abs(turned) <= 100 * UNIT_ROUNDING * figure.size**2).all(), (one, k)
+
+
+def test_the_graphic_solution_of_figure_4():
+    """Section 6: the angles are right ones, ST is a diameter of the circle SPTQ, and 2 r is h1 - h2."""
+    names = ["omega_angle", "chi", "PSQT_radius", "T_x", "T_y", "S_x", "r", "h1", "h2", "F_x"]
+    for a, c, d in ((5.0, 2.0, 4.0), (3.0, 1.0, 2.5), (2.0, 0.7, 1.9)):
+        phi = np.arccos(0.5 * (d - c) / a)
+        given = {"a": a, "b": a, "c": c, "d": d, "rho": 1.0, "completion": 1}
+        at = {
+            name: float(value)
+            for name, value in fl.evaluate("focal", names, **given, phi=phi, branch=2).items()
+        }
+        # angles that phi determines to some ten roundings
+        assert abs(abs(at["omega_angle"]) - 0.5 * np.pi) <= 30 * UNIT_ROUNDING
+        assert abs(abs(at["chi"]) - 0.5 * np.pi) <= 100 * UNIT_ROUNDING
+        assert abs(at["F_x"] - 0.5 * d) <= 10 * UNIT_ROUNDING * d
+        assert (
+            abs(2.0 * at["PSQT_radius"] - np.hypot(at["T_x"] - at["S_x"], at["T_y"]))
+            <= 30 * UNIT_ROUNDING * a
+        )
+        assert abs(2.0 * at["r"] - (at["h1"] - at["h2"])) <= 10 * UNIT_ROUNDING * a
+
+
 def test_opposite_sides_are_seen_from_F_at_angles_of_sum_0_or_pi(figure):
     """(4.4) and (4.7): AFM + NFB and MFN + BFA, as directed angles of lines."""
     M, N, A, B, F = (figure.points[joint] for joint in "MNABF")
