@@ -85,8 +85,7 @@ def assert_bounds_hold(mechanism, drive, about, n, by=""):
     for name, one, value, bound, trust, exact in errors(mechanism, drive, about, n, by):
         total += 1
         finite += bound < np.inf
-        assert bound >= 0.0, (name, one)  # of a number it is one
-        if bound == np.inf:
+        if not bound < np.inf:
             assert trust == 1.0, (name, one)
             continue
         assert CONTEXT.isfinite(exact), (name, one, value, bound)
@@ -148,6 +147,26 @@ def assembled(a1, a2, a3, a4, theta1, branch):
     AB, DB = B - A, B - D
     dot = [mp.re(1j * arm * mp.conj(AB)) for arm in (A, DB)]
     return mp.arg(DB), dot[0] / dot[1]
+
+
+def test_a_direction_is_wrong_by_half_a_turn_at_most():
+    """The bound is not pi as rounded, which is less."""
+    kite = {
+        "a": 0.3157642406445423,
+        "b": 0.3157642406445423,
+        "c": 0.3157642406445423,
+        "d": 0.3157642406445423,
+    }
+    inputs = kite | {
+        "s": -0.3773939580730596,
+        "completion": 1.0,
+        "branch": 2.0,
+        "phi": -1.5733016276073395e-17,
+    }
+    found = fl.evaluate("focal", ["beta", "beta_error"], **inputs)
+    facts = HighPrecision(catalogue("focal"), ["beta"], inputs, ("s",))
+    assert abs(CONTEXT.mpf(float(found["beta"])) - facts.at(inputs)["beta"]) <= found["beta_error"]
+    assert found["beta_error"] < 3.2
 
 
 def test_bounds_hold_against_circles_that_intersect():
