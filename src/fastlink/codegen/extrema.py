@@ -234,24 +234,33 @@ class _ExtremaWriter(ExtremaSchedule):
 
     def write_extrema(self, number: int, classify: Callable[..., Any], state: str) -> None:
         """Write the quantity's evaluation at items of a search, what is extreme there, and its storing."""
-        text = self.text
-        text.call(roots.every_vector, "vectors, filled", "n_open")
-        text.add(f"value_{number}(state, vectors, n_open)")
+        text, search = self.text, self.program.searches[number]
+        self.write_value(number)
         text.call(classify, f"{state}, search_{number}")
-        search = self.program.searches[number]
+        if classify is results.end_values and search.order > 0:
+            text.call(results.make_poles, "state, filled, w, table")
         if self.program.has_bounds and classify is results.extrema_at_zeros:
             text.call(bounds.bound_zeros, f"state, filled, search_{number}, {int(search.magnitude)}")
         elif self.program.has_bounds:
             text.call(bounds.bound_ends, "state, filled, w, table")
         text.call(results.store_extrema, f"state, filled, table, search_{number}, lists, best")
 
+    def write_value(self, number: int) -> None:
+        """Write the quantity's evaluation at items of a search."""
+        self.text.call(roots.every_vector, "vectors, filled", "n_open")
+        self.text.add(f"value_{number}(state, vectors, n_open)")
+
     def write_ends(self, number: int) -> None:
         """Write the values at the ends of the range, where these may be extreme."""
-        text = self.text
+        text, search = self.text, self.program.searches[number]
         text.call(results.collect_ends, f"w, n_here, table, search_{number}, best, ends", "n_ends")
         with text.block(f"for start in range(0, n_ends, {LANES}):"):
             text.call(cells.gather, f"ends, start, n_ends, w, rows_{number}, state", "filled")
-            text.call(roots.place_ends, "state, filled")
+            if search.order > 0:
+                text.call(roots.place_ends, f"state, filled, {results.FARTHER}")
+                self.write_value(number)
+                text.call(results.keep_beside, "state, filled")
+            text.call(roots.place_ends, "state, filled, 1.0")
             self.write_extrema(number, results.end_values, "state, filled, w, table")
 
     def write_evaluations(self, number: int, search: ExtremumSearch) -> None:

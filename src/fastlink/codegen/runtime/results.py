@@ -33,6 +33,8 @@ from fastlink.codegen.runtime.cells import (
     TOGGLE,
     UPPER,
     VALUE,
+    F,
+    X,
     append_item,
     padded,
     set_bracket,
@@ -41,7 +43,8 @@ from fastlink.numerics.compiler import inlined, lanes, outlined
 from fastlink.numerics.elementary import ANGLE_ROUNDING, INFINITY, NOT_A_NUMBER, PI, TWO_PI
 
 __all__ = [
-    *("clear", "collect_ends", "doubt", "end_values", "extrema_at_zeros", "mirror_image"),
+    *("clear", "collect_ends", "doubt", "end_values", "extrema_at_zeros"),
+    *("keep_beside", "make_poles", "mirror_image"),
     *("store_best", "store_bound", "store_counts", "store_extrema", "store_list"),
 ]
 
@@ -52,6 +55,9 @@ LIST_ROWS = 3
 # are requested, those of both.
 GREATEST, AT_GREATEST, LEAST, AT_LEAST, COUNT, GREATEST_BOUND, LEAST_BOUND = range(7)
 BEST_ROWS = 5
+# How much farther from a fold than the first sample, 2^-60 of the scale, a quantity is evaluated too; and how much
+# smaller it is there at least if it has a pole at the fold.
+FARTHER, GROWS = 2.0**30, 2.0**20
 
 
 @outlined
@@ -114,6 +120,26 @@ def extrema_at_zeros(s: Any, count: int, table: Any, search: Any) -> None:
             # An angle near 0 passes 0, which is no extremum; it is pi and -pi where it jumps.
             s[KIND, i] = NOT_A_NUMBER if abs(s[VALUE, i]) < 1.0 else 0.0
             s[VALUE, i] = PI
+
+
+@outlined
+def keep_beside(s: Any, count: int) -> None:
+    """Keep the values of a quantity at positions beside the ends of the range."""
+    for i in lanes(padded(count)):
+        s[F, i] = s[VALUE, i]
+
+
+@outlined
+def make_poles(s: Any, count: int, w: Any, table: Any) -> None:
+    """Make values beside a fold infinite where they grow towards it as 1/x or more: forces, where all bars are in line.
+
+    A value that is nothing but rounding does not grow with the distance of both positions.
+    """
+    for i in range(count):
+        fold = w[table[TOGGLE] + int(s[UPPER, i]), int(s[LANE, i])] == 0.0
+        beside = abs(s[F, i])
+        if fold and s[X, i] > 0.0 and beside > 0.0 and abs(s[VALUE, i]) > GROWS * beside:
+            s[VALUE, i] = s[VALUE, i] * INFINITY
 
 
 @outlined

@@ -101,10 +101,10 @@ def every_vector(vectors: Any, count: int) -> int:
 
 
 @outlined
-def place_ends(s: Any, count: int) -> None:
-    """Put items at the ends of the range at their positions."""
+def place_ends(s: Any, count: int, times: float) -> None:
+    """Put items at the ends of the range at so many times their positions."""
     for i in lanes(padded(count)):
-        s[X, i] = s[XA, i]
+        s[X, i] = times * s[XA, i]
 
 
 @outlined
