@@ -12,8 +12,8 @@ from typing import TYPE_CHECKING, Any
 
 from fastlink.codegen.extrema_schedule import ExtremaSchedule
 from fastlink.codegen.runtime import bounds, cells, results, roots, sampling, subdivision
-from fastlink.codegen.runtime.cells import ITEM_ROWS, LANES, MOST_LANES, STATE_ROWS
-from fastlink.codegen.source import Array, Source, Text, paste_fact
+from fastlink.codegen.runtime.cells import LANES, MOST_LANES, STATE_ROWS
+from fastlink.codegen.source import Source, Text, paste_fact
 
 if TYPE_CHECKING:
     from fastlink.facts.fact import Fact
@@ -56,31 +56,6 @@ class _ExtremaWriter(ExtremaSchedule):
             self.write_evaluations(number, search)
         text.lines = kernel
         return text.source(self.program, self.scratch())
-
-    def scratch(self) -> tuple[Array, ...]:
-        """Return the arrays that the kernel works in."""
-        searches, samples = self.program.searches, self.sample_row(len(self.program.searches), 0)
-        columns = len(searches) * len(self.program.branches) * LANES
-        room = LANES * self.halves
-        has_lists = any(output.request.listed for output in self.program.outputs)
-        kept = max(search.most for search in searches) if has_lists else 0
-        return (
-            Array("w", "float64", (len(self.rows), LANES)),
-            Array("samples", "float64", (samples, LANES)),
-            Array("state", "float64", (STATE_ROWS + max(map(len, map(self.item_needs, searches))), LANES)),
-            Array("marks", "int8", (samples, LANES)),
-            # as many for each lane; of a smooth function, which has few, far less
-            Array("valleys", "float64", (ITEM_ROWS, 2 * room * self.samples + MOST_LANES)),
-            Array("roots", "float64", (ITEM_ROWS, 6 * room * self.samples + MOST_LANES)),
-            Array("unresolved", "float64", (ITEM_ROWS, 4 * room * self.samples + MOST_LANES)),
-            Array("fine_marks", "int8", (cells.FINE_SAMPLES, LANES)),
-            Array("ends", "float64", (ITEM_ROWS, 2 * room + MOST_LANES)),
-            Array("flags", "int8", (LANES,)),
-            Array("vectors", "int64", (LANES // MOST_LANES,)),
-            Array("counts", "int64", (cells.COUNTS,)),
-            Array("best", "float64", (results.BEST_ROWS + 2 * self.program.has_bounds, columns)),
-            Array("lists", "float64", (results.LIST_ROWS + self.program.has_bounds, columns, kept)),
-        )
 
     # -- designs and samples -----------------------------------------------------------------------
 

@@ -1,11 +1,14 @@
-"""The loop of each value in the kernel of a search, the row that keeps it, and the parts of the range."""
+"""The loop of each value in the kernel of a search, the row that keeps it, the arrays, and the parts of the range."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from typing import TYPE_CHECKING
 
+from fastlink.codegen.runtime import cells, results
+from fastlink.codegen.runtime.cells import ITEM_ROWS, LANES, MOST_LANES, STATE_ROWS
 from fastlink.codegen.schedule import needed_steps
+from fastlink.codegen.source import Array
 from fastlink.facts.fact import Fact
 from fastlink.facts.names import error_name
 
@@ -64,6 +67,31 @@ class ExtremaSchedule:
     def number_of(self, quantity: str) -> int:
         """Return the number of the search for a quantity's extrema, which stands before that for its jumps."""
         return [search.quantity for search in self.program.searches].index(quantity)
+
+    def scratch(self) -> tuple[Array, ...]:
+        """Return the arrays that the kernel works in."""
+        searches, samples = self.program.searches, self.sample_row(len(self.program.searches), 0)
+        columns = len(searches) * len(self.program.branches) * LANES
+        room = LANES * self.halves
+        has_lists = any(output.request.listed for output in self.program.outputs)
+        kept = max(search.most for search in searches) if has_lists else 0
+        return (
+            Array("w", "float64", (len(self.rows), LANES)),
+            Array("samples", "float64", (samples, LANES)),
+            Array("state", "float64", (STATE_ROWS + max(map(len, map(self.item_needs, searches))), LANES)),
+            Array("marks", "int8", (samples, LANES)),
+            # as many for each lane; of a smooth function, which has few, far less
+            Array("valleys", "float64", (ITEM_ROWS, 2 * room * self.samples + MOST_LANES)),
+            Array("roots", "float64", (ITEM_ROWS, 6 * room * self.samples + MOST_LANES)),
+            Array("unresolved", "float64", (ITEM_ROWS, 4 * room * self.samples + MOST_LANES)),
+            Array("fine_marks", "int8", (cells.FINE_SAMPLES, LANES)),
+            Array("ends", "float64", (ITEM_ROWS, 2 * room + MOST_LANES)),
+            Array("flags", "int8", (LANES,)),
+            Array("vectors", "int64", (LANES // MOST_LANES,)),
+            Array("counts", "int64", (cells.COUNTS,)),
+            Array("best", "float64", (results.BEST_ROWS + 2 * self.program.has_bounds, columns)),
+            Array("lists", "float64", (results.LIST_ROWS + self.program.has_bounds, columns, kept)),
+        )
 
     # -- names of values ---------------------------------------------------------------------------
 
