@@ -194,6 +194,8 @@ PLANAR_4R = (
         *("planar_4r", "theta1"),
         about="designs of",
         families=families(by_name, configurations.CLASSES, configurations.LENGTHS, configurations.designs),
+        # 0 N m of lengths alone: its units of mass and time are of no input.
+        elsewhere={"inertia_moment1": "is the number 0 unless alpha1 is given"},
         slopes={"random": 1.0},
         few=12,
         many=600,
