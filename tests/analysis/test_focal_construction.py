@@ -96,15 +96,15 @@ def test_the_angles_alone_make_the_same_mechanism_with_50_digits():
 
 def test_of_other_points_the_nearest_point_of_the_cubic_is_taken(known):
     rng = np.random.default_rng(2)
-    position = [known[name][:200] for name in POSITION]
-    x, y = rng.uniform(-3.0, 3.0, (2, 200))
+    position = [known[name][:100] for name in POSITION]
+    x, y = rng.uniform(-3.0, 3.0, (2, 100))
     made = fl.focal.from_point(*position, x=x, y=y)
     off = np.hypot(made.values["F_x"] - x, made.values["F_y"] - y)
-    traced = fl.focal.cubic_points(*position, samples=1500)
+    traced = fl.focal.cubic_points(*position, samples=700)
     least = np.nanmin(np.hypot(traced[..., 0] - x[:, None], traced[..., 1] - y[:, None]), axis=1)
     assert (off <= least * (1.0 + 1e-9)).all()
     # points of an arc are at most some thousandths of its length apart
-    assert (off >= least - 0.05).all()
+    assert (off >= least - 0.05 * (1.0 + least)).all()
     # far away the nearest point is next to the asymptote, (V_x, V_y) = MN - AB
     far = fl.focal.from_point(1.0, 2.0, 1.5, 1.9, 0.5, x=-1e5, y=3e3).values
     k = fl.focal.cubic(1.0, 2.0, 1.5, 1.9, 0.5)
