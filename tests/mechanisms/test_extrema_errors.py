@@ -26,9 +26,9 @@ LENGTHS = ("a1", "a2", "a3", "a4")
 DRIVEN = [
     entry for entry in ENTRIES if entry.moves and entry.catalogue.graded and entry.solver == "eliminated"
 ]
-#: One quantity of each kind: rates, accelerations, forces, angles with jumps, a coordinate, an angle with kinks.
+#: Some of each kind: accelerations, forces, a coordinate, an angle with kinks; rates and angles with jumps are below.
 SOME = {
-    "theta1": ("omega4", "alpha4", "F41", "theta4"),
+    "theta1": ("alpha4", "F41"),
     "theta": ("slider_acceleration",),
     "sigma": ("transmission_angle_F",),
     "phi": ("F_y",),
@@ -49,7 +49,7 @@ def cases(entries):
 
 
 #: The plain planar 4R in all families, every other mechanism and input in one.
-FIRST = {entry: next(iter(entry.families)) for entry in DRIVEN[1:]}
+FIRST = {entry: next(iter(entry.families)) for entry in DRIVEN[1:] if not entry.about}
 
 
 @pytest.mark.parametrize("kind", DRIVEN[0].families)
@@ -108,13 +108,12 @@ def test_no_extreme_has_no_error_and_what_is_infinite_an_infinite_one():
 def test_forces_are_infinite_where_a_change_point_folds_under_a_load(lengths):
     """All bars lie in line there, and no finite force along them holds a weight across; along them some do."""
     links = fl.round_bar(density=7750.0, radius=0.01)
-    names = ["F21_max", "F21_max_error", "F21_min", "F21_min_error", "omega4_max"]
+    names = ["F21_max", "F21_max_error", "F21_min", "F21_min_error"]
     space = fl.grid(**dict(zip(LENGTHS, lengths, strict=True)), omega1=1.0, gravity_y=[-9.81])
     loaded = fl.sweep("planar_4r", space, names, links=links, progress=False)
     assert np.isinf(loaded["F21_max"]).all()
     assert np.isinf(loaded["F21_max_error"]).all()
     assert (loaded["F21_min_error"] < 1e-9 * loaded["F21_min"]).all()
-    assert np.isfinite(loaded["omega4_max"]).all()
     assert np.isfinite(swept(["F21_max"], lengths, links=links)["F21_max"]).all()
 
 

@@ -93,6 +93,7 @@ QUANTITIES = {
         omega4_peak -> omega4_max
         peak omega4 -> omega4_max
         omega4_maximum -> omega4_max
+        error of the greatest omega4 -> omega4_max_error
         max rocker speed -> omega4_max
         omega4_avg -> omega4_mean
         omega4_average -> omega4_mean
