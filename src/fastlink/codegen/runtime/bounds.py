@@ -56,6 +56,8 @@ MARGIN = 1.0 + 2.0**-10
 OF_PI = 2.0**-52
 # The place of a kink.
 OF_PLACE = 2.0**-48
+# At a kink rounding may hide the sign of a slope that is far beyond that of rounding, and no step leads to its zero.
+UNRESOLVED, FAR = 2.0**20, 2.0**-7
 
 
 @inlined
@@ -84,7 +86,9 @@ def bound_zeros(s: Any, count: int, search: Any, magnitude: int) -> None:
         for i in lanes(padded(count)):
             own, value, slope, slope_bound = MARGIN * s[BOUND, i], s[VALUE, i], s[SLOPE, i], s[SLOPE_BOUND, i]
             steep = slope + slope_bound
-            off, most = steep * (steep / s[BEND, i]), own + (OF_PLACE * slope + TWO_PI * slope_bound)
+            kink = (steep > UNRESOLVED * own) & (steep > FAR * s[BEND, i])
+            off = steep * (steep / s[BEND, i])
+            most = own + (OF_PLACE * slope + (0.0 if kink else TWO_PI * slope_bound))
             bound = own + (off if off < most else most)
             least = (magnitude > 0) & (s[KIND, i] < 0.0) & (bound > value)
             s[BOUND, i] = known((value if value > own else own) if least else bound)
