@@ -150,3 +150,24 @@ def test_designs_in_a_sweep_leave_each_other_alone():
     positions = np.linspace(-np.pi, np.pi, 20001)
     curve = fl.evaluate("planar_4r", ["P_speed"], branch=2, theta1=positions, **narrow)["P_speed"]
     assert alone[1] <= np.nanmin(curve)
+
+
+def test_half_a_range_of_rounding_errors_hides_no_extreme_of_the_other():
+    """Where r = l and e = 0 the slider stays at O for half a turn, and its torque is zero but for rounding."""
+    design = {
+        "r": 8.0,
+        "l": 8.0,
+        "e": 0.0,
+        "omega": 0.5639,
+        "m1": 0.0,
+        "I1": 0.0,
+        "m2": 0.0,
+        "I2": 0.84,
+        "m3": 0.167,
+    }
+    design |= {"G1_u": 8.0, "G1_v": 8.0, "G2_u": -4.2, "G2_v": 9.0, "F_load": 179.0}
+    most = fl.sweep("slider_crank", fl.grid(**design), ["T41_max"], branch=1).T41_max
+    # T41 = 2 r sin(theta) (F + 2 m3 r omega^2 cos(theta)) for half a turn
+    theta = np.linspace(0.0, np.pi / 2, 100001)
+    load = 179.0 + 2 * 0.167 * 8.0 * 0.5639**2 * np.cos(theta)
+    assert float(most) == pytest.approx(np.max(16.0 * np.sin(theta) * load), rel=1e-9)

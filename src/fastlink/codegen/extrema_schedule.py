@@ -80,9 +80,9 @@ class ExtremaSchedule:
             Array("samples", "float64", (samples, LANES)),
             Array("state", "float64", (STATE_ROWS + max(map(len, map(self.item_needs, searches))), LANES)),
             Array("marks", "int8", (samples, LANES)),
-            # as many for each lane; of a smooth function, which has few, far less
-            Array("valleys", "float64", (ITEM_ROWS, 2 * room * self.samples + MOST_LANES)),
-            Array("roots", "float64", (ITEM_ROWS, 6 * room * self.samples + MOST_LANES)),
+            # as many for each lane: of rounding errors one in each part of each cell, of a smooth function far less
+            Array("valleys", "float64", (ITEM_ROWS, 10 * room * self.samples + MOST_LANES)),
+            Array("roots", "float64", (ITEM_ROWS, 10 * room * self.samples + MOST_LANES)),
             Array("unresolved", "float64", (ITEM_ROWS, 4 * room * self.samples + MOST_LANES)),
             Array("fine_marks", "int8", (cells.FINE_SAMPLES, LANES)),
             Array("ends", "float64", (ITEM_ROWS, 2 * room + MOST_LANES)),
