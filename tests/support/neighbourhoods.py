@@ -114,11 +114,15 @@ def masses(rng, n):
     )
 
 
-def scaled(rng, design, names):
-    """Give a share of the designs lengths far from 1, which may be those of other units."""
+def scaled(rng, design, names, inertias=()):
+    """Give a share of the designs lengths far from 1, and inertias as they are with other units of length."""
     n = len(next(iter(design.values())))
     by = np.where(rng.random(n) < 0.15, powers(rng, n, -120, 120), 1.0)
-    return design | {name: design[name] * by for name in names}
+    return (
+        design
+        | {name: design[name] * by for name in names}
+        | {name: design[name] * by**2 for name in inertias}
+    )
 
 
 def arccosine(x):
@@ -158,8 +162,9 @@ def planar_4r(rng, n, joint=0):
     points = ["P_u", "P_v", *(f"G{i}_{axis}" for i in (1, 2, 3) for axis in "uv")]
     points += [name for name in ("M_x", "M_y") if "moment point" in (chosen := _loads(rng))]
     design |= {name: size * factors(rng, n) for name in points}
-    design = scaled(rng, design, tuple(design))
+    long = tuple(design)
     design |= {f"{name}{i}": masses(rng, n) for i in (1, 2, 3) for name in "mI"}
+    design = scaled(rng, design, long, ("I1", "I2", "I3"))
     design["omega1"] = factors(rng, n)
     design |= {name: factors(rng, n) for load in chosen if load != "moment point" for name in LOADS[load]}
     return design | {"theta1": angles(rng, n, *toggles)}
@@ -177,8 +182,9 @@ def slider_crank(rng, n):
         toggles = tuple(np.arcsin((e + s * l) / r) for s in (-1.0, 1.0))
     design = {"r": r, "l": l, "e": e}
     design |= {f"G{i}_{axis}": np.maximum(r, l) * factors(rng, n) for i in (1, 2) for axis in "uv"}
-    design = scaled(rng, design, tuple(design))
-    design |= {name: masses(rng, n) for name in ("m1", "I1", "m2", "I2", "m3")} | {"omega": factors(rng, n)}
+    long = tuple(design)
+    design |= {name: masses(rng, n) for name in ("m1", "I1", "m2", "I2", "m3")}
+    design = scaled(rng, design, long, ("I1", "I2")) | {"omega": factors(rng, n)}
     if rng.random() < 0.5:
         design["F_load"] = factors(rng, n)
     return design | {"theta": angles(rng, n, *toggles)}
