@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from numpy.testing import assert_array_equal
 from tests.support.focal_configurations import random_designs
 from tests.support.refusals import refused
 
@@ -179,6 +180,26 @@ def test_where_the_four_bar_does_not_assemble_there_is_none():
     never = (1.0, 1.0, 0.1, 5.0, 0.0)
     assert all(np.isnan(value) for value in fl.focal.inscribed_conics(*never, t=0.5))
     assert np.isnan(fl.focal.involution(*never, x=1.0, y=1.0).first)
+
+
+@pytest.mark.parametrize("t", [1e160, -1e200, 1.7e308])
+def test_towards_infinity_the_conics_become_the_parabola(figure, t):
+    """The focus at a finite place is then A N/(A + N - B), and tangents do not depend on t any more."""
+    conic, even_further = (
+        fl.focal.inscribed_conics(*position(figure), t=one) for one in (t, 2.0 * (t / 4.0))
+    )
+    A, B, N = figure["A"], figure["B"], figure["d"]
+    focus = A * N / (A + N - B)
+    # the roundings of products of B, A and N in the square of their sum
+    size = np.abs(focus) * ((np.abs(A) + N + np.abs(B)) / np.abs(A + N - B)) ** 2
+    assert (np.abs(conic.x2 + 1j * conic.y2 - focus) <= 10 * UNIT_ROUNDING * size).all()
+    assert_array_equal(conic.kind, even_further.kind)
+    assert_array_equal(conic.direction, even_further.direction)
+    finite = np.isfinite(conic.major)
+    assert finite.all() or t == 1.7e308
+    assert_array_equal(conic.major[finite], 2.0 * even_further.major[finite])
+    rays = fl.focal.involution(*position(figure), x=1.7, y=-2.9)
+    assert_array_equal(rays.tangents(t), rays.tangents(np.ldexp(np.frexp(t)[0], 100)))
 
 
 @pytest.mark.parametrize(

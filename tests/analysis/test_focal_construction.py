@@ -180,7 +180,9 @@ def test_where_the_angles_at_both_ends_are_equal_the_best_is_exact():
     assert abs(np.cos(best["transmission_angle_PQ_least"]) - cosine) <= 1e-13
 
 
-@pytest.mark.parametrize("between", [0.5, (0.9, 0.1), (0.1, np.inf), "s", (0.1, 0.2, 0.3)])
+@pytest.mark.parametrize(
+    "between", [0.5, (0.9, 0.1), (0.1, np.inf), "s", (0.1, 0.2, 0.3), (-1.7e308, 1.7e308)]
+)
 def test_limits_are_two_numbers_in_order(between):
     with refused("between", "write"):
         fl.focal.best_point(4.0, 5.0, 2.0, 4.0, 1.2, between=between)
@@ -362,11 +364,21 @@ def test_a_hart_linkage_held_at_AB_is_one_that_moves_as_seen_from_AB():
 
 
 @pytest.mark.parametrize(
+    ("kappa", "other"), [(0.0, np.inf), (-0.0, -np.inf), (5e-324, np.inf), (-1e200, -1e-200)]
+)
+def test_what_is_beyond_doubles_of_a_hart_linkage_held_at_AB_is_infinite(kappa, other):
+    held = fl.hart.held_at_AB(m=4.0, n=8.0, d=6.0, kappa=kappa)
+    assert held["kappa"] == other
+    assert held["m"] == (np.inf if abs(kappa) > 1.0 else 0.0)
+
+
+@pytest.mark.parametrize(
     ("given", "key", "remedy"),
     [
         ({"m": np.inf}, "m", "write a finite number"),
         ({"q": "long"}, "q", "write a number"),
         ({"n": 1e80}, "n", "write 1e-70 to 1e+70"),
+        ({"p": 0.0}, "p", "write 1e-70 to 1e+70"),
         ({"d": -1.0}, "d", "write a finite number greater than 0"),
     ],
 )

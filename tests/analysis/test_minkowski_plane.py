@@ -306,6 +306,11 @@ def test_sides_and_angles_by_the_cosine_rule():
         true = [mp.acosh(one) if one >= 1 else mp.nan for one in cosines]  # c is rounded
         # Four factors of 1 rounding and their quotients, halved, two roots, three more and arsinh.
         assert_near(plane.cosine_rule_angle(a[there], b[there], c[there]), true, 10)
+        for sides in ((5e-324, 10.0, 4.0), (4.0, 1e-310, 3.0), (5e-324, 1e300, 1.0), (1e300, 1e-300, 1e299)):
+            x, y, z = map(mp.mpf, sides)
+            true = [mp.acosh((x * x + y * y - z * z) / (2 * x * y))]
+            # beside the 10 roundings those of ln 2 and its product
+            assert_near(plane.cosine_rule_angle(*np.array(sides)[:, None]), true, 12)
     assert plane.cosine_rule_angle(5.0, 3.0, 2.0) == 0.0
     assert np.isnan(plane.cosine_rule_angle(5.0, 3.0, 2.0 + 2.0**-51))
     for scale in (2.0**-900, 2.0**900):

@@ -214,3 +214,10 @@ def test_a_partial_file_with_any_changed_bit_ends_right_many_times(interrupted, 
     path, expected = interrupted
     outcomes = changed_partial(path, which, 300, 4, expected)
     assert len(set(outcomes)) > 1  # some cost designs
+
+
+@pytest.mark.skipif(not os.path.exists("/proc/self/mem"), reason="of Linux")
+def test_a_file_that_cannot_be_read_is_refused_in_the_words_of_the_system():
+    """HDF5 adds the time and an address, which differ from call to call."""
+    with refused("cannot be read (Input/output error)", "give a map that a sweep has written"):
+        fl.check("/proc/self/mem")

@@ -145,7 +145,7 @@ def held_at_AB(design: Any = None, **inputs: Any) -> dict[str, Any]:
     -------
     dict of str to ndarray
         The same inputs of the linkage that stands on AB, as `fastlink.sweep` takes them: kappa^2 m, kappa^2 n,
-        |kappa| d and 1/kappa.
+        |kappa| d and 1/kappa; what is beyond the range of doubles is infinite, as of kappa = 0, where AB is a point.
 
     Raises
     ------
@@ -165,5 +165,5 @@ def held_at_AB(design: Any = None, **inputs: Any) -> dict[str, Any]:
     given = read_design("held_at_AB", hart, design, inputs, ("m", "n", "d", "kappa"))
     m, n, d, kappa = given.values()
     size = np.abs(kappa)
-    with np.errstate(divide="ignore"):
+    with np.errstate(divide="ignore", over="ignore", under="ignore"):
         return {"m": size * (size * m), "n": size * (size * n), "d": size * d, "kappa": 1.0 / kappa}

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import errno
 import os
+import re
 import shutil
 import tempfile
 from pathlib import Path
@@ -25,8 +26,10 @@ def part_of(path: Path) -> Path:
 
 
 def reason(error: BaseException) -> str:
-    """Return the reason of a failure on one line."""
+    """Return the reason of a failure on one line; of HDF5, which adds times and addresses, that of the system."""
     text = getattr(error, "strerror", None) or str(error)
+    if of_system := re.search(r"error message = '([^']*)'", str(text)):
+        text = of_system[1]
     return " ".join(str(text).split())
 
 

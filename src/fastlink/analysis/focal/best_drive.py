@@ -10,9 +10,9 @@ from fastlink.analysis.focal.construction import RATIOS, Construction, construct
 from fastlink.analysis.focal.position import read_position
 from fastlink.doors import door
 from fastlink.engine.evaluate import evaluate
-from fastlink.errors import InputError, Pair
+from fastlink.errors import Pair
 from fastlink.options import check_choice
-from fastlink.space.values import numbers_of
+from fastlink.space.values import ends_of
 
 __all__ = ["best_point"]
 
@@ -73,7 +73,7 @@ def best_point(
     50.6
     """
     check_choice(("best_point", "by"), by, RATIOS)
-    limits = _limits(between)
+    limits = ends_of("best_point", "between", between, ("write ", Pair(), " with lo < hi"))
     position = read_position("best_point", a, b, c, d, phi, branch)
     a, b, c, d, phi, branch = position
     bars = np.stack([np.ravel(length) for length in (a, b, c, d)])
@@ -82,15 +82,6 @@ def best_point(
     share, completion = found.reshape(2, *np.shape(a))
     design = {"a": a, "b": b, "c": c, "d": d, "rho": ratio_of_share(share), "completion": completion}
     return construction(design, {"phi": phi, "branch": branch}, by)
-
-
-def _limits(between: Any) -> tuple[float, float]:
-    """Return the least and greatest share of MS in MN."""
-    where = ("best_point", "between")
-    limits = np.ravel(numbers_of(*where, between, 1))
-    if limits.size != 2 or not (np.isfinite(limits).all() and limits[0] < limits[1]):
-        raise InputError("is not the ends of a range", where=where, remedy=("write ", Pair(), ", lo < hi"))
-    return float(limits[0]), float(limits[1])
 
 
 def _best(bars: Any, limits: tuple[float, float]) -> Any:

@@ -138,29 +138,39 @@ def _number(A: Any, B: Any, N: Any, focus: Any) -> Any:
     one, other = focus * (focus - B), (focus - A) * (focus - N)
     # of one sign where the focus is on the cubic: their ratio is real
     first = np.copysign(np.abs(one), (one * np.conj(other)).real)
-    return first / (first - np.abs(other))
+    with np.errstate(divide="ignore", over="ignore"):  # the focus of the parabola
+        return first / (first - np.abs(other))
 
 
 def _conic(A: Any, B: Any, N: Any, t: Any, first: Any = None) -> InscribedConic:
     """Return the conics of numbers t, with the focus that is given as the first one."""
-    half, product = 0.5 * ((1.0 - t) * B + t * (A + N)), t * (A * N)
+    size, of_MB, of_AN = _shares(t)
+    half, product = 0.5 * (of_MB * B + of_AN * (A + N)), of_AN * (A * N)
     # half^2 - product, without its cancelling where t is 1 and A next to N
-    apart = 0.5 * ((1.0 - t) * B + t * (A - N))
-    root = np.sqrt(apart * apart + t * (1.0 - t) * N * (B - A))
+    apart = 0.5 * (of_MB * B + of_AN * (A - N))
+    root = np.sqrt(apart * apart + of_AN * of_MB * N * (B - A))
     # the greater root first, as it does not cancel
     one = half + np.where((half * np.conj(root)).real < 0.0, -root, root)
-    with np.errstate(invalid="ignore"):  # NaN, where the four-bar does not assemble
+    with np.errstate(
+        all="ignore"
+    ):  # NaN, where the four-bar does not assemble; infinite, beyond the range of doubles
         two = product / np.where(one == 0.0, 1.0, one)
-    if first is not None:
-        given = np.abs(one - first) <= np.abs(two - first)
-        one, two = np.where(given, one, two), np.where(given, two, one)
-    apart = 0.5 * (one - two)
-    squared = one.imag * two.imag  # the distances of both foci from the tangent MN
-    major = np.sqrt(np.maximum(np.abs(apart) ** 2 + squared, 0.0))
-    kind = np.where(squared == 0.0, 2.0, np.where(squared > 0.0, 0.0, 1.0)) + 0.0 * squared
-    minor = np.sqrt(np.abs(squared))
-    foci = (one.real, one.imag, two.real, two.imag, half.real, half.imag)
+        if first is not None:
+            given = np.abs(one - first / size) <= np.abs(two - first) / size
+            one, two = np.where(given, one, two / size), np.where(given, two, one * size)
+        apart = 0.5 * (one - two / size)
+        squared = one.imag * two.imag  # the distances of both foci from the tangent MN, over the size
+        major = np.sqrt(np.maximum(np.abs(apart) ** 2 + squared / size, 0.0)) * size
+        kind = np.where(squared == 0.0, 2.0, np.where(squared > 0.0, 0.0, 1.0)) + 0.0 * squared
+        minor = np.sqrt(np.abs(squared)) * np.sqrt(size)
+        foci = (one.real * size, one.imag * size, two.real, two.imag, half.real * size, half.imag * size)
     return InscribedConic(t + 0.0 * squared, kind, *foci, _direction(apart.real, apart.imag), major, minor)
+
+
+def _shares(t: Any) -> tuple[Any, Any, Any]:
+    """Return a power of 4 of the size of t, at least 1, and 1 - t and t divided by it."""
+    size = np.ldexp(1.0, (np.frexp(np.maximum(np.abs(t), 1.0))[1] - 1) // 2 * 2)
+    return size, (1.0 - t) / size, t / size
 
 
 class Involution:
@@ -196,7 +206,8 @@ class Involution:
     def tangents(self, t: Any) -> tuple[Any, Any]:
         """Return the directions of both tangents to the conic of number t [rad]; NaN where they are not real."""
         t, _ = broadcast("tangents", [PARAMETER, RAY], t, self.first, gaps=True)
-        return _rays(*((1.0 - t) * one + t * other for one, other in zip(*self._forms, strict=True)))
+        _, of_one, of_other = _shares(t)
+        return _rays(*(of_one * one + of_other * other for one, other in zip(*self._forms, strict=True)))
 
 
 @door

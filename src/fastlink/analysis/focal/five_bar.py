@@ -148,7 +148,7 @@ def from_five_bar(m: Any, n: Any, p: Any, q: Any, d: Any) -> dict[str, Any]:
     """
     declared = _bars("mnpqd", "any")
     m, n, p, q, d = broadcast("from_five_bar", declared, m, n, p, q, d)
-    sizes = [np.where(length == 0.0, 1.0, np.abs(length)) for length in (m, n, p, q, d)]
+    sizes = [np.abs(length) for length in (m, n, p, q, d)]
     check_lengths("from_five_bar", _bars("mnpqd"), sizes, GREATEST_LENGTH, "four lengths")
     size = 2.0 ** np.ceil(np.log2(np.max(sizes, axis=0)))
     m, n, p, q, d = (length / size for length in (m, n, p, q, d))

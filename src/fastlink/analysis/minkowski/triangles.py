@@ -20,6 +20,10 @@ __all__ = [
 ]
 
 
+#: Up to it the sine of half an angle by sides is an ordinary double.
+MOST_DOUBLINGS = 1000
+
+
 class PureTriangle(NamedTuple):
     """Sides and angles of pure triangles ABC, NaN where a triangle is not pure.
 
@@ -156,13 +160,18 @@ def cosine_rule_angle(a: Any, b: Any, c: Any) -> Any:
     2.0
     """
     a, b, c = read("cosine_rule_angle", {}, zip(_sides("abc"), (a, b, c), strict=True))
-    with np.errstate(over="ignore", under="ignore", invalid="ignore"):
-        exponent = np.frexp(np.maximum(np.maximum(a, b), c))[1]
+    with np.errstate(all="ignore"):
+        shortest, exponent = np.minimum(a, b), np.frexp(np.maximum(np.maximum(a, b), c))[1]
         a, b, c = (np.ldexp(side, -exponent) for side in (a, b, c))
         long, short = np.maximum(a, b), np.minimum(a, b)
         less, more = (sum_of_four(long, -short, side, 0.0 * c)[0] for side in (-c, c))
-        ratio = np.sqrt(less / long) * np.sqrt(more / short)
-        return (2.0 * np.arcsinh(0.5 * ratio))[()]
+        least, doublings = np.frexp(shortest)
+        doublings = exponent - doublings
+        ratio = np.sqrt(less / long) * np.sqrt(np.ldexp(more / least, doublings % 2))
+        # of links so unequal that the sine is beyond doubles, its logarithm
+        far = 2.0 * np.log(ratio) + (doublings - doublings % 2) * np.log(2.0)
+        near = 2.0 * np.arcsinh(np.ldexp(0.5 * ratio, doublings // 2))
+        return np.where(doublings < MOST_DOUBLINGS, near, far)[()]
 
 
 @door

@@ -13,17 +13,15 @@ from typing import Any
 import numpy as np
 from scipy.spatial import ConvexHull, QhullError
 
-from fastlink._text import short_repr
 from fastlink.analysis.designs import BY_NAME, CURVE, broadcast_points, check_samples, read_design
 from fastlink.analysis.sextics import coupler_sextic
 from fastlink.doors import door
 from fastlink.engine.broadcast import broadcast_inputs
 from fastlink.engine.evaluate import evaluate
-from fastlink.errors import InputError
 from fastlink.mechanisms.planar_4r import planar_4r
 from fastlink.numerics.vectors import cross
 from fastlink.plan.validate import branch_codes
-from fastlink.space.values import numbers_of
+from fastlink.space.values import ends_of
 
 __all__ = ["curve_inputs", "curve_straightness", "one_turn", "sextic", "straightness"]
 
@@ -204,10 +202,7 @@ def curve_straightness(
         one_turn("curve_straightness", samples),
     )
     if theta1 is not None:
-        ends = numbers_of("curve_straightness", "theta1", theta1)
-        if ends.shape != (2,) or not 0.0 < float(ends[1]) - float(ends[0]) < np.inf:
-            where, remedy = ("curve_straightness", "theta1"), "write (least, greatest) in rad"
-            raise InputError(f"is {short_repr(theta1)}", where=where, remedy=remedy)
-        angles = np.linspace(float(ends[0]), float(ends[1]), angles.size)
+        ends = ends_of("curve_straightness", "theta1", theta1, "write (least, greatest) in rad")
+        angles = np.linspace(ends[0], ends[1], angles.size)
     path = along_curve(["P_x", "P_y"], curve, angles)
     return straightness(path["P_x"], path["P_y"])
