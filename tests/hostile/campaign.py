@@ -28,6 +28,8 @@ from tests.hostile.studies import ROOT, studies
 from tests.hostile.tables import tables
 from tests.hostile.values import EITHER, REFUSED, ROLES, TAKEN, Value
 
+#: What the tables of linkages of the Minkowskian plane are made of.
+SUMS = ("T1", "T2", "T3", "T4", "T5")
 DOOR_OF = {"read": "study", "explained": "explain", "ran": "run_study", "commanded": "fastlink run"}
 STUDY = """
 mechanism = "planar_4r"
@@ -105,6 +107,13 @@ def namespace() -> dict[str, Any]:
         "MAPS": fl.sweep("planar_4r", space, ["omega4_max"], **options),
         "TORQUE": fl.sweep("planar_4r", space, ["T41_fluctuation"], links=bars, branch=1, **options),
         "RATES": fl.sweep("planar_4r", space, rates, links=bars, branch=1, threads=1),
+        "LINKAGES": fl.sweep(
+            "minkowski_4r",
+            fl.grid(a=1.0, b=[1.0, 7.0], g=[4.0, 3.0], h=1.0),
+            ["linkage_type", *SUMS],
+            threads=1,
+        ),
+        "RAYS": fl.focal.involution(5.0, 5.0, 2.0, 4.0, 1.369, branch=2, x=2.0, y=0.4495),
         "PATH": fl.sweep("focal", focal, ["T_x", "T_y"], phi=8),
         "SPEED": fl.function(
             "planar_4r", ["a2", "a3"], ["omega4_max"], a1=0.4, a4=1.0, omega1=25.0, angles=8

@@ -11,6 +11,7 @@ import fastlink as fl
 from fastlink.mechanisms import catalogue
 from fastlink.numerics.compensated import UNIT_ROUNDING
 from fastlink.precision.reference import HighPrecision, error_in_roundings
+from tests.hostile.planes import PLANES
 
 #: Sizes of numbers that are checked: beyond them a step may overflow or underflow, which 50 digits do not.
 LEAST, GREATEST = 1e-3, 1e3
@@ -104,9 +105,21 @@ def function(result: Any, text: str, names: dict[str, Any]) -> str:
     return "" if np.array_equal(found, wanted, equal_nan=True) else f"gives {found}, a sweep {wanted}"
 
 
+def by_name(check: Callable[[Any, str, dict[str, Any]], str]) -> Callable[[Any, str, dict[str, Any]], str]:
+    """Return the check of a function that is called by the names of its arguments."""
+
+    def checked(result: Any, text: str, names: dict[str, Any]) -> str:
+        door = text.partition("(")[0]
+        with np.errstate(all="ignore"):  # of calls that give NaN, which is looked at
+            return check(result, door.rpartition(".")[2], call_of(door, text, names)[1])
+
+    return checked
+
+
 #: By the word of a door.
 CHECKS: dict[str, Callable[[Any, str, dict[str, Any]], str]] = {
     "evaluated": evaluated,
     "swept": swept,
     "function": function,
+    **{word: by_name(check) for word, check in PLANES.items()},
 }

@@ -86,13 +86,14 @@ EXTREMA = _slots(extrema=("choice", "None", "refined"))
 ANGLES = _slots(angles=("positions", "8", "0.5"))
 SWEEP = "links=$links, input=$input, solver=$solver, backend=$backend, extrema=$extrema, angles=$angles, branch=$branch"
 RUN = "threads=$threads, block=$block, verify=$verify, to=$to, overwrite=$overwrite, "
-RUN += "progress=$progress, allow_invalid=$allow_invalid, attrs=$attrs"
+RUN += "restart=$restart, progress=$progress, allow_invalid=$allow_invalid, attrs=$attrs"
 RUNNING = _slots(
     threads=("count", "1", "2"),
     block=("count", "None", "2", "2**64", "10**30", "10**400"),
     verify=("count", "0", "1", "0"),
     to=("path", "None", "a.h5"),
     overwrite=("flag", "True"),
+    restart=("flag", "False"),
     progress=("flag", "False"),
     allow_invalid=("flag", "False"),
     attrs=("mapping", "None", "1", "xr.Dataset()"),
@@ -131,6 +132,12 @@ def _curve(name: str, options: str = "", **slots: tuple[str, ...]) -> Door:
     return Door(f"planar.{name}", template, CURVE | _slots(**slots) | MORE, name)
 
 
+def _by_name(name: str, check: str = "", **slots: str | tuple[str, ...]) -> Door:
+    """Return the door of a function all of whose arguments are given by name."""
+    template = f"fl.{name}({_of('', ' '.join(slots))}, $more)"
+    return Door(name, template, _slots(**slots) | MORE, check)
+
+
 SAMPLES = {"branch": ("modes", "1"), "samples": ("count", "16", "16")}
 SAMPLED = ", branch=$branch, samples=$samples, "
 WITH_ERROR = {"branch": ("modes", "1"), "error": ("flag", "False")}
@@ -143,6 +150,19 @@ DATASETS = (
     "xr.Dataset({'status': 1})",
     "{x}.assign_attrs(designs='many').drop_vars('status', errors='ignore')",
 )
+
+#: A position of the four-bar MABN, and F of the focal mechanism in it: Figure 4 of Wunderlich.
+FOUR_BAR = {"a": "lengths 5.0", "b": "lengths 5.0", "c": "lengths 2.0", "d": "lengths 4.0"}
+POSITION: dict[str, str | tuple[str, ...]] = {**FOUR_BAR, "phi": "reals 1.369", "branch": ("modes", "2")}
+F = {"x": "reals 2.0", "y": "reals 0.4495"}
+BY = {"by": ("choice", "'rho'", "rho")}
+HART = {"m": "lengths 4.0", "n": "lengths 8.0", "d": "lengths 6.0", "kappa": "reals 0.5"}
+#: Vectors of the Minkowskian plane, and numbers beside them; among both NaN may stand.
+SPACELIKE = {"z": "vectors [5.0, 3.0]", "w": "vectors [2.0, 1.0]"}
+TRANSLATION = {"a": "gapped 1.0", "b": "gapped -3.0"}
+SIDES = {"a": ("gapped lengths", "4.0"), "b": ("gapped lengths", "10.0")}
+LINKAGE = {"a": "lengths 3.0", "b": "lengths 5.0", "g": "lengths 6.0", "h": "lengths 4.0"}
+LINKAGE |= {"x": "reals 1.0", "y": "reals 0.5"}
 
 NONE_AT_ALL = ("[]", "()", "np.array([])", "np.zeros((0, 3))")
 ONE_DESIGN = "dict(a1=0.5, a2=1.0, a3=0.75, a4=2.0, P_u=0.0, P_v=2.0)"
@@ -298,9 +318,10 @@ DOORS: list[Door] = [
     ),
     Door(
         "run_study",
-        "fl.run_study($path, to=$to, threads=$threads, overwrite=$overwrite, progress=$progress, verify=$verify)",
+        "fl.run_study($path, to=$to, threads=$threads, overwrite=$overwrite, restart=$restart, "
+        "progress=$progress, verify=$verify)",
         _slots(path=("path", "'study.toml'", "study.toml"))
-        | {name: RUNNING[name] for name in ("threads", "overwrite", "progress", "verify")}
+        | {name: RUNNING[name] for name in ("threads", "overwrite", "restart", "progress", "verify")}
         | _slots(to=("path", "'out.h5'", "a.h5")),
         "",
     ),
@@ -427,31 +448,41 @@ DOORS: list[Door] = [
         _slots(maps=("dataset", "RATES", "RATES", DATASETS[-1])),
         "",
     ),
-    Door(
-        "focal.cubic",
-        "fl.focal.cubic($a, $b, $c, $d, $phi, branch=$branch)",
-        _slots(
-            a="lengths 3.0",
-            b="lengths 5.0",
-            c="lengths 4.0",
-            d="lengths 6.0",
-            phi="reals 0.75",
-            branch=("modes", "1"),
-        ),
-        "",
+    _by_name("focal.cubic", **POSITION),
+    _by_name("focal.cubic_points", **POSITION, samples=("count", "4", "4")),
+    _by_name("focal.from_point", "constructed", **POSITION, **F, **BY),
+    _by_name("focal.best_point", "constructed", **POSITION, between=("range", "(0.1, 0.9)"), **BY),
+    _by_name("focal.inscribed_conics", "touching", **POSITION, t="reals 0.75"),
+    _by_name("focal.inscribed_conics", "touching", **POSITION, **F),
+    _by_name("focal.involution", "paired", **POSITION, **F),
+    Door("focal.Involution.partner", "RAYS.partner($direction)", _slots(direction="gapped 0.5"), ""),
+    Door("focal.Involution.tangents", "RAYS.tangents($t)", _slots(t="gapped 0.75"), ""),
+    _by_name(
+        "focal.five_bar",
+        "five bars",
+        m="lengths 1.0",
+        p="lengths 2.0",
+        q="lengths 3.0",
+        n="lengths 2.5",
+        d="lengths 4.0",
+        phi="reals 0.75",
+        omega_angle="reals 1.5",
+        branch=("modes", "1"),
     ),
+    _by_name(
+        "focal.from_five_bar",
+        "of five bars",
+        m="reals 0.84",
+        n="reals 0.9",
+        p="reals 1.9",
+        q="reals 1.8",
+        d="lengths 4.0",
+    ),
+    _by_name("focal.held_at_AB", "held", **FOUR_BAR, rho="reals 1.0", completion=("code", "1")),
     Door(
-        "focal.cubic_points",
-        "fl.focal.cubic_points($a, $b, $c, $d, $phi, branch=$branch, samples=$samples)",
-        _slots(
-            a="lengths 3.0",
-            b="lengths 5.0",
-            c="lengths 4.0",
-            d="lengths 6.0",
-            phi="reals 0.75",
-            branch=("modes", "1"),
-            samples=("count", "4", "4"),
-        ),
+        "focal.held_at_AB",
+        "fl.focal.held_at_AB($design)",
+        _slots(design=("mapping", "dict(a=5.0, b=5.0, c=2.0, d=4.0, rho=1.0)", "1")),
         "",
     ),
     Door(
@@ -466,12 +497,57 @@ DOORS: list[Door] = [
         _slots(maps=("dataset", "PATH", "PATH", DATASETS[-1])),
         "",
     ),
+    _by_name("minkowski.sextic", **LINKAGE),
+    _by_name("minkowski.coupler_circles", "circles", **LINKAGE, X="reals 9.0", Y="reals 8.5"),
+    *(
+        _by_name(f"minkowski.{name}", "double numbers", **SPACELIKE)
+        for name in ("multiply", "scalar_product")
+    ),
+    *(
+        _by_name(f"minkowski.{name}", "double numbers", **SPACELIKE)
+        for name in ("hyperbolic_angle", "triangle_excess")
+    ),
+    *(
+        _by_name(f"minkowski.{name}", "double numbers", z=SPACELIKE["z"])
+        for name in ("conjugate", "norm", "causal_type", "orientation", "rapidity")
+    ),
+    _by_name(
+        "minkowski.polar",
+        "double numbers",
+        r=("gapped lengths", "4.0", "4.0", "0.0", "-0.0", "0"),
+        phi="gapped 0.75",
+    ),
+    _by_name("minkowski.boost", "double numbers", phi="gapped 0.75"),
+    _by_name("minkowski.motion", "double numbers", t="gapped 0.75", **TRANSLATION),
+    _by_name("minkowski.moved", "double numbers", z=SPACELIKE["z"], t="gapped 0.75", **TRANSLATION),
+    _by_name("minkowski.cosine_rule", "double numbers", **SIDES, angle="gapped 0.75"),
+    _by_name("minkowski.cosine_rule_angle", "double numbers", **SIDES, c=("gapped lengths", "4.0")),
+    _by_name(
+        "minkowski.pure_triangle",
+        "double numbers",
+        A="vectors [0.0, 0.0]",
+        B="vectors [3.0, 5.0]",
+        C="vectors [0.0, 10.0]",
+    ),
+    _by_name(
+        "minkowski.quadrilateral_excess",
+        "double numbers",
+        O="vectors [0.0, 0.0]",
+        A="vectors [5.0, 3.0]",
+        B="vectors [10.0, 0.0]",
+        C="vectors [12.0, 0.0]",
+    ),
     Door(
-        "minkowski.sextic",
-        "fl.minkowski.sextic($a, $b, $g, $h, $x, $y)",
-        _slots(
-            a="lengths 3.0", b="lengths 5.0", g="lengths 6.0", h="lengths 4.0", x="reals 1.0", y="reals 0.5"
-        ),
+        "minkowski.linkage_table",
+        "fl.minkowski.linkage_table($maps)",
+        _slots(maps=("dataset", "LINKAGES", "LINKAGES", DATASETS[-1])),
+        "",
+    ),
+    _by_name("hart.held_at_AB", "held", **HART),
+    Door(
+        "hart.held_at_AB",
+        "fl.hart.held_at_AB($design)",
+        _slots(design=("mapping", "dict(m=4.0, n=8.0, d=6.0, kappa=0.5)", "1")),
         "",
     ),
     Door(

@@ -12,8 +12,10 @@ from types import CodeType
 from typing import Any
 
 import numpy as np
+import pandas as pd
 import xarray as xr
 
+from fastlink.analysis.focal import Involution
 from fastlink.engine.function import Function
 from fastlink.errors import InputError, InputWarning, Wording
 from fastlink.space.design_space import DesignSpace
@@ -174,6 +176,10 @@ def plain_of(result: Any) -> Any:
         return result.inputs, result.outputs, result(sample)
     if is_dataclass(result) and not isinstance(result, type):
         return {one.name: getattr(result, one.name) for one in fields(result)}
+    if isinstance(result, Involution):
+        return vars(result)
+    if isinstance(result, pd.DataFrame):
+        return result.to_dict("list")
     if type(result).__name__ == "Figure":
         return [len(axes.get_children()) for axes in result.axes]
     return result

@@ -557,6 +557,86 @@ GAPPED = _meant(
     ("np.ma.array({x}, mask=True)", "np.array(np.nan)"),
     ("pd.array([None], dtype='Float64')", "np.array([np.nan])"),
 )
+#: Two coordinates along the last axis; NaN stands for a gap.
+_VECTORS = [
+    *GARBAGE,
+    *TEXTS,
+    *NOTHING,
+    *LOGICAL,
+    *_refused(
+        "shapes", "1.0", "[1.0]", "[1.0, 2.0, 3.0]", "np.zeros((2, 3))", "[]", "()", "{}", "np.zeros((3, 0))"
+    ),
+    *_refused("shapes", "[{x}, [1.0]]", "[{x}, 1.0]", "np.array([])", "range(3)", "[[{x}], {x}]"),
+    *_refused("not finite", "[np.inf, 3.0]", "[5.0, -np.inf]", "[Decimal('sNaN'), 3.0]"),
+    *_refused("beyond doubles", "[5.0, 10**400]", "[1e400, 3.0]", "[5.0, Fraction(10**400)]"),
+    *_refused(
+        "numbers as texts",
+        "'{x}'",
+        "['5.0', '3.0']",
+        "[5.0, '3.0']",
+        "[5.0, b'3.0']",
+        "pd.Series(['5', '3'])",
+    ),
+    *_refused(
+        "lists with others", "[5.0, None]", "[5.0, True]", "[5.0, pd.NA]", "[5.0, [3.0]]", "[5.0, object()]"
+    ),
+    *_refused("complex", "5.0 + 3j", "[5.0 + 0j, 3.0]", "np.array({x}) + 0j", "[[5.0 + 3j]]"),
+    *_refused("dates", "np.array([5, 3], dtype='m8[s]')", "pd.to_datetime(['2020-01-01', '2020-01-02'])"),
+    *_meant(
+        "other types of number",
+        TAKEN,
+        ("tuple({x})", "{x}"),
+        ("np.array({x}, dtype='>f8')", "{x}"),
+        ("np.float32({x})", "np.float32({x}).astype(float)"),
+        ("[5, 3]", "[5.0, 3.0]"),
+        ("range(1, 3)", "[1.0, 2.0]"),
+        ("np.array([1, 2], dtype=np.int8)", "[1.0, 2.0]"),
+        ("np.array([5.0, 9.0, 3.0, 9.0])[::2]", "[5.0, 3.0]"),
+    ),
+    *_meant(
+        "other types of number",
+        EITHER,
+        ("[Decimal('5'), Fraction(3)]", "[5.0, 3.0]"),
+        ("np.array({x}, dtype=object)", "{x}"),
+        ("np.ma.array({x})", "{x}"),
+        ("array('d', {x})", "{x}"),
+        ("pd.Series({x}, index=['b', 'a'])", "{x}"),
+        ("pd.DataFrame([{x}])", "[{x}]"),
+        ("xr.DataArray({x})", "{x}"),
+        ("xr.DataArray([{x}], dims=['design', 'axis'])", "[{x}]"),
+    ),
+    *_meant(
+        "arrays of numbers",
+        TAKEN,
+        ("[{x}]", "np.array([{x}])"),
+        ("[[{x}, {x}], [{x}, [2.0, 1.0]]]", "np.array([[{x}, {x}], [{x}, [2.0, 1.0]]])"),
+        ("np.array([{x}, [2.0, 1.0]]).T.copy().T", "np.array([{x}, [2.0, 1.0]])"),
+        ("np.zeros((0, 2))", "np.zeros((0, 2))"),
+    ),
+    *_meant(
+        "gaps",
+        TAKEN,
+        ("[np.nan, 3.0]", "np.array([np.nan, 3.0])"),
+        ("[5.0, Decimal('NaN')]", "np.array([5.0, np.nan])"),
+        ("np.ma.array([5.0, 3.0], mask=[False, True])", "np.array([5.0, np.nan])"),
+        ("pd.array([5.0, None], dtype='Float64')", "np.array([5.0, np.nan])"),
+        ("[{x}, [np.nan, np.nan]]", "np.array([{x}, [np.nan, np.nan]])"),
+    ),
+    *_meant(
+        "extreme numbers",
+        EITHER,
+        *(
+            (text, text)
+            for text in ("[5e-324, 0.0]", "[1.7e308, -1.7e308]", "[1e300, 1.0]", "[1e200, 1e-200]")
+        ),
+        *(
+            (text, text)
+            for text in ("[1e-310, 5e-324]", "[0.0, 0.0]", "[-0.0, 1.0]", "[1.0, 1.0]", "[-5.0, 3.0]")
+        ),
+        *((text, text) for text in ("[3.0, 5.0]", "[-3.0, -5.0]", "[1.0, 1.0 - 2**-53]", "[1e-200, 1e-300]")),
+    ),
+]
+_GAPS = {gap.text for gap in GAPPED}
 _POSITIONS = [
     *GARBAGE,
     *TEXTS,
@@ -606,7 +686,9 @@ ROLES |= {
         *_meant("counts", TAKEN, ("range(2)", "[0, 1]"), ("[]", "np.array([], dtype=int)")),
         *_meant("counts", EITHER, ("pd.Series([0, 2], index=[5, 4])", "[0, 2]"), ("[2, 0, 0]", "[2, 0, 0]")),
     ],
-    "gapped": [value for value in ROLES["reals"] if value.text not in {gap.text for gap in GAPPED}] + GAPPED,
+    "gapped": [value for value in ROLES["reals"] if value.text not in _GAPS] + GAPPED,
+    "gapped lengths": [value for value in ROLES["lengths"] if value.text not in _GAPS] + GAPPED,
+    "vectors": _VECTORS,
     "code": [
         *NOT_A_NUMBER,
         *EMPTY_ARRAYS,
