@@ -7,7 +7,9 @@ import pytest
 from tests.support.focal_configurations import DRIVES, family, random_designs
 
 import fastlink as fl
+from fastlink.mechanisms import catalogue
 from fastlink.numerics.compensated import UNIT_ROUNDING
+from fastlink.precision.independent.check import IndependentValues
 
 MANY = 27_000
 POINTS = [f"{point}_{axis}" for point in "ABPQFT" for axis in "xy"]
@@ -275,3 +277,12 @@ def test_the_straight_line_has_the_least_sum_of_squares():
             angle = (line.direction + turn)[:, None]
             off = (y - line.y[:, None]) * np.cos(angle) - (x - line.x[:, None]) * np.sin(angle) + shift
             assert ((off**2).sum(axis=-1) >= least * (1 - 100 * UNIT_ROUNDING)).all()
+
+
+def test_F_is_where_a_crank_far_away_puts_it():
+    """In doubles s + r is 0 here: which side of M the crank reaches is told by the power of M."""
+    design = {"a": 7.0, "b": 5.0, "c": 6.0, "d": 5.0, "rho": -0.9999999999999993, "completion": 1}
+    at = design | {"sigma": 0.0, "branch": 1}
+    independent = IndependentValues(catalogue("focal", "sigma"), ["F_x"]).values(at)["F_x"]
+    found = fl.evaluate("focal", ["F_x", "F_x_error"], input="sigma", branch=1, sigma=0.0, **design)
+    assert abs(found["F_x"] - float(independent)) <= found["F_x_error"] < 1e-12

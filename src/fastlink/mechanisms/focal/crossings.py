@@ -50,7 +50,7 @@ def better_known(
     """Return a total that cancels: from the dyad, if that is shorter than the crank and reaches, or from the power."""
     by_power = select(far_S == 1.0, power / other, total)
     shorter = abs(one) + abs(two) < s_r
-    return select(shorter & (squared >= 0.0), sign(total) * dyad, by_power)
+    return select(shorter & (squared >= 0.0), sign(by_power) * dyad, by_power)
 
 
 def crossing_at_0(start: Any, total: Any, better: Any) -> Any:
