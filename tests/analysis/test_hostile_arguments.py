@@ -308,3 +308,34 @@ def test_maps_are_maps():
             fl.focal.T_deviation(wrong)
     with refused("C_s", "one for each"):
         fl.planar.flywheel_inertia({"T41_fluctuation": np.ones(3), "omega1": 2.0}, [0.1, 0.2])
+
+
+@pytest.mark.parametrize(
+    ("call", "name", "unit"),
+    [
+        (
+            lambda of: fl.planar.flywheel_inertia(
+                {"T41_fluctuation": 1.0, "omega1": 2.0}, of(2.0, "percent")
+            ),
+            "C_s",
+            "1",
+        ),
+        (lambda of: fl.planar.cusps(**CURVE, tolerance=of(1e-9, "mm")), "tolerance", "1"),
+        (lambda of: fl.planar.curve_straightness(**CURVE, theta1=of([0.5, 1.5], "m")), "theta1", "rad"),
+        (
+            lambda of: fl.focal.best_point(5.0, 5.0, 2.0, 4.0, 1.2, between=of([0.1, 0.9], "m")),
+            "between",
+            "1",
+        ),
+    ],
+)
+def test_a_stated_unit_is_not_dropped(call, name, unit):
+    with refused(name, f"convert it to {unit}"):
+        call(lambda values, units: xr.DataArray(values, attrs={"units": units}))
+
+
+def test_ends_of_a_range_in_degrees_are_converted():
+    ends = xr.DataArray([90.0, 180.0], attrs={"units": "deg"})
+    found = fl.planar.curve_straightness(**CURVE, theta1=ends)
+    assert found == fl.planar.curve_straightness(**CURVE, theta1=(np.pi / 2.0, np.pi))
+    assert found != fl.planar.curve_straightness(**CURVE)

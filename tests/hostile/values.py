@@ -149,6 +149,7 @@ WRONG_NUMBERS = [
     *_refused("lists with others", "[{x}, [1.0, 2.0]]", "[{x}, b'1']", "[pd.NA]"),
     *_refused("complex", "complex({x})", "np.complex128({x})", "[{x} + 0j]", "np.array({x} + 0j)"),
     *_refused("dates", "pd.to_datetime(['2020-01-01'])", "np.array([1], dtype='m8[s]')"),
+    *_refused("other units", "xr.DataArray({x}, attrs={'units': 'K'})"),
 ]
 #: One number in other clothes.
 ONE_NUMBER = _meant(
@@ -581,6 +582,7 @@ _VECTORS = [
         "lists with others", "[5.0, None]", "[5.0, True]", "[5.0, pd.NA]", "[5.0, [3.0]]", "[5.0, object()]"
     ),
     *_refused("complex", "5.0 + 3j", "[5.0 + 0j, 3.0]", "np.array({x}) + 0j", "[[5.0 + 3j]]"),
+    *_refused("other units", "xr.DataArray({x}, attrs={'units': 'K'})"),
     *_refused("dates", "np.array([5, 3], dtype='m8[s]')", "pd.to_datetime(['2020-01-01', '2020-01-02'])"),
     *_meant(
         "other types of number",
@@ -603,7 +605,7 @@ _VECTORS = [
         ("pd.Series({x}, index=['b', 'a'])", "{x}"),
         ("pd.DataFrame([{x}])", "[{x}]"),
         ("xr.DataArray({x})", "{x}"),
-        ("xr.DataArray([{x}], dims=['design', 'axis'])", "[{x}]"),
+        ("xr.DataArray([{x}])", "[{x}]"),
     ),
     *_meant(
         "arrays of numbers",
@@ -946,3 +948,6 @@ ROLES |= {
         ),
     ],
 }
+# A design space keeps the units that it is given, which a sweep refuses; assembly modes have none.
+for _role in ("axis", "lo_hi", "branch", "modes"):
+    ROLES[_role] = [value for value in ROLES[_role] if value.kind != "other units"]

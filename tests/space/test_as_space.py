@@ -173,6 +173,11 @@ def test_a_unit_is_not_dropped():
             table({"a2": values})
     assert grid(a2=xr.DataArray([1.0], attrs={"units": "mm"})).units == {"a2": "mm"}
     assert table({"a2": xr.DataArray([1.0], attrs={"units": "mm"})}).units == {"a2": "mm"}
+    fast = xr.DataArray(60.0, attrs={"units": "rpm"})
+    assert grid(a2=1.0).with_axis("omega1", fast).units == {"omega1": "rpm"}
+    assert grid(a2=1.0).with_constants({"omega1": fast, "a2": fast}).units == {
+        "omega1": "rpm"
+    }  # a2 keeps its value
 
 
 AXES = {

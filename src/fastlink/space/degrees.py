@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from fastlink._text import short_repr
-from fastlink.errors import InputError, KeyPath, remark
+from fastlink.errors import InputError, KeyPath, Remedy, remark
 from fastlink.numerics.compensated import two_product, two_sum
-from fastlink.space.values import Floats, units_of
+from fastlink.space.values import Floats, numbers_of, units_of
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -26,6 +26,7 @@ __all__ = [
     "as_floats",
     "check_angle",
     "degrees_name",
+    "ends_of",
     "has_unit",
     "in_unit",
     "looks_like_degrees",
@@ -158,6 +159,15 @@ def in_unit(where: KeyPath, given: Any, numbers: Floats, expected: str) -> Float
         if not has_unit(unit, expected):
             raise InputError(f"has the unit {unit!r}", where=where, remedy=unit_remedy(expected))
     return numbers
+
+
+def ends_of(where: str, name: str, given: Any, unit: str, remedy: Remedy) -> tuple[float, float]:
+    """Return the ends of a range, or refuse it: not two numbers, not in order, or farther apart than any double."""
+    ends = in_unit((where, name), given, numbers_of(where, name, given), unit)
+    with np.errstate(over="ignore", invalid="ignore"):
+        if ends.shape != (2,) or not 0.0 < ends[1] - ends[0] < np.inf:
+            raise InputError(f"is {short_repr(given)}", where=(where, name), remedy=remedy)
+    return float(ends[0]), float(ends[1])
 
 
 def remark_on_angles(name: str, values: Any, *where: str) -> None:

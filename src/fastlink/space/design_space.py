@@ -22,6 +22,7 @@ from fastlink.space.values import (
     constant,
     frozen,
     numbers_of,
+    units_of,
     unmasked,
 )
 
@@ -187,10 +188,10 @@ class DesignSpace:
         for name in extra:
             check_input_name("constants", name)
         given = set(self.names)
-        added = {
-            name: constant("constants", name, value) for name, value in extra.items() if name not in given
-        }
-        return replace(self, constants={**self.constants, **added})
+        new = {name: value for name, value in extra.items() if name not in given}
+        added = {name: constant("constants", name, value) for name, value in new.items()}
+        units = {key: unit for name, value in new.items() for key, unit in units_of(name, value).items()}
+        return replace(self, constants={**self.constants, **added}, units={**self.units, **units})
 
     @door
     def with_axis(self, name: str, values: Sequence[float]) -> DesignSpace:
@@ -204,7 +205,8 @@ class DesignSpace:
             )
         axis = axis_of("with_axis", name, np.atleast_1d(numbers_of("with_axis", name, values)))
         dims, shape = (*self.dims, name), (*self.shape, len(axis))
-        return replace(self, dims=dims, shape=shape, axes={**self.axes, name: axis})
+        units = {**self.units, **units_of(name, values)}
+        return replace(self, dims=dims, shape=shape, axes={**self.axes, name: axis}, units=units)
 
     def _axis_indices(self, start: int, stop: int) -> dict[str, NDArray[np.int64]]:
         """Return the index of each design along every dimension, the fastest first."""

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fastlink._text import counted, short_repr
-from fastlink.errors import InputError, KeyPath, Remedy
+from fastlink.errors import InputError, KeyPath
 
 T = TypeVar("T")
 Floats = NDArray[np.float64]
@@ -183,15 +183,6 @@ def constant(where: str, name: str, given: Any) -> float:
     if not np.isfinite(value):
         raise InputError(f"is {value}", where=(where, name), remedy="write a finite number")
     return float(value)
-
-
-def ends_of(where: str, name: str, given: Any, remedy: Remedy) -> tuple[float, float]:
-    """Return the ends of a range, or refuse it: not two numbers, not in order, or farther apart than any double."""
-    ends = numbers_of(where, name, given)
-    with np.errstate(over="ignore", invalid="ignore"):
-        if ends.shape != (2,) or not 0.0 < ends[1] - ends[0] < np.inf:
-            raise InputError(f"is {short_repr(given)}", where=(where, name), remedy=remedy)
-    return float(ends[0]), float(ends[1])
 
 
 def axis_of(where: str, name: str, values: Floats) -> Floats:

@@ -12,7 +12,7 @@ from fastlink.doors import door
 from fastlink.engine.evaluate import evaluate
 from fastlink.errors import Pair
 from fastlink.options import check_choice
-from fastlink.space.values import ends_of
+from fastlink.space.degrees import ends_of
 
 __all__ = ["best_point"]
 
@@ -73,7 +73,7 @@ def best_point(
     50.6
     """
     check_choice(("best_point", "by"), by, RATIOS)
-    limits = ends_of("best_point", "between", between, ("write ", Pair(), " with lo < hi"))
+    limits = ends_of("best_point", "between", between, "1", ("write ", Pair(), " with lo < hi"))
     position = read_position("best_point", a, b, c, d, phi, branch)
     a, b, c, d, phi, branch = position
     bars = np.stack([np.ravel(length) for length in (a, b, c, d)])

@@ -148,12 +148,13 @@ def trace(position: Iterable[Any], samples: int) -> Any:
     double = -(squared + np.where(squared < 0.0, -root, root))
     with np.errstate(all="ignore"):
         far, near = double / (2.0 * cubed), 2.0 * linear / double
-    plus = np.where(squared < 0.0, far, near)
-    minus = np.where(squared < 0.0, near, far)
-    distance = np.stack([plus, minus], axis=-2) * size[..., None, None, None]
-    arcs = np.stack([distance * cosine[..., None, :], distance * sine[..., None, :]], axis=-1)
+        plus = np.where(squared < 0.0, far, near)
+        minus = np.where(squared < 0.0, near, far)
+        distance = np.stack([plus, minus], axis=-2) * size[..., None, None, None]
+        arcs = np.stack([distance * cosine[..., None, :], distance * sine[..., None, :]], axis=-1)
     turned = (cubed[..., 1:] * cubed[..., :-1] < 0.0)[..., None, :]
-    through_infinity = turned & (distance[..., 1:] * distance[..., :-1] < 0.0)
+    sides = np.sign(distance)
+    through_infinity = turned & (sides[..., 1:] * sides[..., :-1] < 0.0)
     arcs[..., 1:, :][through_infinity] = np.nan
     arcs[~np.isfinite(distance)] = np.nan
     gaps = np.full((*arcs.shape[:-2], 1, 2), np.nan)

@@ -21,7 +21,7 @@ from fastlink.engine.evaluate import evaluate
 from fastlink.mechanisms.planar_4r import planar_4r
 from fastlink.numerics.vectors import cross
 from fastlink.plan.validate import branch_codes
-from fastlink.space.values import ends_of
+from fastlink.space.degrees import RADIANS, ends_of
 
 __all__ = ["curve_inputs", "curve_straightness", "one_turn", "sextic", "straightness"]
 
@@ -202,7 +202,7 @@ def curve_straightness(
         one_turn("curve_straightness", samples),
     )
     if theta1 is not None:
-        ends = ends_of("curve_straightness", "theta1", theta1, "write (least, greatest) in rad")
+        ends = ends_of("curve_straightness", "theta1", theta1, RADIANS, "write (least, greatest) in rad")
         angles = np.linspace(ends[0], ends[1], angles.size)
     path = along_curve(["P_x", "P_y"], curve, angles)
     return straightness(path["P_x"], path["P_y"])

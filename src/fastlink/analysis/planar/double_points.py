@@ -30,6 +30,7 @@ from fastlink.analysis.designs import BY_NAME, CURVE, read_design
 from fastlink.doors import door
 from fastlink.errors import InputError
 from fastlink.mechanisms.planar_4r import planar_4r
+from fastlink.space.degrees import in_unit
 from fastlink.space.values import constant
 
 __all__ = ["crunode_count", "crunodes", "cusp_count", "cusps"]
@@ -134,10 +135,11 @@ def _cusps(function: str, design: Any, inputs: Mapping[str, Any], tolerance: flo
 
 
 def _check_tolerance(function: str, tolerance: Any) -> float:
-    limit = constant(function, "tolerance", tolerance)
+    where = (function, "tolerance")
+    limit = float(in_unit(where, tolerance, np.asarray(constant(*where, tolerance)), "1"))
     if not 0.0 < limit < 0.1:
         remedy = "write a number between 0 and 0.1, such as 1e-9"
-        raise InputError(f"is {limit}", where=(function, "tolerance"), remedy=remedy)
+        raise InputError(f"is {limit}", where=where, remedy=remedy)
     return limit
 
 

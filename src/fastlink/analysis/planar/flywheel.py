@@ -14,6 +14,7 @@ from fastlink.errors import InputError
 from fastlink.io.reader import as_dataset
 from fastlink.maps.units import check_units
 from fastlink.plan.validate import value_problems
+from fastlink.space.degrees import in_unit
 from fastlink.space.values import MOST_DIMS, numbers_of
 
 __all__ = ["flywheel_inertia"]
@@ -59,7 +60,8 @@ def flywheel_inertia(maps: Any, C_s: Any) -> Any:
     26.34
     """
     bound = Input("C_s", "1", "C_s", "coefficient of speed fluctuation", "positive")
-    numbers = numbers_of("flywheel_inertia", "C_s", C_s, MOST_DIMS)
+    path = ("flywheel_inertia", "C_s")
+    numbers = in_unit(path, C_s, numbers_of(*path, C_s, MOST_DIMS), bound.units)
     if problems := value_problems(bound, numbers, "flywheel_inertia"):
         raise InputError.of(problems)
     if isinstance(maps, Mapping) and not hasattr(maps, "data_vars"):
