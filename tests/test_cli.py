@@ -311,7 +311,6 @@ def test_usage_errors_end_with_2(folder):
     for arguments in (
         ["run"],
         ["run", "study.toml", "--wrong"],
-        ["wrong"],
         ["run", "study.toml", "--threads", "x"],
     ):
         done = called(*arguments)

@@ -12,7 +12,7 @@ from fastlink._text import short_repr
 from fastlink.doors import door
 from fastlink.engine.evaluate import evaluate
 from fastlink.errors import InputError, Problems
-from fastlink.facts.names import Reduced
+from fastlink.facts.names import Quantity, Reduced
 from fastlink.io.reader import as_map
 from fastlink.maps.units import check_units
 from fastlink.mechanisms.planar_4r import planar_4r
@@ -81,9 +81,9 @@ def force_hypothesis(maps: Any) -> xr.Dataset:
         inputs = {str(name): dataset[name] for name in dataset.variables if name in _known_inputs()}
         inputs["branch"] = dataset["branch"]
         read = {name: dataset[name] for load in loads for name in _named(load)}
-        read |= {place: dataset[place] for place in map(_place, extremes)}
+        read |= {place: dataset[place] for place in (_place(*extreme) for extreme in extremes)}
         arrays = dict(zip([*read, *inputs], xr.broadcast(*read.values(), *inputs.values()), strict=True))
-        template = arrays[_place(extremes[0])]
+        template = arrays[_place(*extremes[0])]
         flat = {name: array.values.ravel() for name, array in arrays.items()}
     shape = (len(loads), len(extremes), template.size)
     distance, ratio = np.full(shape, np.nan), np.full(shape, np.nan)
@@ -91,23 +91,28 @@ def force_hypothesis(maps: Any) -> xr.Dataset:
     flat = {name: values[bounded] for name, values in flat.items()}
     greatest = [_greatest(load, flat) for load in loads]
     for k, extreme in enumerate(extremes):
-        place = flat[_place(extreme)]
+        place = flat[_place(*extreme)]
         there = _magnitudes(loads, {name: flat[name] for name in inputs}, place)
         for i, (size, at) in enumerate(greatest):
             distance[i, k, bounded] = _turn_between(at, place)
             with np.errstate(all="ignore"):  # a load that vanishes everywhere
                 ratio[i, k, bounded] = there[i] / size
-    return _labelled(template, loads, extremes, distance, ratio)
+    return _labelled(template, loads, [_extreme(*extreme) for extreme in extremes], distance, ratio)
 
 
-def _place(extreme: str) -> str:
+def _extreme(name: str, end: str) -> str:
+    """Return the name of the greatest or least value of a quantity."""
+    return str(Reduced(Quantity(name), end))
+
+
+def _place(name: str, end: str) -> str:
     """Return the name of the position of an extreme."""
-    return f"{THETA1}_at_{extreme}"
+    return str(Reduced(Quantity(name), end, THETA1))
 
 
 def _named(load: str) -> list[str]:
     """Return what is read of a load: its extremes and their places."""
-    return [name for end in ENDS for name in (f"{load}_{end}", _place(f"{load}_{end}"))]
+    return [name for end in ENDS for name in (_extreme(load, end), _place(load, end))]
 
 
 def _known_inputs() -> Mapping[str, Any]:
@@ -115,8 +120,8 @@ def _known_inputs() -> Mapping[str, Any]:
     return planar_4r.known_inputs(planar_4r.variant_inputs)
 
 
-def _loads_and_extremes(dataset: xr.Dataset) -> tuple[list[str], list[str]]:
-    """Return the loads of a map, and the extremes of its rates, or refuse the map."""
+def _loads_and_extremes(dataset: xr.Dataset) -> tuple[list[str], list[tuple[str, str]]]:
+    """Return the loads of a map, and the extremes of its rates as name and end, or refuse the map."""
     mechanism, position = dataset.attrs.get("mechanism"), dataset.attrs.get("input")
     if (mechanism, position) != (planar_4r.name, THETA1):
         what = f"is of {short_repr(mechanism)} by {short_repr(position)}"
@@ -129,11 +134,10 @@ def _loads_and_extremes(dataset: xr.Dataset) -> tuple[list[str], list[str]]:
     for kind, names, example in (("forces", loads, "shaking_force"), ("rates", rates, "omega4")):
         if not names:
             what = f"has no extremes of {kind} with their places"
-            problems.add(
-                what, WHERE, f"sweep '{example}_max', '{_place(example)}_max' and those of its minimum"
-            )
-    needed = {_place(f"{name}_{end}"): "rad" for name in units for end in ENDS}
-    needed |= {f"{load}_{end}": units[load] for load in loads for end in ENDS}
+            names_of = f"{_extreme(example, 'max')!r}, {_place(example, 'max')!r}"
+            problems.add(what, WHERE, f"sweep {names_of} and those of its minimum")
+    needed = {_place(name, end): "rad" for name in units for end in ENDS}
+    needed |= {_extreme(load, end): units[load] for load in loads for end in ENDS}
     for name, unit in needed.items():
         if name not in dataset:
             problems.add(f"{name!r} is missing", WHERE, f"sweep {name!r} too, and {GIVE_ALL}")
@@ -141,13 +145,13 @@ def _loads_and_extremes(dataset: xr.Dataset) -> tuple[list[str], list[str]]:
         with problems.at():
             check_units(dataset[name], unit, (*WHERE, name))
     problems.stop()
-    return loads, [f"{rate}_{end}" for rate in rates for end in ENDS]
+    return loads, [(rate, end) for rate in rates for end in ENDS]
 
 
 def _greatest(load: str, values: Mapping[str, Any]) -> tuple[Any, Any]:
     """Return the greatest magnitude of a load, and the position where it is."""
-    high, low = (abs(values[f"{load}_{end}"]) for end in ENDS)
-    at_high, at_low = (values[_place(f"{load}_{end}")] for end in ENDS)
+    high, low = (abs(values[_extreme(load, end)]) for end in ENDS)
+    at_high, at_low = (values[_place(load, end)] for end in ENDS)
     return np.maximum(high, low), np.where(high >= low, at_high, at_low)
 
 

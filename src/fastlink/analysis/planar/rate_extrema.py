@@ -8,6 +8,7 @@ from fastlink._text import short_repr
 from fastlink.doors import door
 from fastlink.engine.sweep import sweep
 from fastlink.errors import InputError, listed
+from fastlink.facts.names import ListOfExtrema, Quantity
 from fastlink.mechanisms.planar_4r.residuals import IO_PRODUCTS
 
 __all__ = ["rate_extrema"]
@@ -60,5 +61,5 @@ def rate_extrema(space: Any, *, pair: str = "14", **options: Any) -> Any:
         where, remedy = ("rate_extrema", "pair"), listed(PAIRS)
         raise InputError(f"{short_repr(pair)} is unknown", where=where, remedy=remedy)
     i, j = pair[0], pair[1]
-    names = [f"joint_omega_{j}_extrema", f"joint_alpha_{j}_extrema"]
+    names = [str(ListOfExtrema(Quantity(f"{rate}_{j}"))) for rate in ("joint_omega", "joint_alpha")]
     return sweep("planar_4r", space, names, input=f"joint_angle_{i}", **options)
