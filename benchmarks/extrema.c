@@ -15,8 +15,8 @@
 #define ROOM (2 * LANES * SAMPLES)
 
 #define CONSTANTS(_)                                                                                              \
-    _(Z_least) _(width) _(C_least) _(p_least) _(q_least) _(sine) _(gamma0) _(eps) _(C0_4) _(Z0_4) _(kappa) _(w)   \
-    _(half_w) _(excess)
+    _(Z_least) _(width) _(C_least) _(p_least) _(q_least) _(sine) _(gamma0) _(eps) _(C0_4) _(Z0_4) _(kappa)        \
+    _(offset) _(w) _(half_w) _(excess)
 
 typedef struct { CONSTANTS(AS_SCALAR) } design;
 typedef struct {
@@ -70,6 +70,7 @@ INLINE void prepare(block *restrict o, const double *restrict x, long n, long fi
         o->C_least[i] = C0 > 0 ? C0 : 0, o->q_least[i] = C0 < 0 ? -C0 : 0;
         o->width[i] = width, o->gamma0[i] = gamma0, o->sine[i] = 2 * (a / b) * (d / c);
         o->eps[i] = (a - d) * (a + d) * r, o->kappa[i] = (b - c) * (b + c) * r;
+        o->offset[i] = 2 * b * (b - c) * r;
         o->C0_4[i] = 0.25 * C0, o->Z0_4[i] = 0.25 * Z0;
         o->w[i] = w, o->half_w[i] = 0.5 * w, o->excess[i] = 0.5 * (a - d) / d;
     }
@@ -86,9 +87,10 @@ INLINE rate rate_at(design d, double low, double high)
     double p = d.p_least + d.width * low, q = d.q_least + d.width * high;
     double sigma = sqrt(p * q), r_sigma = 1 / sigma, r_gamma = 1 / (d.gamma0 + Z);
     double h = 0.5 * (2 * sqrt(Z * C)), j = 0.5 * (h * r_gamma), k = d.kappa * r_gamma, H = h * r_sigma;
+    double share = (p + d.offset) * r_gamma; /* 1 + k, and keeps its digits */
     double dH = (d.C0_4 * Z * p - d.Z0_4 * C * q) * (r_sigma * r_sigma * r_sigma);
-    pair slope = {-(d.eps * j * r_gamma), dH * (1 + k) - H * k * j};
-    return (rate){{d.half_w * ((d.excess + Z) * r_gamma), d.half_w * H * (1 + k)}, slope, d.sine * sigma};
+    pair slope = {-(d.eps * j * r_gamma), dH * share - H * k * j};
+    return (rate){{d.half_w * ((d.excess + Z) * r_gamma), d.half_w * H * share}, slope, d.sine * sigma};
 }
 
 /* The derivative times the power of the sine that keeps it finite and not zero at a toggle. */
@@ -140,6 +142,20 @@ INLINE void sample(const block *restrict b, double (*restrict places)[CELLS + 1]
 /* ---- cells that hold a zero, and least magnitudes that may hide two ---- */
 
 enum { ROOT = 1, VALLEY = 2 };
+#define FLAT 0x1p-40 /* a dip that is no deeper, over the ends of its valley, is an inflection */
+
+/* Samples at an end of the range: with the sign of both neighbours where the function touches zero there. Beyond the
+ * end, the derivative goes on as that of the other branch with its sign changed. */
+INLINE void flatten(const double *restrict before, double *restrict here, const double *restrict after,
+                    const double *restrict toggle)
+{
+#pragma GCC ivdep
+    for (int i = 0; i < LANES; i++) {
+        double a = -before[i], b = here[i], c = after[i], size = fabs(b);
+        int same = (a > 0) == (c > 0), flat = (size <= FLAT * fabs(a)) & (size <= FLAT * fabs(c));
+        here[i] = same & flat & (toggle[i] == 0) ? FLAT * c : b;
+    }
+}
 
 INLINE void mark(const double *restrict before, const double *restrict here, const double *restrict after,
                  double sign, int8_t *restrict flags)
@@ -163,10 +179,12 @@ INLINE double place_of(double (*restrict places)[CELLS + 1][LANES], int j, int u
     return j <= CELLS ? places[0][j][i] : 1 / places[1][SAMPLES - 1 - j][i];
 }
 
-INLINE void collect(double (*restrict places)[CELLS + 1][LANES], double (*restrict f)[SAMPLES][LANES], int half,
-                    int lanes, list *valleys, list *roots)
+INLINE void collect(const block *restrict b, double (*restrict places)[CELLS + 1][LANES],
+                    double (*restrict f)[SAMPLES][LANES], int half, int lanes, list *valleys, list *roots)
 {
     double (*own)[LANES] = f[half], (*beyond)[LANES] = f[1 - half], branch = half ? 1 : -1;
+    flatten(beyond[1], own[0], own[1], b->toggle[0]);
+    flatten(beyond[SAMPLES - 2], own[SAMPLES - 1], own[SAMPLES - 2], b->toggle[1]);
     for (int j = 0; j < SAMPLES; j++) {
         int last = SAMPLES - 1, left = j > 0 ? j - 1 : 0, right = j < last ? j + 1 : last;
         int8_t flags[LANES] __attribute__((aligned(64)));
@@ -196,6 +214,10 @@ INLINE void collect(double (*restrict places)[CELLS + 1][LANES], double (*restri
 /* ---- refinement ---- */
 
 enum { VALLEYS, ROOTS, ENDS };
+
+/* How much farther from a fold than the first sample omega4 is evaluated too; how much less a pole is there at least. */
+#define FARTHER 0x1p30
+#define GROWS 0x1p20
 
 /* Copy cells into the state, with their first places; return how many lanes are in use and how many of them open. */
 INLINE int gather(state *restrict s, const block *restrict b, const item *restrict items, int real, int phase,
@@ -254,6 +276,14 @@ static void refine(state *restrict s, const block *restrict b, list items, int p
         int real = items.count - start < LANES ? (int)(items.count - start) : LANES, open;
         const item *at = items.at + start;
         int width = gather(s, b, at, real, phase, &open);
+        double beside[LANES];
+        if (phase == ENDS) {
+            for (int i = 0; i < width; i++)
+                s->z.x[i] = FARTHER * s->z.x[i];
+            evaluate(s, width);
+            for (int i = 0; i < width; i++)
+                beside[i] = fabs(s->value[i]), s->z.x[i] = items.at[start + (i < real ? i : real - 1)].xa;
+        }
         for (evaluate(s, width); open > 0; evaluate(s, width)) {
             if (phase == ROOTS)
                 advance_roots(&s->z, width);
@@ -270,14 +300,19 @@ static void refine(state *restrict s, const block *restrict b, list items, int p
             item t = at[i];
             double value = s->value[i], x = s->z.x[i], f = s->z.f[i];
             if (phase == VALLEYS) {
-                if ((f > 0) != (s->z.fc[i] > 0)) {
+                double ends = fabs(t.fa) > fabs(t.fb) ? fabs(t.fa) : fabs(t.fb);
+                if ((f > 0) != (s->z.fc[i] > 0) && fabs(f) > FLAT * ends) {
                     append(roots, (item){t.lane, t.branch, t.upper, t.xa, t.fa, x, f, 0, 0});
                     append(roots, (item){t.lane, t.branch, t.upper, x, f, t.xb, t.fb, 0, 0});
                 }
                 continue;
             }
-            if (phase == ENDS && b->toggle[(int)t.upper][t.lane] > 0 && value != 0)
-                value *= INFINITY;
+            if (phase == ENDS) {
+                int fold = b->toggle[(int)t.upper][t.lane] == 0;
+                int pole = fold & (x > 0) & (beside[i] > 0) & (fabs(value) > GROWS * beside[i]);
+                if (pole | (!fold & (value != 0)))
+                    value *= INFINITY;
+            }
             if (value > best->greatest[t.lane])
                 best->greatest[t.lane] = value;
             if (value < best->least[t.lane])
@@ -303,7 +338,7 @@ void c_extrema(long n, const double *restrict x, double *restrict out)
         prepare(&b, x, n, first);
         sample(&b, places, f);
         for (int half = 0; half < 2; half++)
-            collect(places, f, half, lanes, &valleys, &roots);
+            collect(&b, places, f, half, lanes, &valleys, &roots);
         for (int i = 0; i < LANES; i++)
             best.greatest[i] = -INFINITY, best.least[i] = INFINITY;
         refine(&s, &b, valleys, VALLEYS, &roots, &best);

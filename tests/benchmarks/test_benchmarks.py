@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import json
 import math
 from functools import partial
@@ -83,11 +84,16 @@ def test_scipy_finds_the_same_extremes():
             np.testing.assert_allclose(theirs, refined[:, branch], rtol=1e-11)
 
 
-@pytest.mark.parametrize("family", FAMILIES)
+def whole_lengths():
+    """Return all designs of lengths 1 to 6: parallelograms, kites, change points, extremes at ends of the range."""
+    return round_bars(np.array(list(itertools.product(range(1, 7), repeat=4)), dtype=float).T)
+
+
+@pytest.mark.parametrize("family", [*FAMILIES, "whole lengths"])
 def test_c_finds_the_same_extremes(family):
     if not c_kernel.available():
         pytest.skip("the C limit kernels need gcc, which is not here")
-    x = extrema.draw(family, 1000)
+    x = whole_lengths() if family == "whole lengths" else extrema.draw(family, 1000)
     call, found = c_kernel.bind_extrema(x)
     call()
     (ours,) = extrema.bind(extrema.extremes(["omega4"]), x)
