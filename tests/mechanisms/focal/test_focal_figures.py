@@ -180,12 +180,17 @@ def test_extremes_of_what_passes_infinity_are_those_of_the_given_positions():
 
 
 def test_where_the_dyads_do_not_close_there_is_no_frame_of_AB():
-    """By the crank F is on its circle whatever the dyads do."""
-    names = ["F_x", "B_x", "M_along_AB", "F_along_AB", "F_across_AB"]
+    """By the crank MPF and NQF must reach the end of the crank, in a triangle each; else F and AB have no place."""
+    seen = [f"{joint}_{way}_AB" for joint in "MNSF" for way in ("along", "across")]
     design = {"a": 1.3757, "b": 1.7453, "c": 0.6526, "d": 1.1454, "rho": -0.7693, "completion": 2}
-    found = fl.evaluate("focal", names, input="sigma", sigma=np.linspace(-3.0, 3.0, 50), **design)
-    open_ = np.isnan(found["B_x"])
-    assert np.isfinite(found["F_x"]).all()
-    assert 0 < open_.sum() < 50
-    for name in names[2:]:
-        np.testing.assert_array_equal(np.isnan(found[name]), open_)
+    sigma = np.linspace(-3.0, 3.0, 50)
+    bars = fl.evaluate("focal", ["S_x", *"rmnpq"], input="sigma", sigma=sigma, **design)
+    end = bars["S_x"] + bars["r"] * np.exp(1j * sigma)
+    closes = np.ones(50, dtype=bool)
+    for pivot, one, other in ((0.0, "m", "p"), (design["d"], "n", "q")):
+        one, other = abs(bars[one]), abs(bars[other])
+        closes &= (abs(one - other) <= abs(end - pivot)) & (abs(end - pivot) <= one + other)
+    assert 0 < closes.sum() < 50
+    found = fl.evaluate("focal", ["F_x", "F_y", "B_x", *seen], input="sigma", sigma=sigma, **design)
+    for name, values in found.items():
+        np.testing.assert_array_equal(np.isfinite(values), closes, err_msg=name)
