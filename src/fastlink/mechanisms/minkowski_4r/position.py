@@ -26,7 +26,9 @@ from fastlink.numerics.elementary import (
 )
 from fastlink.numerics.logarithm import log_quotient, quotient_sign
 
-UP, ROOT_DOWN = 2.0**1000, 2.0**-500
+# Scales of products of two numbers, and the inverse root of each: where both are tiny, and elsewhere.
+UP, ROOT_DOWN, UP_TINY, ROOT_DOWN_TINY = 2.0**500, 2.0**-250, 2.0**1000, 2.0**-500
+TINY = 2.0**-400
 ORIENTATION_FLAGS = {-1: "past_pointing", 0: "none", 1: "future_pointing"}
 
 # -- tables of the input rapidity ------------------------------------------------------------------------------
@@ -110,8 +112,11 @@ def outside(outer_limit: Any, outer_limit_low: Any, S_r: Any, S_r_low: Any, r: A
 @minkowski_4r.quantity(units="1", symbol="sigma", source=POSITION, internal=True)
 def half_root(inside: Any, outside: Any) -> Any:
     """Half the root of the discriminant, times r kappa/(2 a g); NaN where the loop does not close."""
-    # Between the limits both are negative, else one is. Their product must not underflow.
-    return sqrt(-(inside * UP * outside)) * ROOT_DOWN
+    # Between the limits both are negative, else one is. Their product must not underflow, and the product of one with
+    # the derivative of the other, which is as great as the shortest length is small, must not overflow.
+    tiny = abs(inside) + abs(outside) < TINY
+    root = sqrt(-(inside * select(tiny, UP_TINY, UP) * outside))
+    return root * select(tiny, ROOT_DOWN_TINY, ROOT_DOWN)
 
 
 @minkowski_4r.quantity(units="1", symbol="alpha", source=POSITION, internal=True)
