@@ -215,7 +215,7 @@ INLINE void collect(const block *restrict b, double (*restrict places)[CELLS + 1
 
 enum { VALLEYS, ROOTS, ENDS };
 
-/* How much farther from a fold than the first sample omega4 is evaluated too; how much less a pole is there at least. */
+/* How much farther from a fold than the first sample omega4 is evaluated too; how much less it is there at a pole. */
 #define FARTHER 0x1p30
 #define GROWS 0x1p20
 

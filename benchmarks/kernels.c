@@ -17,8 +17,8 @@
 /* Constants of a design; the struct of arrays and its reader follow from this one list. */
 #define CONSTANTS(_)                                                                                              \
     _(a) _(two_a) _(d_a) _(Z0) _(Z0_low) _(C0) _(C0_low) _(Z0_ww) _(C0_ww) _(gamma0) _(lambda) _(kappa) _(eps)    \
-    _(beta) _(delta) _(half_w) _(half_ww) _(ww) _(f1_u) _(f1_v) _(g2_u) _(g2_v) _(f3_u) _(f3_v) _(m2) _(I2)       \
-    _(J3_r) _(r_2ad)
+    _(two_beta) _(two_delta) _(from_A) _(half_w) _(half_ww) _(ww) _(f1_u) _(f1_v) _(g2_u) _(g2_v) _(f3_u) _(f3_v) \
+    _(m2) _(I2) _(J3_r) _(r_2ad) _(d) _(I2_A) _(m2_ww) _(I3_D) _(mu)
 typedef struct { CONSTANTS(AS_SCALAR) } design;
 typedef struct { CONSTANTS(AS_ARRAY) } __attribute__((aligned(64))) block;
 typedef struct { double cos, sin, Z, Z_low, C, C_low; } angle;
@@ -56,58 +56,72 @@ INLINE void prepare(block *restrict o, const double *restrict x, long n, long fi
         o->lambda[i] = (a - d) / (2 * d);
         o->kappa[i] = (b - c) * (b + c) * r;
         o->eps[i] = (a - d) * (a + d) * r;
-        o->beta[i] = b * (b - c) * r;
-        o->delta[i] = c * (c - b) * r;
+        o->two_beta[i] = 2 * b * (b - c) * r;
+        o->two_delta[i] = 2 * c * (b - c) * r; /* of the other sign */
+        o->from_A[i] = a + b <= c + d;
+        o->d[i] = d;
+        o->mu[i] = (d - a) / (2 * a);
         o->half_w[i] = 0.5 * w;
         o->half_ww[i] = 0.5 * w * w;
         o->ww[i] = w * w;
-        o->r_2ad[i] = 2 * r;
+        o->r_2ad[i] = 0.5 / a / d;
         if (dynamics) {
             const double *m = x + 5 * n + j, *I = x + 8 * n + j, *G = x + 11 * n + j;
             o->f1_u[i] = -w * w * m[0] * G[0];
             o->f1_v[i] = -w * w * m[0] * G[n];
             o->g2_u[i] = G[2 * n] / b;
             o->g2_v[i] = G[3 * n] / b;
-            o->f3_u[i] = m[2 * n] * G[4 * n] / c;
-            o->f3_v[i] = m[2 * n] * G[5 * n] / c;
+            o->f3_u[i] = m[2 * n] * (G[4 * n] / c);
+            o->f3_v[i] = m[2 * n] * (G[5 * n] / c);
             o->m2[i] = m[n];
             o->I2[i] = I[n];
-            o->J3_r[i] = 2 * r * (I[2 * n] + m[2 * n] * (G[4 * n] * G[4 * n] + G[5 * n] * G[5 * n]));
+            o->I2_A[i] = I[n] + m[n] * (G[2 * n] * G[2 * n] + G[3 * n] * G[3 * n]);
+            o->m2_ww[i] = m[n] * (w * w);
+            o->I3_D[i] = I[2 * n] + m[2 * n] * (G[4 * n] * G[4 * n] + G[5 * n] * G[5 * n]);
+            o->J3_r[i] = o->I3_D[i] * o->r_2ad[i];
         }
     }
 }
 
 /* ---- once per design and angle ---- */
 
-typedef struct { double p, q, sigma, r_gamma; } closure; /* sigma is NaN where the linkage does not assemble */
+/* sigma is NaN where the linkage does not assemble; the shares are kappa/gamma + 1 and kappa/gamma - 1, twice the feet
+ * of B on AD, from A and from D, over |AD|: sums with p keep their digits. */
+typedef struct { double p, q, sigma, r_gamma, plus, minus; } closure;
+
+INLINE closure with_shares(design d, double p, double q, double sigma, double r_gamma)
+{
+    return (closure){p, q, sigma, r_gamma, (p + d.two_beta) * r_gamma, (d.two_delta - p) * r_gamma};
+}
 
 INLINE closure close_loop(design d, angle t)
 {
     double p = (t.Z - d.Z0) + (t.Z_low - d.Z0_low), q = (t.C - d.C0) + (t.C_low - d.C0_low);
-    return (closure){p, q, sqrt(p * q), 1 / (d.gamma0 + t.Z)};
+    return with_shares(d, p, q, sqrt(p * q), 1 / (d.gamma0 + t.Z));
 }
 
-typedef struct { vec A, AB_even, DB_even, odd; } positions_t; /* AB and DB share their odd part */
+typedef struct { vec A, AB_even, DB_even, B_even, odd; } positions_t; /* AB, DB and B share their odd part */
 
 INLINE positions_t positions(design d, angle t, closure l)
 {
     vec A = {d.a * t.cos, d.a * t.sin}, u = {d.d_a + d.two_a * t.Z, -A.y};
-    double ab = (0.5 * l.p + d.beta) * l.r_gamma, db = -(0.5 * l.p + d.delta) * l.r_gamma;
-    double height = 0.5 * l.sigma * l.r_gamma;
-    return (positions_t){A, {ab * u.x, ab * u.y}, {db * u.x, db * u.y}, {height * A.y, height * u.x}};
+    double ab = 0.5 * l.plus, db = 0.5 * l.minus, height = 0.5 * l.sigma * l.r_gamma;
+    vec AB = {ab * u.x, ab * u.y}, DB = {db * u.x, db * u.y};
+    vec B = {d.from_A > 0 ? A.x + AB.x : d.d + DB.x, DB.y}; /* by the shorter links */
+    return (positions_t){A, AB, DB, B, {height * A.y, height * u.x}};
 }
 
-typedef struct { pair omega2, omega4, alpha2, alpha4; } rates_t;
+typedef struct { pair omega2, omega4, alpha2, alpha4; double H; } rates_t;
 
 /* H = h / sigma, dH its derivative; the factors omega1 / 2 and omega1^2 / 2 are taken in where that costs least. */
 INLINE rates_t rates(design d, angle t, closure l, double r_sigma)
 {
     double h = 0.5 * t.sin, H = h * r_sigma, wH = d.half_w * H;
     double dH = (d.C0_ww * t.Z * l.p - d.Z0_ww * t.C * l.q) * (r_sigma * r_sigma * r_sigma);
-    double k = d.kappa * l.r_gamma, plus = 1 + k, minus = k - 1;
+    double k = d.kappa * l.r_gamma;
     double T = d.half_w * ((d.lambda + t.Z) * l.r_gamma), j = d.half_ww * h * l.r_gamma;
     double E = -(d.eps * j * l.r_gamma), L = H * k * j;
-    return (rates_t){{T, wH * minus}, {T, wH * plus}, {E, dH * minus - L}, {E, dH * plus - L}};
+    return (rates_t){{T, wH * l.minus}, {T, wH * l.plus}, {E, dH * l.minus - L}, {E, dH * l.plus - L}, H};
 }
 
 INLINE double at(double s, pair f) { return f.even + s * f.odd; }
@@ -116,22 +130,39 @@ INLINE vec at_vec(double s, vec even, vec odd) { return (vec){even.x + s * odd.x
 /* ---- per configuration ---- */
 
 typedef struct { vec F41, F21, F32, F43; double T41; } reactions_t;
+typedef struct { pair coupler, joint, output; } ratios_t; /* n = omega2/omega1, n - 1 and omega4/omega1 */
+
+INLINE ratios_t ratios(design d, angle t, closure l, double H)
+{
+    double T = 0.5 * ((d.lambda + t.Z) * l.r_gamma), J = -(0.5 * ((d.mu + t.Z) * l.r_gamma)), h = 0.5 * H;
+    return (ratios_t){{T, h * l.minus}, {J, h * l.minus}, {T, h * l.plus}};
+}
 
 INLINE vec turned(double u, double v, vec link) { return (vec){u * link.x - v * link.y, u * link.y + v * link.x}; }
 
-/* The moments of links 2 and 3 about A and D give F32, since AB x DB = s 2 a d sigma; the rest follows. */
-INLINE reactions_t reactions(design d, positions_t o, rates_t f, vec f1, vec aA, double r_sigma, double s)
+/* The moments of links 2 and 3 about A and D give F32, since AB x DB = s 2 a d sigma; the other forces follow. The
+ * torque is that of the power: where the links turn nearly as one, A x F21 is a small difference of great forces.
+ * beside: from A to D in the frame of OA. */
+INLINE reactions_t reactions(design d, positions_t o, rates_t f, ratios_t n, closure l, vec beside, vec f1, vec aA,
+                             double r_sigma, double s)
 {
     vec AB = at_vec(s, o.AB_even, o.odd), DB = at_vec(s, o.DB_even, o.odd);
     double alpha2 = at(s, f.alpha2), w2 = at(s, f.omega2) * at(s, f.omega2);
     double alpha4 = at(s, f.alpha4), w4 = at(s, f.omega4) * at(s, f.omega4);
     vec g2 = turned(d.g2_u, d.g2_v, AB), g3 = turned(d.f3_u, d.f3_v, DB); /* g3 times m3 */
     vec f2 = {d.m2 * (aA.x - alpha2 * g2.y - w2 * g2.x), d.m2 * (aA.y + alpha2 * g2.x - w2 * g2.y)};
-    double M2 = (d.I2 * alpha2 + (g2.x * f2.y - g2.y * f2.x)) * (s * d.r_2ad * r_sigma);
-    double M3 = alpha4 * (s * d.J3_r * r_sigma);
+    double ab = 0.5 * l.plus, height = 0.5 * l.sigma * l.r_gamma;
+    double AB_u = ab * beside.x - s * (height * beside.y), AB_v = ab * beside.y + s * (height * beside.x);
+    double cross = d.a * (d.g2_u * AB_v + d.g2_v * AB_u); /* A x AG2 */
+    double M2 = (d.I2_A * alpha2 + d.m2_ww * cross) * (s * (d.r_2ad * r_sigma));
+    double M3 = alpha4 * (s * (d.J3_r * r_sigma));
     vec F32 = {M2 * DB.x + M3 * AB.x, M2 * DB.y + M3 * AB.y}, F21 = {F32.x - f2.x, F32.y - f2.y};
     vec F43 = {F32.x - (alpha4 * g3.y + w4 * g3.x), F32.y + (alpha4 * g3.x - w4 * g3.y)};
-    return (reactions_t){{f1.x - F21.x, f1.y - F21.y}, F21, F32, F43, o.A.y * F21.x - o.A.x * F21.y};
+    double n2 = at(s, n.coupler), turn = n2 * at(s, n.joint);
+    vec arm = {o.A.x + n2 * g2.x, o.A.y + n2 * g2.y};
+    double T2 = alpha2 * (d.I2 * n2 + d.m2 * (g2.x * arm.x + g2.y * arm.y)) - d.m2_ww * (turn * cross);
+    double T3 = (d.I3_D * alpha4) * at(s, n.output);
+    return (reactions_t){{f1.x - F21.x, f1.y - F21.y}, F21, F32, F43, T2 + T3};
 }
 
 /* Both branches of all that the reactions need. */
@@ -143,7 +174,10 @@ INLINE both_t reactions_both(design d, angle t, closure l, double r_sigma)
     rates_t f = rates(d, t, l, r_sigma);
     vec f1 = {d.f1_u * t.cos - d.f1_v * t.sin, d.f1_u * t.sin + d.f1_v * t.cos};
     vec aA = {-d.ww * o.A.x, -d.ww * o.A.y};
-    return (both_t){f, reactions(d, o, f, f1, aA, r_sigma, -1), reactions(d, o, f, f1, aA, r_sigma, 1)};
+    vec beside = {d.d_a - 2 * d.d * t.Z, -(d.d * t.sin)};
+    ratios_t n = ratios(d, t, l, f.H);
+    return (both_t){f, reactions(d, o, f, n, l, beside, f1, aA, r_sigma, -1),
+                    reactions(d, o, f, n, l, beside, f1, aA, r_sigma, 1)};
 }
 
 /* ---- the four cases ---- */
@@ -169,11 +203,10 @@ void c_positions(long n, long K, const double *restrict x, const double *restric
         for (long k = 0; k < K; k++) {
             angle t = angle_at(tables, K, k);
             positions_t o = positions(d, t, close_loop(d, t));
-            vec even = {o.A.x + o.AB_even.x, o.A.y + o.AB_even.y};
             STORE(0, o.A.x, o.A.x);
             STORE(1, o.A.y, o.A.y);
-            STORE(2, even.x - o.odd.x, even.x + o.odd.x);
-            STORE(3, even.y - o.odd.y, even.y + o.odd.y);
+            STORE(2, o.B_even.x - o.odd.x, o.B_even.x + o.odd.x);
+            STORE(3, o.B_even.y - o.odd.y, o.B_even.y + o.odd.y);
         }
     }
 }
@@ -192,9 +225,8 @@ void c_rates(long n, long K, const double *restrict x, const double *restrict ta
             closure l = close_loop(d, t);
             positions_t o = positions(d, t, l);
             rates_t f = rates(d, t, l, 1 / l.sigma);
-            vec even = {o.A.x + o.AB_even.x, o.A.y + o.AB_even.y};
-            STORE(0, even.x - o.odd.x, even.x + o.odd.x);
-            STORE(1, even.y - o.odd.y, even.y + o.odd.y);
+            STORE(0, o.B_even.x - o.odd.x, o.B_even.x + o.odd.x);
+            STORE(1, o.B_even.y - o.odd.y, o.B_even.y + o.odd.y);
             STORE_PAIR(2, f.omega2);
             STORE_PAIR(3, f.omega4);
             STORE_PAIR(4, f.alpha2);
@@ -258,8 +290,9 @@ void c_extremes(long n, long K, const double *restrict x, const double *restrict
             }
 #pragma GCC ivdep
             for (int i = 0; i < LANES; i++) {
-                closure l = {c.p[i], c.q[i], c.sigma[i], c.r_gamma[i]};
-                both_t r = reactions_both(design_at(&b, i), t, l, c.r_sigma[i]);
+                design d = design_at(&b, i);
+                closure l = with_shares(d, c.p[i], c.q[i], c.sigma[i], c.r_gamma[i]);
+                both_t r = reactions_both(d, t, l, c.r_sigma[i]);
                 UPDATE(0, -1, r);
                 UPDATE(1, 1, r);
                 MAXIMUM(4, 0, r.branch1.T41);

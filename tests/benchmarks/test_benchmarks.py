@@ -84,6 +84,18 @@ def test_scipy_finds_the_same_extremes():
             np.testing.assert_allclose(theirs, refined[:, branch], rtol=1e-11)
 
 
+@pytest.mark.parametrize("case", CASES)
+def test_c_has_the_bits_of_the_engine(case):
+    if not c_kernel.available():
+        pytest.skip("the C limit kernels need gcc, which is not here")
+    x, K = engine.designs(64), 72
+    theirs = c_kernel.evaluate(case, x, angle_tables(K))
+    ours = engine.bind(case, x, K).arrays
+    # The same arithmetic, strict IEEE in both, as in test_c_finds_the_same_extremes.
+    for name, one, other in zip(CASES[case], ours, theirs, strict=True):
+        np.testing.assert_array_equal(one, other, err_msg=name)
+
+
 def whole_lengths():
     """Return all designs of lengths 1 to 6: parallelograms, kites, change points, extremes at ends of the range."""
     return round_bars(np.array(list(itertools.product(range(1, 7), repeat=4)), dtype=float).T)
