@@ -19,7 +19,7 @@ from fastlink.engine.sinks import StatusCounts, into, tee
 from fastlink.io.dataset import plain_attrs
 from fastlink.io.finished import finished_map
 from fastlink.io.place import existing_file
-from fastlink.io.writing.target import forget_published
+from fastlink.io.writing.target import forget_journal, forget_published
 from fastlink.io.writing.writer import Writer
 from fastlink.precision import DESIGNS, Verification
 
@@ -71,6 +71,7 @@ class Evaluation:
             return None
         with contextlib.suppress(OSError):
             forget_published(path)
+            forget_journal(path)
         verified = 0 if self.verification is None else self.verification.designs.size
         return finished_map(
             path,

@@ -84,9 +84,14 @@ class ScalingAxis:
             pieces = [array[begin - first : end - first] for array in arrays]
             for k in range(0, self.length, step):
                 values = slice(k, min(k + step, self.length))
-                scaled = [self._scaled(*pair, values) for pair in zip(pieces, self.factors, strict=True)]
                 start = begin * self.length + k * self.inner
-                sink(start, start + slabs_at_once * self.inner * (values.stop - k), scaled)
+                stop = start + slabs_at_once * self.inner * (values.stop - k)
+                # without a name: those before would stay until these are computed
+                sink(
+                    start,
+                    stop,
+                    [self._scaled(*pair, values) for pair in zip(pieces, self.factors, strict=True)],
+                )
 
     def ranges(self, start: int, stop: int) -> Iterator[tuple[int, int]]:
         """Yield the ranges of all designs that follow from a range of evaluated ones."""

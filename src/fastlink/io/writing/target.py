@@ -24,7 +24,7 @@ from fastlink.io.writing.partial_file import given_back, reopened
 from fastlink.options import check_output
 from fastlink.space.dataset import FORMAT
 
-__all__ = ["check_left", "check_target", "forget_published"]
+__all__ = ["check_left", "check_target", "forget_journal", "forget_published"]
 
 #: The remedy where a run left what another request would lose.
 RESTART: Remedy = (
@@ -73,12 +73,18 @@ def forget_published(target: Path) -> None:
     """Remove what a kill left of a map that has its name: the second name, and the journal."""
     part = part_of(target)
     try:
-        if os.path.lexists(part) and not os.path.samestat(os.lstat(part), os.lstat(target)):
-            return
-    except FileNotFoundError:
+        if os.path.samestat(os.lstat(part), os.lstat(target)):
+            part.unlink()
+            journal_of(part).unlink(missing_ok=True)
+    except FileNotFoundError:  # never to be removed then: another run may begin at this moment
         return
-    part.unlink(missing_ok=True)
-    journal_of(part).unlink(missing_ok=True)
+
+
+def forget_journal(target: Path) -> None:
+    """Remove the journal of a finished map, where the system did not let its run do so."""
+    part = part_of(target)
+    if target.exists() and not os.path.lexists(part):
+        journal_of(part).unlink(missing_ok=True)
 
 
 def check_left(path: Path, fingerprint: str) -> None:
