@@ -80,11 +80,7 @@ class ExtremaSchedule:
             Array("samples", "float64", (samples, LANES)),
             Array("state", "float64", (STATE_ROWS + max(map(len, map(self.item_needs, searches))), LANES)),
             Array("marks", "int8", (samples, LANES)),
-            # as many for each lane: of rounding errors one in each part of each cell, of a smooth function far less
-            Array("valleys", "float64", (ITEM_ROWS, 10 * room * self.samples + MOST_LANES)),
-            Array("roots", "float64", (ITEM_ROWS, 10 * room * self.samples + MOST_LANES)),
-            Array("unresolved", "float64", (ITEM_ROWS, 4 * room * self.samples + MOST_LANES)),
-            Array("fine_marks", "int8", (cells.FINE_SAMPLES, LANES)),
+            *self.item_lists(),
             Array("ends", "float64", (ITEM_ROWS, 2 * room + MOST_LANES)),
             Array("flags", "int8", (LANES,)),
             Array("vectors", "int64", (LANES // MOST_LANES,)),
@@ -92,6 +88,23 @@ class ExtremaSchedule:
             Array("best", "float64", (results.BEST_ROWS + 2 * self.program.has_bounds, columns)),
             Array("lists", "float64", (results.LIST_ROWS + self.program.has_bounds, columns, kept)),
         )
+
+    def item_lists(self) -> tuple[Array, ...]:
+        """Return the lists of items, with as much room for each lane; a smooth function fills little of it.
+
+        Rounding errors fill it: each cell has a zero and a valley, which splits into two zeros more; where cells are
+        divided, each part of a cell has.
+        """
+
+        def items(name: str, of_cell: int) -> Array:
+            return Array(
+                name, "float64", (ITEM_ROWS, of_cell * LANES * self.halves * self.samples + MOST_LANES)
+            )
+
+        if not any(search.divided for search in self.program.searches):
+            return items("valleys", 1), items("roots", 3)
+        fine = Array("fine_marks", "int8", (cells.FINE_SAMPLES, LANES))
+        return items("valleys", 10), items("roots", 10), items("unresolved", 4), fine
 
     # -- names of values ---------------------------------------------------------------------------
 

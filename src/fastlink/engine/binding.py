@@ -23,8 +23,9 @@ CACHE_LINE = 64
 VECTOR = 8
 #: Index of the number of designs in the table of addresses: after two arrays with a length each.
 COUNT = 4
-#: A thread keeps the scratch of so many kernels, each of so many bytes at most: refined extremes need 1 to 3 MB.
-KEPT, KEPT_BYTES = 8, 4 << 20
+#: A thread keeps the scratch of so many kernels, each of so many bytes at most: extremes of rates need 1 to
+#: 3 MB, of forces 14.
+KEPT, KEPT_BYTES = 8, 16 << 20
 
 Fill = Callable[[int, int, "NDArray[Any]"], None]
 
