@@ -10,8 +10,14 @@ from typing import Any
 from fastlink.numerics.elementary import INFINITY, select, sqrt
 
 __all__ = [
-    *("of_choice", "of_direction", "of_logarithm", "of_product", "of_quotient", "of_root", "of_root_or_none"),
-    *("of_root_or_zero"),
+    "of_choice",
+    "of_direction",
+    "of_logarithm",
+    "of_product",
+    "of_quotient",
+    "of_root",
+    "of_root_or_none",
+    "of_root_or_zero",
 ]
 
 #: The double next above pi.
