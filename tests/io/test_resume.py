@@ -13,8 +13,9 @@ from numpy.testing import assert_array_equal
 from tests.support.refusals import refused
 
 import fastlink as fl
+from fastlink.io.ranges import missing
 from fastlink.io.writing import journal
-from fastlink.io.writing.journal import Journal, journal_of, missing, read_journal
+from fastlink.io.writing.journal import Journal, journal_of, read_journal
 from fastlink.io.writing.writer import Writer
 
 COUPLERS, OUTPUTS = np.linspace(1.0, 1.4, 41), np.linspace(0.6, 1.0, 31)

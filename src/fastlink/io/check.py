@@ -3,19 +3,21 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field
+from itertools import repeat
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import h5py
-import numpy as np
 
 from fastlink._text import size
 from fastlink.doors import door
 from fastlink.errors import InputError
-from fastlink.io.checksums import CHECKSUMS, OF_REST, OF_VALUES, crc32, of_file, pread
+from fastlink.io.checksums import CHECKSUMS, OF_REST, OF_VALUES, crc32, of_file, read_all
 from fastlink.io.place import reason
+from fastlink.io.ranges import Range, joined
 from fastlink.io.reader import existing_map
 
 __all__ = ["FileCheck", "check"]
@@ -95,56 +97,48 @@ def check(path: str | Path) -> FileCheck:
                 raise InputError(f"{place}: has no checksums", remedy="write it again by this version")
             block_bytes = int(file[CHECKSUMS].attrs["block_bytes"])
             names = str(file[CHECKSUMS].attrs["variables"]).split()
-            places = [
-                (name, file[name].id.get_offset(), file[name].nbytes, file[name].dtype.itemsize)
-                for name in names
-            ]
-            said, rest = file[OF_VALUES][:], int(file[OF_REST][0])
+            blocks = [block for name in names for block in _blocks(name, file[name], block_bytes)]
+            said, rest = file[OF_VALUES][:].tolist(), int(file[OF_REST][0])
             rest_at = file[OF_REST].id.get_offset()
-        return _compared(place, block_bytes, places, said, (rest_at, rest))
+        return _compared(place, blocks, said, rest_at, rest)
     except (OSError, RuntimeError, KeyError, ValueError, TypeError, EOFError) as error:
         remedy = "give a map that a sweep has written, or write it again"
         raise InputError(f"{place}: cannot be read ({reason(error)})", remedy=remedy) from error
 
 
-def _compared(
-    path: Path, block_bytes: int, places: list[tuple[str, int, int, int]], said: Any, rest: tuple[int, int]
-) -> FileCheck:
-    """Return the outcome, from where the values of each variable lie and the checksums in the file."""
+class _Block(NamedTuple):
+    """A block of values: of which variable, where in the file, and the numbers of its values."""
+
+    variable: str
+    start: int
+    stop: int
+    values: Range
+
+
+def _blocks(name: str, values: h5py.Dataset, block_bytes: int) -> Iterator[_Block]:
+    """Yield the blocks of a variable."""
+    offset, itemsize = values.id.get_offset(), values.dtype.itemsize
+    for start in range(0, values.nbytes, block_bytes):
+        stop = min(start + block_bytes, values.nbytes)
+        yield _Block(name, offset + start, offset + stop, (start // itemsize, stop // itemsize))
+
+
+def _compared(path: Path, blocks: list[_Block], said: Any, rest_at: int, rest: int) -> FileCheck:
+    """Return the outcome, from where values lie, their checksums, and where that of all else lies, and what it is."""
     fd = os.open(path, os.O_RDONLY | getattr(os, "O_BINARY", 0))
     try:
-
-        def of_block(span: tuple[int, int]) -> int:
-            start, stop = span
-            result = 0
-            while start < stop:
-                data = pread(fd, stop - start, start)
-                start, result = start + len(data), crc32(data, result)
-            return result
-
-        spans = [
-            (offset + k * block_bytes, offset + min((k + 1) * block_bytes, nbytes))
-            for _, offset, nbytes, _ in places
-            for k in range(-(-nbytes // block_bytes))
-        ]
         with ThreadPoolExecutor() as pool:
-            found = np.fromiter(pool.map(of_block, spans), "u4", len(spans))
-        left_out = {offset: nbytes for _, offset, nbytes, _ in places}
-        is_intact = of_file(fd, left_out, (rest[0], rest[0] + 4)) == rest[1]
+            found = pool.map(lambda one: crc32(read_all(fd, one.stop - one.start, one.start)), blocks)
+            # without as many checksums as blocks, no block has one
+            pairs = zip(found, said if len(said) == len(blocks) else repeat(None), blocks, strict=False)
+            wrong = [block for crc, expected, block in pairs if crc != expected]
+        left_out = {block.start: block.stop - block.start for block in blocks}
+        is_intact = of_file(fd, left_out, (rest_at, rest_at + 4)) == rest
         nbytes = os.fstat(fd).st_size
     finally:
         os.close(fd)
-    wrong = found != said if len(said) == len(found) else np.ones(len(found), bool)
-    damaged: dict[str, list[tuple[int, int]]] = {}
-    first = 0
-    for name, _, count, itemsize in places:
-        blocks = np.flatnonzero(wrong[first : first + -(-count // block_bytes)])
-        first += -(-count // block_bytes)
-        for k in map(int, blocks):
-            last = min((k + 1) * block_bytes, count) // itemsize - 1
-            ranges = damaged.setdefault(name, [])
-            start = k * block_bytes // itemsize
-            if ranges and ranges[-1][1] + 1 == start:
-                start = ranges.pop()[0]
-            ranges.append((start, last))
+    ranges: dict[str, list[Range]] = {}
+    for block in wrong:
+        ranges.setdefault(block.variable, []).append(block.values)
+    damaged = {name: [(first, end - 1) for first, end in joined(values)] for name, values in ranges.items()}
     return FileCheck(path, nbytes, damaged, is_intact)

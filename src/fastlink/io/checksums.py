@@ -8,9 +8,12 @@ followed by B is that of A, shifted by the length of B, plus (modulo 2) that of 
 from __future__ import annotations
 
 import os
+import threading
 from collections.abc import Iterable, Iterator, Mapping
 from functools import cache, lru_cache
 from typing import Any
+
+from fastlink.io.ranges import joined, missing
 
 try:  # the same numbers, three to five times as fast
     from isal.isal_zlib import crc32
@@ -24,10 +27,13 @@ __all__ = [
     "OF_REST",
     "OF_VALUES",
     "add",
+    "all_but",
     "block_count",
     "crc32",
     "of_file",
     "of_piece",
+    "read_all",
+    "seek_lock",
 ]
 
 #: The group of the checksums: of the values, block by block, and of all else in the file.
@@ -41,6 +47,8 @@ BLOCK_BYTES = 1 << 20
 POLYNOMIAL, ONE = 0xEDB88320, 1 << 31
 #: Bytes that are read at once.
 READ_BYTES = 1 << 22
+#: Held from a seek to what follows it, where the system cannot read or write at a position.
+seek_lock = threading.Lock()
 
 
 def block_count(nbytes: int) -> int:
@@ -94,34 +102,43 @@ def of_file(fd: int, left_out: Mapping[int, int], zeros: tuple[int, int]) -> int
     zeros : (start, stop)
         Bytes that count as zeros.
     """
-    result, position = 0, 0
-    for start, nbytes in [*sorted(left_out.items()), (os.fstat(fd).st_size, 0)]:
-        while position < start:
-            data = bytearray(pread(fd, min(start - position, READ_BYTES), position))
-            for place in range(max(zeros[0], position), min(zeros[1], position + len(data))):
-                data[place - position] = 0
-            result = crc32(data, result)
-            position += len(data)
-        position = max(position, start + nbytes)
+    result = 0
+    for position, data in all_but(fd, left_out):
+        for place in range(max(zeros[0], position), min(zeros[1], position + len(data))):
+            data[place - position] = 0
+        result = crc32(data, result)
     return result
 
 
-def pread(fd: int, count: int, position: int) -> bytes:
-    """Read bytes at a position.
+def all_but(fd: int, left_out: Mapping[int, int]) -> Iterator[tuple[int, bytearray]]:
+    """Yield the positions and bytes of a file, in order, without those that begin somewhere and are so many."""
+    gone = joined([(start, start + nbytes) for start, nbytes in left_out.items()])
+    for start, stop in missing(gone, os.fstat(fd).st_size):
+        for position in range(start, stop, READ_BYTES):
+            yield position, read_all(fd, min(stop - position, READ_BYTES), position)
+
+
+def read_all(fd: int, count: int, position: int) -> bytearray:
+    """Read every byte from a position on, however few the system gives at a time; thread-safe.
 
     Raises
     ------
     EOFError
-        The file ends before them.
+        The file ends before the last.
     """
-    if hasattr(os, "pread"):
-        data = os.pread(fd, count, position)
-    else:
-        os.lseek(fd, position, os.SEEK_SET)
-        data = os.read(fd, count)
-    if not data and count:
-        raise EOFError(f"the file ends at byte {position:,}")
-    return data
+    result = bytearray()
+    while len(result) < count:
+        rest, at = count - len(result), position + len(result)
+        if hasattr(os, "pread"):
+            data = os.pread(fd, rest, at)
+        else:
+            with seek_lock:
+                os.lseek(fd, at, os.SEEK_SET)
+                data = os.read(fd, rest)
+        if not data:
+            raise EOFError(f"the file ends at byte {at:,}")
+        result += data
+    return result
 
 
 @lru_cache(maxsize=4096)

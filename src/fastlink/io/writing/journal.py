@@ -17,13 +17,12 @@ from pathlib import Path
 from typing import Any
 
 from fastlink.io.checksums import add
+from fastlink.io.ranges import Range, joined
 
-__all__ = ["Journal", "Range", "joined", "journal_of", "missing", "read_journal"]
+__all__ = ["Journal", "journal_of", "read_journal"]
 
 STEP_BYTES = 32 << 20
 STEP_SECONDS = 1.0
-
-Range = tuple[int, int]
 
 
 def journal_of(part: Path) -> Path:
@@ -64,36 +63,6 @@ def _read(line: bytes) -> Any:
     """Return the content of a line, None of one that is torn or changed."""
     text, _, check = line.rpartition(b" ")
     return json.loads(text) if check == b"%08x" % zlib.crc32(text) and text else None
-
-
-def joined(ranges: list[Range]) -> list[Range]:
-    """Return ranges in order, and join those that touch.
-
-    Examples
-    --------
-    >>> joined([(4, 6), (0, 2), (2, 4), (8, 9)])
-    [(0, 6), (8, 9)]
-    """
-    result: list[Range] = []
-    for start, stop in sorted(ranges):
-        if result and start <= result[-1][1]:
-            result[-1] = result[-1][0], max(stop, result[-1][1])
-        else:
-            result.append((start, stop))
-    return result
-
-
-def missing(written: list[Range], size: int) -> list[Range]:
-    """Return the parts of 0 to `size` that ordered ranges leave out.
-
-    Examples
-    --------
-    >>> missing([(0, 6), (8, 9)], 12)
-    [(6, 8), (9, 12)]
-    """
-    ends = [0, *(stop for _, stop in written)]
-    starts = [*(start for start, _ in written), size]
-    return [(a, b) for a, b in zip(ends, starts, strict=True) if a < b]
 
 
 class Journal:

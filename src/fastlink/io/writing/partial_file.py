@@ -13,18 +13,16 @@ import functools
 import os
 import stat
 import sys
-import threading
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
+from fastlink.io.checksums import seek_lock
 from fastlink.io.place import refused
 
 try:
     import fcntl
 except ImportError:  # not POSIX: no locks, and a folder cannot be synchronised
     fcntl = None  # type: ignore[assignment]
-
-_seek_lock = threading.Lock()
 
 NO_LOCKS = {errno.ENOSYS, errno.EOPNOTSUPP, errno.ENOLCK}
 NO_RESERVE = {errno.EINVAL, errno.EOPNOTSUPP, errno.ENOSYS}
@@ -151,7 +149,7 @@ def write_all(fd: int, data: memoryview, position: int) -> None:
         if hasattr(os, "pwrite"):
             count = os.pwrite(fd, data, position)
         else:
-            with _seek_lock:
+            with seek_lock:
                 os.lseek(fd, position, os.SEEK_SET)
                 count = os.write(fd, data)
         data = data[count:]

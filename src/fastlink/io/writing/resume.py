@@ -12,11 +12,12 @@ from typing import Any, Protocol
 import xarray as xr
 
 from fastlink.errors import remark
-from fastlink.io.checksums import BLOCK_BYTES, add, block_count, of_piece, pread
+from fastlink.io.checksums import BLOCK_BYTES, add, block_count, of_piece, read_all
 from fastlink.io.dataset import Variable
 from fastlink.io.place import SLACK
+from fastlink.io.ranges import Range, joined, missing
 from fastlink.io.writing import partial_file
-from fastlink.io.writing.journal import Range, joined, missing, read_journal
+from fastlink.io.writing.journal import read_journal
 from fastlink.io.writing.skeleton import lay_labels_again, lay_out
 
 __all__ = ["Resumed", "Rows", "SameRows", "first_blocks", "resume"]
@@ -109,7 +110,6 @@ def resume(
     about, ranges, sums = journal
     fresh = partial_file.fresh_name(part)
     try:
-        partial_file.make_sure_of_room(fresh, coords.nbytes + SLACK)
         offsets = lay_out(fresh, coords, variables, attrs)
         if offsets != about["offsets"]:
             os.close(fd)
@@ -177,9 +177,7 @@ class _Values:
 
     def _of_piece(self, piece: tuple[Variable, int, int]) -> list[tuple[int, int]]:
         variable, position, count = piece
-        data = bytearray()
-        while len(data) < count:
-            data += pread(self.fd, count - len(data), self.offsets[variable.name] + position + len(data))
+        data = read_all(self.fd, count, self.offsets[variable.name] + position)
         first = self.first[variable.name]
         return [(first + k, addend) for k, addend in of_piece(memoryview(data), position, variable.nbytes)]
 

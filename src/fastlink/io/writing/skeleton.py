@@ -12,18 +12,27 @@ import h5py
 import numpy as np
 import xarray as xr
 
-from fastlink.io.checksums import ALGORITHM, BLOCK_BYTES, CHECKSUMS, OF_REST, OF_VALUES, block_count
+from fastlink.io.checksums import (
+    ALGORITHM,
+    BLOCK_BYTES,
+    CHECKSUMS,
+    OF_REST,
+    OF_VALUES,
+    all_but,
+    block_count,
+)
 from fastlink.io.dataset import Variable, plain_attrs
-from fastlink.io.writing.partial_file import released, write_all
+from fastlink.io.place import SLACK
+from fastlink.io.writing.partial_file import make_sure_of_room, released, write_all
 
 PAGE_BYTES = 4096
-COPIED_BYTES = 1 << 24
 
 
 def lay_out(
     path: Path, coords: xr.Dataset, variables: Sequence[Variable], attrs: Mapping[str, Any]
 ) -> dict[str, int]:
     """Create the file with labels, without values; return the variables' offsets."""
+    make_sure_of_room(path, coords.nbytes + SLACK)
     labelled = coords.assign_attrs(plain_attrs(attrs))
     # without _FillValue: None xarray declares NaN a fill value of every coordinate
     labelled.to_netcdf(
@@ -42,17 +51,11 @@ def lay_out(
 
 def lay_labels_again(fresh: Path, fd: int, offsets: Mapping[str, int], variables: Sequence[Variable]) -> None:
     """Give a partial file the labels of one that was just laid out: its own may be torn or changed."""
-    values = sorted((offsets[variable.name], variable.nbytes) for variable in variables)
+    values = {offsets[variable.name]: variable.nbytes for variable in variables}
     with open(fresh, "rb") as file:
-        size, position = os.fstat(file.fileno()).st_size, 0
-        for start, nbytes in [*values, (size, 0)]:
-            while position < start:
-                file.seek(position)
-                data = file.read(min(start - position, COPIED_BYTES))
-                write_all(fd, memoryview(data), position)
-                position += len(data)
-            position = start + nbytes
-    os.ftruncate(fd, size)
+        for position, labels in all_but(file.fileno(), values):
+            write_all(fd, memoryview(labels), position)
+        os.ftruncate(fd, os.fstat(file.fileno()).st_size)
 
 
 def _create(file: Any, coords: xr.Dataset, variable: Variable) -> int:

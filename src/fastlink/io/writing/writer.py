@@ -25,15 +25,23 @@ from fastlink.io.checksums import OF_REST, OF_VALUES, add, block_count, of_file,
 from fastlink.io.dataset import FORMAT_VERSION, Variable, check_dims, plain_attrs
 from fastlink.io.finished import marks, stamp
 from fastlink.io.place import NO_ROOM, SLACK, no_room, part_of, reason, refused
+from fastlink.io.ranges import Range, joined, missing
 from fastlink.io.writing import partial_file
 from fastlink.io.writing.finishing import uninterrupted
-from fastlink.io.writing.journal import Journal, Range, joined, journal_of, missing
+from fastlink.io.writing.journal import Journal, journal_of
 from fastlink.io.writing.resume import Rows, SameRows, first_blocks, resume
 from fastlink.io.writing.skeleton import check_readable, lay_out, set_attrs
 from fastlink.io.writing.target import check_left, check_target
 from fastlink.space.dataset import FORMAT
 
 __all__ = ["Writer"]
+
+
+class _OfThread(threading.local):
+    """The checksums' addends of blocks that a thread has written, until their designs are recorded."""
+
+    def __init__(self) -> None:
+        self.addends: list[tuple[int, int]] = []
 
 
 class Writer:
@@ -91,7 +99,7 @@ class Writer:
         self._rows = rows or SameRows()
         self._ranges: list[Range] = []
         self._first_block, self._sums = first_blocks(variables), dict[int, int]()
-        self._of_thread = threading.local()
+        self._of_thread = _OfThread()
         try:
             if restart or not self._resumed(coords, attrs):
                 if not restart:
@@ -128,7 +136,7 @@ class Writer:
         """
         with self._idle:
             self._ranges = joined([*self._ranges, (start, stop)])
-        addends, self._of_thread.addends = getattr(self._of_thread, "addends", []), []
+        addends, self._of_thread.addends = self._of_thread.addends, []
         self._journal.add(start, stop, addends)
 
     @property
@@ -171,7 +179,7 @@ class Writer:
             first, variable = self._first_block[name], self._variables[name]
             addends = of_piece(data, position - self._offsets[name], variable.nbytes)
             added = [(first + k, addend) for k, addend in addends]
-            self._of_thread.addends = [*getattr(self._of_thread, "addends", []), *added]
+            self._of_thread.addends += added
             with self._idle:
                 add(self._sums, added)
                 self._values_written[name] += block.size
@@ -265,7 +273,6 @@ class Writer:
         with partial_file.claimed(self.part):
             journal_of(self.part).unlink(missing_ok=True)
             try:
-                partial_file.make_sure_of_room(fresh, coords.nbytes + SLACK)
                 self._offsets = lay_out(fresh, coords, list(self._variables.values()), attrs)
                 self._fd = partial_file.laid_out(fresh, self.part)
             except BaseException:

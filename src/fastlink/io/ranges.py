@@ -1,0 +1,37 @@
+"""Ranges of numbers, such as those of designs that are written: each from its start to before its stop."""
+
+from __future__ import annotations
+
+__all__ = ["Range", "joined", "missing"]
+
+Range = tuple[int, int]
+
+
+def joined(ranges: list[Range]) -> list[Range]:
+    """Return ranges in order, and join those that touch.
+
+    Examples
+    --------
+    >>> joined([(4, 6), (0, 2), (2, 4), (8, 9)])
+    [(0, 6), (8, 9)]
+    """
+    result: list[Range] = []
+    for start, stop in sorted(ranges):
+        if result and start <= result[-1][1]:
+            result[-1] = result[-1][0], max(stop, result[-1][1])
+        else:
+            result.append((start, stop))
+    return result
+
+
+def missing(written: list[Range], size: int) -> list[Range]:
+    """Return the parts of 0 to `size` that ordered ranges leave out.
+
+    Examples
+    --------
+    >>> missing([(0, 6), (8, 9)], 12)
+    [(6, 8), (9, 12)]
+    """
+    ends = [0, *(stop for _, stop in written)]
+    starts = [*(start for start, _ in written), size]
+    return [(a, b) for a, b in zip(ends, starts, strict=True) if a < b]
