@@ -29,7 +29,7 @@ SAMPLED = {"extrema": "sampled", "angles": USUAL}
 def relaxed_job(resolved):
     """Return the kernels of a request, compiled with relaxed arithmetic, with what they run on."""
     job = resolved.job()
-    sources = [task.kernel.source for task in job.tasks]
+    sources = [task.source for task in job.tasks]
     codes = [MachineCode(source, compile_object(llvm_text(source, fast_math=RELAXED))) for source in sources]
     tasks = [replace(task, code=code) for task, code in zip(job.tasks, codes, strict=True)]
     return replace(job, tasks=tasks)

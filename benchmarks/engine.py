@@ -7,7 +7,7 @@ from functools import cached_property, partial
 import numpy as np
 
 from benchmarks.inputs import CASES, INPUTS, aligned_copy, designs
-from fastlink.codegen.kernel import kernel_of
+from fastlink.codegen.kernel import BACKENDS, kernel_of
 from fastlink.codegen.runtime.cells import LANES
 from fastlink.engine.binding import KernelTask, aligned
 from fastlink.engine.executor import BLOCK_DESIGNS, Job, run
@@ -98,8 +98,10 @@ def job_of(program, size, K, pool=BLOCK_DESIGNS):
     ]
     kernel = kernel_of(program)
     task = KernelTask(
-        kernel,
-        kernel.compiled(),
+        kernel.source,
+        program.inputs,
+        BACKENDS[0],
+        kernel.compiled(BACKENDS[0]),
         program.angle_tables(angles(K)),
         tuple(range(len(outputs))),
         fill,

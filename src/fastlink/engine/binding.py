@@ -10,11 +10,13 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from fastlink.codegen.kernel import Kernel, MachineCode
+from fastlink.codegen.kernel import MachineCode, load_kernel
 from fastlink.codegen.runtime.cells import LANES
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
+
+    from fastlink.codegen.source import Source
 
 __all__ = ["COUNT", "VECTOR", "BoundKernel", "FunctionKernel", "KernelTask", "aligned"]
 
@@ -36,10 +38,14 @@ class KernelTask:
 
     Attributes
     ----------
-    kernel : Kernel
-        Its program and text.
+    source : Source
+        Its text.
+    inputs : tuple of str
+        The rows of its designs.
+    backend : str
+        What compiles it.
     code : callable
-        Its machine code.
+        Its machine code, which does not travel: another process compiles the text, or has it in its cache.
     angles : array (tables, positions)
         Its angle array.
     results : tuple of int
@@ -48,11 +54,22 @@ class KernelTask:
         ``fill(start, stop, x)`` writes the inputs of designs start to stop into ``x[:, :stop - start]``.
     """
 
-    kernel: Kernel
+    source: Source
+    inputs: tuple[str, ...]
+    backend: str
     code: Callable[..., None]
     angles: NDArray[Any]
     results: tuple[int, ...]
     fill: Fill
+
+    @classmethod
+    def loaded(cls, source: Source, inputs: tuple[str, ...], backend: str, *data: Any) -> KernelTask:
+        """Return a task whose machine code is compiled or loaded here."""
+        return cls(source, inputs, backend, load_kernel(source, backend), *data)
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        data = self.angles, self.results, self.fill
+        return KernelTask.loaded, (self.source, self.inputs, self.backend, *data)
 
 
 class _KeptScratch(threading.local):
@@ -79,11 +96,11 @@ class BoundKernel:
 
     def __init__(self, task: KernelTask, block: int) -> None:
         self.task, self.block = task, block
-        self.designs = aligned((len(task.kernel.program.inputs), -(-block // LANES) * LANES))
+        self.designs = aligned((len(task.inputs), -(-block // LANES) * LANES))
         self.angles = aligned(task.angles.shape)
         self.angles[...] = task.angles
         n_angles = task.angles.shape[1]
-        self.layout = tuple((a.lengths(n_angles), a.dtype) for a in task.kernel.source.scratch)
+        self.layout = tuple((a.lengths(n_angles), a.dtype) for a in task.source.scratch)
         self.scratch = _scratch.arrays.pop(self.layout, []) or [aligned(*array) for array in self.layout]
 
     def arguments(self, results: Sequence[NDArray[Any]]) -> list[Any]:

@@ -11,9 +11,9 @@ from fastlink.catalogue.declare import ELIMINATED
 from fastlink.codegen.kernel import backend_of
 from fastlink.errors import Problems
 from fastlink.mechanisms import catalogue as find_catalogue
+from fastlink.plan.plan import all_declared
 from fastlink.plan.positions import check_extrema, check_keywords, check_positions, check_turn, given_angles
 from fastlink.plan.query import Extrema, check_names, parse_request
-from fastlink.plan.reductions import REDUCTIONS
 from fastlink.plan.validate import check_branches, check_inputs, check_model, selected_variants
 
 if TYPE_CHECKING:
@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from fastlink.space.design_space import DesignSpace
     from fastlink.space.links import Links
 
-__all__ = ["CheckedRequest", "all_declared", "check"]
+__all__ = ["CheckedRequest", "check"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -137,11 +137,6 @@ def check(
     return CheckedRequest(
         catalogue, names, links, solver, variants, branches, values, method, compiler, declared
     )
-
-
-def all_declared(catalogue: Catalogue) -> tuple[Any, ...]:
-    """Return a key that changes when a fact, an input or a reduction is declared or replaced."""
-    return catalogue.version, *REDUCTIONS.values()
 
 
 @lru_cache(maxsize=256)

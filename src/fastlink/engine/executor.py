@@ -159,7 +159,7 @@ def _evaluate(
     count = end - start
     kernel.task.fill(start, end, kernel.designs)
     if units is not None:
-        units.enter(kernel.task.kernel.program.inputs, kernel.designs)
+        units.enter(kernel.task.inputs, kernel.designs)
     # Lanes beyond the last design repeat it; their results are not stored.
     kernel.designs[:, count:] = kernel.designs[:, count - 1 : count]
     kernel.bind([arrays[k] for k in kernel.task.results])(count)

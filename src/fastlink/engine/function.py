@@ -244,14 +244,19 @@ class Function:
         from fastlink.engine.jitted import JITTED_BLOCK, Apart, jitted_of
 
         apart = Apart(self, self._dimensional, not self._ordinary)
-        return jitted_of(self._bind(JITTED_BLOCK), self._declared, self._shapes, self.shape, apart)
+        jitted = jitted_of(self._bind(JITTED_BLOCK), self._declared, self._shapes, self.shape, apart)
+        jitted.__reduce_ex__ = lambda protocol: (
+            getattr,
+            (self, "jitted"),
+        )  # its addresses are of this process
+        return jitted
 
     def _bind(self, block: int) -> list[FunctionKernel]:
         """Return the kernels with buffers for a block of designs; constants are set."""
         constants, kernels = self._resolved.space.constants, []
         for task in self._job.tasks:
             bound, rows = BoundKernel(task, block), []
-            for name, row in zip(task.kernel.program.inputs, bound.designs, strict=True):
+            for name, row in zip(task.inputs, bound.designs, strict=True):
                 row[...] = constants.get(name, np.nan)
                 if name in self.inputs:
                     rows.append((row, self.inputs.index(name)))
@@ -304,7 +309,7 @@ class Function:
         inputs = rows if units is None else rows | units.inputs
         arrays: dict[int, NDArray[Any]] = {}
         for kernel in self._bind(count):
-            for name, row in zip(kernel.bound.task.kernel.program.inputs, kernel.bound.designs, strict=True):
+            for name, row in zip(kernel.bound.task.inputs, kernel.bound.designs, strict=True):
                 row[:count] = inputs[name]
                 row[count:] = row[count - 1]
             kernel.run(count)

@@ -154,9 +154,7 @@ class _Layout:
         entry = 0
         for one, arrays in zip(kernels, arguments, strict=True):
             self.starts.append(entry)
-            for k, (argument, array) in enumerate(
-                zip(one.bound.task.kernel.source.arguments, arrays, strict=True)
-            ):
+            for k, (argument, array) in enumerate(zip(one.bound.task.source.arguments, arrays, strict=True)):
                 lengths = argument[1]
                 if lengths and k != 1:  # the angles stay where they are
                     self._add(entry, array)

@@ -14,7 +14,7 @@ import numpy as np
 from fastlink.codegen.cache import environment
 from fastlink.codegen.kernel import Kernel, kernel_of
 from fastlink.engine.binding import KernelTask
-from fastlink.engine.checks import CheckedRequest, all_declared, check
+from fastlink.engine.checks import CheckedRequest, check
 from fastlink.engine.designs import designs_of
 from fastlink.engine.executor import Job, Shapes
 from fastlink.engine.scaling import ScalingAxis, find_scaling_axis
@@ -22,7 +22,7 @@ from fastlink.engine.sizes import UnitsOfDesigns
 from fastlink.errors import InputError, KeyPath, Problem, Problems
 from fastlink.mechanisms import catalogue as find_catalogue
 from fastlink.options import check_path
-from fastlink.plan.plan import Plan, make_plan
+from fastlink.plan.plan import Plan, all_declared, make_plan
 from fastlink.plan.pointwise import ANGLES_FOR_LANES
 from fastlink.plan.positions import in_degrees
 from fastlink.plan.query import Extrema, with_lists
@@ -104,9 +104,7 @@ class ResolvedSweep:
     @property
     def fingerprint(self) -> str:
         """A hash of all that the numbers depend on: kernels, designs, input positions; the same on any machine."""
-        digest = hashlib.sha256(environment())
-        for kernel in self.kernels:
-            digest.update(kernel.text.encode())
+        digest = _of_kernels(self.kernels)
         space = self.space
         texts = sorted(space.attrs.items()), sorted(space.comments.items())
         described = space.dims, space.shape, sorted(space.constants.items()), texts
@@ -119,13 +117,26 @@ class ResolvedSweep:
         digest.update(self.positions.tobytes())
         return digest.hexdigest()
 
+    def __getstate__(self) -> dict[str, Any]:
+        return self.__dict__ | {"kernel_digest": _of_kernels(self.kernels).digest()}
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        digest = state.pop("kernel_digest")
+        self.__dict__.update(state)
+        if digest != _of_kernels(self.kernels).digest():
+            what = f"this sweep of {self.mechanism} was made by another version of fastlink, or with other declarations"
+            remedy = "use the same version, and import the modules that declare quantities, on both sides"
+            raise InputError(what, remedy=remedy)
+
     def job(self) -> Job:
         """Return the compiled kernels with the designs and positions that they run on."""
         evaluated = self.space if self.scaling_axis is None else self.scaling_axis.space
         names = [output.name for output in self.plan.outputs]
         tasks = [
             KernelTask(
-                kernel,
+                kernel.source,
+                kernel.program.inputs,
+                self.backend,
                 kernel.compiled(self.backend),
                 kernel.program.angle_tables(self.positions),
                 tuple(names.index(output.name) for output in kernel.program.outputs),
@@ -134,6 +145,14 @@ class ResolvedSweep:
             for kernel in self.kernels
         ]
         return Job(tasks, self.shapes, evaluated.size, UnitsOfDesigns.of(self.plan, evaluated))
+
+
+def _of_kernels(kernels: Iterable[Kernel]) -> hashlib._Hash:
+    """Return a hash of the texts of kernels, and of what compiles and runs them."""
+    digest = hashlib.sha256(environment())
+    for kernel in kernels:
+        digest.update(kernel.text.encode())
+    return digest
 
 
 def axis_lengths(plan: Plan, positions: int) -> dict[str, int]:

@@ -7,8 +7,10 @@
 
 from __future__ import annotations
 
+import copyreg
 import sys
 import threading
+from importlib import import_module
 from types import ModuleType
 from typing import TYPE_CHECKING, Any
 
@@ -23,6 +25,8 @@ if TYPE_CHECKING:
     from fastlink.typing import MechanismName
 
 _lock = threading.Lock()
+#: The arguments of `catalogue` that give each one that was asked for.
+_names: dict[Catalogue, tuple[str | None, ...]] = {}
 NAMES: tuple[MechanismName, ...] = ("planar_4r", "minkowski_4r", "focal", "hart", "slider_crank")
 #: What mechanisms are called elsewhere, by which they are found.
 KEYWORDS = {
@@ -41,6 +45,9 @@ class _Package(ModuleType):
         from fastlink.mechanisms.listing import mechanisms
 
         return mechanisms(*args, **options)
+
+    def __reduce__(self) -> tuple[Callable[[str], ModuleType], tuple[str]]:
+        return import_module, (self.__name__,)
 
 
 sys.modules[__name__].__class__ = _Package
@@ -75,7 +82,8 @@ def catalogue(mechanism: str | None, input: str | None = None) -> Catalogue:
     if input == first.position.name:
         return first
     with _lock:
-        return driven[input]()
+        by_input = driven[input]()
+    return _travelling(by_input, mechanism, input)
 
 
 def _meant(text: str) -> str:
@@ -90,7 +98,17 @@ def _meant(text: str) -> str:
 def _package(mechanism: str | None) -> tuple[Catalogue, dict[str, Callable[[], Catalogue]]]:
     """Return the catalogue of a mechanism, and factories of those by its other inputs, by name."""
     mechanism = check_choice(("mechanism",), mechanism, NAMES, meant=_meant)
-    from importlib import import_module
-
     package = import_module(f"fastlink.mechanisms.{mechanism}")
-    return getattr(package, mechanism), package.DRIVEN
+    first = getattr(package, mechanism)
+    return _travelling(first, mechanism), package.DRIVEN
+
+
+def _travelling(known: Catalogue, *names: str | None) -> Catalogue:
+    """Return a catalogue that is pickled by its names, for it holds functions."""
+    copyreg.pickle(type(known), _by_names)
+    _names[known] = names
+    return known
+
+
+def _by_names(known: Catalogue) -> Any:
+    return (catalogue, _names[known]) if known in _names else known.__reduce_ex__(2)

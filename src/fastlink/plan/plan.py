@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
-from functools import cached_property
+from dataclasses import dataclass, field
+from functools import cached_property, lru_cache
 from typing import Any
 
 from fastlink.catalogue.catalogue import Catalogue
@@ -14,9 +14,10 @@ from fastlink.plan.extrema import extrema_programs, find_extremum_search
 from fastlink.plan.pointwise import output_of, pointwise_programs
 from fastlink.plan.program import ExtremumSearch, Output, Program
 from fastlink.plan.query import Extrema, Request, parse_request
+from fastlink.plan.reductions import REDUCTIONS
 from fastlink.plan.toggles import toggles_of
 
-__all__ = ["Plan", "make_plan"]
+__all__ = ["Plan", "all_declared", "make_plan", "planned_again"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -37,6 +38,8 @@ class Plan:
         The selected variants.
     extrema_kept : int
         Length of the dimension of extrema.
+    recipe : tuple
+        The arguments of `planned_again`, which makes the plan in another process: facts are functions, and stay.
     """
 
     catalogue: Catalogue
@@ -45,6 +48,10 @@ class Plan:
     branches: tuple[int, ...]
     variants: tuple[str, ...]
     extrema_kept: int
+    recipe: tuple[Any, ...] = field(default=(), repr=False)
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return planned_again, self.recipe
 
     @property
     def uses_position(self) -> bool:
@@ -89,6 +96,7 @@ def make_plan(
     InputError
         A name is unknown, an input is not given, or a quantity cannot be refined.
     """
+    names = tuple(names)
     requests = [parse_request(name, catalogue) for name in names]
     for request in requests:
         if request.name in given:
@@ -123,7 +131,33 @@ def make_plan(
     if searched:
         programs += extrema_programs(catalogue, [o for o in outputs if o.refined], searched, **setting)
     kept = max((search.most for search in searched), default=0)
-    return Plan(catalogue, outputs, tuple(programs), tuple(branches), tuple(variants), kept)
+    recipe = catalogue, names, tuple(given), tuple(branches), tuple(variants), angles, extrema
+    return Plan(catalogue, outputs, tuple(programs), tuple(branches), tuple(variants), kept, recipe)
+
+
+def all_declared(catalogue: Catalogue) -> tuple[Any, ...]:
+    """Return a key that changes when a fact, an input or a reduction is declared or replaced."""
+    return catalogue.version, *REDUCTIONS.values()
+
+
+def planned_again(
+    catalogue: Catalogue, names: tuple[str, ...], given: tuple[str, ...], *options: Any
+) -> Plan:
+    """Return the plan that `make_plan` made in another process, once as long as nothing is declared."""
+    return _again(all_declared(catalogue), catalogue, names, given, options)
+
+
+@lru_cache(maxsize=64)
+def _again(
+    declared: tuple[Any, ...],
+    catalogue: Catalogue,
+    names: tuple[str, ...],
+    given: tuple[str, ...],
+    options: Any,
+) -> Plan:
+    branches, variants, angles, extrema = options
+    setting: dict[str, Any] = {"branches": branches, "variants": variants, "angles": angles}
+    return make_plan(catalogue, names, given=given, extrema=extrema, **setting)
 
 
 def _not_refined(request: Request, catalogue: Catalogue) -> InputError:
