@@ -169,7 +169,10 @@ def verdict(door: Callable[[], Any]) -> tuple[Any, set[tuple[str, str]] | None]:
         problems, text = error.problems, str(error)
     assert text
     words = Wording()
-    keys = [[part for part in one.where if isinstance(part, str)] for one in problems]
+    keys = [[part for part in one.where[1:] if isinstance(part, str)] or one.where[:1] for one in problems]
+    keys = [
+        [] if key in (("design",), ("evaluate",), ("function",)) else key for key in keys
+    ]  # all inputs together
     remedies = [words.remedy(one.remedy) for one in problems]
     return None, {(key[-1] if key else "", remedy) for key, remedy in zip(keys, remedies, strict=True)}
 
@@ -185,13 +188,14 @@ def evaluated(call: Call) -> Any:
     return fl.evaluate(call.mechanism, call.quantities, **call.design, **call.position, **call.options)
 
 
-def alike(of_sweep: set[tuple[str, str]], of_evaluate: set[tuple[str, str]]) -> bool:
+def alike(of_sweep: set[tuple[str, str]], of_evaluate: set[tuple[str, str]], *, whole: bool) -> bool:
     """Tell whether every problem of the sweep is among those of evaluate, whose remedies may go on.
 
-    A sweep's values are read by `fl.grid` alone, before the request is checked: evaluate reports the rest too.
+    A sweep's values are read by `fl.grid` alone, before the request is checked: evaluate reports the rest too. Of an
+    array it may name another value, the first that is no number instead of the first that is no code.
     """
     return all(
-        any(key == other and (more.startswith(remedy) or not more) for other, more in of_evaluate)
+        any(key == other and (whole or more.startswith(remedy) or not more) for other, more in of_evaluate)
         for key, remedy in of_sweep
     )
 
@@ -212,7 +216,7 @@ def check(call: Call) -> bool:
     if refused_there is None or refused_here is None:
         assert set(values) <= {output.name for output in resolved.plan.outputs}, shown
         return True
-    assert alike(refused_there, refused_here), shown
+    assert alike(refused_there, refused_here, whole=call.kind == "array"), shown
     if call.changed != next(iter(call.design)) and call.kind != "array":
         # a function that were made would be compiled, and no test
         refused_by_function = verdict(lambda: made(call))[1]

@@ -212,6 +212,8 @@ class _ExtremaWriter(ExtremaSchedule):
         text, search = self.text, self.program.searches[number]
         self.write_value(number)
         text.call(classify, f"{state}, search_{number}")
+        if classify is results.extrema_at_zeros:
+            text.call(results.drop_folds, "state, filled, w, table")
         if classify is results.end_values and search.order > 0:
             text.call(results.make_poles, "state, filled, w, table")
         if self.program.has_bounds and classify is results.extrema_at_zeros:

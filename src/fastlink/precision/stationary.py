@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -19,6 +20,7 @@ from fastlink.catalogue.evaluate import read_facts
 from fastlink.facts.names import derivative_name
 from fastlink.numerics.vectors import as_given
 from fastlink.precision.reference import CONTEXT, STEP, HighPrecision
+from fastlink.precision.sides import side_of, turning_cells
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -136,17 +138,12 @@ class Stationary:
         scale, start, toggle = (np.hstack([facts[k], facts[k + 3]])[..., None] for k in range(3))
         self.scale = scale[..., 0]
         # Where the range has no end, x = 0 is a position like any other, and samples go on with the other sign.
-        self.bounded = ((start > 0.0) | (toggle > 0.0))[..., 0]
+        self.bounded = ((start != 0.0) | (toggle > 0.0))[..., 0]
         grid = scale * np.sinh(np.arange(1, SAMPLES + 1) * (np.arcsinh(1.0 / scale) / SAMPLES))
-        first = np.where(start > 0.0, start, 0.5 * grid[..., :1])
+        first = np.where(start != 0.0, abs(start), 0.5 * grid[..., :1])
         self.x = np.concatenate([-grid[..., ::-1], -first, first, grid], axis=-1)
         high = np.broadcast_to(np.array([False, True])[:, None], self.x.shape)
         self.values, self.slopes = self._read((self.quantity, self.slope), self.x, high, designs[..., None])
-        # Both halves end at one position; a zero of the slope there belongs to one of them.
-        seam = self.slopes[:, 0, [0, -1]]
-        seam = np.where(seam == 0.0, self.slopes[:, 0, [1, -2]], seam)
-        self.slopes = self.slopes.copy()
-        self.slopes[:, :, [0, -1]] = seam[:, None, :]
 
     def _candidates(self) -> list[list[Candidate]]:
         """Return the extremes of each design by samples, jumps and ends among them."""
@@ -155,8 +152,7 @@ class Stationary:
         inside[..., SAMPLES] = ~self.bounded
         with np.errstate(invalid="ignore", over="ignore"):
             jumping = inside & (abs(np.diff(self.values)) > np.pi) & (self.quantity in self.graded.wraps_at)
-            sides = np.sign(self.slopes)
-            turning = inside & (sides[..., 1:] * sides[..., :-1] <= 0.0) & (sides[..., 1:] != 0.0) & ~jumping
+            turning, sides = turning_cells(np.sign(self.slopes), ~inside | jumping, self._side)
         for design, end, cell in np.argwhere(jumping).tolist():
             candidates[design].append(Candidate(end, float(self.x[design, end, cell]), np.nan, JUMP))
         for design, end in np.argwhere(self.bounded).tolist():
@@ -165,16 +161,26 @@ class Stationary:
                 if not np.isnan(value):
                     candidates[design].append(Candidate(end, float(self.x[design, end, k]), value, END))
         cells = np.argwhere(turning)
-        for (design, end), x, value, kind in zip(
-            cells[:, :2].tolist(), *self._subdivided(*cells.T), strict=True
-        ):
+        found = self._subdivided(sides, *cells.T)
+        for (design, end), x, value, kind in zip(cells[:, :2].tolist(), *found, strict=True):
             candidates[design].append(Candidate(end, x, value, kind))
         return candidates
 
-    def _subdivided(self, design: NDArray[Any], end: NDArray[Any], cell: NDArray[Any]) -> list[list[Any]]:
+    def _side(self, design: int, end: int, sample: int) -> float:
+        """Return the sign of the slope at a sample."""
+        values = {name: column[design] for name, column in self.inputs.items()}
+        x = CONTEXT.mpf(float(self.x[design, end, sample]))
+        return side_of(
+            float(self.slopes[design, end, sample]),
+            lambda: self._slope_facts.at(values | self._leaves_at(end, x))[self.slope],
+        )
+
+    def _subdivided(
+        self, sides: NDArray[Any], design: NDArray[Any], end: NDArray[Any], cell: NDArray[Any]
+    ) -> list[list[Any]]:
         """Narrow down cells whose slope changes sign; return x, values and kinds."""
         low, high = self.x[design, end, cell], self.x[design, end, cell + 1]
-        before, after = np.sign(self.slopes[design, end, cell]), np.sign(self.slopes[design, end, cell + 1])
+        before, after = sides[design, end, cell], sides[design, end, cell + 1]
         parts, rows = np.linspace(0.0, 1.0, PARTS + 1), np.arange(cell.size)
         for _ in range(ROUNDS):
             x = low[:, None] + (high - low)[:, None] * parts
@@ -187,6 +193,11 @@ class Stationary:
         # the input angle grows with x counted from the lower end, and falls with that from the upper end
         kinds = np.sign(before - after) * np.where(end == 1, -1, 1)
         return [middle.tolist(), values.tolist(), kinds.astype(int).tolist()]
+
+    @cached_property
+    def _slope_facts(self) -> HighPrecision:
+        given = (*self.inputs, *self.graded.coordinates)
+        return HighPrecision(self.catalogue, (self.slope,), given, self.variants, zeroes=self.facts.zeroes)
 
     def zeroed(self, design: int) -> bool:
         """Tell whether a gap of a design counts as zero in doubles, but not here."""

@@ -43,7 +43,7 @@ from fastlink.numerics.compiler import inlined, lanes, outlined
 from fastlink.numerics.elementary import ANGLE_ROUNDING, INFINITY, NOT_A_NUMBER, PI, TWO_PI
 
 __all__ = [
-    *("clear", "collect_ends", "doubt", "end_values", "extrema_at_zeros"),
+    *("clear", "collect_ends", "doubt", "drop_folds", "end_values", "extrema_at_zeros"),
     *("keep_beside", "make_poles", "mirror_image"),
     *("store_best", "store_bound", "store_counts", "store_extrema", "store_list"),
 ]
@@ -58,6 +58,9 @@ BEST_ROWS = 5
 # How much farther from a fold than the first sample, 2^-60 of the scale, a quantity is evaluated too; and how much
 # smaller it is there at least if it has a pole at the fold.
 FARTHER, GROWS = 2.0**30, 2.0**20
+# Zeros of a slope within so many distances of the first sample from a fold are the fold itself, which is listed no more
+# than a toggle: towards a pole the sampled function falls with a power of the distance, and looks like zero there.
+FOLDED = 2.0**8
 
 
 @outlined
@@ -120,6 +123,24 @@ def extrema_at_zeros(s: Any, count: int, table: Any, search: Any) -> None:
             # An angle near 0 passes 0, which is no extremum; it is pi and -pi where it jumps.
             s[KIND, i] = NOT_A_NUMBER if abs(s[VALUE, i]) < 1.0 else 0.0
             s[VALUE, i] = PI
+
+
+@outlined
+def drop_folds(s: Any, count: int, w: Any, table: Any) -> None:
+    """Drop extrema that are nothing but the end of the range at a fold.
+
+    Parameters
+    ----------
+    s, count : array, int
+        State of the items, and how many they are.
+    w, table : array
+        Lane values, and the table of the kernel, see `cells`.
+    """
+    for i in range(count):
+        upper, lane = int(s[UPPER, i]), int(s[LANE, i])
+        first, fold = abs(w[table[START] + upper, lane]), w[table[TOGGLE] + upper, lane] == 0.0
+        if fold and s[KIND, i] != 0.0 and s[X, i] < FOLDED * first:
+            s[KIND, i] = NOT_A_NUMBER
 
 
 @outlined

@@ -1,0 +1,87 @@
+"""Extremes at folds, where a slope in doubles is its own rounding error: of the reference, and lists of kernels."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from tests.support.configurations import masses_and_points
+
+import fastlink as fl
+from fastlink.mechanisms import catalogue
+from fastlink.precision.reference import CONTEXT
+from fastlink.precision.sides import side_of, turning_cells
+from fastlink.precision.stationary import END, Stationary
+
+LENGTHS = ("a1", "a2", "a3", "a4")
+PLANAR = catalogue("planar_4r")
+BARS = fl.round_bar(density=7750.0, radius=0.01)
+#: Change points of whole lengths, so that their gap is exactly zero.
+CHANGE_POINTS = np.array(
+    [(4, 4, 6, 2), (8, 7, 5, 6), (12, 9, 4, 7), (2, 8, 7, 1), (12, 4, 4, 12), (1, 5, 6, 2)], float
+)
+
+
+def inner(quantity, designs, branch, variants=()):
+    """Return the stationary extremes of each design by the reference, and the reference."""
+    n = designs["a1"].size
+    found = Stationary(PLANAR, quantity, designs, np.full(n, float(branch)), variants)
+    return [[one for one in each if one.kind in (1, -1)] for each in found.candidates], found
+
+
+@pytest.mark.parametrize(
+    ("doubles", "exact", "finer", "side"),
+    [
+        (2.0, "2", "2", 1.0),
+        (-1e-3, "1e-9", "1e-9", 1.0),  # doubles have the wrong sign
+        (1e-3, "1e-36", "1e-60", 0.0),  # 50 digits of nothing: 2^-115 of the noise of doubles
+        (0.0, "1e-49", "-1e-99", 0.0),
+        (0.0, "-1e-49", "-1e-49", -1.0),  # tiny, but known
+        (0.0, "0", "0", 0.0),
+        (1.0, "nan", "nan", 1.0),
+        (np.inf, "1", "1", 1.0),
+    ],
+)
+def test_the_sign_of_a_slope_is_that_of_as_many_digits_as_it_takes(doubles, exact, finer, side):
+    def slope():
+        return CONTEXT.mpf(exact if CONTEXT.dps == 50 else finer)
+
+    assert side_of(doubles, slope) == side
+
+
+def test_only_true_changes_of_sign_are_cells_with_an_extreme():
+    rng = np.random.default_rng(1)
+    true = np.where(np.arange(20) < 13, 1.0, -1.0) * np.ones((1, 2, 1))
+    true[:, 1] = true[:, 0, ::-1]
+    true[:, :, [0, -1]] = 1.0, -1.0  # both ends are counted from one position
+    noisy = true.copy()
+    noisy[0, 0, 2:9] = rng.choice([-1.0, 0.0, 1.0], 7)
+    turning, signs = turning_cells(noisy, np.zeros((1, 2, 19), bool), lambda *at: true[at])
+    np.testing.assert_array_equal(turning, true[..., 1:] != true[..., :-1])
+    assert (signs[turning.nonzero()] == true[turning.nonzero()]).all()
+
+
+def test_noise_of_a_slope_at_a_fold_is_no_extreme():
+    """Forces of 7, 11, 8, 4 without weights only rise or fall over the turn: the list of kernels is empty, too."""
+    designs = {name: np.array([value]) for name, value in zip(LENGTHS, (7.0, 11.0, 8.0, 4.0), strict=True)}
+    bars = {"density": np.array([7750.0]), "radius": np.array([0.01]), "omega1": np.ones(1)}
+    for branch in (1, 2):
+        assert inner("F32", designs | bars, branch, ("round_bar",))[0] == [[]]
+    listed = fl.sweep("planar_4r", fl.grid(**designs, omega1=1.0), ["F32_extrema"], links=BARS, verify=1)
+    assert np.isnan(listed["F32_extrema"]).all()
+    assert listed.attrs["verify_mismatches"] == 0
+
+
+def test_no_extreme_is_listed_beside_the_pole_of_a_fold():
+    """With mass centres anywhere forces are infinite at folds; the sampled slope, scaled for toggles, falls to zero."""
+    rng = np.random.default_rng(7)
+    n = len(CHANGE_POINTS)
+    designs = dict(zip(LENGTHS, CHANGE_POINTS.T, strict=True)) | masses_and_points(rng, n)
+    found = fl.sweep("planar_4r", fl.table(designs), ["F21_extrema_count", "F21_max"])
+    for branch in (1, 2):
+        exact, reference = inner("F21", designs, branch)
+        ends = [[one for one in each if one.kind == END] for each in reference.candidates]
+        at = found.sel(branch=branch)
+        for k in range(n):
+            infinite = any(CONTEXT.isinf(reference.extreme(k, one).value) for one in ends[k])
+            assert np.isinf(at["F21_max"][k]) == infinite
+            assert at["F21_extrema_count"][k] == len(exact[k]), (CHANGE_POINTS[k], branch)
