@@ -567,6 +567,12 @@ DOORS: list[Door] = [
         "",
     ),
     Door(
+        "DesignSpace.consecutive",
+        "SPACE.consecutive($start, $stop)",
+        _slots(start=("count", "1", "1", "0"), stop=("count", "2", "2")),
+        "",
+    ),
+    Door(
         "DesignSpace.with_constants",
         "SPACE.with_constants($extra)",
         _slots(extra=("mapping", "{'omega2': 1.0}", "1", "xr.Dataset()", "{'a1': Sulky()}")),

@@ -13,6 +13,7 @@ from fastlink._text import short_repr
 from fastlink.errors import InputError, Problem, Problems, remark
 from fastlink.plan.query import parse_request
 from fastlink.plan.validate import unknown_input
+from fastlink.space.column import Column, Converted
 from fastlink.space.columns import or_keep
 from fastlink.space.degrees import (
     COMMENT,
@@ -83,7 +84,9 @@ def designs_of(
         space = without(space, options)
     for name in angles:
         if name in space.names and name not in space.comments:
-            remark_on_angles(name, space.values(name), "design")
+            given = space.columns.get(name)
+            values = given.sample() if isinstance(given, Column) else space.values(name)
+            remark_on_angles(name, values, "design")
     if space.ignored and not problems.noted:
         names = ", ".join(space.ignored)
         what = f"results beside the designs are ignored: {names}"
@@ -174,7 +177,7 @@ def _renamed(space: DesignSpace, angles: Mapping[str, str], problems: Problems) 
 
     def converted(values: Mapping[str, Any]) -> dict[str, Any]:
         return {
-            angles.get(name, name): as_floats(value) if name in angles else value
+            angles.get(name, name): _in_radians_where_read(value) if name in angles else value
             for name, value in values.items()
         }
 
@@ -193,6 +196,11 @@ def _renamed(space: DesignSpace, angles: Mapping[str, str], problems: Problems) 
         doubtful={angles.get(name, name): problem for name, problem in space.doubtful.items()},
         comments=space.comments | comments,
     )
+
+
+def _in_radians_where_read(degrees: Any) -> Any:
+    """Return values in radians; those that are computed where they are looked at are converted there."""
+    return Converted(degrees, as_floats) if isinstance(degrees, Column) else as_floats(degrees)
 
 
 def _without_results(
@@ -245,7 +253,7 @@ def _unknown(catalogue: Catalogue, name: str) -> Problem:
 
 def _each_once(space: DesignSpace) -> DesignSpace:
     """Return every design of a table once, in the order in which each comes first."""
-    rows = np.stack(list(space.columns.values()), axis=1)
+    rows = np.stack(list(map(np.asarray, space.columns.values())), axis=1)
     _, first = np.unique(rows, axis=0, return_index=True)
     if first.size == space.size:
         return space

@@ -27,6 +27,7 @@ from fastlink.plan.pointwise import ANGLES_FOR_LANES
 from fastlink.plan.positions import in_degrees
 from fastlink.plan.query import Extrema, with_lists
 from fastlink.plan.validate import all_choices, constants_of, joined_missing, missing_inputs
+from fastlink.space.column import definition_of
 from fastlink.space.degrees import COMMENT
 from fastlink.space.design_space import EXTREMUM
 from fastlink.space.table import as_space
@@ -110,9 +111,9 @@ class ResolvedSweep:
         described = space.dims, space.shape, sorted(space.constants.items()), texts
         digest.update(repr(described).encode())
         for name, values in sorted({**space.axes, **space.columns}.items()):
-            digest.update(name.encode() + values.tobytes())
+            digest.update(repr((name, definition_of(values))).encode())
         for name, label in sorted(space.labels.items()):
-            digest.update(repr((name, label.tolist())).encode())
+            digest.update(repr((name, definition_of(label))).encode())
         digest.update(repr([self.branches, *(o.name for o in self.plan.outputs)]).encode())
         digest.update(self.positions.tobytes())
         return digest.hexdigest()

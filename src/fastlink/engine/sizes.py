@@ -18,6 +18,7 @@ from fastlink.catalogue.sizes import (
     sized,
     sizes_of,
 )
+from fastlink.space.column import Column
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -46,6 +47,8 @@ class UnitsOfDesigns:
         Whether constants and axes are near 1; columns are looked at block by block.
     names : tuple of str
         The inputs with a dimension.
+    columns : tuple of str
+        Those of them along the designs that may be far from 1.
     """
 
     catalogue: Catalogue
@@ -53,6 +56,7 @@ class UnitsOfDesigns:
     results: Sequence[Sized]
     ordinary: bool
     names: tuple[str, ...]
+    columns: tuple[str, ...]
 
     @classmethod
     def of(cls, plan: Plan, space: DesignSpace) -> UnitsOfDesigns:
@@ -60,13 +64,16 @@ class UnitsOfDesigns:
         names = _dimensional(plan, space.names)
         fixed = space.constants | space.axes
         ordinary = all(is_ordinary(fixed[name]) for name in names if name in fixed)
-        return cls(plan.catalogue, space, sized_outputs(plan), ordinary, names)
+        columns = tuple(name for name in names if name in space.columns and _may_be_far(space.columns[name]))
+        return cls(plan.catalogue, space, sized_outputs(plan), ordinary, names, columns)
 
     def at(self, start: int, stop: int) -> BlockUnits | None:
         """Return the units of some designs, or None where they are kilogram, metre and second."""
-        columns = [self.space.columns[name] for name in self.names if name in self.space.columns]
-        if self.ordinary and all(is_ordinary(column[start:stop]) for column in columns):
-            return None
+        if self.ordinary:
+            rows = np.empty((len(self.columns), stop - start))
+            self.space.fill(self.columns, start, stop, rows)
+            if all(map(is_ordinary, rows)):
+                return None
         rows = np.empty((len(self.names), stop - start))
         self.space.fill(self.names, start, stop, rows)
         return BlockUnits.of(self.catalogue, dict(zip(self.names, rows, strict=True)), self.results)
@@ -105,6 +112,14 @@ def dimensional_of(catalogue: Catalogue, values: Mapping[str, Any]) -> dict[str,
     """Return the values of inputs with a dimension."""
     names = dimensional(catalogue, catalogue.version, tuple(values))
     return {name: values[name] for name in names}
+
+
+def _may_be_far(values: NDArray[Any] | Column) -> bool:
+    """Tell whether a value along the designs may be far from 1, by the bounds of one that is computed."""
+    if not isinstance(values, Column):
+        return True
+    low, high = values.bounds
+    return not (is_ordinary([low, high]) and 0.0 < low <= high)
 
 
 @lru_cache(maxsize=256)

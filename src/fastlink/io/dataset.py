@@ -78,14 +78,18 @@ def coordinates(
         coords[name] = ((name,), axis.astype(np.int32) if "flag_values" in labels else axis, labels)
     if DESIGN in space.dims:
         number = space.labels.get(DESIGN, np.arange(space.shape[space.dims.index(DESIGN)]))
-        coords[DESIGN] = ((DESIGN,), number, {"long_name": "number of the design"})
+        coords[DESIGN] = ((DESIGN,), np.asarray(number), {"long_name": "number of the design"})
     for name, column in space.columns.items():
-        coords[name] = ((DESIGN,), column, plain_attrs(described[name]))
+        coords[name] = ((DESIGN,), np.asarray(column), plain_attrs(described[name]))
     for name, value in space.constants.items():
         coords[name] = ((), value, plain_attrs(described[name]))
     for name, label in space.labels.items():
         if name != DESIGN:
-            coords[name] = ((DESIGN,) if label.ndim else (), label, {"long_name": "label of the design"})
+            coords[name] = (
+                (DESIGN,) if label.ndim else (),
+                np.asarray(label),
+                {"long_name": "label of the design"},
+            )
     for name, (dims, values, attrs) in further.items():
         if name in coords:
             raise ValueError(f"coordinate {name!r} is an input of the design space already")

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import operator
 from collections.abc import Iterable, Sequence
+from dataclasses import replace
 from functools import lru_cache, reduce
 from numbers import Real
 from typing import TYPE_CHECKING, Any
@@ -18,6 +19,7 @@ from fastlink.errors import InputError, KeyPath, Model, Problem, Problems, Remed
 from fastlink.options import check_choice
 from fastlink.plan.query import parse_request
 from fastlink.plan.suggestions import input_remedy, suggest_input
+from fastlink.space.column import Column, steps
 from fastlink.space.links import MODELS, Links
 from fastlink.space.values import cells_of, check_length, is_number, unmasked
 
@@ -125,7 +127,11 @@ def check_inputs(
     for name in filter(known.__contains__, space.names):
         value = space.constants.get(name)
         if not allow_invalid and (value is None or not allowed(known[name], value)):
-            problems.noted += value_problems(known[name], space.values(name), "design")
+            column = space.columns.get(name)
+            if isinstance(column, Column):
+                problems.noted += _column_problems(known[name], column)
+            else:
+                problems.noted += value_problems(known[name], space.values(name), "design")
     problems.stop()
 
 
@@ -207,6 +213,18 @@ def value_problems(
         )
     where: KeyPath = (parent, declared.name, *(int(k) for k in index))
     return [Problem(f"is {value} ({declared.meaning})", where, (mend, *remedy) if remedy else mend)]
+
+
+def _column_problems(declared: Input, column: Column) -> list[Problem]:
+    """Return the first value of a column that an input cannot have, if its bounds do not rule it out."""
+    if not declared.choices and all(allowed(declared, end) for end in column.bounds):
+        return []
+    for start, stop in steps(0, len(column)):
+        values = column.piece(start, stop)
+        for row in np.flatnonzero(~allowed(declared, values))[:1].tolist():
+            (problem,) = value_problems(declared, values[row : row + 1], "design")
+            return [replace(problem, where=(*problem.where, start + row))]
+    return []
 
 
 def missing_inputs(

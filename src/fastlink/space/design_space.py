@@ -14,6 +14,7 @@ from fastlink._text import short_repr
 from fastlink.doors import door
 from fastlink.errors import InputError, Problem, suggest
 from fastlink.options import check_whole
+from fastlink.space.column import Counted, part_of, read_into
 from fastlink.space.values import (
     Floats,
     axis_of,
@@ -28,6 +29,8 @@ from fastlink.space.values import (
 
 #: Dimensions: designs that span no grid, assembly modes, the extremes of a quantity.
 DESIGN, BRANCH, EXTREMUM = "design", "branch", "extremum"
+#: The label that holds the numbers which a table gives its designs, where several designs follow from each.
+OWN_NUMBERS = "table_design"
 MAKERS = "grid, table, sobol and latin_hypercube make design spaces"
 
 
@@ -52,7 +55,8 @@ class DesignSpace:
     axes : dict
         Input to its 1-D values, which span the dimension of the same name.
     columns : dict
-        Table and samples only: input to its values along ``design``.
+        Table and samples only: input to its values along ``design``, an array, or a `Column` of values that are
+        computed where they are looked at and read as those of an array.
     attrs : dict
         Where the designs come from, as plain file attributes.
     labels : dict
@@ -75,9 +79,9 @@ class DesignSpace:
     shape: tuple[int, ...]
     constants: dict[str, float] = field(default_factory=dict)
     axes: dict[str, Floats] = field(default_factory=dict)
-    columns: dict[str, Floats] = field(default_factory=dict)
+    columns: dict[str, Any] = field(default_factory=dict)
     attrs: dict[str, str | int] = field(default_factory=dict)
-    labels: dict[str, NDArray[Any]] = field(default_factory=dict, repr=False)
+    labels: dict[str, Any] = field(default_factory=dict, repr=False)
     units: dict[str, str] = field(default_factory=dict, repr=False)
     of_map: bool = field(default=False, repr=False)
     ignored: tuple[str, ...] = field(default=(), repr=False)
@@ -104,7 +108,7 @@ class DesignSpace:
         if name in self.axes:
             return self.axes[name]
         if name in self.columns:
-            return self.columns[name]
+            return np.asarray(self.columns[name])
         raise self._no_value(name)
 
     @door
@@ -152,12 +156,66 @@ class DesignSpace:
             target = row[: stop - start]
             if name in self.constants:
                 target[:] = self.constants[name]
-            elif indices:
-                index = indices[name if name in indices else DESIGN]
+            elif name in self.axes:
                 # "clip" writes in place, the default "raise" in a copy of the output; no index needs clipping
-                np.take(self.values(name), index, out=target, mode="clip")
+                np.take(self.axes[name], indices[name], out=target, mode="clip")
+            elif indices:
+                inner = self.size // self.shape[0]
+                read_into(part_of(self.columns[name], inner, start, stop), 0, stop - start, target)
             else:
-                target[:] = self.values(name)[start:stop]
+                read_into(self.columns[name], start, stop, target)
+
+    @door
+    def consecutive(self, start: int, stop: int) -> DesignSpace:
+        """Return designs ``start`` to ``stop - 1`` along the one dimension ``design``.
+
+        Their inputs are computed from those of this space where they are looked at: 10^9 of 10^10 designs need no
+        memory. The label ``design`` holds their numbers in the whole space, of which this one may be a part itself;
+        numbers that a table gives its designs stay.
+
+        Parameters
+        ----------
+        start, stop : int
+            Range of flat design numbers, in C order over `dims`; at least one.
+
+        Returns
+        -------
+        DesignSpace
+            Its `attrs` say which designs of how many these are.
+
+        Examples
+        --------
+        >>> import numpy as np
+        >>> import fastlink as fl
+        >>> axes = {name: np.linspace(0.5, 1.5, 3000) for name in ("a2", "a3", "a4")}
+        >>> some = fl.grid(a1=0.4, **axes).consecutive(5 * 10**9, 5 * 10**9 + 100)
+        >>> some.dims, some.shape, some.columns["a4"][:3].round(4).tolist()
+        (('design',), (100,), [1.1669, 1.1672, 1.1676])
+        >>> int(some.labels["design"][0]), some.attrs["design_start"], some.attrs["design_total"]
+        (5000000000, 5000000000, 27000000000)
+        """
+        start = check_whole(("consecutive", "start"), start, 0, self.size - 1)
+        stop = check_whole(("consecutive", "stop"), stop, start + 1, self.size)
+        columns, labels, inner = dict[str, Any](), dict[str, Any](), self.size
+        for dim, length in zip(self.dims, self.shape, strict=True):
+            inner //= length
+            along = self.columns if dim == DESIGN else {dim: self.axes[dim]}
+            columns |= {name: part_of(values, inner, start, stop) for name, values in along.items()}
+        rows = self.size // self.shape[0] if self.dims else 1
+        for name, label in self.labels.items():
+            if not np.ndim(label):
+                labels[name] = label
+            elif name != DESIGN:
+                labels[name] = part_of(label, rows, start, stop)
+            elif not isinstance(label, Counted):
+                labels[DESIGN if rows == 1 else OWN_NUMBERS] = part_of(label, rows, start, stop)
+        # of a part of another space, in the numbers of that one
+        first = rows * int(self.attrs.get("design_start", 0)) + start
+        last, total = first + stop - start, rows * int(self.attrs.get("design_total", self.size // rows))
+        labels.setdefault(DESIGN, Counted(first, stop - start))
+        attrs = {**self.attrs, "design_start": first, "design_stop": last, "design_total": total}
+        one: dict[str, Any] = {"dims": (DESIGN,), "shape": (stop - start,), "axes": {}}
+        return replace(self, **one, columns=columns, labels=labels, attrs=attrs)
 
     @door
     def some(self, count: int, rng: np.random.Generator) -> NDArray[np.int64]:
@@ -253,19 +311,7 @@ def flat(space: DesignSpace) -> DesignSpace:
     """Return the same designs along the one dimension ``design``, in their order."""
     if space.dims == (DESIGN,) or not space.dims:
         return space
-    names = [*space.axes, *space.columns]
-    rows = np.empty((len(names), space.size))
-    space.fill(names, 0, space.size, rows)
-    columns = {name: frozen(row) for name, row in zip(names, rows, strict=True)}
-    attrs: dict[str, str | int] = {"design_kind": "table"}
-    kept = {name: label for name, label in space.labels.items() if label.ndim == 0}
-    return replace(
-        space,
-        kind="table",
-        dims=(DESIGN,),
-        shape=(space.size,),
-        axes={},
-        columns=columns,
-        attrs=attrs,
-        labels=kept,
-    )
+    part = space.consecutive(0, space.size)
+    columns = {name: frozen(np.array(values)) for name, values in part.columns.items()}
+    labels = {name: label for name, label in space.labels.items() if not label.ndim}
+    return replace(part, kind="table", columns=columns, attrs={"design_kind": "table"}, labels=labels)
