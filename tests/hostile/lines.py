@@ -15,6 +15,7 @@ LINES = [
     ["run", "study.toml", "--to", "changed.h5", "--overwrite", "--threads", "1", "--verify", "0"],
     ["run", "study.toml", "--to", "changed.h5", "--overwrite", "--quiet"],
     ["run", "study.toml", "--to", "changed.h5", "--overwrite", "--restart", "--quiet"],
+    ["run", "study.toml", "--part", "1/1", "--to", "changed.h5", "--overwrite", "--quiet"],
     ["info", "maps.h5"],
     ["check", "maps.h5"],
     ["plot", "maps.h5", "omega4_max", "--branch", "1", "--to", "changed.png"],
@@ -117,6 +118,7 @@ WORDS = [
     ),
     *(
         "--verify=-1",
+        "--part=2/1",
         "--input=",
         "--all",
         "--designs=0",

@@ -77,9 +77,9 @@ def test_the_room_of_what_a_killed_run_left_is_given_back_first(tmp_path, monkey
     part.write_bytes(b"x" * 1_000_000)
     sizes = []
 
-    def observed(*args):
+    def observed(*args, **options):
         sizes.append(part.stat().st_size)
-        return lay_out(*args)
+        return lay_out(*args, **options)
 
     monkeypatch.setattr("fastlink.io.writing.writer.lay_out", observed)
     Sample().save(tmp_path / "m.h5")

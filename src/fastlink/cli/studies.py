@@ -39,6 +39,10 @@ def run(
     restart: Annotated[
         bool, typer.Option("--restart", help="Throw away what an interrupted run has left in FILE.part.")
     ] = False,
+    part: Annotated[
+        str | None,
+        typer.Option("--part", metavar="K/N", help="Run the K-th of N parts of the designs, to be joined."),
+    ] = None,
 ) -> None:
     """Run a study, and write its map; a map that is there and up to date is kept."""
     from fastlink.io.finished import WRITTEN
@@ -51,6 +55,7 @@ def run(
         "overwrite": overwrite,
         "restart": restart,
         "verify": verify,
+        "part": part,
     }
     maps = run_study(study, to=to, progress=progress, **options)
     with maps:

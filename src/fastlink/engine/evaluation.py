@@ -15,10 +15,13 @@ import numpy as np
 from fastlink.engine import labels
 from fastlink.engine.executor import BLOCK_BYTES, Sink, row_bytes, run
 from fastlink.engine.needs import allocated, check_needs, designs_per_block
-from fastlink.engine.sinks import StatusCounts, into, tee
+from fastlink.engine.parts import consecutive, whole_coordinates
+from fastlink.engine.sinks import StatusCounts, into, tee, within
 from fastlink.io.dataset import plain_attrs
 from fastlink.io.finished import finished_map
+from fastlink.io.parts import Part, PartOfMap
 from fastlink.io.place import existing_file
+from fastlink.io.ranges import joined
 from fastlink.io.writing.target import forget_journal, forget_published
 from fastlink.io.writing.writer import Writer
 from fastlink.precision import DESIGNS, Verification
@@ -28,6 +31,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from fastlink.engine.resolve import ResolvedSweep
+    from fastlink.io.ranges import Range
 
 __all__ = ["Evaluation"]
 
@@ -50,12 +54,32 @@ class Evaluation:
         How many designs are computed again; those that a file is verified by unless given.
     in_memory : bool
         Whether the results stay in memory.
+    part : Part, optional
+        The part of the designs to evaluate; all unless given.
+
+    Attributes
+    ----------
+    whole : ResolvedSweep
+        The request, whose kernels run.
+    resolved : ResolvedSweep
+        The same of the designs of the part, which label the results.
     """
 
     def __init__(
-        self, resolved: ResolvedSweep, threads: int, block: int | None, verify: int | None, in_memory: bool
+        self,
+        resolved: ResolvedSweep,
+        threads: int,
+        block: int | None,
+        verify: int | None,
+        in_memory: bool,
+        *,
+        part: Part | None = None,
     ) -> None:
         verify = (0 if in_memory else DESIGNS) if verify is None else verify
+        self.whole, self.part = resolved, part
+        self.range = (0, resolved.space.size) if part is None else part.range(resolved.space.size)
+        if part is not None:
+            resolved = replace(resolved, space=consecutive(resolved.space, *self.range))
         self.resolved, self.threads, self.block = resolved, threads, block
         plan, space, positions = resolved.plan, resolved.space, resolved.positions
         self.variables = labels.variables(plan, space, positions.size, one_branch=resolved.one_branch)
@@ -77,21 +101,15 @@ class Evaluation:
             path,
             self._fingerprint(attrs),
             verified=verified,
-            coords=self._coordinates(),
+            coords=labels.coordinates_of(self.resolved),
             variables=self.variables,
-            attrs=attrs,
-        )
-
-    def _coordinates(self) -> xr.Dataset:
-        resolved = self.resolved
-        return labels.sweep_coordinates(
-            resolved.plan, resolved.space, resolved.positions, one_branch=resolved.one_branch
+            attrs=self._labelled(attrs),
         )
 
     def load(self, started: float) -> None:
         """Compile or load the kernels, and note the time since the sweep has started."""
-        self.job = self.resolved.job()
-        if self.resolved.scaling_axis is not None:
+        self.job = self.whole.job()
+        if self.resolved.scaling_axis is not None or self.part is not None:
             self.block = designs_per_block(self.resolved, self.threads, self.block)
         self.loaded = time.perf_counter()
         self.set_up_time = self.loaded - started
@@ -100,44 +118,69 @@ class Evaluation:
         """Evaluate all designs, and return the labelled results."""
         arrays = allocated(self.job.shapes, self.resolved.space.size)
         sink, axis = self._sink(show), self.resolved.scaling_axis
-        if axis is None:
+        if axis is None and self.part is None:
             run(self.job, targets=arrays, sink=sink, threads=self.threads, block=self.block)
         else:
-            run(self.job, sink=axis.over(tee(into(arrays), sink)), threads=self.threads, block=self.block)
+            self._run(tee(into(arrays), sink))
         statistics = self._statistics()
         measured, errors = self._errors()
         variables = [replace(v, attrs=v.attrs | errors.get(v.name, {})) for v in self.variables]
-        return labels.labelled(self.resolved, variables, arrays, {**attrs, **statistics, **measured})
+        attrs = {**self._labelled(attrs), **statistics, **measured}
+        return labels.labelled(self.resolved, variables, arrays, attrs)
 
     def to_file(
         self, path: Path, show: Sink, attrs: Mapping[str, Any], *, overwrite: bool, restart: bool
     ) -> None:
         """Evaluate all designs into a file, or the rest of a killed run."""
-        axis, coords = self.resolved.scaling_axis, self._coordinates()
-        key = self._fingerprint(attrs), self.job.size
-        ways = {"overwrite": overwrite, "restart": restart}
-        with Writer(path, coords, self.variables, attrs, **ways, run=key, rows=axis) as writer:
+        coords = labels.coordinates_of(self.resolved)
+        options: dict[str, Any] = {"overwrite": overwrite, "restart": restart}
+        if self.part is None:
+            options |= {"run": (self._fingerprint(attrs), self.job.size), "rows": self.resolved.scaling_axis}
+        else:
+            options |= {"run": (self._fingerprint(attrs), self.resolved.space.size)}
+            options |= {"whole": whole_coordinates(self.whole, *self.range)}
+        with Writer(path, coords, self.variables, self._labelled(attrs), **options) as writer:
 
             def write(start: int, stop: int, arrays: list[NDArray[Any]]) -> None:
                 for variable, array in zip(self.variables, arrays, strict=True):
                     row = variable.shape[len(self.resolved.space.shape) :]
                     writer.write(variable.name, start, array.reshape(len(array), *row))
 
+            def record(start: int, stop: int, arrays: list[NDArray[Any]]) -> None:
+                writer.record(start, stop)
+
             sink = self._sink(show)
             resumed = self._replay(writer, sink)
-            sink = tee(write, sink)
-            run(
-                self.job,
-                sink=tee(
-                    axis.over(sink) if axis else sink, lambda start, stop, _: writer.record(start, stop)
-                ),
-                threads=self.threads,
-                block=self.block,
-                pending=writer.pending,
-            )
+            self._run(tee(write, sink), record, writer.pending)
             statistics = self._statistics(resumed)
             measured, errors = self._errors()  # an interrupt leaves a partial file that goes on from here
             writer.finish(statistics | measured, errors)
+
+    def _run(self, sink: Sink, record: Sink | None = None, pending: list[Range] | None = None) -> None:
+        """Evaluate designs.
+
+        Parameters
+        ----------
+        sink : callable
+            Takes the results of all designs: of the part, numbered from its first.
+        record : callable, optional
+            Takes the designs whose results `sink` has: those that are evaluated; of a part, all.
+        pending : list of (start, stop), optional
+            The designs to evaluate, as `record` numbers them; all unless given.
+        """
+        axis = self.resolved.scaling_axis
+        if self.part is None:
+            sink = axis.over(sink) if axis else sink
+            sink = tee(sink, record) if record else sink
+        else:
+            first, (start, stop) = self.range[0], self.range
+            every = [(0, stop - start)] if pending is None else pending
+            rows = [(first + a, first + b) for a, b in every]
+            sink = within(rows, tee(sink, record) if record else sink, first)
+            # designs that only scale with those of another part are evaluated for both
+            pending = joined([piece for row in rows for piece in axis.evaluated(*row)]) if axis else rows
+            sink = axis.over(sink) if axis else sink
+        run(self.job, sink=sink, threads=self.threads, block=self.block, pending=pending)
 
     def _sink(self, show: Sink) -> Sink:
         """Return the sink of the results besides the file or the arrays."""
@@ -162,18 +205,34 @@ class Evaluation:
         """Return the measured errors as global attributes, and as those of each variable."""
         return ({}, {}) if self.verification is None else self.verification.measure()
 
+    def _labelled(self, attrs: Mapping[str, Any]) -> dict[str, Any]:
+        """Return global attributes, of a part with those that tell which."""
+        return {**attrs, **({} if self.part is None else self._of_map(attrs).attrs())}
+
+    def _of_map(self, attrs: Mapping[str, Any]) -> PartOfMap:
+        assert self.part is not None
+        return PartOfMap(self.part, self._whole_fingerprint(attrs), self.whole.space.size)
+
     def _fingerprint(self, attrs: Mapping[str, Any]) -> str:
         """Return a hash that no other sweep's file has, however many threads write it."""
+        return self._whole_fingerprint(attrs) if self.part is None else self._of_map(attrs).fingerprint
+
+    def _whole_fingerprint(self, attrs: Mapping[str, Any]) -> str:
+        """Return the hash of the request of all designs, the same in each part."""
+        whole = self.whole
+        variables = labels.variables(
+            whole.plan, whole.space, whole.positions.size, one_branch=whole.one_branch
+        )
         rest = {
             name: value.tolist() if isinstance(value, np.ndarray) else value  # whose repr leaves values out
             for name, value in plain_attrs(attrs).items()
             if name != "threads"
         }
-        return hashlib.sha256(repr((self.resolved.fingerprint, rest, self.variables)).encode()).hexdigest()
+        return hashlib.sha256(repr((whole.fingerprint, rest, variables)).encode()).hexdigest()
 
     def _replay(self, writer: Writer, sink: Sink) -> int:
         """Pass on the results of a killed run, and return the number of its designs."""
-        axis, count = self.resolved.scaling_axis, 0
+        axis, count = None if self.part else self.resolved.scaling_axis, 0
         step = max(1, min(REPLAYED, BLOCK_BYTES // row_bytes(self.job.shapes)))
         rows = zip(self.variables, self.job.shapes, strict=True)
         # only what the sinks look at is read

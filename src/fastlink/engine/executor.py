@@ -106,8 +106,9 @@ def run(
     pending : sequence of (start, stop), optional
         The designs to evaluate; all unless given.
     """
-    length = min(block or block_length(job.shapes, job.size, threads), max(1, job.size))
     ranges = [(0, job.size)] if pending is None else pending
+    size = sum(stop - start for start, stop in ranges)
+    length = min(block or block_length(job.shapes, size, threads), max(1, size))
     blocks = ((k, min(k + length, stop)) for start, stop in ranges for k in range(start, stop, length))
     threads = min(threads, max(1, sum(-(-(stop - start) // length) for start, stop in ranges)))
     lock, stop = threading.Lock(), threading.Event()

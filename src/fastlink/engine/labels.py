@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     import xarray as xr
     from numpy.typing import NDArray
 
-__all__ = ["global_attrs", "labelled", "request_labels", "sweep_coordinates", "variables"]
+__all__ = ["coordinates_of", "global_attrs", "labelled", "request_labels", "sweep_coordinates", "variables"]
 
 
 def variables(plan: Plan, space: DesignSpace, positions: int, *, one_branch: bool = False) -> list[Variable]:
@@ -124,6 +124,12 @@ def sweep_coordinates(
     return coordinates(space, {name: _describe(known[name], space) for name in space.names}, further)
 
 
+def coordinates_of(resolved: ResolvedSweep) -> xr.Dataset:
+    """Return a Dataset with the coordinates of a resolved sweep."""
+    plan, positions = resolved.plan, resolved.positions
+    return sweep_coordinates(plan, resolved.space, positions, one_branch=resolved.one_branch)
+
+
 def labelled(
     resolved: ResolvedSweep,
     variables: Sequence[Variable],
@@ -142,9 +148,7 @@ def labelled(
         for variable, array in zip(variables, arrays, strict=True)
     }
     if space.dims or space.labels or space.comments:
-        return assemble(
-            sweep_coordinates(plan, space, positions, one_branch=one_branch), variables, data, attrs
-        )
+        return assemble(coordinates_of(resolved), variables, data, attrs)
     used = any(plan.catalogue.position.name in output.axes for output in plan.outputs)
     kind = tuple(space.constants), tuple(space.attrs.items()), positions.tobytes() if used else b""
     dataset = _blank(plan, *kind, one_branch).copy(deep=False, data=data)

@@ -8,6 +8,7 @@ from typing import Any
 
 from fastlink.errors import InputError, KeyPath, Problems
 from fastlink.io.attributes import check_attrs
+from fastlink.io.parts import OF_PARTS, check_part
 from fastlink.mechanisms import NAMES, inputs_of
 from fastlink.options import check_output, check_switch, check_whole
 from fastlink.precision import check_verify
@@ -39,6 +40,7 @@ RESERVED = frozenset(
         "fingerprint",
         "configurations",
         "configurations_per_second",
+        *OF_PARTS,
     )
 )
 #: How others begin: the origin of the designs, counts of each status, the verification.
@@ -63,6 +65,7 @@ CHECKS: dict[str, Check] = {
     "attrs": optional(partial(check_attrs, reserved=is_reserved)),
     "block": optional(partial(check_whole, least=1)),
     "overwrite": check_switch,
+    "part": optional(check_part),
     "progress": optional(check_switch),
     "restart": check_switch,
     "threads": optional(partial(check_whole, least=1, most=MOST_THREADS)),

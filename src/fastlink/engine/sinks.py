@@ -4,18 +4,22 @@ from __future__ import annotations
 
 import sys
 import threading
+from bisect import bisect_left, bisect_right
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from fastlink.io.ranges import joined
+
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from fastlink.engine.executor import Sink
+    from fastlink.io.ranges import Range
     from fastlink.plan.plan import Plan
 
-__all__ = ["ProgressBar", "StatusCounts", "into", "tee"]
+__all__ = ["ProgressBar", "StatusCounts", "into", "tee", "within"]
 
 
 def tee(*sinks: Sink) -> Sink:
@@ -36,6 +40,20 @@ def into(targets: Sequence[NDArray[Any]]) -> Sink:
             target[start:stop] = array
 
     return copy
+
+
+def within(ranges: Sequence[Range], sink: Sink, first: int = 0) -> Sink:
+    """Return a sink that passes on the results of designs in some ranges alone, numbered from `first` on."""
+
+    def clip(start: int, stop: int, arrays: list[NDArray[Any]]) -> None:
+        for k in range(max(bisect_right(starts, start) - 1, 0), bisect_left(starts, stop)):
+            begin, end = max(start, ordered[k][0]), min(stop, ordered[k][1])
+            if begin < end:
+                sink(begin - first, end - first, [array[begin - start : end - start] for array in arrays])
+
+    ordered = joined(list(ranges))
+    starts = [begin for begin, _ in ordered]
+    return clip
 
 
 class StatusCounts:

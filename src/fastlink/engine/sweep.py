@@ -17,6 +17,7 @@ from fastlink.engine.options import check_options
 from fastlink.engine.resolve import resolve
 from fastlink.engine.sinks import ProgressBar
 from fastlink.errors import Problems
+from fastlink.io.parts import check_size
 from fastlink.io.writing.target import check_target
 from fastlink.maps import open as open_map
 
@@ -46,6 +47,7 @@ def sweep(
     to: str | Path | None = None,
     overwrite: bool = False,
     restart: bool = False,
+    part: tuple[int, int] | str | None = None,
     threads: int | None = None,
     progress: bool | None = None,
     allow_invalid: bool = False,
@@ -103,6 +105,9 @@ def sweep(
     restart : bool
         Throw away what an interrupted run has left in ``FILE.part``. Without it, the same request goes on there, and
         another one is refused (see docs/files.md).
+    part : (k, n) or "k/n", optional
+        Evaluate the k-th of n nearly equal ranges of consecutive designs, k from 1 to n, into a file of its own, flat
+        along ``design``; `fastlink.join` makes the whole map of all n (see docs/scaling.md).
     threads : int, optional
         All processors unless given. Any number gives the same bits.
     progress : bool, optional
@@ -147,24 +152,27 @@ def sweep(
     started = time.perf_counter()
     problems, checked = Problems(), dict[str, Any]()
     with problems.at():
-        given = {"verify": verify, "to": to, "overwrite": overwrite, "threads": threads, "progress": progress}
-        given |= {"restart": restart}
+        given: dict[str, Any] = {"verify": verify, "to": to, "part": part, "threads": threads}
+        given |= {"overwrite": overwrite, "restart": restart, "progress": progress}
         checked = check_options(given | {"allow_invalid": allow_invalid, "attrs": attrs, "block": block})
     with problems.at():
         asked: dict[str, Any] = {"links": links, "input": input, "angles": angles, "positions": positions}
         asked |= {"branch": branch, "solver": solver, "extrema": extrema, "backend": backend}
         asked |= {"options": _OPTIONS, "allow_invalid": checked.get("allow_invalid", False)}
         resolved = resolve(mechanism, space, quantities, **asked)
+        if checked.get("part") is not None:
+            check_size(("part",), checked["part"], resolved.space.size)
     problems.stop()
     threads, target = checked["threads"] or default_threads(), checked["to"]
-    evaluation = Evaluation(resolved, threads, checked["block"], checked["verify"], target is None)
+    options = threads, checked["block"], checked["verify"], target is None
+    evaluation = Evaluation(resolved, *options, part=checked["part"])
     before = labels.global_attrs(resolved, threads) | (checked["attrs"] or {})
     is_new = target is None or overwrite
     if not is_new and (finished := evaluation.finished(target, before)) is not None:
         return finished
     path = None if target is None else check_target(target, evaluation.nbytes, overwrite)
     evaluation.load(started)
-    with ProgressBar(resolved.space.size, progress) as bar:
+    with ProgressBar(evaluation.resolved.space.size, progress) as bar:
         if path is None:
             return evaluation.in_memory(bar.take, before)
         evaluation.to_file(path, bar.take, before, overwrite=overwrite, restart=restart)

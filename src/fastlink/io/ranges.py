@@ -2,9 +2,13 @@
 
 from __future__ import annotations
 
-__all__ = ["Range", "joined", "missing"]
+from collections.abc import Iterable
+
+__all__ = ["Range", "Ranges", "joined", "missing"]
 
 Range = tuple[int, int]
+#: Ranges that are kept apart until they are joined.
+FEW = 64
 
 
 def joined(ranges: list[Range]) -> list[Range]:
@@ -35,3 +39,30 @@ def missing(written: list[Range], size: int) -> list[Range]:
     ends = [0, *(stop for _, stop in written)]
     starts = [*(start for start, _ in written), size]
     return [(a, b) for a, b in zip(ends, starts, strict=True) if a < b]
+
+
+class Ranges:
+    """Ranges that are added one by one; joined from time to time, not each time, which would take ever longer.
+
+    Examples
+    --------
+    >>> ranges = Ranges([(0, 2)])
+    >>> ranges.add(4, 6)
+    >>> ranges.add(2, 4)
+    >>> ranges.joined()
+    [(0, 6)]
+    """
+
+    def __init__(self, ranges: Iterable[Range] = ()) -> None:
+        self._ranges, self._most = list(ranges), FEW
+
+    def add(self, start: int, stop: int) -> None:
+        """Add a range."""
+        self._ranges.append((start, stop))
+        if len(self._ranges) > self._most:
+            self._ranges = joined(self._ranges)
+            self._most = 2 * len(self._ranges) + FEW
+
+    def joined(self) -> list[Range]:
+        """Return all ranges in order, those that touch joined."""
+        return joined(self._ranges)

@@ -28,6 +28,7 @@ if TYPE_CHECKING:
     import xarray as xr
 
     from fastlink.catalogue.catalogue import Catalogue
+    from fastlink.io.parts import Part
 
 __all__ = ["Study", "read_study", "run_study"]
 
@@ -74,9 +75,13 @@ class Study:
         """Its table [output]."""
         return dict(self.tables["output"])
 
-    def target(self, to: str | Path | None = None) -> Path:
-        """Return the file to write: a given one, else its own, else one of its name in the current folder."""
-        return Path(os.path.expanduser(to or self.output.get("file") or f"{self.path.stem}.h5"))
+    def target(self, to: str | Path | None = None, part: Part | None = None) -> Path:
+        """Return the file to write: a given one, else its own, else one of its name in the current folder.
+
+        Unless given, the file of a part has it in its name.
+        """
+        target = Path(os.path.expanduser(to or self.output.get("file") or f"{self.path.stem}.h5"))
+        return target if to or part is None else part.path(target)
 
 
 @door(hint=A_STUDY)
@@ -89,6 +94,7 @@ def run_study(
     verify: int | None = None,
     *,
     restart: bool = False,
+    part: tuple[int, int] | str | None = None,
 ) -> xr.Dataset:
     """Run a study file and write its map.
 
@@ -112,6 +118,9 @@ def run_study(
     restart : bool, default False
         Throw away what an interrupted run has left in ``FILE.part``. Without it, the same study goes on there, and
         another one is refused.
+    part : (k, n) or "k/n", optional
+        Run the k-th of n parts of the designs (see `fastlink.sweep`), by default into the file of the study with the
+        part in its name, such as ``maps.part-03-of-16.h5``.
 
     Returns
     -------
@@ -143,9 +152,9 @@ def run_study(
     {'a2': 5, 'branch': 2}
     """
     given = {"to": to, "threads": threads, "overwrite": overwrite, "progress": progress, "verify": verify}
-    check_options(given | {"restart": restart})
+    checked = check_options(given | {"restart": restart, "part": part})
     study = read_study(path)
-    target = study.target(to)
+    target = study.target(to, checked["part"])
     overwrite = overwrite or study.output.get("overwrite", False)
     title = {name: study.tables[name] for name in ("title",) if name in study.tables}
     try:
@@ -160,12 +169,13 @@ def run_study(
             to=target,
             overwrite=overwrite,
             restart=restart,
+            part=part,
             threads=threads,
             progress=progress,
             attrs={**title, "study_file": study.path.name, "study": study.text},
         )
     except InputError as error:
-        if given.get(str(error.where[0]) if error.where else "") is not None:
+        if (given | {"part": part}).get(str(error.where[0]) if error.where else "") is not None:
             raise  # the caller's own, not the study's
         raise InputError.of(error.problems, StudyWording(study.path, study.tables, study.space)) from None
 

@@ -3,13 +3,11 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Protocol
-
-import xarray as xr
+from typing import Protocol
 
 from fastlink.errors import remark
 from fastlink.io.checksums import BLOCK_BYTES, add, block_count, of_piece, read_all
@@ -18,10 +16,11 @@ from fastlink.io.place import SLACK
 from fastlink.io.ranges import Range, joined, missing
 from fastlink.io.writing import partial_file
 from fastlink.io.writing.journal import read_journal
-from fastlink.io.writing.skeleton import lay_labels_again, lay_out
+from fastlink.io.writing.skeleton import lay_labels_again
 
-__all__ = ["Resumed", "Rows", "SameRows", "first_blocks", "resume"]
+__all__ = ["LayOut", "Resumed", "Rows", "SameRows", "first_blocks", "resume"]
 
+LayOut = Callable[[Path], dict[str, int]]
 #: Bytes that a thread reads at once, whole blocks.
 READ_BYTES = 4 * BLOCK_BYTES
 
@@ -83,9 +82,8 @@ def first_blocks(variables: Sequence[Variable]) -> dict[str, int]:
 def resume(
     part: Path,
     run: tuple[str, int, Rows],
-    coords: xr.Dataset,
     variables: Sequence[Variable],
-    attrs: Mapping[str, Any],
+    lay_out: LayOut,
 ) -> Resumed | None:
     """Hold the partial file of an earlier run of the same fingerprint, if there is one that can be gone on with.
 
@@ -97,8 +95,10 @@ def resume(
         The partial file.
     run : (fingerprint, size, rows)
         The hash of the request, its number of designs to evaluate, and the rows that follow from them.
-    coords, variables, attrs
-        What is to be laid out, as for a `Writer`.
+    variables : sequence of Variable
+        Those of the file.
+    lay_out : callable
+        Lays out the file anew at a path, and returns where the values of each variable begin.
     """
     fingerprint, size, rows = run
     journal = read_journal(part) if fingerprint else None
@@ -110,7 +110,7 @@ def resume(
     about, ranges, sums = journal
     fresh = partial_file.fresh_name(part)
     try:
-        offsets = lay_out(fresh, coords, variables, attrs)
+        offsets = lay_out(fresh)
         if offsets != about["offsets"]:
             os.close(fd)
             return None

@@ -22,6 +22,7 @@ from fastlink.io.checksums import (
     block_count,
 )
 from fastlink.io.dataset import Variable, plain_attrs
+from fastlink.io.parts import WHOLE
 from fastlink.io.place import SLACK
 from fastlink.io.writing.partial_file import make_sure_of_room, released, write_all
 
@@ -29,15 +30,21 @@ PAGE_BYTES = 4096
 
 
 def lay_out(
-    path: Path, coords: xr.Dataset, variables: Sequence[Variable], attrs: Mapping[str, Any]
+    path: Path,
+    coords: xr.Dataset,
+    variables: Sequence[Variable],
+    attrs: Mapping[str, Any],
+    whole: xr.Dataset | None = None,
 ) -> dict[str, int]:
-    """Create the file with labels, without values; return the variables' offsets."""
-    make_sure_of_room(path, coords.nbytes + SLACK)
+    """Create the file with labels, without values; return the variables' offsets.
+
+    `whole` are coordinates of the map that the file is a part of.
+    """
+    make_sure_of_room(path, coords.nbytes + (0 if whole is None else whole.nbytes) + SLACK)
     labelled = coords.assign_attrs(plain_attrs(attrs))
-    # without _FillValue: None xarray declares NaN a fill value of every coordinate
-    labelled.to_netcdf(
-        path, engine="h5netcdf", encoding={name: {"_FillValue": None} for name in coords.coords}
-    )
+    labelled.to_netcdf(path, engine="h5netcdf", encoding=_unfilled(coords))
+    if whole is not None:
+        whole.to_netcdf(path, "a", engine="h5netcdf", group=WHOLE, encoding=_unfilled(whole))
     with h5py.File(path, "r+", alignment_threshold=PAGE_BYTES, alignment_interval=PAGE_BYTES) as file:
         blocks = sum(block_count(variable.nbytes) for variable in variables)
         group = file.create_group(CHECKSUMS)
@@ -47,6 +54,11 @@ def lay_out(
         sizes = {OF_VALUES: blocks, OF_REST: 1}
         offsets = {name: _reserved(group, name.partition("/")[2], (n,), "u4")[1] for name, n in sizes.items()}
         return offsets | {variable.name: _create(file, coords, variable) for variable in variables}
+
+
+def _unfilled(coords: xr.Dataset) -> dict[Any, dict[str, None]]:
+    """Return the encoding without which xarray declares NaN a fill value of every coordinate."""
+    return {name: {"_FillValue": None} for name in coords.coords}
 
 
 def lay_labels_again(fresh: Path, fd: int, offsets: Mapping[str, int], variables: Sequence[Variable]) -> None:

@@ -12,6 +12,7 @@ import math
 import os
 import threading
 from collections.abc import Mapping, Sequence
+from functools import partial
 from pathlib import Path
 from types import TracebackType
 from typing import Any
@@ -25,11 +26,11 @@ from fastlink.io.checksums import OF_REST, OF_VALUES, add, block_count, of_file,
 from fastlink.io.dataset import FORMAT_VERSION, Variable, check_dims, plain_attrs
 from fastlink.io.finished import marks, stamp
 from fastlink.io.place import NO_ROOM, SLACK, no_room, part_of, reason, refused
-from fastlink.io.ranges import Range, joined, missing
+from fastlink.io.ranges import Range, Ranges, missing
 from fastlink.io.writing import partial_file
 from fastlink.io.writing.finishing import uninterrupted
 from fastlink.io.writing.journal import Journal, journal_of
-from fastlink.io.writing.resume import Rows, SameRows, first_blocks, resume
+from fastlink.io.writing.resume import LayOut, Rows, SameRows, first_blocks, resume
 from fastlink.io.writing.skeleton import check_readable, lay_out, set_attrs
 from fastlink.io.writing.target import check_left, check_target
 from fastlink.space.dataset import FORMAT
@@ -70,6 +71,8 @@ class Writer:
         and a killed run of the same fingerprint is resumed: `pending` are the designs that it left.
     rows : Rows, optional
         The rows of the file that follow from each design that is evaluated; itself unless given.
+    whole : xarray.Dataset, optional
+        Coordinates of the whole map that this file is a part of, to be kept in a group.
     """
 
     def __init__(
@@ -83,9 +86,11 @@ class Writer:
         restart: bool = False,
         run: tuple[str, int] | None = None,
         rows: Rows | None = None,
+        whole: xr.Dataset | None = None,
     ) -> None:
         for variable in variables:
             check_dims(coords, variable)
+        lay_out_all = partial(lay_out, coords=coords, variables=variables, attrs=attrs, whole=whole)
         self._nbytes = coords.nbytes + sum(variable.nbytes for variable in variables)
         self.path = check_target(path, self._nbytes, overwrite)
         self.part = part_of(self.path)
@@ -97,18 +102,18 @@ class Writer:
         self._closed = False
         self._fingerprint, self._size = run or ("", 0)
         self._rows = rows or SameRows()
-        self._ranges: list[Range] = []
+        self._ranges = Ranges()
         self._first_block, self._sums = first_blocks(variables), dict[int, int]()
         self._of_thread = _OfThread()
         try:
-            if restart or not self._resumed(coords, attrs):
+            if restart or not self._resumed(lay_out_all):
                 if not restart:
                     check_left(self.path, self._fingerprint)
-                self._start(coords, attrs)
+                self._start(lay_out_all)
         except (OSError, RuntimeError) as error:  # HDF5 reports a full disk as either
             raise self._failure(error) from error
         about = {"fingerprint": self._fingerprint, "size": self._size, "offsets": self._offsets}
-        self._journal = Journal(self._fd, self.part, about, self._ranges, self._sums)
+        self._journal = Journal(self._fd, self.part, about, self.written, self._sums)
 
     def __enter__(self) -> Writer:
         return self
@@ -124,7 +129,7 @@ class Writer:
     @property
     def pending(self) -> list[Range]:
         """Ranges of designs that are not written yet."""
-        return missing(self._ranges, self._size)
+        return missing(self.written, self._size)
 
     def record(self, start: int, stop: int) -> None:
         """Record that all variables of some designs are written, by this thread; thread-safe.
@@ -135,14 +140,15 @@ class Writer:
             Numbers of designs as they are evaluated.
         """
         with self._idle:
-            self._ranges = joined([*self._ranges, (start, stop)])
+            self._ranges.add(start, stop)
         addends, self._of_thread.addends = self._of_thread.addends, []
         self._journal.add(start, stop, addends)
 
     @property
     def written(self) -> list[Range]:
         """Ranges of designs that are written, by this run or by the one that it resumes."""
-        return list(self._ranges)
+        with self._idle:
+            return self._ranges.joined()
 
     def values(self, name: str, row: tuple[int, ...]) -> NDArray[Any]:
         """Return the values in the file, read where they are looked at: one row of a given shape per design."""
@@ -243,15 +249,16 @@ class Writer:
             raise failure from error
         self._journal.remove()
 
-    def _resumed(self, coords: xr.Dataset, attrs: Mapping[str, Any]) -> bool:
+    def _resumed(self, lay_out: LayOut) -> bool:
         """Go on with a run of the same fingerprint, if there is one."""
         variables = list(self._variables.values())
         run = self._fingerprint, self._size, self._rows
-        found = resume(self.part, run, coords, variables, attrs)
+        found = resume(self.part, run, variables, lay_out)
         if found is None:
             return False
-        self._fd, self._offsets, self._ranges, self._sums = found.fd, found.offsets, found.ranges, found.sums
-        written = sum(stop - start for start, stop in self._ranges)
+        self._fd, self._offsets, self._sums = found.fd, found.offsets, found.sums
+        self._ranges = Ranges(found.ranges)
+        written = sum(stop - start for start, stop in found.ranges)
         for name, variable in self._variables.items():
             self._values_written[name] = math.prod(variable.shape) // self._size * written
         return True
@@ -267,13 +274,13 @@ class Writer:
         if error is not None:
             error.add_note(f"{share:.0%} of the designs are kept in {self.part}; run the same again to go on")
 
-    def _start(self, coords: xr.Dataset, attrs: Mapping[str, Any]) -> None:
+    def _start(self, lay_out: LayOut) -> None:
         """Lay the file out, and reserve its room."""
         fresh = partial_file.fresh_name(self.part)
         with partial_file.claimed(self.part):
             journal_of(self.part).unlink(missing_ok=True)
             try:
-                self._offsets = lay_out(fresh, coords, list(self._variables.values()), attrs)
+                self._offsets = lay_out(fresh)
                 self._fd = partial_file.laid_out(fresh, self.part)
             except BaseException:
                 fresh.unlink(missing_ok=True)

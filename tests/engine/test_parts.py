@@ -1,0 +1,254 @@
+"""A part of a sweep is the same bits in a labelled file of its own."""
+
+from __future__ import annotations
+
+import itertools
+
+import numpy as np
+import pytest
+from numpy.testing import assert_array_equal
+from tests.support.refusals import assert_refusal, refused
+from tests.support.study_files import GOOD, written
+from typer.testing import CliRunner
+
+import fastlink as fl
+from fastlink.cli import app
+from fastlink.io.parts import Part
+from fastlink.io.writing import journal
+from fastlink.io.writing.writer import Writer
+
+COUPLERS, OUTPUTS, SPEEDS = np.linspace(1.0, 1.4, 7), np.linspace(0.6, 1.0, 5), np.array([0.5, 3.0, 7.0])
+AXES = {"omega1": SPEEDS, "a2": COUPLERS, "a3": OUTPUTS}
+TABLE = {
+    "a1": np.linspace(0.3, 0.5, 11),
+    "a2": np.linspace(1.0, 1.4, 11),
+    "part_no": [f"P{k}" for k in range(11)],
+}
+FOCAL = {"a": [5.0, 5.5, 6.0], "b": 5.0, "c": 2.0, "d": 4.0}
+#: Requests of each kind: mechanism, designs, quantities, options.
+REQUESTS = {
+    "grid": (
+        "planar_4r",
+        lambda: fl.grid(a1=0.4, a2=COUPLERS, a3=OUTPUTS, a4=1.0),
+        ["theta4"],
+        {"theta1": 6},
+    ),
+    "sobol": (
+        "planar_4r",
+        lambda: fl.sobol(37, seed=3, a1=(0.3, 0.5), a2=(1.0, 1.4), a3=0.8, a4=1.0),
+        ["transmission_angle_min"],
+        {},
+    ),
+    "hypercube": (
+        "planar_4r",
+        lambda: fl.latin_hypercube(23, seed=3, a1=(0.3, 0.5), a2=(1.0, 1.4), a3=0.8, a4=1.0),
+        ["transmission_angle_min"],
+        {"branch": 2},
+    ),
+    "table": ("planar_4r", lambda: fl.table({**TABLE, "a3": 0.8, "a4": 1.0}), ["theta4"], {"theta1": 4}),
+    "numbered table": (
+        "planar_4r",
+        lambda: fl.table({"design": np.arange(11) * 3 + 7, **TABLE, "a3": 0.8, "a4": 1.0}),
+        ["theta4"],
+        {"theta1": 4},
+    ),
+    "one design": (
+        "planar_4r",
+        lambda: fl.grid(a1=0.4, a2=1.2, a3=0.8, a4=1.0),
+        ["theta4_mean"],
+        {"theta1": 4},
+    ),
+    "scalar branch": (
+        "planar_4r",
+        lambda: fl.grid(a1=0.4, a2=COUPLERS, a3=0.8, a4=1.0, omega1=2.0),
+        ["omega4_extrema"],
+        {"branch": 1},
+    ),
+    "designs far from 1": (
+        "planar_4r",
+        lambda: fl.sobol(19, seed=1, a1=(3e-7, 5.0), a2=(1e-7, 1.4), a3=0.8e-6, a4=1e-6),
+        ["theta4"],
+        {"theta1": 4},
+    ),
+}
+
+
+def sweep(of, **options):
+    mechanism, space, quantities, given = REQUESTS[of] if isinstance(of, str) else of
+    return fl.sweep(mechanism, space(), quantities, **given, **options)
+
+
+def assert_is_part(part, whole, swept):
+    """Assert that a part has the results and inputs of its designs in the whole map, and their numbers."""
+    start, stop = part.attrs["part_start"], part.attrs["part_stop"]
+    assert part.sizes["design"] == stop - start == part.attrs["designs"]
+    for name in whole.data_vars:
+        values = whole[name].values
+        assert part[name].dims == ("design", *whole[name].dims[swept:])
+        rows = values.reshape(-1, *values.shape[swept:])[start:stop]
+        assert_array_equal(part[name].values, rows, err_msg=name)
+        assert rows.tobytes() == part[name].values.tobytes()
+        assert whole[name].attrs.keys() <= part[name].attrs.keys()
+    sizes = [whole.sizes[dim] for dim in whole["status"].dims]
+    for name, coord in whole.coords.items():
+        if name != "design" and coord.dims and set(coord.dims) <= set(whole["status"].dims):
+            axis = whole["status"].dims.index(coord.dims[0])
+            values = np.broadcast_to(
+                np.expand_dims(coord.values, [k for k in range(len(sizes)) if k != axis]), sizes
+            )
+            assert_array_equal(part[name].values, values.ravel()[start:stop], err_msg=str(name))
+            assert part[name].dims == ("design",)
+            assert part[name].attrs == coord.attrs
+        elif name != "design":
+            assert part[name].variable.identical(coord.variable)
+
+
+@pytest.mark.parametrize("of", REQUESTS)
+def test_parts_are_those_of_the_whole(of):
+    whole = sweep(of)
+    swept = whole["status"].ndim
+    count = min(5, whole["status"].size)
+    parts = [sweep(of, part=(k, count), threads=2) for k in range(1, count + 1)]
+    assert parts[0].attrs["part_start"] == 0
+    assert [part.attrs["part_start"] for part in parts[1:]] == [
+        part.attrs["part_stop"] for part in parts[:-1]
+    ]
+    assert parts[-1].attrs["part_stop"] == whole["status"].size == parts[0].attrs["whole_designs"]
+    assert len({part.attrs["whole_fingerprint"] for part in parts}) == 1
+    for part in parts:
+        assert_is_part(part, whole, swept)
+    if "design" not in whole.coords or whole["status"].dims != ("design",):
+        numbers = np.concatenate([part["design"].values for part in parts])
+        assert_array_equal(numbers, np.arange(numbers.size))
+    else:
+        assert_array_equal(np.concatenate([part["design"].values for part in parts]), whole["design"].values)
+
+
+@pytest.mark.parametrize("order", list(itertools.permutations(AXES)))
+def test_an_axis_that_only_scales_results_has_the_same_bits_in_parts(order):
+    """Rows of a part follow from designs that are evaluated at another speed, perhaps of another part."""
+    space = fl.grid(a1=0.4, a4=1.0, **{name: AXES[name] for name in order})
+    of = "planar_4r", lambda: space, ["omega4", "omega4_max"], {"theta1": 4}
+    whole = sweep(of)
+    assert whole.attrs["scaling_axis"] == "omega1"
+    for count, block in ((2, None), (16, 4)):
+        for k in range(1, count + 1):
+            part = sweep(of, part=(k, count), block=block)
+            assert part.attrs["scaling_axis"] == "omega1"
+            assert_is_part(part, whole, 3)
+
+
+@pytest.mark.parametrize("order", [("a2", "a3", "omega1"), ("omega1", "a2", "a3")])
+def test_a_part_that_is_interrupted_goes_on(tmp_path, monkeypatch, order):
+    monkeypatch.setattr(journal, "STEP_SECONDS", 0.0)
+    space = fl.grid(a1=0.4, a4=1.0, **{name: AXES[name] for name in order})
+    of, path = ("planar_4r", lambda: space, ["omega4"], {"theta1": 4}), tmp_path / "m.h5"
+    options = {"part": (2, 3), "verify": 2, "to": path}
+    record = Writer.record
+
+    def interrupted(self, start, stop, seen=[0]):  # noqa: B006
+        record(self, start, stop)
+        seen[0] += 1
+        if seen[0] == 5:
+            raise KeyboardInterrupt
+
+    with monkeypatch.context() as patched:
+        patched.setattr(Writer, "record", interrupted)
+        with pytest.raises(KeyboardInterrupt):
+            sweep(of, block=2, threads=1, **options)
+    with refused("to", "restart=True"):  # another part is another request
+        sweep(of, **(options | {"part": (1, 3)}))
+    with sweep(of, block=4, threads=2, **options) as resumed:
+        assert 0 < resumed.attrs["designs_of_earlier_runs"] < 35
+        assert_is_part(resumed, sweep(of), 3)
+        expected = {
+            name: n for name, n in sweep(of, part=(2, 3)).attrs.items() if name.startswith("designs_")
+        }
+        del expected["designs_per_second"]
+        assert expected == {name: resumed.attrs[name] for name in expected}
+    assert fl.check(path)
+    with sweep(of, **options) as again:  # finished
+        assert again.attrs == resumed.attrs
+
+
+def test_the_request_of_a_part_is_that_of_its_whole(tmp_path):
+    def fingerprints(**options):
+        attrs = sweep("grid", **options).attrs
+        return attrs["whole_fingerprint"]
+
+    one = fingerprints(part=(1, 3))
+    assert (
+        one
+        == fingerprints(part="2/3", threads=1, block=7)
+        == fingerprints(part=(1, 4), to=tmp_path / "a.h5", verify=0)
+    )
+    assert one != sweep("table", part=(1, 3)).attrs["whole_fingerprint"]
+    with sweep("grid", to=tmp_path / "m.h5", verify=0) as whole:
+        assert whole.attrs["fingerprint"] == one
+
+
+def test_a_part_gives_the_designs_of_another_sweep():
+    part = sweep("grid", part=(2, 3))
+    again = fl.sweep("planar_4r", part.fastlink.designs, ["theta4"], theta1=6)
+    assert_array_equal(again.theta4.values, part.theta4.values)
+    assert_array_equal(again.design.values, part.design.values)
+
+
+@pytest.mark.parametrize(
+    "part",
+    [
+        (0, 3),
+        (4, 3),
+        "4/3",
+        "0/3",
+        "3",
+        "a/b",
+        "1/2/3",
+        "1.0/2",
+        "-1/3",
+        (1.0, 2),
+        (True, 2),
+        3,
+        (1, 2, 3),
+        "",
+    ],
+)
+def test_what_is_no_part_is_refused(part):
+    with refused("part", "k from 1 to n"):
+        sweep("grid", part=part)
+
+
+def test_a_part_without_designs_is_refused():
+    with refused("part", "at most 35 parts"):
+        sweep("grid", part=(1, 36))
+    with refused("part", "at most 1 part"):
+        sweep("one design", part=(1, 2))
+    assert sweep("grid", part=(35, 35)).sizes["design"] == 1
+
+
+def test_the_file_of_a_part():
+    from pathlib import Path
+
+    names = [Part(k, 120).path(Path("a/maps.v2.h5")).name for k in (3, 120)]
+    assert names == ["maps.v2.part-003-of-120.h5", "maps.v2.part-120-of-120.h5"]
+
+
+def test_a_study_is_run_in_parts(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    study = str(written(GOOD))
+    run = CliRunner().invoke(app, ["run", study, "--part", "2/4", "--verify", "0"])
+    assert run.exit_code == 0, run.output
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["study.part-2-of-4.h5", "study.toml"]
+    with fl.run_study(study, to="own.h5", part=(2, 4), verify=0) as part:
+        assert part.encoding["source"].endswith("own.h5")
+        assert (part.attrs["part_number"], part.attrs["part_count"]) == (2, 4)
+
+
+@pytest.mark.parametrize(
+    ("part", "remedy"), [("9/4", "--part 3/16"), ("4", "--part 3/16"), ("1/9", "at most 6 parts")]
+)
+def test_a_wrong_part_is_refused_in_the_words_of_the_command_line(tmp_path, monkeypatch, part, remedy):
+    monkeypatch.chdir(tmp_path)
+    run = CliRunner().invoke(app, ["run", str(written(GOOD)), "--part", part])
+    assert run.exit_code == 2
+    assert_refusal(ValueError(run.output.strip()), "--part", remedy)
