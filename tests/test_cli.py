@@ -17,6 +17,7 @@ from fastlink.cli import app
 from fastlink.cli.app import ELSEWHERE
 from fastlink.mechanisms import NAMES
 from fastlink.study import study as study_module
+from tests.support.refusals import assert_refusal
 
 HEAVY = (
     "numba",
@@ -288,6 +289,40 @@ def test_plot_writes_a_picture(folder):
     assert Path("line.svg").read_text().startswith("<?xml")
 
 
+def test_best_lists_designs(folder):
+    called("run", "study.toml", "--quiet")
+    done = called(
+        "best", "study.h5", "--minimise", "omega4_max", "--where", "a3=0.7:", "--top", 2, "--degrees"
+    )
+    assert (done.exit_code, done.stderr) == (0, "")
+    about, names, units, *rows, same = done.stdout.splitlines()
+    with fl.open("study.h5") as maps:
+        expected = fl.best(maps, minimise="omega4_max", where={"a3": (0.7, None)}, top=2).load()
+    assert about == expected.attrs["selection"]
+    assert names.split()[:4] == ["a2", "a3", "branch", "omega4_max"]
+    assert units.split() == ["m", "m", "rad", "s-1"]
+    shown = [[float(cell) for cell in row.split()] for row in rows]
+    assert shown == [[float(f"{expected[n][k]:g}") for n in names.split()] for k in range(2)]
+    assert "a1 = 0.4 m" in same
+
+
+@pytest.mark.parametrize(
+    ("arguments", "key", "remedy"),
+    [
+        (["--where", "a3"], "--where", "--where a2=1.1:1.3"),
+        (["--where", "a3=x:1", "--minimise", "a2"], "--where", "--where a3=1.1:1.3"),
+        (["--where", "a3=1:", "--where", "a3=:2"], "--where", "once"),
+        (["--where", "a3=fast", "--minimise", "a2"], "a3", "None"),
+        (["--minimise", "omega_max"], "--minimise", "omega4_max"),
+        ([], "objective", "minimise"),
+    ],
+)
+def test_best_refuses(folder, arguments, key, remedy):
+    called("run", "study.toml", "--quiet")
+    (line,) = refused("best", "study.h5", *arguments)
+    assert_refusal(fl.InputError(line), key, remedy)
+
+
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
@@ -328,7 +363,10 @@ def test_the_version():
 
 @pytest.mark.parametrize(
     "arguments",
-    [["--help"], *([name, "--help"] for name in ("run", "quantities", "info", "new", "cache", "plot"))],
+    [
+        ["--help"],
+        *([name, "--help"] for name in ("run", "quantities", "info", "new", "cache", "plot", "best")),
+    ],
 )
 def test_help_imports_nothing_heavy(arguments):
     # typer itself takes pydantic for the arguments of a command

@@ -19,6 +19,7 @@ from fastlink.engine.function import Function
 from fastlink.errors import InputError as InputError
 from fastlink.errors import InputWarning as InputWarning
 from fastlink.io.check import check as check
+from fastlink.maps import best as best
 from fastlink.maps import finite as finite
 from fastlink.maps import open as open
 from fastlink.mechanisms.listing import mechanisms as mechanisms
@@ -61,6 +62,7 @@ __all__ = [
     "__version__",
     "accuracy",
     "accuracy_table",
+    "best",
     "check",
     "evaluate",
     "explain",

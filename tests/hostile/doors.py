@@ -297,6 +297,19 @@ DOORS: list[Door] = [
         ),
         "",
     ),
+    Door(
+        "best",
+        "fl.best($maps, minimise=$minimise, maximise=$maximise, where=$where, top=$top, infinite=$infinite)",
+        _slots(
+            maps=("dataset", "MAPS", "MAPS", DATASETS[-1]),
+            minimise=("name", "'omega4_max'", "omega4_max"),
+            maximise=("names", "[]", "a1"),
+            where=("mapping", "None", "1", "xr.Dataset()", "{'omega4_max': (0, 1, 2)}", "{'omega4_max': 1}"),
+            top=("count", "2", "2", "2**64", "10**30", "10**400"),
+            infinite=("flag", "False"),
+        ),
+        "",
+    ),
     Door("mechanisms", "fl.mechanisms($more)", dict(MORE), ""),
     Door("open", "fl.open($path)", _slots(path=("path", "'maps.h5'", "maps.h5")), ""),
     Door(

@@ -19,6 +19,7 @@ for function in (
     studies.run,
     maps.info,
     maps.check,
+    maps.best,
     maps.plot,
     studies.accuracy,
     mechanisms.cache,

@@ -31,6 +31,7 @@ Overwrite = Annotated[bool, typer.Option("--overwrite", help="Replace an existin
 #: What other programs, or Python, call a command.
 ELSEWHERE = {
     "accuracy": ("benchmark", "error", "errors"),
+    "best": ("front", "optimise", "optimize", "pareto", "rank", "sort", "top"),
     "check": ("fsck", "verify", "checksum"),
     "explain": ("estimate", "forecast", "plan"),
     "info": ("describe", "head", "open", "print", "show", "summary"),

@@ -1,16 +1,16 @@
-"""The commands on maps: info, check, plot."""
+"""The commands on maps: info, check, best, plot."""
 
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
 
 from fastlink.cli.app import MapFile, command
 from fastlink.errors import InputError, Setting
 
-__all__ = ["check", "info", "plot"]
+__all__ = ["best", "check", "info", "plot"]
 
 CHANGED = 1
 
@@ -36,6 +36,72 @@ def check(
     typer.echo(str(found))
     if not found:
         raise typer.Exit(CHANGED)
+
+
+Objectives = list[str] | None
+
+
+@command
+def best(
+    file: MapFile,
+    minimise: Annotated[
+        Objectives, typer.Option("--minimise", metavar="NAME", help="An objective; may be repeated.")
+    ] = None,
+    maximise: Annotated[
+        Objectives, typer.Option("--maximise", metavar="NAME", help="An objective; may be repeated.")
+    ] = None,
+    where: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--where",
+            metavar="NAME=LO:HI",
+            help="A condition: a2=1.1:1.3, transmission_angle_min_deg=40:, status=rotates_fully; may be repeated.",
+        ),
+    ] = None,
+    top: Annotated[
+        int | None, typer.Option("--top", metavar="N", help="How many, by one objective; 10 if left out.")
+    ] = None,
+    degrees: Annotated[bool, typer.Option("--degrees", help="Show angles in degrees.")] = False,
+) -> None:
+    """List the best designs of a map, by several objectives the Pareto front."""
+    from fastlink.io.reader import open_map
+    from fastlink.maps.best import best as find
+    from fastlink.report.designs import listed
+
+    wanted = _conditions(where or [])
+    options: dict[str, Any] = {
+        "minimise": minimise or (),
+        "maximise": maximise or (),
+        "where": wanted or None,
+        "top": top,
+    }
+    with open_map(file) as maps:
+        found = find(maps, **options).load()
+    typer.echo(listed(found, [*(minimise or ()), *(maximise or ()), *wanted], degrees=degrees))
+
+
+def _conditions(texts: list[str]) -> dict[str, Any]:
+    """Return the conditions of ``--where NAME=LO:HI`` and ``--where NAME=MEANING``."""
+    wanted: dict[str, Any] = {}
+    for text in texts:
+        name, equals, condition = (part.strip() for part in text.partition("="))
+        low, colon, high = (part.strip() for part in condition.partition(":"))
+        if not (equals and name and condition):
+            remedy = ("write such as ", Setting("where", {"a2": "1.1:1.3"}))
+            raise InputError(f"{text!r} is not NAME=LO:HI or NAME=MEANING", where=("where",), remedy=remedy)
+        if name in wanted:
+            raise InputError(f"{name} is named twice", where=("where",), remedy="write it once")
+        wanted[name] = (_end(name, low), _end(name, high)) if colon else condition
+    return wanted
+
+
+def _end(name: str, text: str) -> float | None:
+    """Return an end of a range, None for no limit."""
+    try:
+        return float(text) if text else None
+    except ValueError:
+        remedy = ("write such as ", Setting("where", {name: "1.1:1.3"}))
+        raise InputError(f"{name} ends at {text!r}", where=("where",), remedy=remedy) from None
 
 
 @command

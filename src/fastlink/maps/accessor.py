@@ -10,9 +10,10 @@ from fastlink._text import short_repr
 from fastlink.doors import door
 from fastlink.errors import InputError
 from fastlink.io.reader import as_dataset
+from fastlink.maps.conditions import STATUS
 from fastlink.maps.finite import finite
 from fastlink.maps.flags import check_flags, flag_counts, flags_of, has_flag
-from fastlink.maps.top import STATUS, top
+from fastlink.maps.top import top
 from fastlink.maps.units import convert, converted, degrees, units_of
 from fastlink.options import check_choice
 
@@ -153,8 +154,9 @@ class MapAccessor:
             variable has them.
         largest : bool, default True
             The greatest values; False for the least.
-        where : xarray.DataArray or str or list of str, optional
-            A mask, such as ``maps.transmission_angle_min > 0.7``, or meanings of ``status``.
+        where : xarray.DataArray, str, list of str or mapping, optional
+            A mask, such as ``maps.transmission_angle_min > 0.7``; meanings of ``status``; or ranges, see
+            `fastlink.best`, which takes several objectives too.
         infinite : bool, default False
             Consider infinite values too.
 

@@ -1,0 +1,234 @@
+"""Find the best designs of a map, by one objective or by several, block by block."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+import xarray as xr
+from numpy.typing import NDArray
+
+from fastlink._text import joined, short_repr
+from fastlink.doors import door
+from fastlink.errors import InputError, Problems, Setting
+from fastlink.io.reader import as_dataset
+from fastlink.maps.conditions import Condition, conditions
+from fastlink.maps.flags import flags_of
+from fastlink.maps.front import nondominated, undominated
+from fastlink.maps.rows import Rows
+from fastlink.options import check_choice, check_switch, check_whole
+
+__all__ = ["Objective", "best", "objective", "ranked"]
+
+DEFAULT_TOP = 10
+NOT_A_NUMBER, INFINITE = "not a number", "infinite"
+
+
+@dataclass(frozen=True)
+class Objective:
+    """A variable to be as small as possible, or as great where `sign` is -1."""
+
+    array: xr.DataArray
+    sign: float
+
+    def __str__(self) -> str:
+        return f"{'least' if self.sign > 0 else 'greatest'} {self.array.name}"
+
+
+@door
+def best(
+    maps: Any,
+    *,
+    minimise: str | Sequence[str] = (),
+    maximise: str | Sequence[str] = (),
+    where: Any = None,
+    top: int | None = None,
+    infinite: bool = False,
+) -> xr.Dataset:
+    """Find the best designs of a map: by one objective the first few, by several the Pareto front.
+
+    The map is read block by block and may be larger than memory. The front is exact: all rows that no other row beats,
+    that is, which no other equals or betters in every objective and betters in one.
+
+    Parameters
+    ----------
+    maps : xarray.Dataset or path
+        From `fastlink.sweep`, `fastlink.run_study` or `fastlink.open`, or the file of a map.
+    minimise, maximise : str or sequence of str
+        The objectives: variables, or inputs that are swept. A row is a place along all dimensions that these and the
+        conditions have: a design, in an assembly mode, and at one input position where they have them.
+    where : mapping, str, list of str or xarray.DataArray, optional
+        For variables and inputs their least and greatest value, None for no limit, such as
+        ``{"transmission_angle_min": (0.6, None)}``, or in degrees ``{"transmission_angle_min_deg": (40, None)}``; the
+        meanings of a code, such as ``{"status": "rotates_fully"}``,
+        or ``"rotates_fully"`` alone; or a mask, such as ``maps.a1 < 0.5``.
+    top : int, default 10
+        How many rows, of one objective. The front has as many as it has.
+    infinite : bool, default False
+        Consider infinite objectives too.
+
+    Returns
+    -------
+    xarray.Dataset
+        Along ``design``, the best of the first objective first, equal ones in the order of the map: all inputs, the
+        assembly mode, all results of that row. Of rows that are equal in all objectives a front has the first one.
+        The attribute ``selection`` says how many rows were considered and left out. It can be swept again.
+
+    Raises
+    ------
+    InputError
+        An objective or condition is unknown, or there is no objective.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> import fastlink as fl
+    >>> space = fl.grid(a1=np.linspace(0.1, 0.5, 9), a2=np.linspace(0.9, 1.3, 9), a3=0.8, a4=1.0, omega1=25.0)
+    >>> maps = fl.sweep("planar_4r", space, ["omega4_max", "transmission_angle_min"], branch=1)
+    >>> found = fl.best(maps, minimise="omega4_max", where={"a1": (0.2, None), "status": "rotates_fully"}, top=1)
+    >>> found.a1.values, found.a2.values, found.omega4_max.values.round(2)
+    (array([0.2]), array([0.9]), array([6.3]))
+    >>> front = fl.best(maps, minimise="omega4_max", maximise=["a1", "transmission_angle_min"])
+    >>> front.sizes["design"] < maps.omega4_max.size
+    True
+    """
+    problems = Problems()
+    with problems.at():
+        check_switch(("infinite",), infinite)
+    with as_dataset(maps) as dataset:
+        wanted, sought = list[Condition](), list[Objective]()
+        with problems.at():
+            sought = _objectives(dataset, minimise, maximise)
+        with problems.at():
+            wanted = conditions(dataset, where)
+        with problems.at():
+            if top is not None:
+                check_whole(("top",), top, 1)
+                if len(sought) > 1:
+                    remedy = "leave it out, or name one objective"
+                    raise InputError(
+                        f"is {top}, and the front of several objectives is whole",
+                        where=("top",),
+                        remedy=remedy,
+                    )
+        problems.stop()
+        rows = Rows.of([*(one.array for one in sought), *(one.array for one in wanted)])
+        if len(sought) == 1:
+            return ranked(dataset, rows, sought[0], wanted, top=top or DEFAULT_TOP, infinite=infinite)
+        return _front(dataset, rows, sought, wanted, infinite=infinite)
+
+
+def _objectives(maps: xr.Dataset, minimise: Any, maximise: Any) -> list[Objective]:
+    """Return the objectives that a caller names, or refuse them."""
+    problems, found = Problems(), list[Objective]()
+    for where, given, sign in (("minimise", minimise, 1.0), ("maximise", maximise, -1.0)):
+        for name in [given] if isinstance(given, str) or not isinstance(given, Iterable) else given:
+            with problems.at():
+                found.append(objective(maps, where, name, sign))
+                if sum(one.array.name == name for one in found) > 1:
+                    raise InputError(f"{name!r} is named twice", where=(where,), remedy="name it once")
+    problems.stop()
+    if not found:
+        remedy = ("write ", Setting("minimise", "NAME"), " or ", Setting("maximise", "NAME"))
+        raise InputError("there is no objective", where=("best",), remedy=remedy)
+    return found
+
+
+def objective(maps: xr.Dataset, where: str, name: Any, sign: float) -> Objective:
+    """Return an objective by its name, or refuse it."""
+    numeric = [str(key) for key, array in maps.variables.items() if array.dtype.kind in "iuf" and array.ndim]
+    usable = [key for key in numeric if not flags_of(maps[key])]
+    own = [key for key in usable if key in maps.data_vars]
+    if not isinstance(name, str):
+        remedy = "write the name of a variable; a new one is maps.assign(NAME=...)"
+        raise InputError(f"is {short_repr(name)}", where=(where,), remedy=remedy)
+    if name in maps.variables and name not in usable:
+        what = f"{short_repr(name)} is {'a code' if flags_of(maps[name]) else 'not a number for each design'}"
+        remedy = f"select by where='MEANING', and rank by a number: {', '.join(own[:8])}"
+        raise InputError(what, where=(where,), remedy=remedy)
+    return Objective(maps[name if name in usable else check_choice((where,), name, own)], sign)
+
+
+@dataclass
+class _Reading:
+    """The rows that are considered, block by block, and what is left out."""
+
+    rows: Rows
+    objectives: list[Objective]
+    conditions: list[Condition]
+    infinite: bool
+    considered: int = 0
+    left_out: Counter[str] = field(default_factory=Counter)
+
+    def __iter__(self) -> Any:
+        """Yield the numbers of rows that count, and their objectives to be as small as possible."""
+        for block in self.rows.blocks():
+            inside = np.ones(block.count, dtype=bool)
+            for condition in self.conditions:
+                inside &= condition.holds(self.rows.read(condition.array, block))
+            places = np.flatnonzero(inside)
+            read = [
+                one.sign * self.rows.read(one.array, block)[places].astype(float) for one in self.objectives
+            ]
+            points = np.stack(read, axis=1)
+            absent = np.isnan(points).any(axis=1)
+            boundless = np.isinf(points).any(axis=1) & ~absent & (not self.infinite)
+            self.considered += len(places)
+            self.left_out[NOT_A_NUMBER] += int(absent.sum())
+            self.left_out[INFINITE] += int(boundless.sum())
+            usable = ~absent & ~boundless
+            yield block.first + places[usable], points[usable]
+
+    def noted(self) -> str:
+        """Return what was left out, to follow the number of those considered."""
+        parts = [f"{count:,} {kind}" for kind, count in self.left_out.items() if count]
+        return f", without {', '.join(parts)}" if parts else ""
+
+
+def ranked(
+    maps: xr.Dataset, rows: Rows, one: Objective, wanted: list[Condition], *, top: int, infinite: bool
+) -> xr.Dataset:
+    """Return the rows with the least or greatest values of one objective."""
+    reading = _Reading(rows, [one], wanted, infinite)
+    chosen, kept = np.empty(0, dtype=np.int64), np.empty(0)
+    for places, points in reading:
+        chosen, kept = np.concatenate((chosen, places)), np.concatenate((kept, points[:, 0]))
+        again = _least(kept, top)
+        chosen, kept = chosen[again], kept[again]
+    found = rows.taken(maps, chosen[np.lexsort((chosen, kept))])
+    word = "least" if one.sign > 0 else "greatest"
+    about = f"{len(chosen)} {word} of {reading.considered:,} values of {one.array.name}"
+    found.attrs["selection"] = about + reading.noted()
+    return found
+
+
+def _least(values: NDArray[np.float64], n: int) -> NDArray[np.int64]:
+    """Return the places of the n least values by growing place; of equal values the first."""
+    if len(values) <= n:
+        return np.arange(len(values))
+    bound = np.partition(values, n - 1)[n - 1]
+    below = np.flatnonzero(values < bound)
+    equal = np.flatnonzero(values == bound)[: n - len(below)]
+    return np.sort(np.concatenate((below, equal)))
+
+
+def _front(
+    maps: xr.Dataset, rows: Rows, sought: list[Objective], wanted: list[Condition], *, infinite: bool
+) -> xr.Dataset:
+    """Return the rows that no other row beats."""
+    reading = _Reading(rows, sought, wanted, infinite)
+    chosen, front = np.empty(0, dtype=np.int64), np.empty((0, len(sought)))
+    for places, points in reading:
+        left = undominated(points, front)
+        chosen, front = np.concatenate((chosen, places[left])), np.concatenate((front, points[left]))
+        again = nondominated(front)
+        chosen, front = chosen[again], front[again]
+    found = rows.taken(maps, chosen)
+    about = (
+        f"the front of {len(chosen):,} of {reading.considered:,} rows by the {joined(list(map(str, sought)))}"
+    )
+    found.attrs["selection"] = about + reading.noted()
+    return found
