@@ -86,7 +86,7 @@ EXTREMA = _slots(extrema=("choice", "None", "refined"))
 ANGLES = _slots(angles=("positions", "8", "0.5"))
 SWEEP = "links=$links, input=$input, solver=$solver, backend=$backend, extrema=$extrema, angles=$angles, branch=$branch"
 RUN = "threads=$threads, block=$block, verify=$verify, to=$to, overwrite=$overwrite, "
-RUN += "restart=$restart, part=$part, progress=$progress, allow_invalid=$allow_invalid, attrs=$attrs"
+RUN += "restart=$restart, part=$part, layout=$layout, progress=$progress, allow_invalid=$allow_invalid, attrs=$attrs"
 RUNNING = _slots(
     threads=("count", "1", "2"),
     block=("count", "None", "2", "2**64", "10**30", "10**400"),
@@ -95,6 +95,7 @@ RUNNING = _slots(
     overwrite=("flag", "True"),
     restart=("flag", "False"),
     part=("choice", "None", "1/1", "None"),
+    layout=("name", "'maps'", "maps"),
     progress=("flag", "False"),
     allow_invalid=("flag", "False"),
     attrs=("mapping", "None", "1", "xr.Dataset()"),
@@ -332,10 +333,13 @@ DOORS: list[Door] = [
     ),
     Door(
         "run_study",
-        "fl.run_study($path, to=$to, threads=$threads, overwrite=$overwrite, restart=$restart, "
+        "fl.run_study($path, to=$to, threads=$threads, overwrite=$overwrite, restart=$restart, layout=$layout, "
         "part=$part, progress=$progress, verify=$verify)",
         _slots(path=("path", "'study.toml'", "study.toml"))
-        | {name: RUNNING[name] for name in ("threads", "overwrite", "restart", "part", "progress", "verify")}
+        | {
+            name: RUNNING[name]
+            for name in ("threads", "overwrite", "restart", "part", "layout", "progress", "verify")
+        }
         | _slots(to=("path", "'out.h5'", "a.h5")),
         "",
     ),

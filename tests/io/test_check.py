@@ -38,7 +38,7 @@ def test_a_sum_of_pieces_in_any_order_is_the_crc_of_the_block():
     rng.shuffle(pieces)
     sums = {}
     for start, stop in pieces:
-        checksums.add(sums, checksums.of_piece(data[start:stop], int(start), nbytes))
+        checksums.add(sums, checksums.of_pieces([(int(start), data[start:stop])], nbytes))
     expected = [
         zlib.crc32(data[k : k + checksums.BLOCK_BYTES]) for k in range(0, nbytes, checksums.BLOCK_BYTES)
     ]

@@ -43,6 +43,14 @@ def run(
         str | None,
         typer.Option("--part", metavar="K/N", help="Run the K-th of N parts of the designs, to be joined."),
     ] = None,
+    layout: Annotated[
+        str | None,
+        typer.Option(
+            "--layout",
+            metavar="LAYOUT",
+            help="How the map is to be read: 'curves' design by design, 'maps' position by position.",
+        ),
+    ] = None,
 ) -> None:
     """Run a study, and write its map; a map that is there and up to date is kept."""
     from fastlink.io.finished import WRITTEN
@@ -56,6 +64,7 @@ def run(
         "restart": restart,
         "verify": verify,
         "part": part,
+        "layout": layout,
     }
     maps = run_study(study, to=to, progress=progress, **options)
     with maps:

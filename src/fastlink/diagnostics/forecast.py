@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 import shutil
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from inspect import signature
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -31,7 +31,7 @@ if TYPE_CHECKING:
 __all__ = ["Forecast", "forecast", "request_of"]
 
 #: The options of a sweep that change how it runs, not what it computes.
-OF_RUN = ("verify", "to", "overwrite", "restart", "threads", "progress", "attrs", "block")
+OF_RUN = ("verify", "to", "overwrite", "restart", "layout", "threads", "progress", "attrs", "block")
 
 #: Seconds to compile a character of a kernel's LLVM text, by backend: measured over 32 kernels of 22 to 335 thousand
 #: characters (0.9 to 2.1 us by our own translation) and over 5 by numba (20 to 72 us), on a core
@@ -139,6 +139,7 @@ def request_of(
     folder = None if to is None else check_target(to, 0, True).parent
     verify = (0 if to is None else DESIGNS) if verify is None else verify
     of_run = {name: checked.get(name) for name in ("threads", "block")}
+    resolved = replace(resolved, layout=checked.get("layout", resolved.layout))
     return resolved, {**of_run, "folder": folder, "verify": verify}
 
 

@@ -14,13 +14,14 @@ import numpy as np
 
 from fastlink.engine import labels
 from fastlink.engine.executor import BLOCK_BYTES, Sink, row_bytes, run
-from fastlink.engine.needs import allocated, check_needs, designs_per_block
+from fastlink.engine.needs import allocated, bytes_at_once, check_needs, designs_per_block
 from fastlink.engine.parts import consecutive, whole_coordinates
 from fastlink.engine.sinks import StatusCounts, into, tee, within
 from fastlink.io.dataset import plain_attrs
 from fastlink.io.finished import finished_map
 from fastlink.io.parts import Part, PartOfMap
 from fastlink.io.place import existing_file
+from fastlink.io.placement import CURVES, MAPS
 from fastlink.io.ranges import joined
 from fastlink.io.writing.target import forget_journal, forget_published
 from fastlink.io.writing.writer import Writer
@@ -80,9 +81,11 @@ class Evaluation:
         self.range = (0, resolved.space.size) if part is None else part.range(resolved.space.size)
         if part is not None:
             resolved = replace(resolved, space=consecutive(resolved.space, *self.range))
-        self.resolved, self.threads, self.block = resolved, threads, block
         plan, space, positions = resolved.plan, resolved.space, resolved.positions
-        self.variables = labels.variables(plan, space, positions.size, one_branch=resolved.one_branch)
+        self.variables = labels.variables_of(resolved)
+        if in_memory:  # there values stay as they are computed, and only dimensions change places
+            resolved = replace(resolved, layout=CURVES)
+        self.resolved, self.threads, self.block = resolved, threads, block
         self.nbytes = sum(variable.nbytes for variable in self.variables)
         check_needs(resolved, threads, block, verify, self.nbytes if in_memory else 0)
         self.counts = StatusCounts(plan)
@@ -109,8 +112,9 @@ class Evaluation:
     def load(self, started: float) -> None:
         """Compile or load the kernels, and note the time since the sweep has started."""
         self.job = self.whole.job()
-        if self.resolved.scaling_axis is not None or self.part is not None:
-            self.block = designs_per_block(self.resolved, self.threads, self.block)
+        resolved = self.resolved
+        if resolved.scaling_axis is not None or self.part is not None or resolved.layout == MAPS:
+            self.block = designs_per_block(resolved, self.threads, self.block)
         self.loaded = time.perf_counter()
         self.set_up_time = self.loaded - started
 
@@ -143,7 +147,9 @@ class Evaluation:
 
             def write(start: int, stop: int, arrays: list[NDArray[Any]]) -> None:
                 for variable, array in zip(self.variables, arrays, strict=True):
-                    row = variable.shape[len(self.resolved.space.shape) :]
+                    row = (
+                        variable.shape[: variable.leading] or variable.shape[len(self.resolved.space.shape) :]
+                    )
                     writer.write(variable.name, start, array.reshape(len(array), *row))
 
             def record(start: int, stop: int, arrays: list[NDArray[Any]]) -> None:
@@ -168,9 +174,9 @@ class Evaluation:
         pending : list of (start, stop), optional
             The designs to evaluate, as `record` numbers them; all unless given.
         """
-        axis = self.resolved.scaling_axis
+        axis, at_once = self.resolved.scaling_axis, bytes_at_once(self.resolved)
         if self.part is None:
-            sink = axis.over(sink) if axis else sink
+            sink = axis.over(sink, at_once) if axis else sink
             sink = tee(sink, record) if record else sink
         else:
             first, (start, stop) = self.range[0], self.range
@@ -179,7 +185,7 @@ class Evaluation:
             sink = within(rows, tee(sink, record) if record else sink, first)
             # designs that only scale with those of another part are evaluated for both
             pending = joined([piece for row in rows for piece in axis.evaluated(*row)]) if axis else rows
-            sink = axis.over(sink) if axis else sink
+            sink = axis.over(sink, at_once) if axis else sink
         run(self.job, sink=sink, threads=self.threads, block=self.block, pending=pending)
 
     def _sink(self, show: Sink) -> Sink:
@@ -220,9 +226,7 @@ class Evaluation:
     def _whole_fingerprint(self, attrs: Mapping[str, Any]) -> str:
         """Return the hash of the request of all designs, the same in each part."""
         whole = self.whole
-        variables = labels.variables(
-            whole.plan, whole.space, whole.positions.size, one_branch=whole.one_branch
-        )
+        variables = labels.variables_of(whole)
         rest = {
             name: value.tolist() if isinstance(value, np.ndarray) else value  # whose repr leaves values out
             for name, value in plain_attrs(attrs).items()

@@ -71,10 +71,10 @@ def row_bytes(shapes: Shapes) -> int:
     return sum(math.prod(shape) * np.dtype(dtype).itemsize for shape, dtype in shapes)
 
 
-def block_length(shapes: Shapes, size: int, threads: int) -> int:
-    """Return the designs per block: results fit the cache, threads get several."""
+def block_length(shapes: Shapes, size: int, threads: int, nbytes: int = BLOCK_BYTES) -> int:
+    """Return the designs per block: results fit the cache, or so many bytes, and threads get several."""
     share = -(-size // (4 * threads))
-    length = max(1, min(BLOCK_DESIGNS, BLOCK_BYTES // max(row_bytes(shapes), 1), share))
+    length = max(1, min(BLOCK_DESIGNS, nbytes // max(row_bytes(shapes), 1), share))
     return length if length < LANES else length // LANES * LANES
 
 

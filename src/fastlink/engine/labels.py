@@ -12,6 +12,7 @@ from fastlink._version import __version__, version
 from fastlink.catalogue.catalogue import Catalogue, Fact, Input
 from fastlink.engine.resolve import ResolvedSweep, axis_lengths
 from fastlink.io.dataset import Variable, assemble, coordinates, marked, plain_attrs
+from fastlink.io.placement import CURVES, MAPS
 from fastlink.plan.plan import Plan
 from fastlink.plan.program import Output
 from fastlink.plan.query import Request
@@ -22,10 +23,15 @@ if TYPE_CHECKING:
     import xarray as xr
     from numpy.typing import NDArray
 
-__all__ = ["coordinates_of", "global_attrs", "labelled", "request_labels", "sweep_coordinates", "variables"]
+__all__ = [
+    *("coordinates_of", "global_attrs", "labelled", "request_labels", "sweep_coordinates", "variables"),
+    "variables_of",
+]
 
 
-def variables(plan: Plan, space: DesignSpace, positions: int, *, one_branch: bool = False) -> list[Variable]:
+def variables(
+    plan: Plan, space: DesignSpace, positions: int, *, one_branch: bool = False, layout: str = CURVES
+) -> list[Variable]:
     """Return the results with dimensions and attributes, for a number of positions.
 
     Where the assembly mode was given as a scalar (`one_branch`), it is a coordinate and not a dimension.
@@ -33,16 +39,23 @@ def variables(plan: Plan, space: DesignSpace, positions: int, *, one_branch: boo
     lengths = axis_lengths(plan, positions)
     dropped = (BRANCH,) if one_branch else ()
     axes = [tuple(axis for axis in output.axes if axis not in dropped) for output in plan.outputs]
-    return [
-        Variable(
-            output.name,
-            (*space.dims, *own),
-            (*space.shape, *(lengths[axis] for axis in own)),
-            np.dtype(output.dtype),
-            dict(_labels(plan, output)),
+    swept = list(zip(space.dims, space.shape, strict=True))
+    results = []
+    for output, names in zip(plan.outputs, axes, strict=True):
+        own = [(axis, lengths[axis]) for axis in names]
+        leading = len(own) if layout == MAPS and swept else 0
+        dims, shape = (
+            zip(*(own + swept if leading else swept + own), strict=True) if swept or own else ((), ())
         )
-        for output, own in zip(plan.outputs, axes, strict=True)
-    ]
+        dtype, attrs = np.dtype(output.dtype), dict(_labels(plan, output))
+        results.append(Variable(output.name, dims, shape, dtype, attrs, leading))
+    return results
+
+
+def variables_of(resolved: ResolvedSweep) -> list[Variable]:
+    """Return the results of a resolved sweep with dimensions and attributes."""
+    plan, space, positions = resolved.plan, resolved.space, resolved.positions.size
+    return variables(plan, space, positions, one_branch=resolved.one_branch, layout=resolved.layout)
 
 
 def request_labels(catalogue: Catalogue, request: Request) -> dict[str, Any]:
@@ -144,8 +157,7 @@ def labelled(
     plan, space, positions = resolved.plan, resolved.space, resolved.positions
     one_branch = resolved.one_branch
     data = {
-        variable.name: array.reshape(variable.shape)
-        for variable, array in zip(variables, arrays, strict=True)
+        variable.name: variable.arranged(array) for variable, array in zip(variables, arrays, strict=True)
     }
     if space.dims or space.labels or space.comments:
         return assemble(coordinates_of(resolved), variables, data, attrs)

@@ -12,6 +12,7 @@ from fastlink._text import size as human_size
 from fastlink.codegen.runtime.cells import LANES
 from fastlink.engine.executor import BLOCK_BYTES, block_length, row_bytes
 from fastlink.errors import InputError, Remedy, Setting
+from fastlink.io.placement import MAPS
 from fastlink.memory import ALWAYS_FITS, check_memory
 from fastlink.space.design_space import DESIGN
 
@@ -22,10 +23,13 @@ if TYPE_CHECKING:
     from fastlink.engine.executor import Shapes
     from fastlink.engine.resolve import ResolvedSweep
 
-__all__ = ["Needs", "allocated", "check_needs", "designs_per_block", "needs_of"]
+__all__ = ["Needs", "allocated", "bytes_at_once", "check_needs", "designs_per_block", "needs_of"]
 
 #: Buffers are small without a look at the kernels, up to so many positions, designs per block and verified designs.
 FEW = 5_000
+#: Bytes of a block that is written value by value: each value of its designs is a piece of the file, and the longer the
+#: fewer.
+MAPS_BYTES = 8 * BLOCK_BYTES
 #: The remedy for a result that does not fit memory.
 TO_FILE: Remedy = (
     *("write it to a file with ", Setting("to", "maps.h5")),
@@ -71,8 +75,13 @@ def designs_per_block(resolved: ResolvedSweep, threads: int, block: int | None =
     size = resolved.space.size if axis is None else axis.space.size
     if block is not None:
         return max(1, min(block, size))
-    length = block_length(resolved.shapes, size, threads)
-    return length if axis is None else max(1, length // axis.length)
+    length = block_length(resolved.shapes, size, threads, bytes_at_once(resolved))
+    return length if axis is None or resolved.layout == MAPS else max(1, length // axis.length)
+
+
+def bytes_at_once(resolved: ResolvedSweep) -> int:
+    """Return how many bytes of results a thread writes at once."""
+    return MAPS_BYTES if resolved.layout == MAPS else BLOCK_BYTES
 
 
 def needs_of(resolved: ResolvedSweep, threads: int, block: int | None = None, verify: int = 0) -> Needs:
@@ -96,8 +105,14 @@ def needs_of(resolved: ResolvedSweep, threads: int, block: int | None = None, ve
     of_block = sum(_buffer_bytes(kernel, length, resolved.positions.size) for kernel in resolved.kernels)
     of_block += length * row
     shared = sum(len(kernel.program.tables) for kernel in resolved.kernels) * resolved.positions.nbytes
+    if resolved.layout == MAPS:
+        of_block += (
+            max(row_bytes([of_result]) for of_result in resolved.shapes) * length
+        )  # in their new order
     if resolved.scaling_axis is not None:
-        of_block += max(BLOCK_BYTES, length * row)  # a piece of the results at several values of the axis
+        of_block += max(
+            bytes_at_once(resolved), length * row
+        )  # a piece of the results at several values of the axis
         shared += sum(factor.nbytes for factor in resolved.scaling_axis.factors if factor is not None)
     sample = min(verify, space.size) * (2 * row + 8 * len(space.names))
     numbers = 8 * space.size if DESIGN in space.dims else 0

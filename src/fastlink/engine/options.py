@@ -9,8 +9,9 @@ from typing import Any
 from fastlink.errors import InputError, KeyPath, Problems
 from fastlink.io.attributes import check_attrs
 from fastlink.io.parts import OF_PARTS, check_part
+from fastlink.io.placement import LAYOUTS
 from fastlink.mechanisms import NAMES, inputs_of
-from fastlink.options import check_output, check_switch, check_whole
+from fastlink.options import check_choice, check_output, check_switch, check_whole
 from fastlink.precision import check_verify
 from fastlink.space.dataset import FORMAT
 
@@ -64,6 +65,7 @@ CHECKS: dict[str, Check] = {
     "allow_invalid": check_switch,
     "attrs": optional(partial(check_attrs, reserved=is_reserved)),
     "block": optional(partial(check_whole, least=1)),
+    "layout": partial(check_choice, known=LAYOUTS),
     "overwrite": check_switch,
     "part": optional(check_part),
     "progress": optional(check_switch),

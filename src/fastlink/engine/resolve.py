@@ -20,6 +20,7 @@ from fastlink.engine.executor import Job, Shapes
 from fastlink.engine.scaling import ScalingAxis, find_scaling_axis
 from fastlink.engine.sizes import UnitsOfDesigns
 from fastlink.errors import InputError, KeyPath, Problem, Problems
+from fastlink.io.placement import CURVES
 from fastlink.mechanisms import catalogue as find_catalogue
 from fastlink.options import check_path
 from fastlink.plan.plan import Plan, all_declared, make_plan
@@ -65,6 +66,8 @@ class ResolvedSweep:
         What compiles the kernels.
     one_branch : bool
         Whether the assembly mode was given as a scalar, which makes it a coordinate instead of a dimension.
+    layout : str
+        How the results lie in a file, one of `fastlink.io.placement.LAYOUTS`.
     """
 
     mechanism: str
@@ -75,6 +78,7 @@ class ResolvedSweep:
     scaling_axis: ScalingAxis | None
     backend: str
     one_branch: bool
+    layout: str = CURVES
 
     @property
     def catalogue(self) -> Catalogue:

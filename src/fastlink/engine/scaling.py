@@ -53,14 +53,14 @@ class ScalingAxis:
     factors: tuple[NDArray[Any] | None, ...]
     length: int
 
-    def over(self, sink: Sink) -> Sink:
-        """Return a sink of evaluated designs that passes on the results of all designs."""
+    def over(self, sink: Sink, most: int = BLOCK_BYTES) -> Sink:
+        """Return a sink of evaluated designs that passes on the results of all, at most so many bytes of slabs."""
 
         def scale(start: int, stop: int, arrays: list[NDArray[Any]]) -> None:
             for first, last, in_slabs in self._pieces(start, stop):
                 pieces = [array[first - start : last - start] for array in arrays]
                 if in_slabs:
-                    self._pass_slabs(sink, first, last, pieces)
+                    self._pass_slabs(sink, first, last, pieces, most)
                     continue
                 for k, begin in enumerate(self._starts(first)):
                     scaled = [
@@ -71,16 +71,15 @@ class ScalingAxis:
 
         return scale
 
-    def _pass_slabs(self, sink: Sink, first: int, last: int, arrays: list[NDArray[Any]]) -> None:
-        """Pass on the results that follow from whole slabs, so many at once as fit the cache."""
+    def _pass_slabs(self, sink: Sink, first: int, last: int, arrays: list[NDArray[Any]], most: int) -> None:
+        """Pass on the results that follow from whole slabs, as many at once as have so many bytes."""
         nbytes = sum(array.nbytes for array in arrays)
         slabs = (last - first) // self.inner
-        if nbytes * self.length <= BLOCK_BYTES:
-            slabs_at_once, step = slabs, self.length
-        else:
-            slabs_at_once, step = 1, max(1, BLOCK_BYTES * slabs // nbytes)
+        slabs_at_once = max(1, most * slabs // (nbytes * self.length))
+        step = self.length if nbytes * self.length <= most * slabs else max(1, most * slabs // nbytes)
         for begin in range(first, last, slabs_at_once * self.inner):
-            end = begin + slabs_at_once * self.inner
+            end = min(begin + slabs_at_once * self.inner, last)
+            slabs_at_once = (end - begin) // self.inner
             pieces = [array[begin - first : end - first] for array in arrays]
             for k in range(0, self.length, step):
                 values = slice(k, min(k + step, self.length))

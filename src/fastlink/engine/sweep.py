@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from inspect import signature
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -18,6 +19,7 @@ from fastlink.engine.resolve import resolve
 from fastlink.engine.sinks import ProgressBar
 from fastlink.errors import Problems
 from fastlink.io.parts import check_size
+from fastlink.io.placement import CURVES
 from fastlink.io.writing.target import check_target
 from fastlink.maps import open as open_map
 
@@ -48,6 +50,7 @@ def sweep(
     overwrite: bool = False,
     restart: bool = False,
     part: tuple[int, int] | str | None = None,
+    layout: str = CURVES,
     threads: int | None = None,
     progress: bool | None = None,
     allow_invalid: bool = False,
@@ -108,6 +111,11 @@ def sweep(
     part : (k, n) or "k/n", optional
         Evaluate the k-th of n nearly equal ranges of consecutive designs, k from 1 to n, into a file of its own, flat
         along ``design``; `fastlink.join` makes the whole map of all n (see docs/scaling.md).
+    layout : {"curves", "maps"}
+        How the result is to be read. By ``"curves"``, all values of one design lie together, and the swept dimensions
+        come first. By ``"maps"``, the values of all designs at one input position (or branch, or extreme) lie together,
+        and these dimensions come first: a picture over two lengths is then read from a large file in one piece, a curve
+        value by value. The numbers are the same bits (see docs/files.md for what each costs).
     threads : int, optional
         All processors unless given. Any number gives the same bits.
     progress : bool, optional
@@ -130,7 +138,7 @@ def sweep(
     -------
     xarray.Dataset
         In memory, or opened lazily from the file. Dimensions: the swept ones (and the choices that the design leaves
-        open, such as ``completion``), then ``branch``, then the input.
+        open, such as ``completion``), then ``branch``, then the input; the swept ones last with ``layout="maps"``.
         A configuration that does not assemble is NaN; ``status`` tells why.
 
     Raises
@@ -153,7 +161,7 @@ def sweep(
     problems, checked = Problems(), dict[str, Any]()
     with problems.at():
         given: dict[str, Any] = {"verify": verify, "to": to, "part": part, "threads": threads}
-        given |= {"overwrite": overwrite, "restart": restart, "progress": progress}
+        given |= {"overwrite": overwrite, "restart": restart, "progress": progress, "layout": layout}
         checked = check_options(given | {"allow_invalid": allow_invalid, "attrs": attrs, "block": block})
     with problems.at():
         asked: dict[str, Any] = {"links": links, "input": input, "angles": angles, "positions": positions}
@@ -163,6 +171,7 @@ def sweep(
         if checked.get("part") is not None:
             check_size(("part",), checked["part"], resolved.space.size)
     problems.stop()
+    resolved = replace(resolved, layout=checked["layout"])
     threads, target = checked["threads"] or default_threads(), checked["to"]
     options = threads, checked["block"], checked["verify"], target is None
     evaluation = Evaluation(resolved, *options, part=checked["part"])

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
+from fastlink.io.placement import Placement
 from fastlink.space.dataset import FORMAT
 from fastlink.space.design_space import DESIGN, DesignSpace
 
@@ -28,13 +29,15 @@ class Variable:
     name : str
         Name in the Dataset and in the file.
     dims : tuple of str
-        Dimensions, swept ones first.
+        Dimensions, in the order in which values lie in the file.
     shape : tuple of int
         Length of each dimension.
     dtype : numpy.dtype
         Of integers or floating-point numbers.
     attrs : dict
         Units, long name, symbol, flags, ...
+    leading : int
+        How many of the first dimensions are those that each design has of its own; 0 where the swept ones are first.
     """
 
     name: str
@@ -42,6 +45,7 @@ class Variable:
     shape: tuple[int, ...]
     dtype: np.dtype[Any]
     attrs: dict[str, Any]
+    leading: int = field(default=0, repr=False)  # of which the dimensions tell
 
     def __post_init__(self) -> None:
         if len(self.dims) != len(self.shape):
@@ -54,6 +58,17 @@ class Variable:
     def nbytes(self) -> int:
         """Bytes of all values."""
         return math.prod(self.shape) * self.dtype.itemsize
+
+    def placement(self, rows: int) -> Placement:
+        """Return where so many rows of values lie, one row for each design."""
+        values = math.prod(self.shape) // rows if rows else 0
+        return Placement(rows, values, self.dtype.itemsize, by_value=self.leading > 0)
+
+    def arranged(self, array: NDArray[Any]) -> NDArray[Any]:
+        """Return values of all designs, design by design, in the dimensions of the variable; without a copy."""
+        own, swept = self.shape[: self.leading], self.shape[self.leading :]
+        order = (*range(len(swept), len(self.shape)), *range(len(swept)))
+        return array.reshape(swept + own).transpose(order)
 
 
 def coordinates(

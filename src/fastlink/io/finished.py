@@ -99,6 +99,8 @@ def _difference(
         return f"a map of {found.attrs.get('mechanism')}"
     names = {variable.name for variable in variables}
     parts = ["quantities"] if names != set(map(str, found.data_vars)) else []
+    dims = [(one.dims, tuple(map(str, found[one.name].dims))) for one in variables if not parts]
+    parts += ["layout"] if any(a != b and sorted(a) == sorted(b) for a, b in dims) else []
     parts += [
         str(name)
         for name in dict.fromkeys([*coords.coords, *found.coords])

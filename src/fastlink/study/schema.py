@@ -6,7 +6,7 @@ import tomllib
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass, replace
 from importlib.resources import files
-from typing import Annotated, Any, Self
+from typing import Annotated, Any, Literal, Self
 
 import numpy as np
 from pydantic import BaseModel, Discriminator, Field, Tag, ValidationError, model_validator
@@ -146,6 +146,7 @@ class Output(BaseModel, extra="forbid"):
 
     file: Text | None = None
     overwrite: Annotated[bool, Field(strict=True), Write("true or false")] | None = None
+    layout: Annotated[Literal["curves", "maps"], Write('"curves" or "maps"')] | None = None
     verify: Verified | None = None
 
 

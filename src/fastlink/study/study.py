@@ -12,6 +12,7 @@ from fastlink.doors import door
 from fastlink.engine.options import check_options
 from fastlink.engine.sweep import sweep
 from fastlink.errors import InputError, Problems, nearest
+from fastlink.io.placement import CURVES
 from fastlink.io.writing.target import check_target
 from fastlink.mechanisms import NAMES
 from fastlink.mechanisms import catalogue as find_catalogue
@@ -95,6 +96,7 @@ def run_study(
     *,
     restart: bool = False,
     part: tuple[int, int] | str | None = None,
+    layout: str | None = None,
 ) -> xr.Dataset:
     """Run a study file and write its map.
 
@@ -121,6 +123,8 @@ def run_study(
     part : (k, n) or "k/n", optional
         Run the k-th of n parts of the designs (see `fastlink.sweep`), by default into the file of the study with the
         part in its name, such as ``maps.part-03-of-16.h5``.
+    layout : {"curves", "maps"}, optional
+        How the map is to be read (see `fastlink.sweep`); by default what the study says, else ``"curves"``.
 
     Returns
     -------
@@ -151,8 +155,9 @@ def run_study(
     ...         dict(maps.transmission_angle_min.sizes)
     {'a2': 5, 'branch': 2}
     """
-    given = {"to": to, "threads": threads, "overwrite": overwrite, "progress": progress, "verify": verify}
-    checked = check_options(given | {"restart": restart, "part": part})
+    given: dict[str, Any] = {"to": to, "threads": threads, "overwrite": overwrite, "verify": verify}
+    given |= {"progress": progress, "part": part, "layout": layout}
+    checked = check_options(given | {"restart": restart, "layout": CURVES if layout is None else layout})
     study = read_study(path)
     target = study.target(to, checked["part"])
     overwrite = overwrite or study.output.get("overwrite", False)
@@ -170,6 +175,7 @@ def run_study(
             overwrite=overwrite,
             restart=restart,
             part=part,
+            layout=layout or study.output.get("layout") or CURVES,
             threads=threads,
             progress=progress,
             attrs={**title, "study_file": study.path.name, "study": study.text},

@@ -3,16 +3,17 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Protocol
 
 from fastlink.errors import remark
-from fastlink.io.checksums import BLOCK_BYTES, add, block_count, of_piece, read_all
+from fastlink.io.checksums import BLOCK_BYTES, add, block_count, of_pieces, read_all
 from fastlink.io.dataset import Variable
 from fastlink.io.place import SLACK
+from fastlink.io.placement import Placement
 from fastlink.io.ranges import Range, joined, missing
 from fastlink.io.writing import partial_file
 from fastlink.io.writing.journal import read_journal
@@ -155,48 +156,58 @@ class _Values:
         self.fd, self.offsets, self.variables, self.size, self.rows = fd, offsets, variables, size, rows
         self.first = first_blocks(variables)
 
-    def row_bytes(self, variable: Variable) -> int:
-        """Return the bytes of a row."""
-        return variable.nbytes // (self.size * self.rows.length)
+    def placement(self, variable: Variable) -> Placement:
+        """Return where the values of each design lie."""
+        return variable.placement(self.size * self.rows.length)
 
     def sums(self, ranges: list[Range]) -> dict[int, int]:
         """Return the checksums of the values of some designs, by block."""
-        pieces = [
-            (variable, position, min(READ_BYTES - position % READ_BYTES, stop * row - position))
+        groups = (
+            (variable, places)
             for variable in self.variables
-            for row in [self.row_bytes(variable)]
             for of_designs in ranges
             for start, stop in self.rows.ranges(*of_designs)
-            for position in _steps(start * row, stop * row)
-        ]
+            for places in _groups(self.placement(variable).pieces(start, stop))
+        )
         result: dict[int, int] = {}
         with ThreadPoolExecutor() as pool:
-            for addends in pool.map(self._of_piece, pieces):
+            for addends in pool.map(self._of_group, groups):
                 add(result, addends)
         return result
 
-    def _of_piece(self, piece: tuple[Variable, int, int]) -> list[tuple[int, int]]:
-        variable, position, count = piece
-        data = read_all(self.fd, count, self.offsets[variable.name] + position)
-        first = self.first[variable.name]
-        return [(first + k, addend) for k, addend in of_piece(memoryview(data), position, variable.nbytes)]
+    def _of_group(self, group: tuple[Variable, list[Range]]) -> list[tuple[int, int]]:
+        variable, places = group
+        offset, first = self.offsets[variable.name], self.first[variable.name]
+        pieces = ((at, memoryview(read_all(self.fd, count, offset + at))) for at, count in places)
+        return [(first + k, addend) for k, addend in of_pieces(pieces, variable.nbytes)]
 
     def without(self, blocks: list[int], ranges: list[Range]) -> list[Range]:
         """Return ranges without the designs that have values in some blocks."""
         gone = []
         for variable in self.variables:
-            first, row = self.first[variable.name], self.row_bytes(variable)
+            first = self.first[variable.name]
             for block in blocks:
                 start, stop = ((block - first + k) * BLOCK_BYTES for k in (0, 1))
                 if 0 <= start < variable.nbytes:
-                    gone.append((start // row, min(variable.nbytes // row, -(-stop // row))))
+                    gone += self.placement(variable).rows_in(start, min(stop, variable.nbytes))
         designs = [piece for rows in gone for piece in self.rows.evaluated(*rows)]
         return missing(joined([*missing(ranges, self.size), *designs]), self.size)
 
 
-def _steps(start: int, stop: int) -> list[int]:
-    """Return where pieces of whole blocks begin in a range of bytes."""
-    return [start, *range((start // READ_BYTES + 1) * READ_BYTES, stop, READ_BYTES)] if start < stop else []
+def _groups(places: list[Range]) -> Iterator[list[Range]]:
+    """Yield pieces of bytes, cut at whole blocks, together as many as are read at once."""
+    group, nbytes = list[Range](), 0
+    for position, count in places:
+        stop = position + count
+        for begin in [position, *range((position // READ_BYTES + 1) * READ_BYTES, stop, READ_BYTES)]:
+            part = min(READ_BYTES - begin % READ_BYTES, stop - begin)
+            if nbytes + part > READ_BYTES:
+                yield group
+                group, nbytes = [], 0
+            group.append((begin, part))
+            nbytes += part
+    if group:
+        yield group
 
 
 def _count(ranges: list[Range]) -> int:

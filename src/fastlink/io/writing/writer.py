@@ -22,12 +22,13 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from fastlink.errors import InputError
-from fastlink.io.checksums import OF_REST, OF_VALUES, add, block_count, of_file, of_piece
+from fastlink.io.checksums import OF_REST, OF_VALUES, add, block_count, of_file, of_pieces
 from fastlink.io.dataset import FORMAT_VERSION, Variable, check_dims, plain_attrs
 from fastlink.io.finished import marks, stamp
 from fastlink.io.place import NO_ROOM, SLACK, no_room, part_of, reason, refused
 from fastlink.io.ranges import Range, Ranges, missing
 from fastlink.io.writing import partial_file
+from fastlink.io.writing.blocks import OfThread, cut
 from fastlink.io.writing.finishing import uninterrupted
 from fastlink.io.writing.journal import Journal, journal_of
 from fastlink.io.writing.resume import LayOut, Rows, SameRows, first_blocks, resume
@@ -36,13 +37,6 @@ from fastlink.io.writing.target import check_left, check_target
 from fastlink.space.dataset import FORMAT
 
 __all__ = ["Writer"]
-
-
-class _OfThread(threading.local):
-    """The checksums' addends of blocks that a thread has written, until their designs are recorded."""
-
-    def __init__(self) -> None:
-        self.addends: list[tuple[int, int]] = []
 
 
 class Writer:
@@ -104,7 +98,7 @@ class Writer:
         self._rows = rows or SameRows()
         self._ranges = Ranges()
         self._first_block, self._sums = first_blocks(variables), dict[int, int]()
-        self._of_thread = _OfThread()
+        self._of_thread = OfThread()
         try:
             if restart or not self._resumed(lay_out_all):
                 if not restart:
@@ -153,8 +147,11 @@ class Writer:
     def values(self, name: str, row: tuple[int, ...]) -> NDArray[Any]:
         """Return the values in the file, read where they are looked at: one row of a given shape per design."""
         dtype = self._variables[name].dtype
-        shape = (self._size * self._rows.length, *row)
-        return np.memmap(self.part, dtype, "r", self._offsets[name], shape)
+        designs = self._size * self._rows.length
+        if self._variables[name].leading:
+            values = np.memmap(self.part, dtype, "r", self._offsets[name], (*row, designs))
+            return np.moveaxis(values, -1, 0)
+        return np.memmap(self.part, dtype, "r", self._offsets[name], (designs, *row))
 
     def write(self, name: str, start: int, block: NDArray[Any]) -> None:
         """Write the values of consecutive designs of one variable; thread-safe.
@@ -166,9 +163,9 @@ class Writer:
         start : int
             Flat number of the first design, in C order over the swept dimensions.
         block : ndarray, C-contiguous
-            One row per design; its other dimensions are the last ones of the variable.
+            One row per design; its other dimensions are those of the variable that are not swept.
         """
-        position = self._position(name, start, block)
+        places = self._places(name, start, block)
         with self._idle:
             if self._closed:
                 raise ValueError(f"{self.path}: the file is closed")
@@ -176,15 +173,16 @@ class Writer:
         try:
             if self._journal.error:  # what is written from now on would be lost
                 raise self._journal.error
-            data = block.reshape(-1).view(np.uint8).data
-            partial_file.write_all(self._fd, data, position)
+            in_order = self._of_thread.by_value(block) if self._variables[name].leading else block
+            pieces = list(cut(in_order.reshape(-1).view(np.uint8).data, places))
+            for position, data in pieces:
+                partial_file.write_all(self._fd, data, self._offsets[name] + position)
         except OSError as error:
             raise self._failure(error) from error
         else:
             self._journal.add_bytes(block.nbytes)
             first, variable = self._first_block[name], self._variables[name]
-            addends = of_piece(data, position - self._offsets[name], variable.nbytes)
-            added = [(first + k, addend) for k, addend in addends]
+            added = [(first + k, addend) for k, addend in of_pieces(pieces, variable.nbytes)]
             self._of_thread.addends += added
             with self._idle:
                 add(self._sums, added)
@@ -292,20 +290,22 @@ class Writer:
             partial_file.discard(self._fd, self.part)
             raise
 
-    def _position(self, name: str, start: int, block: NDArray[Any]) -> int:
-        """Return the offset of a block in the file, or refuse one that does not fit."""
+    def _places(self, name: str, start: int, block: NDArray[Any]) -> list[Range]:
+        """Return where the pieces of a block lie among the values of its variable, or refuse one that does not fit."""
         variable = self._variables[name]
         if block.dtype != variable.dtype:
             raise TypeError(f"{name}: block is {block.dtype}, the variable {variable.dtype}")
         if not block.flags.c_contiguous:
             raise ValueError(f"{name}: block is not C-contiguous")
-        swept = len(variable.shape) - (block.ndim - 1)
-        if block.ndim == 0 or swept < 0 or block.shape[1:] != variable.shape[swept:]:
-            raise ValueError(f"{name}: a block of shape {block.shape} does not hold rows of {variable.shape}")
-        designs = math.prod(variable.shape[:swept])
-        if not 0 <= start <= start + len(block) <= designs:
-            raise ValueError(f"{name}: designs {start} to {start + len(block)} of {designs}")
-        return self._offsets[name] + start * math.prod(variable.shape[swept:]) * variable.dtype.itemsize
+        shape, leading = variable.shape, variable.leading
+        swept = leading or len(shape) - (block.ndim - 1)
+        own, designs = (shape[:swept], shape[swept:]) if leading else (shape[swept:], shape[:swept])
+        if block.ndim == 0 or swept < 0 or block.shape[1:] != own:
+            raise ValueError(f"{name}: a block of shape {block.shape} does not hold rows of {shape}")
+        count = math.prod(designs)
+        if not 0 <= start <= start + len(block) <= count:
+            raise ValueError(f"{name}: designs {start} to {start + len(block)} of {count}")
+        return variable.placement(count).pieces(start, start + len(block))
 
     def _failure(self, error: OSError | RuntimeError) -> InputError:
         if getattr(error, "errno", None) in NO_ROOM:

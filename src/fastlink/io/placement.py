@@ -1,0 +1,64 @@
+"""Tell where the values of designs lie among those of a variable: design by design, or value by value."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from fastlink.io.ranges import Range
+
+__all__ = ["CURVES", "LAYOUTS", "MAPS", "Placement"]
+
+#: How the values of a map lie: all those of a design together, or those of all designs at one input position.
+CURVES, MAPS = LAYOUTS = ("curves", "maps")
+
+
+@dataclass(frozen=True)
+class Placement:
+    """Where the rows of a variable lie, one row of values for each design.
+
+    Attributes
+    ----------
+    rows : int
+        Number of designs.
+    values : int
+        Values of each design.
+    itemsize : int
+        Bytes of a value.
+    by_value : bool
+        Whether the first value of all designs comes first, then the second one; else the first design, then the second.
+
+    Examples
+    --------
+    >>> Placement(10, 3, 8, by_value=False).pieces(2, 4)
+    [(48, 48)]
+    >>> Placement(10, 3, 8, by_value=True).pieces(2, 4)
+    [(16, 16), (96, 16), (176, 16)]
+    >>> Placement(10, 3, 8, by_value=True).rows_in(96, 104), Placement(10, 3, 8, by_value=False).rows_in(48, 56)
+    ([(2, 3)], [(2, 3)])
+    """
+
+    rows: int
+    values: int
+    itemsize: int
+    by_value: bool
+
+    def pieces(self, start: int, stop: int) -> list[Range]:
+        """Return where the values of some designs lie: position and number of bytes of each piece."""
+        count = (stop - start) * self.itemsize
+        if not self.by_value or stop - start == self.rows:
+            return [(start * self.values * self.itemsize, count * self.values)] if count else []
+        first, step = start * self.itemsize, self.rows * self.itemsize
+        return [(first + k * step, count) for k in range(self.values)] if count else []
+
+    def rows_in(self, start: int, stop: int) -> list[Range]:
+        """Return the designs that have values in a range of bytes."""
+        if not self.by_value:
+            of_row = self.values * self.itemsize
+            return [(start // of_row, min(self.rows, -(-stop // of_row)))]
+        first, count = start // self.itemsize, -(-stop // self.itemsize) - start // self.itemsize
+        begin = first % self.rows
+        if count >= self.rows:
+            return [(0, self.rows)]
+        if begin + count <= self.rows:
+            return [(begin, begin + count)]
+        return [(0, begin + count - self.rows), (begin, self.rows)]
