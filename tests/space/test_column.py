@@ -80,7 +80,6 @@ def test_labels_come_along():
     assert_array_equal(some.labels["design"], [8, 9])
     crossed = space.with_axis("c", [1.0, 2.0]).consecutive(1, 4)
     assert_array_equal(crossed.labels["design"], [1, 2, 3])
-    assert_array_equal(crossed.labels["table_design"], [7, 8, 8])
     assert_array_equal(crossed.labels["maker"], ["A", "B", "B"])
 
 

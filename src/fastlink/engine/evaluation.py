@@ -32,6 +32,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from fastlink.engine.resolve import ResolvedSweep
+    from fastlink.io.dataset import Variable
     from fastlink.io.ranges import Range
 
 __all__ = ["Evaluation"]
@@ -86,7 +87,9 @@ class Evaluation:
         if in_memory:  # there values stay as they are computed, and only dimensions change places
             resolved = replace(resolved, layout=CURVES)
         self.resolved, self.threads, self.block = resolved, threads, block
-        self.nbytes = sum(variable.nbytes for variable in self.variables)
+        #: Coordinates that are written block by block, to a file.
+        self.columns = [] if in_memory else labels.computed(plan, space)
+        self.nbytes = sum(variable.nbytes for variable in self._written)
         check_needs(resolved, threads, block, verify, self.nbytes if in_memory else 0)
         self.counts = StatusCounts(plan)
         self.verification = Verification(plan, space, positions, verify) if verify else None
@@ -104,10 +107,18 @@ class Evaluation:
             path,
             self._fingerprint(attrs),
             verified=verified,
-            coords=labels.coordinates_of(self.resolved),
-            variables=self.variables,
+            coords=self._coordinates(),
+            variables=self._written,
             attrs=self._labelled(attrs),
         )
+
+    @property
+    def _written(self) -> list[Variable]:
+        """All variables that are written block by block."""
+        return [*self.variables, *(variable for variable, _ in self.columns)]
+
+    def _coordinates(self) -> xr.Dataset:
+        return labels.coordinates_of(self.resolved, [variable.name for variable, _ in self.columns])
 
     def load(self, started: float) -> None:
         """Compile or load the kernels, and note the time since the sweep has started."""
@@ -136,14 +147,13 @@ class Evaluation:
         self, path: Path, show: Sink, attrs: Mapping[str, Any], *, overwrite: bool, restart: bool
     ) -> None:
         """Evaluate all designs into a file, or the rest of a killed run."""
-        coords = labels.coordinates_of(self.resolved)
-        options: dict[str, Any] = {"overwrite": overwrite, "restart": restart}
+        size, options = self.resolved.space.size, dict[str, Any](overwrite=overwrite, restart=restart)
         if self.part is None:
             options |= {"run": (self._fingerprint(attrs), self.job.size), "rows": self.resolved.scaling_axis}
         else:
             options |= {"run": (self._fingerprint(attrs), self.resolved.space.size)}
             options |= {"whole": whole_coordinates(self.whole, *self.range)}
-        with Writer(path, coords, self.variables, self._labelled(attrs), **options) as writer:
+        with Writer(path, self._coordinates(), self._written, self._labelled(attrs), **options) as writer:
 
             def write(start: int, stop: int, arrays: list[NDArray[Any]]) -> None:
                 for variable, array in zip(self.variables, arrays, strict=True):
@@ -151,6 +161,9 @@ class Evaluation:
                         variable.shape[: variable.leading] or variable.shape[len(self.resolved.space.shape) :]
                     )
                     writer.write(variable.name, start, array.reshape(len(array), *row))
+                for variable, column in self.columns:
+                    first, last = variable.placement(size).own(start, stop)
+                    writer.write(variable.name, first, column.piece(first, last))
 
             def record(start: int, stop: int, arrays: list[NDArray[Any]]) -> None:
                 writer.record(start, stop)

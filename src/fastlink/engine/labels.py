@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from functools import lru_cache
 from typing import TYPE_CHECKING, Any
 
@@ -11,7 +11,7 @@ import numpy as np
 from fastlink._version import __version__, version
 from fastlink.catalogue.catalogue import Catalogue, Fact, Input
 from fastlink.engine.resolve import ResolvedSweep, axis_lengths
-from fastlink.io.dataset import Variable, assemble, coordinates, marked, plain_attrs
+from fastlink.io.dataset import Variable, assemble, computed_coordinates, coordinates, marked, plain_attrs
 from fastlink.io.placement import CURVES, MAPS
 from fastlink.plan.plan import Plan
 from fastlink.plan.program import Output
@@ -23,9 +23,11 @@ if TYPE_CHECKING:
     import xarray as xr
     from numpy.typing import NDArray
 
+    from fastlink.space.column import Column
+
 __all__ = [
-    *("coordinates_of", "global_attrs", "labelled", "request_labels", "sweep_coordinates", "variables"),
-    "variables_of",
+    *("computed", "coordinates_of", "global_attrs", "labelled", "request_labels", "sweep_coordinates"),
+    *("variables", "variables_of"),
 ]
 
 
@@ -116,9 +118,17 @@ def _of_list(part: str, fact: Fact, position: Input) -> dict[str, Any]:
 
 
 def sweep_coordinates(
-    plan: Plan, space: DesignSpace, positions: NDArray[Any], *, one_branch: bool = False
+    plan: Plan,
+    space: DesignSpace,
+    positions: NDArray[Any],
+    *,
+    one_branch: bool = False,
+    left_out: Collection[str] = (),
 ) -> xr.Dataset:
-    """Return a Dataset with the coordinates of a sweep; `one_branch` as for `variables`."""
+    """Return a Dataset with the coordinates of a sweep; `one_branch` as for `variables`.
+
+    Those that are left out are written block by block, see `computed`.
+    """
     catalogue: Catalogue = plan.catalogue
     used = {axis for output in plan.outputs for axis in output.axes}
     further: dict[str, Any] = {}
@@ -133,14 +143,24 @@ def sweep_coordinates(
     position = catalogue.position
     if position.name in used:
         further[position.name] = ((position.name,), positions, _describe(position, space))
-    known = catalogue.known_inputs(plan.variants)
-    return coordinates(space, {name: _describe(known[name], space) for name in space.names}, further)
+    return coordinates(space, _described(plan, space), further, left_out)
 
 
-def coordinates_of(resolved: ResolvedSweep) -> xr.Dataset:
+def computed(plan: Plan, space: DesignSpace) -> list[tuple[Variable, Column]]:
+    """Return the coordinates of a sweep that are computed where they are looked at, with their labels."""
+    return computed_coordinates(space, _described(plan, space))
+
+
+def _described(plan: Plan, space: DesignSpace) -> dict[str, dict[str, Any]]:
+    known = plan.catalogue.known_inputs(plan.variants)
+    return {name: _describe(known[name], space) for name in space.names}
+
+
+def coordinates_of(resolved: ResolvedSweep, left_out: Collection[str] = ()) -> xr.Dataset:
     """Return a Dataset with the coordinates of a resolved sweep."""
     plan, positions = resolved.plan, resolved.positions
-    return sweep_coordinates(plan, resolved.space, positions, one_branch=resolved.one_branch)
+    ways: dict[str, Any] = {"one_branch": resolved.one_branch, "left_out": left_out}
+    return sweep_coordinates(plan, resolved.space, positions, **ways)
 
 
 def labelled(

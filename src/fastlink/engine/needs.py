@@ -14,6 +14,7 @@ from fastlink.engine.executor import BLOCK_BYTES, block_length, row_bytes
 from fastlink.errors import InputError, Remedy, Setting
 from fastlink.io.placement import MAPS
 from fastlink.memory import ALWAYS_FITS, check_memory
+from fastlink.space.column import Column
 from fastlink.space.design_space import DESIGN
 
 if TYPE_CHECKING:
@@ -49,6 +50,8 @@ class Needs:
         Results of the blocks under way, scratch of the kernels and tables of the input position, for all threads.
     labels : int
         Coordinates that the design space does not hold already.
+    columns : int
+        Coordinates that are computed where they are looked at: a file gets them block by block.
     verification : int
         The designs that are computed again, and their results.
     """
@@ -56,16 +59,17 @@ class Needs:
     values: int
     buffers: int
     labels: int
+    columns: int
     verification: int
 
     @property
     def in_memory(self) -> int:
         """All of it, for a result that stays in memory."""
-        return self.values + self.to_file
+        return self.values + self.columns + self.to_file
 
     @property
     def to_file(self) -> int:
-        """All but the results, which a file holds."""
+        """All but the results and coordinates that a file gets block by block."""
         return self.buffers + self.labels + self.verification
 
 
@@ -115,8 +119,14 @@ def needs_of(resolved: ResolvedSweep, threads: int, block: int | None = None, ve
         )  # a piece of the results at several values of the axis
         shared += sum(factor.nbytes for factor in resolved.scaling_axis.factors if factor is not None)
     sample = min(verify, space.size) * (2 * row + 8 * len(space.names))
-    numbers = 8 * space.size if DESIGN in space.dims else 0
-    return Needs(row * space.size, threads * of_block + shared, numbers + resolved.positions.nbytes, sample)
+    numbers = 8 * space.shape[space.dims.index(DESIGN)] if DESIGN in space.dims else 0
+    computed = [one for one in (*space.columns.values(), *space.labels.values()) if isinstance(one, Column)]
+    columns, of_block = 0, threads * of_block
+    if computed:  # with the numbers of the designs, and a block of each
+        columns, numbers = numbers + sum(column.nbytes for column in computed), 0
+        of_block += threads * length * (8 + sum(column.dtype.itemsize for column in computed))
+    labels = numbers + resolved.positions.nbytes
+    return Needs(row * space.size, of_block + shared, labels, columns, sample)
 
 
 def _buffer_bytes(kernel: Kernel, length: int, positions: int) -> int:

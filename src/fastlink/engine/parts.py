@@ -6,14 +6,13 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
+import xarray as xr
 
 from fastlink.engine import labels
+from fastlink.space.column import Counted, part_of
 from fastlink.space.design_space import DESIGN, DesignSpace
-from fastlink.space.values import frozen
 
 if TYPE_CHECKING:
-    import xarray as xr
-
     from fastlink.engine.resolve import ResolvedSweep
 
 __all__ = ["consecutive", "whole_coordinates"]
@@ -21,16 +20,19 @@ __all__ = ["consecutive", "whole_coordinates"]
 
 def consecutive(space: DesignSpace, start: int, stop: int) -> DesignSpace:
     """Return designs ``start`` to ``stop - 1`` of a space along the one dimension ``design``."""
-    names = [*space.axes, *space.columns]
-    rows = np.empty((len(names), stop - start))
-    space.fill(names, start, stop, rows)
-    columns = {name: frozen(row) for name, row in zip(names, rows, strict=True)}
-    number = space._axis_indices(start, stop).get(DESIGN)
-    own = {name: label if label.ndim == 0 else label[number] for name, label in space.labels.items()}
-    if DESIGN not in own or space.dims != (DESIGN,):
-        own[DESIGN] = np.arange(start, stop)
-    shape = (stop - start,)
-    return replace(space, dims=(DESIGN,), shape=shape, axes={}, columns=columns, labels=own)
+    return replace(space.consecutive(start, stop), attrs=space.attrs)
+
+
+def _along_designs(space: DesignSpace, start: int, stop: int) -> DesignSpace:
+    """Return a space that has, beside axes, no more of its dimension ``design`` than some designs are made of."""
+    if space.dims[:1] != (DESIGN,):
+        return space
+    inner = space.size // space.shape[0]
+    first, last = start // inner, -(-stop // inner)
+    columns = {name: part_of(values, 1, first, last) for name, values in space.columns.items()}
+    own = {DESIGN: Counted(0, space.shape[0])} | space.labels
+    along = {name: part_of(label, 1, first, last) if label.ndim else label for name, label in own.items()}
+    return replace(space, shape=(last - first, *space.shape[1:]), columns=columns, labels=along)
 
 
 def whole_coordinates(resolved: ResolvedSweep, start: int, stop: int) -> xr.Dataset:
@@ -39,12 +41,11 @@ def whole_coordinates(resolved: ResolvedSweep, start: int, stop: int) -> xr.Data
     These are the axes; beside axes, those along ``design`` too, for the designs of the part. The attributes are the
     dimensions of the designs and their lengths.
     """
-    space, coords = resolved.space, labels.coordinates_of(resolved)
+    space = resolved.space
     if space.dims == (DESIGN,):
-        coords = coords.drop_vars(list(coords.coords))
-    elif space.dims[:1] == (DESIGN,):
-        inner = space.size // space.shape[0]
-        coords = coords.isel({DESIGN: slice(start // inner, -(-stop // inner))})
+        coords = xr.Dataset()
+    else:
+        coords = labels.coordinates_of(replace(resolved, space=_along_designs(space, start, stop)))
     others = [name for name, one in coords.coords.items() if not {*one.dims} & {*space.dims}]
     shape = {"shape": np.array(space.shape)} if space.dims else {}
     coords = coords.drop_vars(others)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -12,11 +12,14 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from fastlink.io.placement import Placement
+from fastlink.space.column import Column, Counted
 from fastlink.space.dataset import FORMAT
 from fastlink.space.design_space import DESIGN, DesignSpace
 
 FORMAT_VERSION = 1
 
+#: Labels of coordinates along ``design`` that are no inputs.
+OF_NUMBERS, OF_LABELS = {"long_name": "number of the design"}, {"long_name": "label of the design"}
 Further = Mapping[str, tuple[tuple[str, ...], NDArray[Any], Mapping[str, Any]]]
 
 
@@ -38,6 +41,8 @@ class Variable:
         Units, long name, symbol, flags, ...
     leading : int
         How many of the first dimensions are those that each design has of its own; 0 where the swept ones are first.
+    is_coordinate : bool
+        Whether it is no result but a coordinate that is written block by block.
     """
 
     name: str
@@ -46,6 +51,7 @@ class Variable:
     dtype: np.dtype[Any]
     attrs: dict[str, Any]
     leading: int = field(default=0, repr=False)  # of which the dimensions tell
+    is_coordinate: bool = field(default=False, repr=False)
 
     def __post_init__(self) -> None:
         if len(self.dims) != len(self.shape):
@@ -61,6 +67,8 @@ class Variable:
 
     def placement(self, rows: int) -> Placement:
         """Return where so many rows of values lie, one row for each design."""
+        if self.is_coordinate and rows:
+            return Placement(rows, 1, self.dtype.itemsize, by_value=False, shared=rows // self.shape[0])
         values = math.prod(self.shape) // rows if rows else 0
         return Placement(rows, values, self.dtype.itemsize, by_value=self.leading > 0)
 
@@ -72,7 +80,10 @@ class Variable:
 
 
 def coordinates(
-    space: DesignSpace, described: Mapping[str, Mapping[str, Any]], further: Further
+    space: DesignSpace,
+    described: Mapping[str, Mapping[str, Any]],
+    further: Further,
+    left_out: Collection[str] = (),
 ) -> xr.Dataset:
     """Return a Dataset that holds the coordinates of a sweep and no data.
 
@@ -85,31 +96,49 @@ def coordinates(
         Attributes (units, long_name, symbol) of each input of the space.
     further : mapping of str to (dims, values, attrs)
         Coordinates that are not inputs, such as ``branch`` and ``theta1``.
+    left_out : collection of str
+        Coordinates along ``design`` that are written block by block, see `computed_coordinates`.
     """
     coords: dict[str, Any] = {}
     for name, axis in space.axes.items():
         labels = plain_attrs(described[name])
         # an input that is a code: as the flags of results, an integer
         coords[name] = ((name,), axis.astype(np.int32) if "flag_values" in labels else axis, labels)
-    if DESIGN in space.dims:
+    if DESIGN in space.dims and DESIGN not in left_out:
         number = space.labels.get(DESIGN, np.arange(space.shape[space.dims.index(DESIGN)]))
-        coords[DESIGN] = ((DESIGN,), np.asarray(number), {"long_name": "number of the design"})
+        coords[DESIGN] = ((DESIGN,), np.asarray(number), OF_NUMBERS)
     for name, column in space.columns.items():
-        coords[name] = ((DESIGN,), np.asarray(column), plain_attrs(described[name]))
+        if name not in left_out:
+            coords[name] = ((DESIGN,), np.asarray(column), plain_attrs(described[name]))
     for name, value in space.constants.items():
         coords[name] = ((), value, plain_attrs(described[name]))
     for name, label in space.labels.items():
-        if name != DESIGN:
-            coords[name] = (
-                (DESIGN,) if label.ndim else (),
-                np.asarray(label),
-                {"long_name": "label of the design"},
-            )
+        if name != DESIGN and name not in left_out:
+            coords[name] = ((DESIGN,) if label.ndim else (), np.asarray(label), OF_LABELS)
     for name, (dims, values, attrs) in further.items():
         if name in coords:
             raise ValueError(f"coordinate {name!r} is an input of the design space already")
         coords[name] = (dims, values, plain_attrs(attrs))
     return xr.Dataset(coords=coords, attrs=plain_attrs(space.attrs))
+
+
+def computed_coordinates(
+    space: DesignSpace, described: Mapping[str, Mapping[str, Any]]
+) -> list[tuple[Variable, Column]]:
+    """Return the coordinates along ``design`` that are computed where they are looked at, with their labels."""
+    along = {name: values for name, values in {**space.columns, **space.labels}.items() if np.ndim(values)}
+    found = {name: values for name, values in along.items() if isinstance(values, Column)}
+    if not found:
+        return []
+    count = space.shape[space.dims.index(DESIGN)]
+    if DESIGN not in along:
+        found[DESIGN] = Counted(0, count)
+    of_labels = dict.fromkeys(space.labels, OF_LABELS) | {DESIGN: OF_NUMBERS}
+    attrs = {name: of_labels.get(name) or plain_attrs(described[name]) for name in found}
+    return [
+        (Variable(name, (DESIGN,), (count,), column.dtype, attrs[name], is_coordinate=True), column)
+        for name, column in found.items()
+    ]
 
 
 def assemble(
@@ -133,7 +162,7 @@ def assemble(
     """
     data = {}
     for variable in variables:
-        check_dims(coords, variable)
+        check_dims(coords, coords.sizes, variable)
         values = arrays[variable.name].reshape(variable.shape)
         if values.dtype != variable.dtype:
             raise TypeError(f"{variable.name}: values are {values.dtype}, not {variable.dtype}")
@@ -146,15 +175,13 @@ def marked(attrs: Mapping[str, Any]) -> dict[str, Any]:
     return plain_attrs(attrs) | {FORMAT: FORMAT_VERSION}
 
 
-def check_dims(coords: xr.Dataset, variable: Variable) -> None:
-    """Refuse a variable with the name of a coordinate, or with other dimensions."""
+def check_dims(coords: xr.Dataset, sizes: Mapping[Any, int], variable: Variable) -> None:
+    """Refuse a variable with the name of a coordinate, or with other dimensions than those that have so many values."""
     if variable.name in coords.coords:
         raise ValueError(f"{variable.name}: a coordinate has that name")
     for dim, length in zip(variable.dims, variable.shape, strict=True):
-        if coords.sizes.get(dim) != length:
-            raise ValueError(
-                f"{variable.name}: {length} along {dim!r}, its coordinate {coords.sizes.get(dim)}"
-            )
+        if sizes.get(dim) != length:
+            raise ValueError(f"{variable.name}: {length} along {dim!r}, its coordinate {sizes.get(dim)}")
 
 
 def plain_attrs(attrs: Mapping[str, Any]) -> dict[str, Any]:

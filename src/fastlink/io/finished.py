@@ -59,7 +59,8 @@ def finished_map(
     verified : int
         How many designs are to be computed again at least.
     coords, variables, attrs
-        The parts of the request, as for a `Writer`, to say in what the file differs.
+        The parts of the request, as for a `Writer`, to say in what the file differs. Coordinates that are written block
+        by block are not looked at, for the attributes say what they follow from.
 
     Raises
     ------
@@ -97,14 +98,16 @@ def _difference(
     labels = {**coords.attrs, **attrs}
     if found.attrs.get("mechanism") != labels.get("mechanism"):
         return f"a map of {found.attrs.get('mechanism')}"
-    names = {variable.name for variable in variables}
+    names = {variable.name for variable in variables if not variable.is_coordinate}
+    computed = {variable.name for variable in variables if variable.is_coordinate}
     parts = ["quantities"] if names != set(map(str, found.data_vars)) else []
     dims = [(one.dims, tuple(map(str, found[one.name].dims))) for one in variables if not parts]
     parts += ["layout"] if any(a != b and sorted(a) == sorted(b) for a, b in dims) else []
     parts += [
         str(name)
         for name in dict.fromkeys([*coords.coords, *found.coords])
-        if name not in coords.coords or name not in found.coords or _differ(coords[name], found[name])
+        if name not in computed
+        and (name not in coords.coords or name not in found.coords or _differ(coords[name], found[name]))
     ]
     others = [name for name in labels if not np.array_equal(np.asarray(found.attrs.get(name)), labels[name])]
     parts += ["versions" if name == "source" else name for name in others if name not in ("threads", "title")]

@@ -29,8 +29,6 @@ from fastlink.space.values import (
 
 #: Dimensions: designs that span no grid, assembly modes, the extremes of a quantity.
 DESIGN, BRANCH, EXTREMUM = "design", "branch", "extremum"
-#: The label that holds the numbers which a table gives its designs, where several designs follow from each.
-OWN_NUMBERS = "table_design"
 MAKERS = "grid, table, sobol and latin_hypercube make design spaces"
 
 
@@ -171,7 +169,7 @@ class DesignSpace:
 
         Their inputs are computed from those of this space where they are looked at: 10^9 of 10^10 designs need no
         memory. The label ``design`` holds their numbers in the whole space, of which this one may be a part itself;
-        numbers that a table gives its designs stay.
+        numbers that a table gives its designs stay, if it is swept along no further axis.
 
         Parameters
         ----------
@@ -207,8 +205,8 @@ class DesignSpace:
                 labels[name] = label
             elif name != DESIGN:
                 labels[name] = part_of(label, rows, start, stop)
-            elif not isinstance(label, Counted):
-                labels[DESIGN if rows == 1 else OWN_NUMBERS] = part_of(label, rows, start, stop)
+            elif rows == 1 and not isinstance(label, Counted):
+                labels[name] = part_of(label, 1, start, stop)
         # of a part of another space, in the numbers of that one
         first = rows * int(self.attrs.get("design_start", 0)) + start
         last, total = first + stop - start, rows * int(self.attrs.get("design_total", self.size // rows))

@@ -6,7 +6,7 @@ import contextlib
 import os
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
 import h5py
 import numpy as np
@@ -27,6 +27,7 @@ from fastlink.io.place import SLACK
 from fastlink.io.writing.partial_file import make_sure_of_room, released, write_all
 
 PAGE_BYTES = 4096
+ALIGNED = {"alignment_threshold": PAGE_BYTES, "alignment_interval": PAGE_BYTES}
 
 
 def lay_out(
@@ -42,23 +43,36 @@ def lay_out(
     """
     make_sure_of_room(path, coords.nbytes + (0 if whole is None else whole.nbytes) + SLACK)
     labelled = coords.assign_attrs(plain_attrs(attrs))
-    labelled.to_netcdf(path, engine="h5netcdf", encoding=_unfilled(coords))
+    computed = [variable for variable in variables if variable.is_coordinate]
+    computed.sort(key=lambda variable: variable.dims != (variable.name,))  # the dimension of the others first
+    scales = [variable.name for variable in computed if variable.dims == (variable.name,)]
+    along = [name for name, coord in coords.coords.items() if set(scales) & set(coord.dims)]
+    _to_netcdf(path, labelled.drop_vars(along), "w")
+    with h5py.File(path, "r+", **ALIGNED) as file:
+        offsets = {variable.name: _create(file, coords, variable, []) for variable in computed}
+    if along:
+        _to_netcdf(path, coords[along].reset_coords()[along].drop_attrs(deep=False), "a")
     if whole is not None:
-        whole.to_netcdf(path, "a", engine="h5netcdf", group=WHOLE, encoding=_unfilled(whole))
-    with h5py.File(path, "r+", alignment_threshold=PAGE_BYTES, alignment_interval=PAGE_BYTES) as file:
+        _to_netcdf(path, whole, "a", WHOLE)
+    with h5py.File(path, "r+", **ALIGNED) as file:
         blocks = sum(block_count(variable.nbytes) for variable in variables)
         group = file.create_group(CHECKSUMS)
         about = {"algorithm": ALGORITHM, "block_bytes": BLOCK_BYTES}
         for name, value in plain_attrs(about | {"variables": " ".join(v.name for v in variables)}).items():
             group.attrs[name] = value
         sizes = {OF_VALUES: blocks, OF_REST: 1}
-        offsets = {name: _reserved(group, name.partition("/")[2], (n,), "u4")[1] for name, n in sizes.items()}
-        return offsets | {variable.name: _create(file, coords, variable) for variable in variables}
+        offsets |= {
+            name: _reserved(group, name.partition("/")[2], (n,), "u4")[1] for name, n in sizes.items()
+        }
+        results = [variable for variable in variables if not variable.is_coordinate]
+        return offsets | {variable.name: _create(file, coords, variable, computed) for variable in results}
 
 
-def _unfilled(coords: xr.Dataset) -> dict[Any, dict[str, None]]:
-    """Return the encoding without which xarray declares NaN a fill value of every coordinate."""
-    return {name: {"_FillValue": None} for name in coords.coords}
+def _to_netcdf(path: Path, coords: xr.Dataset, mode: Literal["w", "a"], group: str | None = None) -> None:
+    """Write coordinates to a file, or to one that has others."""
+    # without _FillValue: None xarray declares NaN a fill value of every coordinate
+    encoding = {name: {"_FillValue": None} for name in coords.variables}
+    coords.to_netcdf(path, mode=mode, engine="h5netcdf", group=group, encoding=encoding)
 
 
 def lay_labels_again(fresh: Path, fd: int, offsets: Mapping[str, int], variables: Sequence[Variable]) -> None:
@@ -70,20 +84,23 @@ def lay_labels_again(fresh: Path, fd: int, offsets: Mapping[str, int], variables
         os.ftruncate(fd, os.fstat(file.fileno()).st_size)
 
 
-def _create(file: Any, coords: xr.Dataset, variable: Variable) -> int:
+def _create(file: Any, coords: xr.Dataset, variable: Variable, computed: Sequence[Variable]) -> int:
     """Create one contiguous dataset with its space and labels; return its offset."""
     dataset, offset = _reserved(file, variable.name, variable.shape, variable.dtype)
+    if variable.dims == (variable.name,):
+        dataset.make_scale(variable.name)
     for axis, dim in enumerate(variable.dims):
         # unless attached, dimensions are matched by length and equal axes are swapped
-        dataset.dims[axis].attach_scale(file[dim])
+        if dim != variable.name:
+            dataset.dims[axis].attach_scale(file[dim])
+    along = {str(name): coord.dims for name, coord in coords.coords.items()}
+    along |= {one.name: one.dims for one in computed}
     auxiliary = [
-        name
-        for name, coord in coords.coords.items()
-        if name not in coords.dims and set(coord.dims) <= set(variable.dims)
+        name for name, dims in along.items() if name not in variable.dims and set(dims) <= set(variable.dims)
     ]
     for name, value in plain_attrs(variable.attrs).items():
         dataset.attrs[name] = value
-    if auxiliary:
+    if auxiliary and not variable.is_coordinate:
         dataset.attrs["coordinates"] = " ".join(str(name) for name in auxiliary)
     return offset
 
@@ -124,7 +141,8 @@ def check_readable(fd: int, path: Path, variables: Sequence[Variable], offsets: 
     with _opened(fd, path, "r") as file:
         for variable in variables:
             found = file[variable.name]
-            dims = tuple(scale[0].name.removeprefix("/") for scale in found.dims)
+            dims = tuple(scale[0].name.removeprefix("/") for scale in found.dims if len(scale))
+            dims = dims or (variable.name,) * len(found.shape)  # a dimension itself
             layout = found.shape, found.dtype, dims, found.id.get_offset()
             if layout != (variable.shape, variable.dtype, variable.dims, offsets[variable.name]):
                 raise RuntimeError(f"{variable.name} is not where it was laid out")

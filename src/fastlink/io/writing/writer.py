@@ -53,7 +53,7 @@ class Writer:
     coords : xarray.Dataset
         Coordinates and first global attributes, without data.
     variables : sequence of Variable
-        The variables to be written.
+        The variables to be written, coordinates among them.
     attrs : mapping
         Further global attributes.
     overwrite : bool, default False
@@ -82,8 +82,9 @@ class Writer:
         rows: Rows | None = None,
         whole: xr.Dataset | None = None,
     ) -> None:
+        of_coordinates = {v.name: v.shape[0] for v in variables if v.is_coordinate and v.dims == (v.name,)}
         for variable in variables:
-            check_dims(coords, variable)
+            check_dims(coords, {**coords.sizes, **of_coordinates}, variable)
         lay_out_all = partial(lay_out, coords=coords, variables=variables, attrs=attrs, whole=whole)
         self._nbytes = coords.nbytes + sum(variable.nbytes for variable in variables)
         self.path = check_target(path, self._nbytes, overwrite)
@@ -256,9 +257,11 @@ class Writer:
             return False
         self._fd, self._offsets, self._sums = found.fd, found.offsets, found.sums
         self._ranges = Ranges(found.ranges)
-        written = sum(stop - start for start, stop in found.ranges)
+        rows = [of_rows for designs in found.ranges for of_rows in self._rows.ranges(*designs)]
         for name, variable in self._variables.items():
-            self._values_written[name] = math.prod(variable.shape) // self._size * written
+            placement = variable.placement(self._size * self._rows.length)
+            nbytes = sum(count for of_rows in rows for _, count in placement.pieces(*of_rows))
+            self._values_written[name] = nbytes // variable.dtype.itemsize
         return True
 
     def _keep_or_discard(self, error: BaseException | None) -> None:
