@@ -15,6 +15,7 @@ from fastlink._version import __version__ as __version__
 from fastlink.diagnostics import accuracy as accuracy
 from fastlink.diagnostics import accuracy_table as accuracy_table
 from fastlink.diagnostics.explain import explain as explain
+from fastlink.drawing.draw import draw as draw
 from fastlink.engine.function import Function
 from fastlink.errors import InputError as InputError
 from fastlink.errors import InputWarning as InputWarning
@@ -64,6 +65,7 @@ __all__ = [
     "accuracy_table",
     "best",
     "check",
+    "draw",
     "evaluate",
     "explain",
     "finite",

@@ -169,6 +169,8 @@ LINKAGE |= {"x": "reals 1.0", "y": "reals 0.5"}
 NONE_AT_ALL = ("[]", "()", "np.array([])", "np.zeros((0, 3))")
 ONE_DESIGN = "dict(a1=0.5, a2=1.0, a3=0.75, a4=2.0, P_u=0.0, P_v=2.0)"
 
+NOTHING = ("[]", "()")
+
 DOORS: list[Door] = [
     _sweep(f"fl.grid({_of('', 'a1 a2 a3 a4 omega1')})", AXES),
     _sweep("$space", SPACE),
@@ -309,6 +311,25 @@ DOORS: list[Door] = [
             top=("count", "2", "2", "2**64", "10**30", "10**400"),
             infinite=("flag", "False"),
         ),
+        "",
+    ),
+    Door(
+        "draw",
+        "fl.draw($mechanism, a1=$a1, a2=$a2, a3=$a3, a4=$a4, theta1=$theta1, branch=$branch, links=$links, "
+        "input=$input, curves=$curves, show=$show, degrees=$degrees, to=$to, $more)",
+        MECHANISM
+        | {name: Slot("length", slot.base) for name, slot in LENGTHS.items()}
+        | _slots(
+            theta1="reals 0.75",
+            branch=("branch", "1"),
+            links=("thing", "None", "1.0", "None"),
+            input=("choice", "None", "theta1"),
+            curves=("names", "['theta4']", "theta4", *NOTHING),
+            show=("names", "['circles']", "circles", *NOTHING, "None", "''", "'circles'"),
+            degrees=("flag", "False"),
+            to=("path", "None", "a.png"),
+        )
+        | MORE,
         "",
     ),
     Door("mechanisms", "fl.mechanisms($more)", dict(MORE), ""),

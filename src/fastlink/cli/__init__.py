@@ -5,7 +5,7 @@ Everything heavy is imported inside the commands, so that help comes at once.
 
 from __future__ import annotations
 
-from fastlink.cli import maps, mechanisms, studies
+from fastlink.cli import drawing, maps, mechanisms, studies
 from fastlink.cli.app import app
 
 __all__ = ["app", "main"]
@@ -15,6 +15,7 @@ for function in (
     mechanisms.mechanisms,
     mechanisms.new,
     mechanisms.quantities,
+    drawing.draw,
     studies.explain,
     studies.run,
     maps.info,

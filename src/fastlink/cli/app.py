@@ -7,7 +7,7 @@ import functools
 import signal
 import threading
 import warnings
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from pathlib import Path
 from typing import Annotated, Any, TypeVar, get_type_hints
 
@@ -16,7 +16,7 @@ import typer.core
 
 from fastlink.errors import InputError, InputWarning, KeyPath, Piece, Setting, Wording, suggest
 
-__all__ = ["MapFile", "MechanismName", "Overwrite", "StudyFile", "app", "command"]
+__all__ = ["MapFile", "MechanismName", "Overwrite", "StudyFile", "app", "command", "numbers_by_name"]
 
 BAD_INPUT, INTERRUPTED, TERMINATED = 2, 130, 143
 C = TypeVar("C", bound=Callable[..., Any])
@@ -37,7 +37,8 @@ ELSEWHERE = {
     "info": ("describe", "head", "open", "print", "show", "summary"),
     "mechanisms": ("list", "ls"),
     "new": ("init", "template"),
-    "plot": ("draw", "picture", "plot_map"),
+    "draw": ("animate", "linkage", "sketch"),
+    "plot": ("map", "picture", "plot_map"),
     "run": ("compute", "evaluate", "run_study", "sweep"),
 }
 
@@ -99,7 +100,7 @@ class _Options(Wording):
             return option
         values = piece.value.items() if isinstance(piece.value, dict) else None
         texts = [str(piece.value)] if values is None else [f"{key}={value}" for key, value in values]
-        return " ".join([option, *texts])
+        return " ".join([option, *texts] if option.startswith("-") else texts)
 
 
 @contextlib.contextmanager
@@ -141,6 +142,36 @@ def command(function: C) -> C:
             raise typer.Exit(TERMINATED if terminated else INTERRUPTED) from None
 
     return guarded  # type: ignore[return-value]
+
+
+def numbers_by_name(texts: Iterable[str], where: str, form: str, example: dict[str, float]) -> dict[str, Any]:
+    """Return the numbers that an option gives as ``NAME=VALUE``, a list where it gives several.
+
+    Examples
+    --------
+    >>> numbers_by_name(["a1=0.4", "theta1_deg=0,60"], "at", "DIM=VALUE", {"a4": 1.0})
+    {'a1': 0.4, 'theta1_deg': [0.0, 60.0]}
+    """
+    given: dict[str, Any] = {}
+    for text in texts:
+        name, equals, value = (part.strip() for part in text.partition("="))
+        numbers = [_number(one) for one in value.split(",")]
+        if not (equals and name) or None in numbers:
+            remedy = ("write such as ", Setting(where, example))
+            raise InputError(f"{text!r} is not {form}", where=(where,), remedy=remedy)
+        if name in given:
+            raise InputError(f"{name} is given twice", where=(where,), remedy="write it once")
+        several = [one for one in numbers if one is not None]
+        given[name] = several if len(several) > 1 else several[0]
+    return given
+
+
+def _number(text: str) -> float | None:
+    try:
+        number = float(text)
+    except ValueError:
+        return None
+    return None if number != number else number
 
 
 class _Terminated(KeyboardInterrupt):

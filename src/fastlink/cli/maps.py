@@ -7,7 +7,7 @@ from typing import Annotated, Any
 
 import typer
 
-from fastlink.cli.app import MapFile, command
+from fastlink.cli.app import MapFile, command, numbers_by_name
 from fastlink.errors import InputError, Setting
 
 __all__ = ["best", "check", "info", "plot"]
@@ -131,26 +131,7 @@ def plot(
     """Draw a variable of a map."""
     from fastlink.plot.plot_map import plot_map
 
-    fixed = _fixed(at or [])
+    fixed = numbers_by_name(at or [], "at", "DIM=VALUE", {"a4": 1.0})
     picture = to if to is not None else Path(f"{name}.png")
     plot_map(file, name, branch=branch, at=fixed, degrees=degrees, to=picture)
     typer.echo(str(picture))
-
-
-def _fixed(texts: list[str]) -> dict[str, float]:
-    """Return the dimensions and values of ``--at DIM=VALUE``."""
-    fixed: dict[str, float] = {}
-    for text in texts:
-        dim, equals, number = text.partition("=")
-        try:
-            value = float(number)
-        except ValueError:
-            value = float("nan")
-        dim = dim.strip()
-        if not (equals and dim) or value != value:
-            remedy = ("write such as ", Setting("at", {"a4": 1.0}))
-            raise InputError(f"{text!r} is not DIM=VALUE", where=("at",), remedy=remedy)
-        if dim in fixed:
-            raise InputError(f"{dim} is fixed twice", where=("at",), remedy="write it once")
-        fixed[dim] = value
-    return fixed

@@ -37,7 +37,7 @@ from fastlink.space.design_space import BRANCH
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["draw", "style"]
+__all__ = ["LINES", "cut", "draw", "style"]
 
 MOST_NAMES = 24  # along one side
 QUARTERS = (r"$0$", r"$\pi/2$", r"$\pi$", r"$3\pi/2$", r"$2\pi$")
@@ -257,7 +257,7 @@ def _draw_lines(figure: Any, shown: Selection) -> None:
     if dim == "design" or dim in shown.names:
         marks = {"marker": ".", "linestyle": "none"}
     for (title, panel), colour in zip(panels, LINES, strict=False):
-        cut_x, values = _cut(x, drawable(panel.values.astype(float)), variable.attrs.get("units"))
+        cut_x, values = cut(x, drawable(panel.values.astype(float)), variable.attrs.get("units"))
         axis.plot(cut_x, values, color=colour, label=title, linewidth=1.6, **marks)
     every = np.array([panel.values.astype(float) for _, panel in panels])
     _shade(axis, x, np.isnan(every).all(axis=0), ABSENT, "does not assemble")
@@ -296,7 +296,7 @@ def _scale_along(axis: Any, shown: Selection) -> None:
         axis.set_xlim(x[0], x[-1])
 
 
-def _cut(x: Any, values: Any, units: Any) -> tuple[Any, Any]:
+def cut(x: Any, values: Any, units: Any) -> tuple[Any, Any]:
     """Return a curve, cut where an angle passes from half a turn to minus half a turn."""
     half = half_turn(units)
     if half is None:

@@ -12,7 +12,7 @@ from fastlink._text import short_number
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["constants_of", "label_of", "mathematical", "plain", "title_of"]
+__all__ = ["constants_of", "label_of", "mathematical", "plain", "title_of", "units_text"]
 
 GREEK = re.compile(
     "alpha|beta|gamma|delta|epsilon|zeta|eta|theta|kappa|lambda|mu|nu|xi|rho|sigma|tau|phi|chi|psi|omega"
@@ -48,7 +48,8 @@ def mathematical(symbol: str) -> str:
     return " ".join(words)
 
 
-def _units(units: str) -> str:
+def units_text(units: str) -> str:
+    """Return units as matplotlib sets them, with raised exponents."""
     return re.sub(r"([A-Za-z]+)(-?\d+)", r"\1$^{\2}$", plain(units))
 
 
@@ -60,14 +61,14 @@ def label_of(array: xr.DataArray, name: bool = True) -> str:
         parts.append(mathematical(str(attrs["symbol"])))
     units = str(attrs.get("units", "1"))
     if units != "1":
-        parts.append(f"[{_units(units)}]")
+        parts.append(f"[{units_text(units)}]")
     return " ".join(parts) or plain(array.name)
 
 
 def _valued(array: xr.DataArray, value: object) -> str:
     symbol = mathematical(str(array.attrs.get("symbol", array.name)))
     units = str(array.attrs.get("units", "1"))
-    return f"{symbol} = {plain(short_number(value))}{'' if units == '1' else f' {_units(units)}'}"
+    return f"{symbol} = {plain(short_number(value))}{'' if units == '1' else f' {units_text(units)}'}"
 
 
 def title_of(dataset: xr.Dataset, variable: xr.DataArray, fixed: Mapping[str, object]) -> str:

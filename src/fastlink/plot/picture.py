@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -27,21 +28,34 @@ def require_matplotlib(where: str) -> None:
         raise InputError("matplotlib is not installed", where=(where,), remedy=INSTALL) from None
 
 
-def check_picture(to: str | Path, where: str) -> Path:
+def check_picture(
+    to: str | Path, where: str, *, kinds: Sequence[str] = KINDS, example: str = "map.png"
+) -> Path:
     """Return the path of a picture to write; to be called before anything is drawn.
+
+    Parameters
+    ----------
+    to : str or path
+        The path.
+    where : str
+        The option that gives it.
+    kinds : sequence of str
+        The endings that it may have.
+    example : str
+        A name to write instead.
 
     Raises
     ------
     InputError
         Matplotlib is missing, the name ends in no kind of picture, or no file can be written there.
     """
-    path = check_path((where,), to, "map.png")
+    path = check_path((where,), to, example)
     kind = path.suffix.removeprefix(".")
-    if kind.lower() not in KINDS:
+    if kind.lower() not in kinds:
         ending = f"ends in {kind!r}" if kind else "has no ending"
-        remedy = f"write one of {', '.join(KINDS)}"
+        remedy = f"write one of {', '.join(kinds)}"
         raise InputError(f"{path}: the name of the picture {ending}", where=(where,), remedy=remedy)
-    check_place(path, where, "map.png")
+    check_place(path, where, example)
     require_matplotlib(where)
     return path
 

@@ -1,0 +1,91 @@
+"""The command on pictures of mechanisms: draw."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+
+from fastlink.cli.app import command, numbers_by_name
+
+__all__ = ["draw"]
+
+EXAMPLE = {"a1": 0.4}
+
+
+@command
+def draw(
+    mechanism: Annotated[
+        str,
+        typer.Argument(
+            metavar="MECHANISM|STUDY.toml|FILE", help="Such as planar_4r; a study; a map.", show_default=False
+        ),
+    ],
+    inputs: Annotated[
+        list[str] | None,
+        typer.Argument(
+            metavar="NAME=VALUE",
+            help="Inputs, and the input position, such as theta1_deg=60; theta1_deg=0,60,120 for three side by side.",
+            show_default=False,
+        ),
+    ] = None,
+    design: Annotated[
+        int | None, typer.Option("--design", metavar="N", help="The design of a study or a map, from 0.")
+    ] = None,
+    at: Annotated[
+        list[str] | None,
+        typer.Option("--at", metavar="DIM=VALUE", help="The design at the nearest value; may be repeated."),
+    ] = None,
+    branch: Annotated[
+        int | None, typer.Option("--branch", metavar="B", help="One assembly mode; all if left out.")
+    ] = None,
+    input: Annotated[
+        str | None, typer.Option("--input", metavar="INPUT", help="The driven input, such as sigma.")
+    ] = None,
+    *,
+    strip: Annotated[
+        int | None, typer.Option("--strip", metavar="N", help="N positions over the motion, side by side.")
+    ] = None,
+    curves: Annotated[
+        list[str] | None,
+        typer.Option("--curves", metavar="NAME", help="A quantity over the input, beside; may be repeated."),
+    ] = None,
+    show: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--show",
+            metavar="WORD",
+            help="Instead of the usual: path, circles, comb, forces, all; may be repeated.",
+        ),
+    ] = None,
+    degrees: Annotated[bool, typer.Option("--degrees", help="Show angles in degrees.")] = False,
+    to: Annotated[
+        Path | None,
+        typer.Option("--to", metavar="PICTURE", help="png, svg or pdf by its ending; NAME.png if left out."),
+    ] = None,
+) -> None:
+    """Draw a mechanism as it stands at an input position, to scale.
+
+    For instance: fastlink draw planar_4r a1=0.4 a2=1.1 a3=0.8 a4=1.0 theta1_deg=60
+    """
+    from fastlink.drawing.draw import draw as draw_mechanism
+
+    given: dict[str, Any] = numbers_by_name(inputs or [], "inputs", "NAME=VALUE", EXAMPLE)
+    fixed = numbers_by_name(at or [], "at", "DIM=VALUE", EXAMPLE) if at else None
+    picture = to if to is not None else Path(f"{Path(mechanism).stem}.png")
+    own: dict[str, Any] = {"at": fixed, "branch": branch, "input": input, "strip": strip, "show": show}
+    own |= {"curves": curves or (), "degrees": degrees, "to": picture, "links": _links(given)}
+    draw_mechanism(mechanism, design, **own, **given)
+    typer.echo(str(picture))
+
+
+def _links(given: dict[str, Any]) -> Any:
+    """Take the numbers of a model of the links out of what is given, and return it; None without any."""
+    from fastlink.space.links import MODELS, Links
+
+    for model, names in MODELS.items():
+        values = {name: given.pop(name) for name in names if name in given}
+        if values:
+            return Links(model, values)
+    return None
