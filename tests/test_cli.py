@@ -329,7 +329,7 @@ def test_best_refuses(folder, arguments, key, remedy):
         (["--at", "a3"], "--at: 'a3' is not DIM=VALUE; write such as --at a4=1.0"),
         (["--at", "a3=x"], "--at: 'a3=x' is not DIM=VALUE; write such as --at a4=1.0"),
         (["--at", "=1"], "--at: '=1' is not DIM=VALUE; write such as --at a4=1.0"),
-        (["--at", "a3=1", "--at", "a3=1"], "--at: a3 is fixed twice; write it once"),
+        (["--at", "a3=1", "--at", "a3=1"], "--at: a3 is given twice; write it once"),
         (["--branch", "3"], "--branch is 3; write one of 1, 2"),
         (
             ["--at", "a1=0.4"],
