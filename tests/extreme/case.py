@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any
@@ -14,7 +14,7 @@ from fastlink.catalogue.catalogue import Catalogue
 from fastlink.numerics.compensated import UNIT_ROUNDING
 from tests.extreme.exact import CONTEXT, TINY, Configuration, Size
 
-__all__ = ["MULTIPLE", "Case", "Mechanism", "Outcome", "evaluated", "outcomes"]
+__all__ = ["MULTIPLE", "Case", "Mechanism", "Outcome", "evaluated", "outcomes", "unknown"]
 
 #: Roundings that the chains of operations may add up to, as in test_precision.py.
 MULTIPLE = 8
@@ -162,6 +162,13 @@ def outcomes(mechanism: Mechanism, case: Case, branch: int, found: Mapping[str, 
     return result | {
         name: _code(found[name], exact.values[name], missing and catalogue.varies(name)) for name in codes
     }
+
+
+def unknown(mechanism: Mechanism, case: Case, branch: int, names: Iterable[str]) -> set[str]:
+    """Return the quantities whose error bound is infinite: it says that no digit of them is known."""
+    asked = [f"{name}_error" for name in names if not mechanism.catalogue.public_fact(name).flags]
+    found = fl.evaluate(mechanism.catalogue.name, asked, branch=branch, **case.inputs) if asked else {}
+    return {name.removesuffix("_error") for name, bound in found.items() if np.isinf(bound)}
 
 
 def _code(found: float, exact: Any, missing: bool) -> Outcome:

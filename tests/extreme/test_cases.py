@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import fastlink as fl
-from tests.extreme.case import evaluated, outcomes
+from tests.extreme.case import evaluated, outcomes, unknown
 from tests.extreme.mechanisms import MECHANISMS
 from tests.extreme.planar import PLANAR_4R
 
@@ -28,7 +28,7 @@ def test_what_comes_out(name, family, full):
             assert case.status in (None, flags[int(values["status"])]), case.name
             result = outcomes(mechanism, case, branch, values)
             wrong = {quantity: outcome for quantity, outcome in result.items() if not outcome.right}
-            assert not wrong, (case.name, branch)
+            assert wrong.keys() - unknown(mechanism, case, branch, wrong) == set(), (case.name, branch, wrong)
             seen.update(outcome.what for outcome in result.values())
     assert "value" in seen
     assert "underflow" not in seen

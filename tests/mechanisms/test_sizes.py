@@ -12,6 +12,7 @@ import pytest
 from tests.support.precision import in_every_mode, plain
 from tests.support.registry import ENTRIES
 
+import fastlink as fl
 from fastlink.catalogue.sizes import FAR, UNDERFLOW, dimensions, is_ordinary
 from fastlink.errors import InputError
 
@@ -170,3 +171,30 @@ def test_units_change_no_bit_of_derivatives_and_error_bounds(entry):
 def test_many_units_change_no_bit(entry):
     assert compared(entry, entry.names, 200, MANY_UNITS) > 2000 * len(entry.names)
     assert bounds_compared(entry, 1, 40, MANY_UNITS) > 2000
+
+
+def of_inertias(size, mass):
+    """Return extremes of a crank of links with moments of inertia of 1 kg m2, and their bounds."""
+    lengths = {
+        name: value * size
+        for name, value in zip(("a1", "a2", "a3", "a4"), (0.5, 1.5, 1.0, 1.25), strict=True)
+    }
+    bars = {f"{name}{bar}": value for bar in (1, 2, 3) for name, value in (("m", mass), ("I", 1.0))}
+    centres = {f"G{bar}_{axis}": 0.0 for bar in (1, 2, 3) for axis in "uv"}
+    names = ["F41_max", "F41_max_error", "F41_extrema", "F41_extrema_error", "P_x_max", "P_x_max_error"]
+    space = fl.grid(**lengths, **bars, **centres, omega1=1.0, P_u=[size, 2.0**300 * size], P_v=0.0)
+    return fl.sweep("planar_4r", space, names, branch=1, progress=False)
+
+
+def test_extremes_of_forces_are_found_however_great_inertias_are():
+    """Squares of such forces overflow. Of masses 2^-860 of the inertias nothing is left in them."""
+    far, near = of_inertias(2.0**-430, 1.0), of_inertias(1.0, 0.0)
+    for name in ("F41_max", "F41_extrema"):
+        error = f"{name}_error"
+        same, off = np.ldexp(near[name], 430), far[error] + np.ldexp(near[error], 430)
+        np.testing.assert_array_equal(np.isnan(far[name]), np.isnan(same))
+        assert (np.isnan(off) | (abs(far[name] - same) <= off)).all()
+    assert np.isfinite(near["F41_max_error"][0])
+    # a point that is farther out than squares of doubles reach has extremes without bounds
+    np.testing.assert_array_equal(np.isinf(far["P_x_max_error"]), [False, True])
+    np.testing.assert_array_equal(np.isinf(near["P_x_max_error"]), [False, True])

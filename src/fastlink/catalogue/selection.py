@@ -51,7 +51,22 @@ class Selection:
         known = self.catalogue
         inputs = known.known_inputs(self.variants)
         fractions = known.graded.coordinates[:2] if known.graded is not None else ()
-        return ErrorBounds(self.find, inputs, known.branches, known.tables, known.table_low_parts, fractions)
+        return ErrorBounds(
+            self.find,
+            inputs,
+            known.branches,
+            known.tables,
+            known.table_low_parts,
+            fractions,
+            is_quantity=known.is_quantity,
+            angle_of=self._angle_of,
+        )
+
+    def _angle_of(self, name: str) -> str | None:
+        """Return the input position if a name changes with it and it is an angle, a number of no length."""
+        known = self.catalogue
+        is_angle = known.position.units in ("rad", "1")
+        return known.position.name if is_angle and known.varies(name) else None
 
     def _declared(self, name: str, by: str) -> Fact | None:
         """Return the declared derivative of a name, None if there is none."""

@@ -49,6 +49,9 @@ ORDINARY = 80
 LEAST, MOST = math.ldexp(1.0, -ORDINARY), math.ldexp(1.0, ORDINARY)
 #: In its own units, a design has no greater number.
 GREATEST = 960
+#: The search of extremes takes squares of slopes: beyond, of lengths that count as squares themselves (those of mass
+#: centres) beyond half of it, they overflow or underflow.
+SEARCHED = 480
 #: Beyond this power of two, results may leave the normal numbers when they are taken back.
 FAR = 900
 #: Two units in the last place of what is below 2^-1022: that of the value, and that of its bound.
@@ -109,11 +112,14 @@ class DesignSizes:
         Where no units bring all inputs near 1: those designs are evaluated as they are, and no bound holds.
     stays : bool array
         Where lengths are far from 1 and stay, as positions do: no bound of a derivative holds.
+    unsearched : bool array
+        Where the search of extremes may overflow: no bound of theirs holds.
     """
 
     exponents: tuple[NDArray[Any], NDArray[Any], NDArray[Any]]
     apart: NDArray[Any]
     stays: NDArray[Any]
+    unsearched: NDArray[Any]
 
     def power(self, of: Dimensions) -> Any:
         """Return the power of two by which numbers of these dimensions are greater than in the units of the design."""
@@ -133,6 +139,7 @@ class DesignSizes:
         with np.errstate(over="ignore", under="ignore"):
             value = np.ldexp(value, power[further]) if sized.dimensions != NONE else value
         lost = self.apart | self.stays if sized.is_slope else self.apart
+        lost = lost | self.unsearched if sized.is_extreme else lost
         if sized.is_bound:
             value = np.where((power < -FAR)[further], value + UNDERFLOW, value)
             return np.where(lost[further] & ~np.isnan(value), np.inf, value)
@@ -146,7 +153,8 @@ class DesignSizes:
 class Sized:
     """Units of a result: the powers in it, or those of the value whose trust it is.
 
-    `is_slope` tells that this value, or that of which it is a bound, is a derivative.
+    `is_slope` tells that this value, or that of which it is a bound, is a derivative; `is_extreme` that it is the bound
+    of an extreme.
     """
 
     dimensions: Dimensions
@@ -154,6 +162,7 @@ class Sized:
     is_trust: bool = False
     is_slope: bool = False
     of_value: Dimensions = NONE
+    is_extreme: bool = False
 
 
 #: What has no units.
@@ -198,16 +207,17 @@ def sizes_of(catalogue: Catalogue, inputs: Mapping[str, Any]) -> DesignSizes | N
     length = np.int64(0) if fixed else far
     exponents = [np.broadcast_to(one, shapes) for one in (mass, length, -rate)]
     apart, stays = np.zeros(shapes, dtype=bool), np.broadcast_to((far != 0) & fixed, shapes)
-    sizes = DesignSizes((exponents[0], exponents[1], exponents[2]), apart, stays)
+    sizes = DesignSizes((exponents[0], exponents[1], exponents[2]), apart, stays, np.zeros_like(apart))
     for name, value in values.items():
-        power = -sizes.power(of[name])
+        power, most = -sizes.power(of[name]), SEARCHED // 2 if of[name] == LENGTH else SEARCHED
         with np.errstate(over="ignore", under="ignore"):
             there = np.ldexp(value, power)
-            apart |= np.isfinite(value) & (
-                (np.ldexp(there, -power) != value) | ((_exponent(there) > GREATEST) & (power > 0))
-            )
+            exponent, exact = _exponent(there), np.ldexp(there, -power) == value
+        apart |= np.isfinite(value) & (~exact | ((exponent > GREATEST) & (power > 0)))
+        small = (exponent < -SEARCHED) & (value != 0.0) if of[name][0] != 0 else False
+        sizes.unsearched[...] |= (exponent > most) | small
     whole = [np.where(apart, 0, one) for one in exponents]
-    return DesignSizes((whole[0], whole[1], whole[2]), apart, stays)
+    return DesignSizes((whole[0], whole[1], whole[2]), apart, stays, sizes.unsearched)
 
 
 def natural_size(catalogue: Catalogue, inputs: Mapping[str, Any], units: str) -> float:
@@ -243,7 +253,9 @@ def _sizes(
     of_masses = _greatest(_exponent(values[n]) for n in of if of[n] == MASS)
     others = [n for n in of if of[n][0] == 1 and of[n] != MASS]
     of_others = _greatest(_exponent(values[n]) - (of[n][1] * length - of[n][2] * rate) for n in others)
-    return settled(np.where(of_masses > _NOTHING // 2, of_masses, of_others)), far, rate
+    # moments of inertia far beyond those of the masses are near 2^SEARCHED
+    of_masses = np.where(of_masses > _NOTHING // 2, np.maximum(of_masses, of_others - SEARCHED), of_others)
+    return settled(of_masses), far, rate
 
 
 #: The exponent of what has no size.

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 from typing import TYPE_CHECKING, Any
 
@@ -141,4 +141,4 @@ def _sized(catalogue: Catalogue, output: Output) -> Sized:
     units = catalogue.public_fact(request.quantity).units
     if request.reduction is not None:
         units = request.reduction.units_of(units)
-    return sized(catalogue, request.bounded, units)
+    return replace(sized(catalogue, request.bounded, units), is_extreme=request.is_error)

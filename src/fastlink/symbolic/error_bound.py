@@ -18,6 +18,7 @@ from fastlink.numerics.compensated import UNIT_ROUNDING
 from fastlink.numerics.elementary import INFINITY, select
 from fastlink.symbolic.bound import Bound, Lost
 from fastlink.symbolic.derivative import in_a_sentence
+from fastlink.symbolic.error_laws import of_small_angle
 from fastlink.symbolic.error_propagation import Rules, bounded_parts
 from fastlink.symbolic.expression import Node, is_power_of_two
 from fastlink.symbolic.generate import generate_function
@@ -83,6 +84,10 @@ class ErrorBounds:
         The tables of the input position, and the table of which each low part is one.
     fractions : sequence of str
         The coordinates in the graded range that kernels compute from an exact position there.
+    is_quantity : callable
+        Tells whether users may request a name: its bound is never NaN where the value is a number.
+    angle_of : callable
+        Returns the input position if that is an angle with which a name changes, else None.
     """
 
     def __init__(
@@ -93,7 +98,11 @@ class ErrorBounds:
         tables: Mapping[str, Fact],
         low_parts: Mapping[str, str],
         fractions: Sequence[str] = (),
+        *,
+        is_quantity: Callable[[str], bool],
+        angle_of: Callable[[str], str | None],
     ) -> None:
+        self.is_quantity, self.angle_of = is_quantity, angle_of
         self.find, self.inputs, self.branches = find, inputs, branches
         self.tables, self.low_parts, self.fractions = tables, low_parts, fractions
         self.rules = Rules(self.named)
@@ -139,10 +148,13 @@ class ErrorBounds:
         bound = self.rules.bound(value)
         if not self._pair(name, bound):
             bound = self.rules.settled(value, bound)
-        if bound.gap:
+        if bound.gap or (bound.rest is not self.graph.zero and self.is_quantity(name)):
             error = self._or_infinite(value, self.rules.error(value, bound))
         else:  # at least a trace of the value: where it is not finite, so is its error
             error = self.rules.error(value, replace(bound, relative=max(bound.relative, UNIT_ROUNDING)))
+        angle = self.angle_of(name) if self.is_quantity(name) else None
+        if angle is not None:
+            error = self.graph.read(of_small_angle, [self.graph.name(angle), error])
         return error, {} if value.kind in ("name", "number", "neg") else {value: name}
 
     def _or_infinite(self, value: Node, error: Node) -> Node:

@@ -18,8 +18,11 @@ __all__ = [
     "of_root",
     "of_root_or_none",
     "of_root_or_zero",
+    "of_small_angle",
 ]
 
+#: Powers of smaller input angles, but 0, underflow on the way.
+SMALL_ANGLE = 2.0**-200
 #: The double next above pi.
 HALF_TURN = 3.1415926535897936
 
@@ -69,3 +72,9 @@ def of_direction(y: Any, x: Any, e_y: Any, e_x: Any) -> Any:
 def of_logarithm(x: Any, e: Any) -> Any:
     """Return the effect of an error of x on its logarithm: infinite if x may be zero."""
     return e / select(e < x, x - e, 0.0)
+
+
+def of_small_angle(angle: Any, e: Any) -> Any:
+    """Return an error, infinite where powers of the input angle underflow."""
+    size = abs(angle)
+    return select((size < SMALL_ANGLE) & (size > 0.0), INFINITY, e)
