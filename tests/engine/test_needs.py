@@ -53,10 +53,13 @@ def test_positions_and_verified_designs_beyond_memory_are_refused_with_a_file_to
     assert list(tmp_path.iterdir()) == []
 
 
-def test_samples_beyond_memory_are_refused(small_machine):
+def test_samples_need_no_memory_until_they_are_looked_at(small_machine):
     for sample in (fl.sobol, fl.latin_hypercube):
-        with refused("sample of that size", "ask for fewer designs"):
-            sample(2**30, a1=(0.1, 0.4))
+        space = sample(2**30, a1=(0.1, 0.4), a2=1.2, a3=0.8, a4=1.0)
+        with refused("an array of 1,073,741,824 values", "read a part of it"):
+            np.asarray(space.columns["a1"])
+        with refused("the result", "to='maps.h5'"):
+            fl.sweep("planar_4r", space, ["swing"])
 
 
 def test_a_function_of_too_many_designs_is_refused(small_machine):

@@ -170,7 +170,8 @@ def plain_of(result: Any) -> Any:
     if isinstance(result, xr.DataArray):
         return result.dims, result.values
     if isinstance(result, DesignSpace):
-        return {name: getattr(result, name) for name in ("dims", "shape", "constants", "axes", "columns")}
+        plain = {name: getattr(result, name) for name in ("dims", "shape", "constants", "axes")}
+        return plain | {"columns": {name: np.asarray(values) for name, values in result.columns.items()}}
     if isinstance(result, Function):
         sample = np.linspace(0.7, 1.3, 3)[None].repeat(len(result.inputs), axis=0)
         return result.inputs, result.outputs, result(sample)

@@ -20,6 +20,7 @@ from tests.support.refusals import refused
 from fastlink.space import design_space as space
 from fastlink.space import samplers as design
 from fastlink.space.samplers import grid, latin_hypercube, sobol
+from fastlink.space.sequences import Slices
 
 table = importlib.import_module("fastlink.space.table")  # `fastlink.table` is the function
 
@@ -216,7 +217,10 @@ def test_a_sample_is_repeated_by_its_seed_and_says_where_it_comes_from(sample):
     assert designs.attrs["design_n"] == 20
     assert designs.attrs["design_seed"] == 5
     assert designs.attrs["design_ranges"] == "a1=(0.2, 0.4)"
-    assert "." in designs.attrs["design_scipy"]
+    assert (
+        designs.attrs.keys() >= {"design_bits", "design_scipy"}
+        or "permutation" in designs.attrs["design_method"]
+    )
 
 
 def test_a_sample_fills_a_range():
@@ -228,17 +232,18 @@ def test_a_sample_fills_a_range():
 def test_a_range_is_not_left_by_rounding():
     assert -0.1 + 1.0 * (0.2 - -0.1) > 0.2
 
-    def corner(n, dimensions, seed):
-        yield np.ones((n, dimensions))
+    class Corner(Slices):
+        def unit(self, start, stop, out):
+            out[:] = 1.0
 
-    assert_array_equal(design._sample("sobol", 1, 0, {"a1": (-0.1, 0.2)}, corner).columns["a1"], 0.2)
+    assert_array_equal(Corner(3, (-0.1, 0.2), 0, 0), 0.2)
 
 
 SAMPLE_ERRORS = {
-    "no designs": ({"n": 0}, "n", "an integer from 1 to 1073741824"),
-    "too many": ({"n": 2**30 + 1}, "n", "an integer from 1 to 1073741824"),
-    "fraction": ({"n": 8.0}, "n", "an integer from 1 to 1073741824"),
-    "truth": ({"n": True}, "n", "an integer from 1 to 1073741824"),
+    "no designs": ({"n": 0}, "n", "an integer from 1 to 1125899906842624"),
+    "too many": ({"n": 2**50 + 1}, "n", "an integer from 1 to 1125899906842624"),
+    "fraction": ({"n": 8.0}, "n", "an integer from 1 to 1125899906842624"),
+    "truth": ({"n": True}, "n", "an integer from 1 to 1125899906842624"),
     "no seed": ({"seed": None}, "seed", "an integer from 0 to"),
     "negative seed": ({"seed": -1}, "seed", "an integer from 0 to"),
     "three": ({"a1": (1, 2, 3)}, "a1", "(lo, hi), or a number for a constant"),

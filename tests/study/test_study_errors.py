@@ -169,7 +169,7 @@ def test_bad_input(folder, old, new, key, remedy):
         (
             "[design]\nsobol = {n = 0, a1 = [1, 2]}\n",
             "design.sobol.n",
-            "write an integer from 1 to 1073741824",
+            "write an integer from 1 to 1125899906842624",
         ),
         ("[design]\nsobol = {a1 = [1, 2]}\n", "design.sobol.n", "write n = 1024, the number of designs"),
         ("[design]\nsobol = {n = 4}\n", "design.sobol", "write [lo, hi] for at least one, or use a grid"),

@@ -14,7 +14,7 @@ from fastlink._text import short_repr
 from fastlink.doors import door
 from fastlink.errors import InputError, Problem, suggest
 from fastlink.options import check_whole
-from fastlink.space.column import Counted, part_of, read_into
+from fastlink.space.column import Column, Counted, part_of, read_into
 from fastlink.space.values import (
     Floats,
     axis_of,
@@ -295,14 +295,16 @@ DesignSpace.__init__ = door(hint=MAKERS, name="DesignSpace")(DesignSpace.__init_
 def sampled(
     kind: str,
     constants: dict[str, float],
-    columns: dict[str, Floats],
+    columns: Mapping[str, Floats | Column],
     attrs: dict[str, str | int],
     **further: Any,
 ) -> DesignSpace:
     """Return the space of the columns of a table or a sample, which become read-only."""
     count = len(next(iter(columns.values())))
-    columns = {name: frozen(values) for name, values in columns.items()}
-    return DesignSpace(kind, (DESIGN,), (count,), constants, columns=columns, attrs=attrs, **further)
+    for values in columns.values():
+        if not isinstance(values, Column):
+            frozen(values)
+    return DesignSpace(kind, (DESIGN,), (count,), constants, columns=dict(columns), attrs=attrs, **further)
 
 
 def flat(space: DesignSpace) -> DesignSpace:

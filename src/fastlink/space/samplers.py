@@ -3,29 +3,26 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Mapping
 from typing import Any
 
-import numpy as np
 from numpy.typing import ArrayLike
 
 from fastlink._text import counted, short_repr
 from fastlink.doors import door
 from fastlink.errors import InputError, Pair, Problems
-from fastlink.memory import check_memory
 from fastlink.options import MOST_SEED, check_whole
+from fastlink.space.column import Column
 from fastlink.space.design_space import DesignSpace, sampled
+from fastlink.space.sequences import ROUNDS, slices_axes, sobol_axes, sobol_bits
 from fastlink.space.table import table
 from fastlink.space.values import Floats, axis_of, check_input_name, constant, numbers_of, units_of
 
 __all__ = ["DesignSpace", "grid", "latin_hypercube", "sobol", "table"]
 
 MOST_DESIGNS = 2**62  # flat design numbers are int64
-MOST_SAMPLES = 2**30  # scipy's Sobol points have 30 bits
-SOBOL_CHUNK = 2**16
-#: How often a sample is held in memory at most while it is made, by scipy and here (measured 1.2 and 4.0).
-COPIES = {"sobol": 2, "latin_hypercube": 5}
-FEWER = "ask for fewer designs"
+#: A double tells no more designs of a sample apart, each in its slice of a range.
+MOST_SAMPLES = 2**50
 #: How an input is given that is called like a parameter.
 OF_THAT_NAME = "an input called n is given in a mapping, such as {'n': (1.0, 2.0)}"
 
@@ -96,11 +93,13 @@ def sobol(
 ) -> DesignSpace:
     """Sample inputs by a scrambled Sobol sequence, along the dimension ``design``.
 
+    Each design is computed from its number where it is looked at: 10^10 designs need no memory.
+
     Parameters
     ----------
     n : int
-        Number of designs, at most 2^30. Only powers of two keep the full balance of the sequence; any other
-        number is its first `n` points.
+        Number of designs, at most 2^50. Only powers of two keep the full balance of the sequence; any other
+        number is its first `n` points. Up to 2^30 designs these have 30 bits, as those of scipy; more have 53.
     ranges : mapping, optional
         The inputs as a mapping, beside or instead of keywords: for Hart's input ``n``, ``{"n": (1.0, 2.0)}``.
     seed : int, default 0
@@ -111,7 +110,7 @@ def sobol(
     Returns
     -------
     DesignSpace
-        Of kind ``"sobol"``; seed, number, ranges and scipy's version are in its `attrs`.
+        Of kind ``"sobol"``; seed, number, ranges, bits and scipy's version are in its `attrs`.
 
     Examples
     --------
@@ -121,7 +120,7 @@ def sobol(
     >>> bool(space.columns["a1"].min() >= 0.2)
     True
     """
-    return _sample("sobol", n, seed, _keywords("sobol", ranges, more), _sobol_chunks)
+    return _sample("sobol", n, seed, _keywords("sobol", ranges, more), sobol_axes)
 
 
 @door(hint=OF_THAT_NAME)
@@ -130,12 +129,13 @@ def latin_hypercube(
 ) -> DesignSpace:
     """Sample the inputs by a Latin hypercube, along the dimension ``design``.
 
-    Each of `n` equal slices of every range holds exactly one design.
+    Each of `n` equal slices of every range holds exactly one design. Each design is computed from its number where it
+    is looked at, by a permutation of the slices that the seed determines: 10^10 designs need no memory.
 
     Parameters
     ----------
     n : int
-        Number of designs, at most 2^30.
+        Number of designs, at most 2^50.
     ranges : mapping, optional
         The inputs as a mapping, beside or instead of keywords: for Hart's input ``n``, ``{"n": (1.0, 2.0)}``.
     seed : int, default 0
@@ -146,7 +146,7 @@ def latin_hypercube(
     Returns
     -------
     DesignSpace
-        Of kind ``"latin_hypercube"``; seed, number, ranges and scipy's version are in its `attrs`.
+        Of kind ``"latin_hypercube"``; seed, number, ranges and the method are in its `attrs`.
 
     Examples
     --------
@@ -154,9 +154,7 @@ def latin_hypercube(
     >>> sorted(int(value) for value in space.columns["a1"])
     [0, 1, 2, 3]
     """
-    return _sample(
-        "latin_hypercube", n, seed, _keywords("latin_hypercube", ranges, more), _latin_hypercube_chunks
-    )
+    return _sample("latin_hypercube", n, seed, _keywords("latin_hypercube", ranges, more), slices_axes)
 
 
 def _sample(
@@ -164,9 +162,9 @@ def _sample(
     n: int,
     seed: int,
     ranges: Mapping[str, ArrayLike],
-    chunks: Callable[[int, int, int], Iterable[Floats]],
+    axes: Callable[[int, int, list[tuple[float, float]]], list[Column]],
 ) -> DesignSpace:
-    """Scale the points that ``chunks(n, dimensions, seed)`` yields to the ranges."""
+    """Return the sample whose columns ``axes(n, seed, ranges)`` gives."""
     problems = Problems()
     with problems.at():
         n = check_whole((kind, "n"), n, 1, MOST_SAMPLES, f"write an integer from 1 to {MOST_SAMPLES}")
@@ -188,18 +186,8 @@ def _sample(
         remedy = ("write ", Pair(), " for at least one, or use a grid")
         problems.add("no input has a range", (kind,), remedy)
     problems.stop()
-    n = int(n)
-    copies = COPIES[kind]
-    check_memory(8 * n * len(bounds) * copies, "a sample of that size", where=(kind, "n"), remedy=FEWER)
-    columns = {name: np.empty(n) for name in bounds}
-    start = 0
-    for points in chunks(n, len(bounds), seed):
-        stop = start + len(points)
-        for (name, (low, high)), unit in zip(bounds.items(), points.T, strict=True):
-            # a Latin hypercube may reach 1.0, where the sum can round to beyond the end
-            columns[name][start:stop] = np.minimum(low + unit * (high - low), high)
-        start = stop
-    return sampled(kind, constants, columns, _sample_attrs(kind, n, seed, bounds), units=units)
+    columns = dict(zip(bounds, axes(int(n), int(seed), list(bounds.values())), strict=True))
+    return sampled(kind, constants, columns, _sample_attrs(kind, int(n), int(seed), bounds), units=units)
 
 
 def _range(kind: str, name: str, values: Floats) -> tuple[float, float]:
@@ -218,34 +206,14 @@ def _range(kind: str, name: str, values: Floats) -> tuple[float, float]:
 def _sample_attrs(
     kind: str, n: int, seed: int, bounds: Mapping[str, tuple[float, float]]
 ) -> dict[str, str | int]:
-    import scipy  # scipy takes longer to import than all the rest of this module, and grids do without
-
-    return {
+    attrs: dict[str, str | int] = {
         "design_kind": kind,
-        "design_n": int(n),
-        "design_seed": int(seed),
+        "design_n": n,
+        "design_seed": seed,
         "design_ranges": ", ".join(f"{name}=({low!r}, {high!r})" for name, (low, high) in bounds.items()),
-        "design_scipy": scipy.__version__,
     }
+    if kind == "sobol":
+        import scipy  # scipy takes longer to import than all the rest of this module, and others do without
 
-
-def _engine(name: str, dimensions: int, seed: int) -> Any:
-    import scipy
-    from scipy.stats import qmc
-
-    version = tuple(int(part) for part in scipy.__version__.split(".")[:2])
-    keyword = "rng" if version >= (1, 15) else "seed"
-    return getattr(qmc, name)(dimensions, **{keyword: np.random.default_rng(seed)})
-
-
-def _sobol_chunks(n: int, dimensions: int, seed: int) -> Iterator[Floats]:
-    """Yield the first n points piece by piece, so that scipy does not hold them all."""
-    engine = _engine("Sobol", dimensions, seed)
-    # scipy warns of any first piece that is not a power of two; the points do not depend on how they are cut
-    chunk = min(SOBOL_CHUNK, 1 << (n - 1).bit_length())
-    for start in range(0, n, chunk):
-        yield engine.random(chunk)[: n - start]
-
-
-def _latin_hypercube_chunks(n: int, dimensions: int, seed: int) -> Iterator[Floats]:
-    yield _engine("LatinHypercube", dimensions, seed).random(n)
+        return attrs | {"design_bits": sobol_bits(n), "design_scipy": scipy.__version__}
+    return attrs | {"design_method": f"keyed permutation, {ROUNDS} rounds"}

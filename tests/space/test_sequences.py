@@ -1,0 +1,234 @@
+"""Sobol's sequence and Latin hypercubes, design by design: scipy's bits, one design in each slice."""
+
+from __future__ import annotations
+
+import itertools
+import math
+import pickle
+import subprocess
+import sys
+import warnings
+from collections import Counter
+from fractions import Fraction
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from numpy.testing import assert_array_equal
+from scipy.stats import chi2, qmc
+
+import fastlink as fl
+from fastlink.engine.resolve import resolve
+from fastlink.space import sequences
+from fastlink.space.sequences import ROUNDS, Permutation, Slices, sobol_axes
+
+UNIT = (0.0, 1.0)
+
+
+def scipys(dimensions, seed, bits, count):
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")  # of a number that is no power of two
+        return qmc.Sobol(dimensions, rng=np.random.default_rng(seed), bits=bits).random(count)
+
+
+@settings(max_examples=25, deadline=None)
+@given(st.integers(1, 9), st.integers(0, 2**63 - 1), st.sampled_from([2**30, 2**31]), st.data())
+def test_any_block_of_the_sequence_has_scipys_bits(dimensions, seed, n, data):
+    axes = sobol_axes(n, seed, [UNIT] * dimensions)
+    points = scipys(dimensions, seed, 30 if n == 2**30 else 53, 20_000)
+    for _ in range(5):
+        start = data.draw(st.integers(0, 20_000))
+        stop = data.draw(st.integers(start, 20_000))
+        for axis, column in zip(axes, points.T, strict=True):
+            assert_array_equal(axis.piece(start, stop), column[start:stop])
+
+
+def test_far_points_have_scipys_bits():
+    engine = qmc.Sobol(3, rng=np.random.default_rng(5))
+    engine.fast_forward(2**22 - 5000)
+    points = engine.random(10_000)  # across a power of two, and across a table
+    for axis, column in zip(sobol_axes(2**30, 5, [UNIT] * 3), points.T, strict=True):
+        assert_array_equal(axis.piece(2**22 - 5000, 2**22 + 5000), column)
+
+
+def test_the_farthest_points_are_those_of_the_gray_code():
+    engine = qmc.Sobol(2, rng=np.random.default_rng(5), bits=53)
+    for n in (2**50, 2**40):
+        for k, axis in enumerate(sobol_axes(n, 5, [UNIT] * 2)):
+            for number in (n - 1, n // 3, 2**30):
+                gray, point = number ^ (number >> 1), int(engine._shift[k])
+                for bit in range(53):
+                    point ^= int(engine._sv[k, bit]) if gray >> bit & 1 else 0
+                assert Fraction(axis[number]) == Fraction(point, 2**53)
+
+
+def test_another_way_of_scipy_is_noticed(monkeypatch):
+    class Changed(qmc.Sobol):
+        def random(self, n=1, workers=1):
+            return 1.0 - super().random(n)
+
+    monkeypatch.setattr(qmc, "Sobol", Changed)
+    with pytest.raises(RuntimeError, match="another way"):
+        fl.sobol(8, a1=UNIT)
+
+
+@pytest.mark.parametrize("seed", [0, 1, 2**63 - 1])
+def test_each_slice_holds_one_design_whatever_their_number(seed):
+    for n in [*range(1, 70), 255, 256, 257, 1023, 1024, 1025, 4095, 4097, 9973, 65537]:
+        numbers = Slices(n, UNIT, seed, 1).permutation(np.arange(n, dtype=np.uint64))
+        assert_array_equal(np.sort(numbers), np.arange(n))
+
+
+@pytest.mark.parametrize("n", [3, 1000, 65537, 10**10, 2**40 - 1, 2**49 + 1, 2**50])
+def test_a_design_lies_in_its_slice(n):
+    axis = Slices(n, UNIT, 3, 0)
+    numbers = np.unique(np.linspace(0, n - 1, 300).astype(np.uint64))
+    for number, k in zip(axis.permutation(numbers).tolist(), numbers.tolist(), strict=True):
+        assert number <= Fraction(float(axis[k])) * n < number + 1
+
+
+@settings(max_examples=40, deadline=None)
+@given(st.integers(1, 2**50), st.integers(0, 2**63 - 1), st.data())
+def test_any_block_of_a_hypercube_has_the_same_bits_as_plain_integers_give(n, seed, data):
+    axis = Slices(n, UNIT, seed, 2)
+    start = data.draw(st.integers(0, n - 1))
+    stop = min(n, start + data.draw(st.integers(1, 20)))
+    for k in range(start, stop):
+        assert axis[k] == axis.piece(start, stop)[k - start]
+        assert int(axis.permutation(np.array([k], np.uint64))[0]) == permuted(axis, n, k)
+
+
+def permuted(axis, n, number):
+    """Return the image of a number by the integers of Python."""
+    a = math.isqrt(n - 1) + 1
+    sizes = (a, -(-n // a))
+    while True:
+        sides = list(divmod(number, sizes[1]))
+        for k, key in enumerate(axis.permutation.keys.tolist()):
+            word = ((sides[1 - k % 2] ^ key) * 0xBF58476D1CE4E5B9) % 2**64
+            word = (word ^ word >> 29) * 0x94D049BB133111EB % 2**64 >> 32
+            sides[k % 2] = (sides[k % 2] + (word * sizes[k % 2] >> 32)) % sizes[k % 2]
+        number = sides[0] * sizes[1] + sides[1]
+        if number < n:
+            return number
+
+
+def test_no_two_of_many_designs_share_a_slice():
+    numbers = np.arange(10**6, dtype=np.uint64) + np.uint64(5 * 10**9)
+    images = Slices(10**10, UNIT, 0, 0).permutation(numbers)
+    assert images.max() < 10**10
+    assert np.unique(images).size == 10**6
+
+
+def is_chance(counts, expected, freedom):
+    """Tell whether counts are those of chance: a chi square that is exceeded once in 10^6 cases, at either end."""
+    value = float(((counts - expected) ** 2 / expected).sum())
+    return chi2.ppf(1e-6, freedom) < value < chi2.ppf(1.0 - 1e-6, freedom)
+
+
+@pytest.mark.parametrize("n", [100_000, 10**10, 2**50])
+def test_axes_are_uncorrelated_and_fill_the_squares(n):
+    count = 100_000
+    start = n // 3 if n > count else 0
+    axes = [Slices(n, UNIT, 7, k).piece(start, start + count) for k in range(4)]
+    for one, other in itertools.combinations([*axes, np.roll(axes[0], 1), np.roll(axes[0], 317)], 2):
+        # of independent pairs the correlation times sqrt(count) is normal: beyond 5 once in 1.7 million cases
+        assert abs(np.corrcoef(one, other)[0, 1]) < 5.0 / math.sqrt(count)
+        cells = np.histogram2d(one, other, bins=20, range=[UNIT, UNIT])[0]
+        assert is_chance(
+            cells, count / 400, 361 if n == count else 399
+        )  # where all are taken, margins are fixed
+
+
+def test_orders_of_few_designs_come_equally_often():
+    for n in (3, 4):
+        counts = Counter(
+            tuple(Slices(n, UNIT, seed, 0).permutation(np.arange(n, dtype=np.uint64)).tolist())
+            for seed in range(2000)
+        )
+        every = np.array([counts[order] for order in itertools.permutations(range(n))])
+        assert is_chance(every, 2000 / math.factorial(n), math.factorial(n) - 1)
+
+
+def test_places_within_slices_are_uniform_and_independent_of_the_order():
+    axis = Slices(100_000, (0.0, 100_000.0), 3, 0)
+    values = np.asarray(axis)
+    places = values - np.floor(values)
+    assert is_chance(np.histogram(places, bins=100, range=UNIT)[0], 1000, 99)
+    assert abs(np.corrcoef(places, values)[0, 1]) < 5.0 / math.sqrt(100_000)
+    assert abs(np.corrcoef(places[1:], places[:-1])[0, 1]) < 5.0 / math.sqrt(100_000)
+
+
+def test_the_permutation_does_not_depend_on_the_rounds_of_others():
+    keys = np.random.SeedSequence(3, spawn_key=(0,)).generate_state(ROUNDS + 1, np.uint64)
+    numbers = np.arange(50, dtype=np.uint64)
+    assert_array_equal(Permutation(50, keys[:-1])(numbers), Slices(50, UNIT, 3, 0).permutation(numbers))
+
+
+SAMPLES = {"sobol": fl.sobol, "latin_hypercube": fl.latin_hypercube}
+RANGES = {"a2": (1.0, 1.2), "a3": (0.7, 0.9), "a4": (1.0, 1.2), "a1": 0.4}
+
+
+@pytest.mark.parametrize("sample", SAMPLES.values(), ids=SAMPLES)
+def test_the_fingerprint_is_that_of_the_definition(sample):
+    def fingerprint(n=10**10, seed=1, **ranges):
+        return resolve(
+            "planar_4r", sample(n, RANGES | ranges, seed=seed), ["omega4_max"], angles=5
+        ).fingerprint
+
+    given_once = [
+        fingerprint(omega1=2.0),
+        fingerprint(seed=2, omega1=2.0),
+        fingerprint(n=10**10 + 1, omega1=2.0),
+    ]
+    assert len({*given_once, fingerprint(omega1=2.0, a2=(1.0, 1.3))}) == 4
+    assert fingerprint(omega1=2.0) == given_once[0]
+
+
+@pytest.mark.parametrize("sample", SAMPLES.values(), ids=SAMPLES)
+def test_a_part_of_ten_thousand_million_designs_is_swept(tmp_path, sample):
+    part = sample(10**10, RANGES, seed=1).consecutive(5 * 10**9, 5 * 10**9 + 3000)
+    names = ["transmission_angle_min"]
+    expected = fl.sweep("planar_4r", part, names, threads=1, block=64)
+    with fl.sweep("planar_4r", part, names, to=tmp_path / "m.h5", verify=2, threads=2) as maps:
+        for name in ("a2", "a3", "a4", "design", *names):
+            assert_array_equal(maps[name], expected[name])
+    whole = sample(10**10, RANGES, seed=1)
+    rows = np.empty((3, 3000))
+    whole.fill(["a2", "a3", "a4"], 5 * 10**9, 5 * 10**9 + 3000, rows)
+    assert_array_equal(rows, [expected.a2, expected.a3, expected.a4])
+    again = pickle.loads(pickle.dumps(whole))
+    again.fill(["a2", "a3", "a4"], 5 * 10**9, 5 * 10**9 + 3000, rows)
+    assert_array_equal(rows, [expected.a2, expected.a3, expected.a4])
+
+
+LIMITED = """
+import resource, sys
+import fastlink as fl
+from fastlink.engine.resolve import resolve
+ranges = {"a2": (1.0, 1.2), "a3": (0.7, 0.9), "a4": (1.0, 1.2), "a1": 0.4}
+fl.sweep("planar_4r", fl.sobol(64, ranges), ["transmission_angle_min"], threads=2)  # imports, kernel
+import scipy.stats.qmc
+with open("/proc/self/statm") as file:
+    now = int(file.read().split()[0]) * resource.getpagesize()
+resource.setrlimit(resource.RLIMIT_AS, (now + (256 << 20), now + (256 << 20)))
+for sample in (fl.sobol, fl.latin_hypercube):
+    space = sample(10**10, ranges).consecutive(5 * 10**9, 5 * 10**9 + 100_000)
+    maps = fl.sweep("planar_4r", space, ["transmission_angle_min"], threads=2, progress=False)
+    print(maps.sizes["design"], int(maps.design[0]))
+"""
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="the limit of the address space is that of Linux")
+def test_little_memory_is_enough():
+    # 10^10 designs of three inputs would be 240 GB; 256 MB are for the results and coordinates of 10^5 designs (5 MB,
+    # several times while they are labelled), the blocks of two threads and what an allocator reserves for each thread
+    run = subprocess.run([sys.executable, "-c", LIMITED], capture_output=True, text=True, check=False)
+    assert run.stdout == "100000 5000000000\n" * 2, run.stderr
+
+
+def test_the_table_of_points_does_not_matter(monkeypatch):
+    expected = sobol_axes(2**20, 3, [UNIT])[0].piece(1000, 9000)
+    monkeypatch.setattr(sequences, "TABLE_BITS", 3)
+    assert_array_equal(sobol_axes(2**20, 3, [UNIT])[0].piece(1000, 9000), expected)
