@@ -136,6 +136,19 @@ def test_low_parts_are_steps_on_the_way_and_have_names_of_their_own(catalogue):
         declare(catalogue, "b_low", ["a"])
 
 
+def test_a_fact_has_not_the_name_of_a_variant(catalogue):
+    """What is selected counts as given where facts are among what is given: such a fact had no derivative."""
+    declare(catalogue, "load", ["a"])
+    with pytest.raises(CatalogueError, match="load is the name of a fact and of a variant"):
+        catalogue.input("weight", units="N", symbol="W", meaning="weight", variant="load", default=0.0)
+    catalogue.input("speed", units="1", symbol="v", meaning="speed", variant="brake", default=0.0)
+    with pytest.raises(CatalogueError, match="brake is the name of a fact and of a variant"):
+        declare(catalogue, "brake", ["a"])
+    # but the fact that an input of that name replaces
+    declare(catalogue, "c", ["a"])
+    catalogue.input("c", units="1", symbol="c", meaning="c", variant="c")
+
+
 def test_an_undeclared_need_is_rejected(catalogue):
     declare(catalogue, "b", ["z"])
     with pytest.raises(CatalogueError, match="b depends on z, which is not declared"):

@@ -8,7 +8,7 @@ from itertools import count
 from typing import Any, TypeVar
 
 from fastlink.catalogue.rows import Rows
-from fastlink.facts.fact import CatalogueError, Fact, GradedRange, Input, Rule, System, parameters
+from fastlink.facts.fact import CatalogueError, Fact, GradedRange, Input, Rule, System, first_line, needs_of
 from fastlink.facts.names import (
     Derivative,
     ListOfExtrema,
@@ -104,6 +104,7 @@ class Declarations:
             self.inputs[name] = declared
         else:
             self.variant_inputs.setdefault(variant, {})[name] = declared
+            self._check_variant(variant)
 
     def quantity(
         self,
@@ -148,7 +149,7 @@ class Declarations:
                 function,
                 given,
                 name=name or function.__name__,
-                meaning=meaning or _first_line(function),
+                meaning=meaning or first_line(function),
                 units=units,
                 symbol=symbol,
                 source=source,
@@ -164,6 +165,7 @@ class Declarations:
             for each in fact.names:
                 self._check_name(each, variant, public=not internal)
                 known[each] = fact
+            self._check_variant(variant or fact.name)
             return function
 
         return declare
@@ -189,7 +191,7 @@ class Declarations:
 
         def declare(function: F) -> F:
             labels = {"units": "1", "symbol": symbol, "source": source, "internal": True}
-            fact = self._fact(function, None, name=function.__name__, meaning=_first_line(function), **labels)
+            fact = self._fact(function, None, name=function.__name__, meaning=first_line(function), **labels)
             self._check_name(fact.name, None)
             if fact.depends_on != (self.position.name,):
                 raise CatalogueError(
@@ -207,11 +209,12 @@ class Declarations:
         """Declare a linear system that determines `unknowns`, as part of a variant."""
 
         def declare(function: F) -> F:
-            declared = System(name, tuple(unknowns), function, parameters(function))
+            declared = System(name, tuple(unknowns), function, needs_of(function))
             self.solvers = tuple(dict.fromkeys((*self.solvers, variant)))
             for unknown in unknowns:
                 self._check_name(unknown, variant)
                 self.variants.setdefault(variant, {})[unknown] = declared
+            self._check_variant(variant)
             return function
 
         return declare
@@ -230,7 +233,7 @@ class Declarations:
             declared = replace(
                 with_derivative_labels(fact, self.variables[by]),
                 function=function,
-                depends_on=_depends_on(function, given),
+                depends_on=needs_of(function, given),
                 internal=True,
             )
             self._check_new(declared.name, variant)
@@ -268,7 +271,7 @@ class Declarations:
         for label in ("units", "symbol", "source", "meaning"):
             if not labels[label]:
                 raise CatalogueError(f"{self.name}: fact {labels['name']} has no {label}")
-        return Fact(function=function, depends_on=_depends_on(function, given), **labels)
+        return Fact(function=function, depends_on=needs_of(function, given), **labels)
 
     def parse(self, name: str) -> Name:
         """Return the tree of a name, see `fastlink.facts.names`."""
@@ -311,17 +314,15 @@ class Declarations:
             of_cycle = isinstance(bounded_of(form), (Reduced, ListOfExtrema))
             self._formed.setdefault(root_of(form), []).append((name, of_cycle))
 
+    def _check_variant(self, name: str) -> None:
+        """Refuse a fact with the name of a variant, but for one that an input of that name replaces."""
+        named = name in self.variants or name in self.variant_inputs
+        if named and name in self.facts and name not in self.variant_inputs.get(name, {}):
+            raise CatalogueError(
+                f"{self.name}: {name} is the name of a fact and of a variant; call one otherwise"
+            )
+
     def check_reading(self, name: str) -> None:
         """Raise CatalogueError if a name reads as made of another one."""
         if name not in self.hiding and (tree := reading_of(name, self)):
             raise CatalogueError(f"{self.name}: {name} reads as {tree!r}; call it otherwise")
-
-
-def _first_line(function: Callable[..., Any]) -> str:
-    """Return the meaning of a quantity, as the docstring of its fact has it."""
-    return (function.__doc__ or "").strip().split("\n", 1)[0].rstrip(".")
-
-
-def _depends_on(function: Callable[..., Any], given: Mapping[str, str] | None) -> tuple[str, ...]:
-    """Return the names on which a fact depends: its parameters, or their replacements."""
-    return tuple((given or {}).get(parameter, parameter) for parameter in parameters(function))

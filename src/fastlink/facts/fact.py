@@ -16,7 +16,10 @@ from typing import Any, Literal
 
 from fastlink.numerics.compiler import syntax
 
-__all__ = ["CatalogueError", "Fact", "GradedRange", "Input", "Rule", "System", "parameters", "statements"]
+__all__ = [
+    "CatalogueError", "Fact", "GradedRange", "Input", "Rule", "System", "first_line", "needs_of", "parameters",
+    "statements",
+]  # fmt: skip
 
 Rule = Literal["positive", "non-negative", "any"]
 
@@ -177,3 +180,13 @@ def statements(function: Callable[..., Any]) -> tuple[ast.stmt, ...]:
     if any(isinstance(statement, ast.Return) for statement in body[:-1]):
         raise CatalogueError(f"fact {name} must have one return")
     return tuple(body)
+
+
+def first_line(function: Callable[..., Any]) -> str:
+    """Return the meaning of a quantity, as the docstring of its fact has it."""
+    return (function.__doc__ or "").strip().split("\n", 1)[0].rstrip(".")
+
+
+def needs_of(function: Callable[..., Any], given: Mapping[str, str] | None = None) -> tuple[str, ...]:
+    """Return the names on which a fact depends: its parameters, or their replacements."""
+    return tuple((given or {}).get(parameter, parameter) for parameter in parameters(function))
