@@ -171,3 +171,68 @@ def test_half_a_range_of_rounding_errors_hides_no_extreme_of_the_other():
     theta = np.linspace(0.0, np.pi / 2, 100001)
     load = 179.0 + 2 * 0.167 * 8.0 * 0.5639**2 * np.cos(theta)
     assert float(most) == pytest.approx(np.max(16.0 * np.sin(theta) * load), rel=1e-9)
+
+
+#: Designs that fold, extremes of which stand within a thousandth of the first cell beside the fold.
+BESIDE_A_FOLD = {
+    "rate next to a kite": (
+        ("alpha4", 2, 2 * np.pi),
+        {"a1": 2.0000000004051177, "a2": 7.0, "a3": 7.000000000405118, "a4": 2.0}
+        | {"omega1": 5.768333217578596e-06, "alpha1": 0.5},
+    ),
+    "force, folded at pi": (
+        ("shaking_force", 2, np.pi),
+        {"a1": 3.0, "a2": 5.0, "a3": 6.0, "a4": 8.0, "m1": 0.49545469965624744, "I1": 10688955.638816047}
+        | {"G1_u": -4451.49427479659, "G1_v": 0.11943080395632717, "m2": 0.0, "I2": 2.6266000961826314e-07}
+        | {"G2_u": -8.0, "G2_v": -8.0, "m3": 0.8902129862714896, "I3": 0.0, "G3_u": -135569.4092782865}
+        | {"G3_v": 3.3003593914815283, "omega1": 0.5, "FP_x": -27938.828850982834, "FP_y": 1.1607883583517378}
+        | {"P_u": -4.641592753530091, "P_v": -8.0},
+    ),
+    "force, folded at 0": (
+        ("shaking_force", 2, 0.0),
+        {"a1": 3.0, "a2": 4.0, "a3": 6.0, "a4": 1.0, "m1": 1.0874876575139383, "I1": 0.0006047507385917382}
+        | {"G1_u": 0.0, "G1_v": 6.0, "m2": 0.9590592842517134, "I2": 0.08545744027758584}
+        | {"G2_u": -4.229140115425493, "G2_v": 16271.914252609764, "m3": 0.0, "I3": 4137194.4532086877}
+        | {"G3_u": 0.0, "G3_v": 4.355208446092007e-05, "omega1": 1.0},
+    ),
+    "force of a parallelogram, infinite at the fold": (
+        ("F32", 1, 0.0),
+        {"a1": 9.0, "a2": 1.0, "a3": 9.0, "a4": 1.0, "m1": 5.945751727884179e-12, "I1": 0.9900953762001505}
+        | {"G1_u": -0.0016384888232126612, "G1_v": -315523.2704613257, "m2": 1.0, "I2": 11853992656.703575}
+        | {"G2_u": 0.0, "G2_v": 14.913587820756142, "m3": 2.061189046100257, "I3": 0.0}
+        | {"G3_u": 0.8712551807810605, "G3_v": 0.0001557138883682065, "omega1": 0.0}
+        | {"alpha1": 0.16582383406104487},
+    ),
+}
+
+
+@pytest.mark.parametrize("case", BESIDE_A_FOLD)
+def test_an_extreme_beside_a_fold_is_found(case):
+    """No value is beyond the greatest and the least by more than the bounds of both.
+
+    At each octave of the distance from the fold, down to 1e-12 of a radian.
+    """
+    (quantity, branch, fold), design = BESIDE_A_FOLD[case]
+    ends = [f"{quantity}_{end}{of}" for end in ("max", "min") for of in ("", "_error")]
+    found = fl.sweep("planar_4r", fl.grid(**design), ends, branch=branch, verify=0)
+    most, above, least, below = (float(found[name]) for name in ends)
+    distances = 2.0 ** np.linspace(-40.0, 0.0, 401)
+    theta1 = np.concatenate([fold - distances, fold + distances])
+    values = fl.evaluate("planar_4r", [quantity, f"{quantity}_error"], branch=branch, theta1=theta1, **design)
+    value, error = values[quantity], values[f"{quantity}_error"]
+    assert np.isfinite(error).sum() > 400
+    told = np.isfinite(value) & np.isfinite(error)
+    assert np.all(value[told] - error[told] <= most + above)
+    assert np.all(value[told] + error[told] >= least - below)
+
+
+def test_rounding_errors_beside_the_fold_of_a_kite_are_no_extremes():
+    """Forces of a kite stay finite where it folds; their slope is rounding errors over the distance from there."""
+    kites = {"a1": [1.5299061143042894, 0.4009099102008036], "a2": [1.9559321078037128, 1.910416264244732]}
+    kites |= {"a3": kites["a2"], "a4": kites["a1"]}
+    space = fl.table(
+        {name: np.array(values) for name, values in kites.items()} | {"omega1": np.full(2, 25.0)}
+    )
+    bars = fl.round_bar(density=7750.0, radius=0.01)
+    counts = fl.sweep("planar_4r", space, ["F32_extrema_count"], links=bars, verify=0).F32_extrema_count
+    assert np.all(counts == 0)

@@ -11,7 +11,7 @@ from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
 
 from fastlink.codegen.extrema_schedule import ExtremaSchedule
-from fastlink.codegen.runtime import bounds, cells, results, roots, sampling, subdivision
+from fastlink.codegen.runtime import bounds, cells, octaves, results, roots, sampling, subdivision
 from fastlink.codegen.runtime.cells import LANES, MOST_LANES, STATE_ROWS
 from fastlink.codegen.source import Source, Text, paste_fact
 
@@ -56,8 +56,6 @@ class _ExtremaWriter(ExtremaSchedule):
             self.write_evaluations(number, search)
         text.lines = kernel
         return text.source(self.program, self.scratch())
-
-    # -- designs and samples -----------------------------------------------------------------------
 
     def write_tables(self) -> None:
         """Write the tables of whole numbers that tell the searches, branches and halves apart, see `runtime.cells`."""
@@ -161,11 +159,14 @@ class _ExtremaWriter(ExtremaSchedule):
         """Write the search for the cells that hold a zero of one function, their refinement, and the extrema there."""
         text, search = self.text, self.program.searches[number]
         text.call(cells.nothing_yet, "counts")
-        for half in range(self.halves):
-            part = f"part_{number}_{half}"
+        parts = [f"part_{number}_{half}" for half in range(self.halves)]
+        for part in parts:
             text.call(sampling.mark_ends, f"w, table, samples, marks, {part}, width")
             if search.divided:
                 text.call(subdivision.mark_unresolved, f"samples, marks, {part}, width")
+        self.write_octaves(number, parts[0])
+        for part in parts:
+            if search.divided:
                 text.call(sampling.collect_unresolved, f"samples, marks, {part}, counts, unresolved")
             text.call(sampling.collect, f"samples, marks, {part}, counts, roots, valleys")
         if search.divided:
@@ -181,6 +182,21 @@ class _ExtremaWriter(ExtremaSchedule):
                     text.call(roots.begin_roots, "state, filled, vectors, flags", "n_open")
                     self.write_steps(number, roots.advance_roots)
                     self.write_extrema(number, results.extrema_at_zeros, "state, filled, table")
+
+    def write_octaves(self, number: int, part: str) -> None:
+        """Write the samples of cells next to a fold, where the function is small."""
+        text = self.text
+        text.call(octaves.collect_folds, f"w, table, {part}, samples, n_here, ends", "n_ends")
+        with text.block(f"for start in range(0, n_ends, {LANES}):"):
+            text.call(cells.gather, f"ends, start, n_ends, w, rows_{number}, state", "filled")
+            text.call(roots.every_vector, "vectors, filled", "n_open")
+            with text.block(f"for trial in range({octaves.TRIALS + 1}):"):
+                text.call(octaves.to_sample, "state, filled, trial, octaves", "n_octaves")
+                with text.block("for k in range(n_octaves):"):
+                    text.call(octaves.place_octave, "state, filled, k, trial")
+                    text.add(f"slope_{number}(state, vectors, n_open)")
+                    text.call(octaves.keep_octave, "state, filled, k, trial, octaves")
+            text.call(octaves.collect_octaves, "state, filled, octaves, marks, counts, roots")
 
     def write_division(self, number: int) -> None:
         """Write the division of unresolved cells, and of their parts that are still unresolved."""

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 from fastlink.codegen.runtime import cells, results
 from fastlink.codegen.runtime.cells import ITEM_ROWS, LANES, MOST_LANES, STATE_ROWS
+from fastlink.codegen.runtime.octaves import OCTAVES
 from fastlink.codegen.schedule import needed_steps
 from fastlink.codegen.source import Array
 from fastlink.facts.fact import Fact
@@ -82,6 +83,7 @@ class ExtremaSchedule:
             Array("marks", "int8", (samples, LANES)),
             *self.item_lists(),
             Array("ends", "float64", (ITEM_ROWS, 2 * room + MOST_LANES)),
+            Array("octaves", "float64", (OCTAVES, LANES)),
             Array("flags", "int8", (LANES,)),
             Array("vectors", "int64", (LANES // MOST_LANES,)),
             Array("counts", "int64", (cells.COUNTS,)),

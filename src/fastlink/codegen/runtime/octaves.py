@@ -1,0 +1,167 @@
+"""The cell next to a fold, octave by octave.
+
+A quantity near a fold is a sum of powers of the distance x, negative ones among them, whose factors may differ by any
+power of ten: what it does there it may do at 1e-10 of the cell, where equally spaced samples show nothing, and the
+function that is searched, the slope times a power of x, is far below its value at the next sample anyway. So it is
+sampled at half the distance, a quarter and so on.
+
+Close to a fold the slope may be nothing but rounding. A smooth function changes by a millionth with its argument,
+rounding errors do as they like: signs count where the function stays what it is. Arrays are as in `sampling`.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+from fastlink.codegen.runtime.cells import (
+    CELLS,
+    FB,
+    FIRST,
+    HALF,
+    HALVES,
+    LANE,
+    ROOTS,
+    START,
+    TOGGLE,
+    UPPER,
+    XA,
+    XB,
+    XC,
+    F,
+    X,
+    append_item,
+    append_of_lane,
+    padded,
+    set_bracket,
+)
+from fastlink.codegen.runtime.sampling import ROOT, UNRESOLVED_CELL
+from fastlink.numerics.compiler import lanes, outlined
+
+__all__ = [
+    *("OCTAVES", "TRIALS", "collect_folds", "collect_octaves", "keep_octave", "place_octave", "to_sample"),
+]
+
+#: From the first sample, 2^-60 of the scale, to the second one, less than 2^-4 of it.
+OCTAVES = 57
+#: How often signs are tried.
+TRIALS = 3
+# The function at the end over that at the next sample, where the octaves are sampled.
+SMALL = 2.0**-10
+# Changes of the position by which signs are tried, and that of the function which rounding errors exceed.
+STEP, CHANGE = 2.0**-20, 2.0**-8
+
+
+@outlined
+def collect_folds(w: Any, table: Any, part: Any, samples: Any, count: int, items: Any) -> int:
+    """Make items of the cells next to folds where the function is small; return how many there are.
+
+    Parameters
+    ----------
+    w, samples : array (rows, lanes)
+        Lane values, and positions and the function's values there.
+    table, part : array of int
+        Tables of the kernel and of the first half, see `cells`.
+    count : int
+        The number of designs.
+    items : array (rows of an item, items)
+        The items; `XC` is the row of the cell's mark.
+    """
+    total, cells = 0, part[CELLS]
+    for upper in range(2):
+        start, toggle, position = table[START] + upper, table[TOGGLE] + upper, upper * (cells + 1)
+        folds = 0
+        for i in range(count):
+            folds = folds + (1 if (w[start, i] != 0.0) & (w[toggle, i] == 0.0) else 0)
+        if folds == 0:
+            continue
+        for half in range(table[HALVES]):
+            first = part[FIRST] + half * (2 * cells + 1)
+            end, inner = first + upper * 2 * cells, first + 1 + upper * (2 * cells - 2)
+            for i in range(count):
+                f, after = samples[end, i], samples[inner, i]
+                fold = (w[start, i] != 0.0) & (w[toggle, i] == 0.0)
+                if fold & (abs(f) <= SMALL * abs(after)):
+                    set_bracket(items, total, samples[position, i], f, samples[position + 1, i], after)
+                    items[XC, total] = end - upper
+                    total = append_item(items, total, i, half, upper == 1)
+    return total
+
+
+@outlined
+def place_octave(s: Any, count: int, k: int, trial: int) -> None:
+    """Put items at the second sample's position over 2^(k+1), or at the first one's; of a trial, beside it."""
+    times, beside = 0.5, 1.0 + (trial * trial) * STEP
+    for _ in range(k):
+        times = 0.5 * times
+    for i in lanes(padded(count)):
+        x, least = times * s[XB, i], s[XA, i]
+        s[X, i] = beside * (x if x > least else least)
+
+
+@outlined
+def keep_octave(s: Any, count: int, k: int, trial: int, octaves: Any) -> None:
+    """Keep the values at the k-th positions; after a trial those alone that are the same beside them, else 0."""
+    if trial == 0:
+        for i in lanes(padded(count)):
+            octaves[k, i] = s[F, i]
+    else:
+        for i in lanes(padded(count)):
+            f = octaves[k, i]
+            octaves[k, i] = f if abs(s[F, i] - f) <= CHANGE * abs(f) else 0.0
+
+
+@outlined
+def to_sample(s: Any, count: int, trial: int, octaves: Any) -> int:
+    """Return how many octaves are sampled: all at first, and for a trial where any item has values of both signs."""
+    both = 1 if trial == 0 else 0
+    for i in range(count):
+        above = s[FB, i] > 0.0
+        for k in range(OCTAVES):
+            f = octaves[k, i]
+            both = 1 if (f == f) & (f != 0.0) & ((f > 0.0) != above) else both
+    return both * OCTAVES
+
+
+@outlined
+def collect_octaves(s: Any, count: int, octaves: Any, marks: Any, counts: Any, roots: Any) -> None:
+    """Make items of the octaves that hold a zero, instead of their cell, where these are more than its ends show.
+
+    Parameters
+    ----------
+    s, count : array, int
+        State of the items, and how many they are.
+    octaves : array (OCTAVES, lanes)
+        The function's values, 0 where they are not known.
+    marks : array (rows, lanes)
+        Marks of samples; those of a cell that is replaced are taken away.
+    counts, roots : array
+        How many items of each kind there are, and the roots.
+    """
+    for i in range(count):
+        lane, half, upper, cell = int(s[LANE, i]), int(s[HALF, i]), s[UPPER, i] > 0.0, int(s[XC, i])
+        found, before = 0, s[FB, i]
+        for k in range(OCTAVES):
+            f = octaves[k, i]
+            if (f < 0.0) | (f > 0.0):
+                found = found + (1 if (f > 0.0) != (before > 0.0) else 0)
+                before = f
+        if found <= marks[cell, lane] & ROOT:
+            continue
+        marks[cell, lane] = 0
+        other = cell + 1
+        marks[other, lane] = marks[other, lane] & (ROOT | UNRESOLVED_CELL)
+        x, before = s[XB, i], s[FB, i]
+        at = x
+        for k in range(OCTAVES):
+            at = 0.5 * at
+            place = at if at > s[XA, i] else s[XA, i]
+            f = octaves[k, i]
+            if (f < 0.0) | (f > 0.0):
+                if (f > 0.0) != (before > 0.0):
+                    n = counts[ROOTS]
+                    if upper:
+                        set_bracket(roots, n, x, before, place, f)
+                    else:
+                        set_bracket(roots, n, place, f, x, before)
+                    append_of_lane(roots, counts, ROOTS, lane, half, upper)
+                x, before = place, f
