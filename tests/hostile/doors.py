@@ -332,6 +332,21 @@ DOORS: list[Door] = [
         | MORE,
         "",
     ),
+    Door(
+        "draw",
+        "fl.draw($maps, $design, at=$at, branch=$branch, strip=$strip, animate=$animate, frames=$frames, $more)",
+        _slots(
+            maps=("dataset", "MAPS", "MAPS", DATASETS[-1]),
+            design=("count", "0", "1", "0"),
+            at=("mapping", "None", "1", "xr.Dataset()"),
+            branch=("branch", "1"),
+            strip=("count", "None", "4", "None"),
+            animate=("path", "None", "a.gif"),
+            frames=("count", "2", "3", "2**64", "10**30", "10**400"),
+        )
+        | MORE,
+        "",
+    ),
     Door("mechanisms", "fl.mechanisms($more)", dict(MORE), ""),
     Door("open", "fl.open($path)", _slots(path=("path", "'maps.h5'", "maps.h5")), ""),
     Door(

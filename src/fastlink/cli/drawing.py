@@ -64,6 +64,11 @@ def draw(
         Path | None,
         typer.Option("--to", metavar="PICTURE", help="png, svg or pdf by its ending; NAME.png if left out."),
     ] = None,
+    animate: Annotated[
+        Path | None,
+        typer.Option("--animate", metavar="FILM", help="The motion: gif, html or mp4 by its ending."),
+    ] = None,
+    frames: Annotated[int, typer.Option("--frames", metavar="N", help="Pictures of a film.")] = 60,
 ) -> None:
     """Draw a mechanism as it stands at an input position, to scale.
 
@@ -73,11 +78,13 @@ def draw(
 
     given: dict[str, Any] = numbers_by_name(inputs or [], "inputs", "NAME=VALUE", EXAMPLE)
     fixed = numbers_by_name(at or [], "at", "DIM=VALUE", EXAMPLE) if at else None
-    picture = to if to is not None else Path(f"{Path(mechanism).stem}.png")
+    picture = to if to is not None or animate is not None else Path(f"{Path(mechanism).stem}.png")
     own: dict[str, Any] = {"at": fixed, "branch": branch, "input": input, "strip": strip, "show": show}
     own |= {"curves": curves or (), "degrees": degrees, "to": picture, "links": _links(given)}
+    own |= {"animate": animate, "frames": frames}
     draw_mechanism(mechanism, design, **own, **given)
-    typer.echo(str(picture))
+    for path in filter(None, (picture, animate)):
+        typer.echo(str(path))
 
 
 def _links(given: dict[str, Any]) -> Any:

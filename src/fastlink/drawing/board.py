@@ -117,7 +117,7 @@ class Board:
 
     def _style(self, columns: int) -> Style:
         if columns == 1:
-            return Style()
+            return Style(lengths=not self.request.moves)
         bars = {2: 3.2, 3: 2.8, 4: 2.4}[columns]
         return Style(bars, 5.6 if columns > 2 else 6.5, 8.5 if columns > 2 else 9.5, lengths=False)
 

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 from fastlink.doors import door
 from fastlink.drawing.request import Options, request_of
 from fastlink.drawing.source import read_source
+from fastlink.options import check_whole
 from fastlink.plot.picture import check_picture, require_matplotlib, save
 
 if TYPE_CHECKING:
@@ -17,6 +18,8 @@ if TYPE_CHECKING:
     from fastlink.space.links import Links
 
 __all__ = ["draw"]
+
+FILMS, MOST_FRAMES = ("gif", "html", "mp4"), 720
 
 
 @door(hint="inputs are given by name, such as a1=0.4, or as design={...}")
@@ -33,6 +36,8 @@ def draw(
     show: Any = None,
     degrees: bool = False,
     to: str | Path | None = None,
+    animate: str | Path | None = None,
+    frames: int = 60,
     **inputs: Any,
 ) -> Figure:
     r"""Draw a mechanism to scale, as it stands at an input position.
@@ -67,6 +72,11 @@ def draw(
         Show angles in degrees; so they are if one is given in degrees.
     to : path, optional
         The picture to write; its ending (png, svg, pdf) is its kind. An existing one is replaced.
+    animate : path, optional
+        The moving picture to write, of one turn, or there and back through the range: gif, html (a page with a slider
+        that needs nothing else), or mp4 if ffmpeg is installed.
+    frames : int, default 60
+        How many pictures it has.
     **inputs : float or array_like
         The inputs, and the input position, such as ``theta1`` or ``theta1_deg``: one, or a list for as many linkages
         side by side. Left out, one a sixth of the turn, or a third of the way through the range.
@@ -93,8 +103,17 @@ def draw(
     """
     require_matplotlib("draw")
     path = None if to is None else check_picture(to, "to", example="linkage.png")
+    film = None
+    if animate is not None:
+        from fastlink.drawing.animation import check_film
+
+        film = check_picture(animate, "animate", kinds=FILMS, example="linkage.gif")
+        check_film(film)
+    frames = check_whole(("frames",), frames, 2, MOST_FRAMES)
     source = read_source(mechanism, design, at, inputs)
-    request = request_of(source, Options(branch, links, input, strip, curves, show, degrees))
+    request = request_of(
+        source, Options(branch, links, input, strip, curves, show, degrees, film is not None)
+    )
     from fastlink.drawing.board import Board
     from fastlink.plot.draw import style
 
@@ -103,4 +122,8 @@ def draw(
         board.show()
         if path is not None:
             save(board.figure, path, "to")
+        if film is not None:
+            from fastlink.drawing.animation import animate as write_film
+
+            write_film(board, film, frames)
     return board.figure

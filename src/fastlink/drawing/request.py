@@ -45,6 +45,7 @@ class Options:
     curves: Any
     show: Any
     degrees: Any
+    moves: bool = False
 
 
 @dataclass(frozen=True)
@@ -118,6 +119,9 @@ def request_of(source: Source, options: Options) -> Request:
     if positions is not None and strip is not None:
         what, remedy = "is given beside strip", "leave one of them out"
         problems.add(what, ("draw", catalogue.position.name), remedy)
+    if options.moves and (strip is not None or (positions is not None and positions.size > 1)):
+        what = "shows one position that moves"
+        problems.add(what, ("animate",), "leave strip and further positions out")
     problems.stop()
     choices = _choices(catalogue, links, numbers)
     motions = tuple(
@@ -133,7 +137,7 @@ def request_of(source: Source, options: Options) -> Request:
     if positions is None:
         positions = drawable[0].spread(strip, ends=False) if strip else np.array([drawable[0].usual])
     titles = tuple(_title(motion, len(drawable)) for motion in drawable)
-    return Request(drawable, titles, positions, show, curves, degrees)
+    return Request(drawable, titles, positions, show, curves, degrees, options.moves)
 
 
 def picture_of(mechanism: str, catalogue: Catalogue) -> Picture:

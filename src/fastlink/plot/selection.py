@@ -19,7 +19,7 @@ from fastlink.space.values import is_number
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["Selection", "select"]
+__all__ = ["Selection", "nearest_place", "select"]
 
 STATUS = "status"
 MOST_CELLS = 1600  # along each side, more than the pixels of a picture
@@ -107,7 +107,7 @@ def _fixed(variable: xr.DataArray, at: dict[str, Any]) -> tuple[dict[str, int], 
     places: dict[str, int] = {}
     for key in variable.dims:
         if key in at and key != BRANCH:
-            places[str(key)] = _nearest(str(key), variable[key].values, at.pop(str(key)))
+            places[str(key)] = nearest_place(str(key), variable[key].values, at.pop(str(key)))
         elif variable.sizes[key] == 1 and key != BRANCH:
             places[str(key)] = 0
     for dim in at:
@@ -120,7 +120,7 @@ def _fixed(variable: xr.DataArray, at: dict[str, Any]) -> tuple[dict[str, int], 
     return places, {dim: variable[dim].values[place] for dim, place in places.items()}
 
 
-def _nearest(dim: str, values: Any, value: Any) -> int:
+def nearest_place(dim: str, values: Any, value: Any) -> int:
     """Return the place of the nearest value along a dimension."""
     wanted = _finite(value)
     if wanted is None:
