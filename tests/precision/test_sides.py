@@ -8,6 +8,7 @@ from tests.support.configurations import masses_and_points
 
 import fastlink as fl
 from fastlink.mechanisms import catalogue
+from fastlink.precision.extrema import outermost
 from fastlink.precision.reference import CONTEXT
 from fastlink.precision.sides import side_of, turning_cells
 from fastlink.precision.stationary import END, Stationary
@@ -85,3 +86,19 @@ def test_no_extreme_is_listed_beside_the_pole_of_a_fold():
             infinite = any(CONTEXT.isinf(reference.extreme(k, one).value) for one in ends[k])
             assert np.isinf(at["F21_max"][k]) == infinite
             assert at["F21_extrema_count"][k] == len(exact[k]), (CHANGE_POINTS[k], branch)
+
+
+def test_an_end_of_the_range_is_a_limit_to_more_digits_than_doubles_have():
+    """B of Hart's linkage with kappa = 1 + 1e-15 is at 1e-30 of the lengths there, and its slope 1e15 times that."""
+    design = {
+        "m": 1.3828348684464724,
+        "n": 1.851684481372127,
+        "d": 4.386786496711176,
+        "kappa": 1.000000000000001,
+    }
+    found = fl.sweep("hart", fl.grid(**design), ["B_y_max", "B_y_max_error"], branch=1)
+    columns = {name: np.array([value]) for name, value in design.items()}
+    reference = Stationary(catalogue("hart"), "B_y", columns, np.ones(1))
+    greatest = outermost(reference, 0, 1, of_all=True)
+    assert abs(CONTEXT.mpf(float(found["B_y_max"])) - greatest.value) <= float(found["B_y_max_error"])
+    assert float(found["B_y_max_error"]) < 1e-14 * float(found["B_y_max"]) < 1e-43

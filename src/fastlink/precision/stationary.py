@@ -19,7 +19,7 @@ from fastlink.catalogue.catalogue import Catalogue
 from fastlink.catalogue.evaluate import read_facts
 from fastlink.facts.names import derivative_name
 from fastlink.numerics.vectors import as_given
-from fastlink.precision.reference import CONTEXT, STEP, HighPrecision
+from fastlink.precision.reference import CONTEXT, DIGITS, STEP, HighPrecision
 from fastlink.precision.sides import side_of, turning_cells
 
 if TYPE_CHECKING:
@@ -40,9 +40,11 @@ LOST = 1e-9
 KINKS = (CONTEXT.mpf(10) ** -7, CONTEXT.mpf(10) ** -12, CONTEXT.mpf(10) ** -20)
 #: Kinds of candidates beside maxima (1) and minima (-1).
 END, JUMP = 0, 2
-#: As near to a toggle as 50 digits allow, and so much farther: a quantity that changes by such a factor between the
-#: two is infinite or 0 at the toggle.
-AT_END, FARTHER, GROWS = CONTEXT.mpf(10) ** -25, 1000, 10
+#: As near to a toggle as the digits of ends allow, where three powers of 1/x may cancel, and so much
+#: farther: a quantity that changes by such a factor between the two is infinite or 0 at the toggle.
+AT_END, FARTHER, GROWS = CONTEXT.mpf(10) ** -40, 1000, 10
+#: Digits of extremes: second differences over 1e-12 of what is 1e-30 of its terms have none of 50; and of ends.
+OF_EXTREMES, OF_ENDS = 2 * DIGITS, 3 * DIGITS
 
 
 @dataclass(frozen=True)
@@ -233,6 +235,10 @@ class Stationary:
         """Return an extreme with 50 digits; `positions` adds the condition of its angle."""
         if candidate.kind == JUMP:
             return Extreme(CONTEXT.pi, CONTEXT.zero, CONTEXT.nan, CONTEXT.zero)
+        with CONTEXT.workdps(OF_ENDS if candidate.kind == END else OF_EXTREMES):
+            return self._extreme(design, candidate, positions=positions)
+
+    def _extreme(self, design: int, candidate: Candidate, *, positions: bool) -> Extreme:
         design_values = {name: column[design] for name, column in self.inputs.items()}
         end, x = candidate.end, CONTEXT.mpf(candidate.x)
         base = self.facts.at(design_values | self._leaves_at(end, x))
