@@ -141,7 +141,7 @@ TABLE_ERRORS = {
     "list": (
         [1.0],
         "[1.0]",
-        "a mapping, an xarray.Dataset, a pandas.DataFrame or the path of a CSV file",
+        "a mapping, an xarray.Dataset, a pandas.DataFrame or the path of a CSV or Parquet file",
     ),
 }
 

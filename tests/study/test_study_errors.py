@@ -185,7 +185,11 @@ def test_bad_input(folder, old, new, key, remedy):
             "design.sobol.omga1",
             "did you mean 'omega1'?",
         ),
-        ("[design]\ntable = 3\n", "design.table", 'write the path of a CSV file, such as "designs.csv"'),
+        (
+            "[design]\ntable = 3\n",
+            "design.table",
+            'write the path of a CSV or Parquet file, such as "designs.csv"',
+        ),
         ("[design]\ntable = 'absent.csv'\n", "design.table", "give the path of a CSV file"),
         ("[design]\ntable = 'holes.csv'\n", "design.table", "write a finite number"),
         (

@@ -67,7 +67,8 @@ def sweep(
         Name of the mechanism, such as ``"planar_4r"``.
     space : DesignSpace, mapping, DataFrame, Dataset or path
         From `fastlink.grid`, `fastlink.table`, `fastlink.sobol` or `fastlink.latin_hypercube`; or what `fastlink.table`
-        takes, such as a DataFrame, the path of a CSV file or the result of another sweep; or one design as a mapping.
+        takes, such as a DataFrame, the path of a CSV or Parquet file or the result of another sweep; or one design as a
+        mapping.
     quantities : sequence of str
         Names of quantities, or of their reductions over the cycle: ``NAME_max``, ``NAME_min``, ``NAME_rms``,
         ``NAME_mean``, ``NAME_fluctuation``,

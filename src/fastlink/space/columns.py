@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from fastlink._text import counted, short_repr, unwritable
 from fastlink.errors import InputError, KeyPath, Problem, Problems, Remedy, Setting
+from fastlink.space.column import Column
 from fastlink.space.design_space import DESIGN, DesignSpace, sampled
 from fastlink.space.values import (
     Floats,
@@ -119,7 +120,7 @@ class Columns:
         self.keep, self.allow_invalid = keep, allow_invalid
         self.of_map = OF_EVERY_MAP in names
         self.constants: dict[str, float] = {}
-        self.columns: dict[str, Floats] = {}
+        self.columns: dict[str, Floats | Column] = {}
         self.labels: dict[str, NDArray[Any]] = {}
         self.units: dict[str, str] = {}
         self.doubtful: dict[str, Problem] = {}

@@ -6,24 +6,32 @@ import csv
 import math
 from array import array
 from collections.abc import Collection, Iterable, Iterator
+from itertools import islice
 from pathlib import Path
-from typing import Any
+from typing import Any, TextIO
 
 import numpy as np
 
 from fastlink._text import counted, short_repr
 from fastlink.options import not_a_file
 from fastlink.space.columns import Columns, check_name, is_label, or_keep, refused
+from fastlink.space.table_file import FileColumn, TableFile, Walk
 from fastlink.space.values import check_input_name
 
 __all__ = ["read_csv"]
 
 #: What may separate columns where the first line holds no comma: other programs export these.
 SEPARATORS = ";\t"
+#: Bytes of files whose numbers are kept in memory; those of larger ones are read block by block.
+LARGE = 64 << 20
+#: Rows of such a block: as many as an evaluation takes at once.
+BLOCK_ROWS = 4096
 
 
 def read_csv(path: Path, keep: Collection[str], allow_invalid: bool) -> Columns:
     """Return the columns of a CSV file; blank lines are skipped.
+
+    Numbers of a large file are looked at once and read again, block by block, where they are needed; labels are kept.
 
     Raises
     ------
@@ -33,8 +41,9 @@ def read_csv(path: Path, keep: Collection[str], allow_invalid: bool) -> Columns:
     if other := not_a_file(path):
         raise refused(f"{path} {other}", "give the path of a CSV file")
     try:
-        with path.open(encoding="utf-8-sig", newline="") as file:
-            return _Reader(path.name, file).columns(keep, allow_invalid)
+        with _opened(path) as file:
+            blocks = _Blocks(path, file) if path.stat().st_size > LARGE else None
+            return _Reader(path.name, iter(file.readline, ""), blocks).columns(keep, allow_invalid)
     except OSError as error:
         raise refused(f"cannot read {path}: {error.strerror}", "give the path of a CSV file") from error
     except (UnicodeDecodeError, csv.Error) as error:
@@ -44,9 +53,56 @@ def read_csv(path: Path, keep: Collection[str], allow_invalid: bool) -> Columns:
         raise refused(f"{path} is not CSV text ({error})", "save it as comma-separated UTF-8") from error
 
 
+def _opened(path: Path) -> TextIO:
+    return path.open(encoding="utf-8-sig", newline="")
+
+
+def _rows(lines: Iterable[str], separator: str) -> Any:
+    """Return a reader of the rows of some lines."""
+    return csv.reader(lines, skipinitialspace=True, strict=True, delimiter=separator)
+
+
 def _is_hdf5(path: Path) -> bool:
     with path.open("rb") as file:
         return file.read(4) == b"\x89HDF"
+
+
+class _Blocks(TableFile):
+    """A CSV file, whose rows were all looked at, and the places of its blocks.
+
+    Parameters
+    ----------
+    path : Path
+        The file.
+    file : text file
+        The same, being read.
+    """
+
+    def __init__(self, path: Path, file: TextIO) -> None:
+        super().__init__(path)
+        self.tell: Any = file.tell
+        self.places: list[int] = []
+        self.separator, self.numeric = ",", list[int]()
+
+    def begin(self, row: int) -> None:
+        """Note that a block begins with the row that is read next."""
+        self.starts.append(row)
+        self.places.append(self.tell())
+
+    def finish(self, separator: str, numeric: list[int], length: int) -> None:
+        """Note which columns hold numbers, when all rows are read."""
+        self.separator, self.numeric, self.length, self.tell = separator, numeric, length, None
+
+    def load(self, block: int) -> dict[Any, Any]:
+        """Return the numbers of a block of rows, by column."""
+        with _opened(self.path) as file:
+            file.seek(self.places[block])
+            given = (
+                row for row in _rows(iter(file.readline, ""), self.separator) if any(map(str.strip, row))
+            )
+            columns = list(zip(*islice(given, BLOCK_ROWS), strict=True))
+        # an empty cell is None, which NumPy takes for NaN
+        return {key: np.array([_number(text) for text in columns[key]], np.float64) for key in self.numeric}
 
 
 class _Column:
@@ -62,6 +118,8 @@ class _Column:
         Its texts, if its name or its first cell says that it holds such.
     bad : tuple of (str, str) or None
         The first cell that holds no finite number, with its place.
+    walk : Walk
+        What was seen of its numbers before those that are kept.
     """
 
     def __init__(self, name: str, is_text: bool) -> None:
@@ -70,16 +128,27 @@ class _Column:
         self.texts: list[str] | None = [] if is_text else None
         self.by_name = is_text
         self.bad: tuple[str, str] | None = None
+        self.walk = Walk()
+
+    @property
+    def is_empty(self) -> bool:
+        """Whether no cell was a number yet."""
+        return not self.numbers and not self.walk.length
+
+    def pass_by(self) -> None:
+        """Keep of the numbers so far no more than what they are between, and their hash."""
+        self.walk.add(np.array(self.numbers))
+        self.numbers = array("d")
 
 
 class _Reader:
     """Read one file, line by line."""
 
-    def __init__(self, file: str, lines: Iterable[str]) -> None:
-        self.file = file
+    def __init__(self, file: str, lines: Iterable[str], blocks: _Blocks | None) -> None:
+        self.file, self.blocks = file, blocks
         first, lines = _first_line(lines)
         self.separator = "," if "," in first else next((s for s in SEPARATORS if s in first), ",")
-        self.reader: Any = csv.reader(lines, skipinitialspace=True, strict=True, delimiter=self.separator)
+        self.reader: Any = _rows(lines, self.separator)
 
     def columns(self, keep: Collection[str], allow_invalid: bool) -> Columns:
         """Return the columns of the file."""
@@ -88,15 +157,29 @@ class _Reader:
         found = Columns(keep, allow_invalid, names)
         columns = [_Column(name, not name or is_label(name, keep)) for name in names]
         number = -1
+        self._begin(0, columns)
         for number, row in enumerate(rows):
             self._check_length(row, names)
             for column, text in zip(columns, row, strict=True):
                 self._add(column, text, number, allow_invalid)
+            if (number + 1) % BLOCK_ROWS == 0:
+                self._begin(number + 1, columns)
         if number < 0:
             raise refused(f"{self.file} has a header but no rows", "write one line per design")
+        self._begin(number + 1, columns)
+        if self.blocks is not None:
+            numeric = [k for k, column in enumerate(columns) if column.texts is None]
+            self.blocks.finish(self.separator, numeric, number + 1)
         for position, column in enumerate(columns):
             self._take(found, column, position)
         return found
+
+    def _begin(self, row: int, columns: list[_Column]) -> None:
+        """Begin another block of rows of a large file."""
+        if self.blocks is not None:
+            self.blocks.begin(row)
+            for column in columns:
+                column.pass_by()
 
     def _add(self, column: _Column, text: str, number: int, allow_invalid: bool) -> None:
         """Add a cell to a column, or refuse what is neither a number nor one of its texts."""
@@ -107,7 +190,7 @@ class _Reader:
                 column.bad = self._cell(number, column.name), text.strip()
             return
         text = text.strip()
-        if column.by_name or (value is None and text and (column.texts is not None or not column.numbers)):
+        if column.by_name or (value is None and text and (column.texts is not None or column.is_empty)):
             column.texts = [] if column.texts is None else column.texts
             column.texts.append(text)
             if column.bad is None:
@@ -132,10 +215,12 @@ class _Reader:
                 found.add_label(column.name or "index", labels)
             return
         check_input_name("table", column.name)
-        values = np.array(column.numbers)
         if column.bad is not None and not found.allow_invalid:
             found.doubt(column.name, *column.bad)
-        found.columns[column.name] = values
+        blocks = self.blocks
+        found.columns[column.name] = (
+            np.array(column.numbers) if blocks is None else FileColumn(blocks, position, column.walk)
+        )
 
     def _no_number(self, column: _Column, cell: str, text: str) -> Exception:
         remedy = or_keep("write a number", column.name)

@@ -1,4 +1,4 @@
-"""Read tables of designs: mappings, data frames, datasets and CSV files."""
+"""Read tables of designs: mappings, data frames, datasets, CSV and Parquet files."""
 
 from __future__ import annotations
 
@@ -16,11 +16,12 @@ from fastlink.space.columns import Columns, check_name, refused
 from fastlink.space.csv_file import read_csv
 from fastlink.space.dataset import space_of_dataset
 from fastlink.space.design_space import DESIGN, DesignSpace, flat
+from fastlink.space.parquet_file import is_parquet, read_parquet
 from fastlink.space.values import has, read_or_none
 
 __all__ = ["as_space", "table"]
 
-SOURCES = "a mapping, an xarray.Dataset, a pandas.DataFrame or the path of a CSV file"
+SOURCES = "a mapping, an xarray.Dataset, a pandas.DataFrame or the path of a CSV or Parquet file"
 
 
 @door
@@ -37,7 +38,8 @@ def table(source: Any, *, keep: Sequence[str] = (), allow_invalid: bool = False)
         A mapping of names to columns of equal length, where a number is a constant; a Dataset, of which the
         1-D variables along one common dimension (and 1-D coordinates) are columns and 0-d ones are constants; the
         result of a sweep, whose designs these are again; a DataFrame; one mapping for each design; or the path of
-        a UTF-8 file with the names in line 1 and columns separated by commas, semicolons or tabs.
+        a Parquet file, or of a UTF-8 file with the names in line 1 and columns separated by commas, semicolons or tabs.
+        A file of more than 64 MB is looked at once, and its numbers are read where they are needed.
     keep : sequence of str
         Further columns that are no inputs, to be kept as coordinates of the result.
     allow_invalid : bool, default False
@@ -113,7 +115,8 @@ def _space_of(source: Any, keep: Collection[str], allow_invalid: bool, *, single
     if isinstance(source, (str, os.PathLike)):
         path = check_path(("table",), source, "designs.csv")
         attrs: dict[str, str | int] = {"design_kind": "table", "design_source": path.name}
-        return read_csv(path, keep, allow_invalid).space(attrs)
+        read = read_parquet if is_parquet(path) else read_csv
+        return read(path, keep, allow_invalid).space(attrs)
     return read_or_none(_space_in_memory, source, keep, allow_invalid, single=single)
 
 

@@ -113,7 +113,7 @@ class Design(BaseModel, extra="allow"):
     __pydantic_extra__: dict[str, DesignInput]
     sobol: Sample | None = None
     latin_hypercube: Sample | None = None
-    table: Annotated[Text, Write('the path of a CSV file, such as "designs.csv"')] | None = None
+    table: Annotated[Text, Write('the path of a CSV or Parquet file, such as "designs.csv"')] | None = None
     keep: Annotated[list[String], Write('names of columns, such as ["part_no"]')] | None = None
 
 

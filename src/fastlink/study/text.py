@@ -43,7 +43,7 @@ def text_of(path: Path) -> str:
         if is_hdf5(path):
             raise _refused(path, "is a map, not a study", f"`fastlink info {path}` shows it")
         if length > LONGEST:
-            remedy = 'keep designs in a CSV file: [design] table = "designs.csv"'
+            remedy = 'keep designs in a CSV or Parquet file: [design] table = "designs.csv"'
             raise _refused(path, f"has {size(length)}, too long for a study", remedy)
         return path.read_text(encoding="utf-8-sig")
     except UnicodeDecodeError as error:
