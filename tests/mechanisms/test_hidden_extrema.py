@@ -236,3 +236,23 @@ def test_rounding_errors_beside_the_fold_of_a_kite_are_no_extremes():
     bars = fl.round_bar(density=7750.0, radius=0.01)
     counts = fl.sweep("planar_4r", space, ["F32_extrema_count"], links=bars, verify=0).F32_extrema_count
     assert np.all(counts == 0)
+
+
+def test_a_force_of_links_without_mass_is_finite_at_a_toggle():
+    """The crank alone has mass: nothing grows where coupler and output link are in line, and the least is there."""
+    design = {"a1": 5.0, "a2": 2.0, "a3": 3.0, "a4": 4.0, "omega1": -0.441125, "gravity_x": -0.032687}
+    design |= {"gravity_y": 0.0, "m1": 0.001349, "I1": 1.0, "G1_u": -5.0, "G1_v": 5.0, "m2": 0.0, "m3": 0.0}
+    design |= {"I2": 3.8e-05, "I3": 1.680962, "G2_u": 7.0, "G2_v": 5.0, "G3_u": 0.0, "G3_v": 0.0}
+    ends = [f"shaking_force_{end}{of}" for end in ("max", "min") for of in ("", "_error")]
+    found = fl.sweep("planar_4r", fl.grid(**design), ends, branch=1, verify=0)
+    most, above, least, below = (float(found[name]) for name in ends)
+    # F = m1 |g - a|, a = omega1^2 |OG1| towards O, over the reachable range
+    toggle = np.arccos((5.0**2 + 4.0**2 - (2.0 + 3.0) ** 2) / (2.0 * 5.0 * 4.0))
+    theta1 = toggle * np.linspace(-1.0, 1.0, 200001)
+    outward = theta1 + 0.75 * np.pi
+    pull = 0.441125**2 * np.sqrt(50.0)
+    force = 0.001349 * np.hypot(pull * np.cos(outward) - 0.032687, pull * np.sin(outward))
+    assert force.max() <= most + above
+    assert most == pytest.approx(force.max(), rel=1e-9)
+    assert least - below <= force.min()
+    assert least == pytest.approx(force.min(), rel=1e-12)

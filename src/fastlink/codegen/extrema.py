@@ -230,8 +230,6 @@ class _ExtremaWriter(ExtremaSchedule):
         text.call(classify, f"{state}, search_{number}")
         if classify is results.extrema_at_zeros:
             text.call(results.drop_folds, "state, filled, w, table")
-        if classify is results.end_values and search.order > 0:
-            text.call(results.make_poles, "state, filled, w, table")
         if self.program.has_bounds and classify is results.extrema_at_zeros:
             text.call(bounds.bound_zeros, f"state, filled, search_{number}, {int(search.magnitude)}")
         elif self.program.has_bounds:

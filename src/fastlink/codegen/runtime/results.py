@@ -44,7 +44,7 @@ from fastlink.numerics.elementary import ANGLE_ROUNDING, INFINITY, NOT_A_NUMBER,
 
 __all__ = [
     *("clear", "collect_ends", "doubt", "drop_folds", "end_values", "extrema_at_zeros"),
-    *("keep_beside", "make_poles", "mirror_image"),
+    *("keep_beside", "mirror_image"),
     *("store_best", "store_bound", "store_counts", "store_extrema", "store_list"),
 ]
 
@@ -58,6 +58,8 @@ BEST_ROWS = 5
 # How much farther from a fold than the first sample, 2^-60 of the scale, a quantity is evaluated too; and how much
 # smaller it is there at least if it has a pole at the fold.
 FARTHER, GROWS = 2.0**30, 2.0**20
+# How little a quantity changes from there to a toggle if it is finite.
+STEADY = 2.0**-16
 # Zeros of a slope within so many distances of the first sample from a fold are the fold itself, which is listed no more
 # than a toggle: towards a pole the sampled function falls with a power of the distance, and looks like zero there.
 FOLDED = 2.0**8
@@ -151,26 +153,31 @@ def keep_beside(s: Any, count: int) -> None:
 
 
 @outlined
-def make_poles(s: Any, count: int, w: Any, table: Any) -> None:
-    """Make values beside a fold infinite where they grow towards it as 1/x or more: forces, where all bars are in line.
+def end_values(s: Any, count: int, w: Any, table: Any, search: Any) -> None:
+    """Make values at ends of the range infinite where they grow towards a toggle or fold; an end is of no kind.
 
-    A value that is nothing but rounding does not grow with the distance of both positions.
+    At a toggle a quantity grows by its order, unless what grows has the factor 0, as the forces of links without mass:
+    then it is the same at both positions. At a fold forces grow as 1/x or more where all bars are in line; a value that
+    is nothing but rounding does not grow with the distance of both positions.
+
+    Parameters
+    ----------
+    s, count, table, search
+        As for `extrema_at_zeros`.
+    w : array
+        Lane values.
     """
     for i in range(count):
-        fold = w[table[TOGGLE] + int(s[UPPER, i]), int(s[LANE, i])] == 0.0
-        beside = abs(s[F, i])
-        if fold and s[X, i] > 0.0 and beside > 0.0 and abs(s[VALUE, i]) > GROWS * beside:
-            s[VALUE, i] = s[VALUE, i] * INFINITY
-
-
-@outlined
-def end_values(s: Any, count: int, w: Any, table: Any, search: Any) -> None:
-    """Make the values at ends of the range infinite where they are so at a toggle; an end is of no kind."""
-    for i in range(count):
         s[KIND, i] = 0.0
-        toggle = w[table[TOGGLE] + int(s[UPPER, i]), int(s[LANE, i])] > 0.0
-        if toggle and search[ORDER] > 0 and s[VALUE, i] != 0.0:
-            s[VALUE, i] = s[VALUE, i] * INFINITY
+        toggle = w[table[TOGGLE] + int(s[UPPER, i]), int(s[LANE, i])]
+        value, beside = s[VALUE, i], s[F, i]
+        grows = False
+        if toggle > 0.0:
+            grows = value != 0.0 and not abs(value - beside) <= STEADY * abs(beside)
+        elif toggle == 0.0 and s[X, i] > 0.0 and beside != 0.0:
+            grows = abs(value) > GROWS * abs(beside)
+        if search[ORDER] > 0 and grows:
+            s[VALUE, i] = value * INFINITY
 
 
 @outlined
