@@ -20,6 +20,7 @@ from fastlink.engine.function import Function
 from fastlink.errors import InputError as InputError
 from fastlink.errors import InputWarning as InputWarning
 from fastlink.io.check import check as check
+from fastlink.io.converting.convert import convert as convert
 from fastlink.maps import best as best
 from fastlink.maps import finite as finite
 from fastlink.maps import open as open
@@ -65,6 +66,7 @@ __all__ = [
     "accuracy_table",
     "best",
     "check",
+    "convert",
     "draw",
     "evaluate",
     "explain",

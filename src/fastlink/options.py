@@ -29,7 +29,7 @@ LONGEST_NAME, LONGEST_PATH = 255, 4095
 #: Endings of files that are no HDF5; other programs would misread a map called so.
 OTHER_FILES = frozenset(
     {".csv", ".json", ".mat", ".md", ".npy", ".npz", ".parquet", ".pdf", ".pkl", ".png", ".py", ".svg"}
-    | {".toml", ".tsv", ".txt", ".xls", ".xlsx", ".yaml", ".yml", ".zip"}
+    | {".toml", ".tsv", ".txt", ".xls", ".xlsx", ".yaml", ".yml", ".zarr", ".zip"}
 )
 
 

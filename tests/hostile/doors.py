@@ -272,6 +272,22 @@ DOORS: list[Door] = [
         "",
     ),
     Door("check", "fl.check($path)", _slots(path=("path", "'maps.h5'", "maps.h5")), ""),
+    Door(
+        "convert",
+        "fl.convert($maps, $to, select=$select, quantities=$quantities, dtype=$dtype, compress=$compress, "
+        "overwrite=$overwrite, progress=$progress)",
+        _slots(
+            maps=("dataset", "MAPS", "MAPS", DATASETS[-1]),
+            to=("path", "'out.nc'", "a.nc"),
+            select=("mapping", "None", "1", "xr.Dataset()"),
+            quantities=("names", "['omega4_max']", "omega4_max"),
+            dtype=("choice", "None", "float32"),
+            compress=("choice", "None", "gzip"),
+            overwrite=("flag", "True"),
+            progress=("flag", "False"),
+        ),
+        "",
+    ),
     Door("summary", "fl.summary($maps)", _slots(maps=("dataset", "MAPS", "MAPS", DATASETS[-1])), ""),
     Door("finite", "fl.finite($maps)", _slots(maps=("dataset", "MAPS", "MAPS", *DATASETS)), ""),
     Door(

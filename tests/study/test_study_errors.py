@@ -297,7 +297,7 @@ def test_a_study_never_replaces_what_it_is_read_from(folder, name):
     assert (error.where, error.what) == (("to",), f"{name!r} is not the name of an HDF5 file")
     Path("link.h5").symlink_to(name)
     error = of_the_caller(text, to="link.h5", overwrite=True)
-    assert (error.where, error.what) == (("to",), "link.h5: the study is read from that file")
+    assert (error.where, error.what) == (("to",), "link.h5 is a file that is read for it")
     assert Path("designs.csv").read_text() == "a1,a2\n0.4,1.2\n"
 
 

@@ -21,6 +21,7 @@ for function in (
     maps.info,
     maps.check,
     maps.best,
+    maps.convert,
     maps.plot,
     studies.accuracy,
     mechanisms.cache,

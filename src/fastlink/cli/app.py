@@ -33,6 +33,7 @@ ELSEWHERE = {
     "accuracy": ("benchmark", "error", "errors"),
     "best": ("front", "optimise", "optimize", "pareto", "rank", "sort", "top"),
     "check": ("fsck", "verify", "checksum"),
+    "convert": ("export", "nccopy", "save", "to_netcdf", "transform"),
     "explain": ("estimate", "forecast", "plan"),
     "info": ("describe", "head", "open", "print", "show", "summary"),
     "mechanisms": ("list", "ls"),

@@ -1,4 +1,4 @@
-"""The commands on maps: info, check, best, plot."""
+"""The commands on maps: info, check, best, convert, plot."""
 
 from __future__ import annotations
 
@@ -7,10 +7,10 @@ from typing import Annotated, Any
 
 import typer
 
-from fastlink.cli.app import MapFile, command, numbers_by_name
+from fastlink.cli.app import MapFile, Overwrite, command, numbers_by_name
 from fastlink.errors import InputError, Setting
 
-__all__ = ["best", "check", "info", "plot"]
+__all__ = ["best", "check", "convert", "info", "plot"]
 
 CHANGED = 1
 
@@ -105,6 +105,47 @@ def _end(name: str, text: str) -> float | None:
 
 
 @command
+def convert(
+    file: MapFile,
+    to: Annotated[
+        Path,
+        typer.Option(
+            "--to", metavar="OUT", help="h5, nc, zarr, csv or parquet by its ending.", show_default=False
+        ),
+    ],
+    select: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--select",
+            metavar="NAME=VALUES",
+            help="Take a2=1.1:1.2 (both ends), theta1=0.5 (nearest), theta1_deg=90 or a2=#0:10; may be repeated.",
+        ),
+    ] = None,
+    quantities: Annotated[
+        str | None, typer.Option("--quantities", metavar="A,B", help="Variables to take; all if left out.")
+    ] = None,
+    dtype: Annotated[
+        str | None, typer.Option("--dtype", metavar="TYPE", help="float32, or float64, for results.")
+    ] = None,
+    *,
+    compress: Annotated[
+        str | None,
+        typer.Option("--compress", metavar="NAME:LEVEL", help="gzip, zstd, blosc or lz4, such as zstd:3."),
+    ] = None,
+    overwrite: Overwrite = False,
+    quiet: Annotated[bool, typer.Option("--quiet", help="Print no progress.")] = False,
+) -> None:
+    """Convert a map to another format, compressed, in part, or with fewer digits."""
+    from fastlink.io.converting.convert import convert
+
+    conditions = _named(select or [], "select", {"a2": "1.1:1.2"})
+    names = None if quantities is None else [name.strip() for name in quantities.split(",")]
+    options: dict[str, Any] = {"dtype": dtype, "compress": compress, "overwrite": overwrite}
+    options["progress"] = False if quiet else None
+    typer.echo(str(convert(file, to, select=conditions or None, quantities=names, **options)))
+
+
+@command
 def plot(
     file: MapFile,
     name: Annotated[
@@ -135,3 +176,17 @@ def plot(
     picture = to if to is not None else Path(f"{name}.png")
     plot_map(file, name, branch=branch, at=fixed, degrees=degrees, to=picture)
     typer.echo(str(picture))
+
+
+def _named(texts: list[str], option: str, example: dict[str, Any]) -> dict[str, str]:
+    """Return the texts that an option gives as ``NAME=VALUES``."""
+    given: dict[str, str] = {}
+    for text in texts:
+        name, equals, value = (part.strip() for part in text.partition("="))
+        if not (equals and name and value):
+            remedy = ("write such as ", Setting(option, example))
+            raise InputError(f"{text!r} is not NAME=VALUES", where=(option,), remedy=remedy)
+        if name in given:
+            raise InputError(f"{name} is given twice", where=(option,), remedy="write it once")
+        given[name] = value
+    return given

@@ -19,6 +19,7 @@ from fastlink.engine.parts import consecutive, whole_coordinates
 from fastlink.engine.sinks import StatusCounts, into, tee, within
 from fastlink.io.dataset import plain_attrs
 from fastlink.io.finished import finished_map
+from fastlink.io.history import HISTORY, history
 from fastlink.io.parts import Part, PartOfMap
 from fastlink.io.place import existing_file
 from fastlink.io.placement import CURVES, MAPS
@@ -173,7 +174,8 @@ class Evaluation:
             self._run(tee(write, sink), record, writer.pending)
             statistics = self._statistics(resumed)
             measured, errors = self._errors()  # an interrupt leaves a partial file that goes on from here
-            writer.finish(statistics | measured, errors)
+            made = {HISTORY: history(f"sweep {self.resolved.mechanism} to {path.name}")}
+            writer.finish(statistics | measured | made, errors)
 
     def _run(self, sink: Sink, record: Sink | None = None, pending: list[Range] | None = None) -> None:
         """Evaluate designs.

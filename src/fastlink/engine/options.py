@@ -41,6 +41,8 @@ RESERVED = frozenset(
         "fingerprint",
         "configurations",
         "configurations_per_second",
+        "compression",
+        "history",
         *OF_PARTS,
     )
 )

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import sys
 import threading
 from bisect import bisect_left, bisect_right
 from collections.abc import Sequence
@@ -10,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from fastlink.io.progress import progress_bar
 from fastlink.io.ranges import joined
 
 if TYPE_CHECKING:
@@ -80,11 +80,7 @@ class ProgressBar:
     """A progress bar that threads may feed, by default visible on a terminal only."""
 
     def __init__(self, total: int, visible: bool | None) -> None:
-        self.bar: Any = None
-        if sys.stderr.isatty() if visible is None else visible:
-            from tqdm import tqdm  # 15 ms, which nobody waits for who sees no bar
-
-            self.bar = tqdm(total=total, unit=" designs", unit_scale=True, file=sys.stderr)
+        self.bar = progress_bar(total, " designs", visible)
         self.lock = threading.Lock()
 
     def take(self, start: int, stop: int, arrays: list[NDArray[Any]]) -> None:

@@ -36,13 +36,17 @@ class FileCheck:
     damaged : dict of str to list of (first, last)
         The values that changed, by variable: numbers of values in C order, both included, of whole blocks.
     rest_is_intact : bool
-        Whether all else is as it was: labels, attributes, the checksums themselves.
+        Whether all else is as it was: labels, attributes, the checksums themselves;
+        where `is_compressed`, the values too.
+    is_compressed : bool
+        Whether the file has one checksum of all its bytes, as compressed ones have.
     """
 
     path: Path
     nbytes: int
     damaged: dict[str, list[tuple[int, int]]] = field(default_factory=dict)
     rest_is_intact: bool = True
+    is_compressed: bool = False
 
     def __bool__(self) -> bool:
         return self.rest_is_intact and not self.damaged
@@ -56,7 +60,8 @@ class FileCheck:
             for first, last in ranges
         ]
         if not self.rest_is_intact:
-            lines.append(f"{self.path}: labels, attributes or checksums have changed")
+            what = "values, " if self.is_compressed else ""
+            lines.append(f"{self.path}: {what}labels, attributes or checksums have changed")
         return "\n".join(lines)
 
 
@@ -141,4 +146,4 @@ def _compared(path: Path, blocks: list[_Block], said: Any, rest_at: int, rest: i
     for block in wrong:
         ranges.setdefault(block.variable, []).append(block.values)
     damaged = {name: [(first, end - 1) for first, end in joined(values)] for name, values in ranges.items()}
-    return FileCheck(path, nbytes, damaged, is_intact)
+    return FileCheck(path, nbytes, damaged, is_intact, not blocks)

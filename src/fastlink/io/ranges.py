@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+import math
+from collections.abc import Iterable, Iterator
 
-__all__ = ["Range", "Ranges", "joined", "missing"]
+import numpy as np
+
+__all__ = ["Range", "Ranges", "joined", "missing", "pieces"]
 
 Range = tuple[int, int]
 #: Ranges that are kept apart until they are joined.
@@ -66,3 +69,38 @@ class Ranges:
     def joined(self) -> list[Range]:
         """Return all ranges in order, those that touch joined."""
         return joined(self._ranges)
+
+
+def pieces(
+    shape: tuple[int, ...], most: int, steps: tuple[int, ...] = ()
+) -> Iterator[tuple[tuple[int | slice, ...], int]]:
+    """Yield index and first flat number of consecutive pieces of an array, in C order.
+
+    Parameters
+    ----------
+    shape : tuple of int
+        Of the array.
+    most : int
+        Values of a piece; a piece has one row at least.
+    steps : tuple of int, optional
+        By dimension: a piece has a multiple of so many rows, where they fit.
+
+    Examples
+    --------
+    >>> list(pieces((2, 3), 2))[:2]
+    [((0, slice(0, 2, None)), 0), ((0, slice(2, 3, None)), 2)]
+    """
+    if not math.prod(shape):
+        return
+    if not shape:
+        yield (), 0
+        return
+    lead = next(k for k in range(len(shape)) if math.prod(shape[k + 1 :]) <= most or k == len(shape) - 1)
+    below = math.prod(shape[lead + 1 :])
+    rows = max(1, most // below)
+    if steps:
+        rows = rows // steps[lead] * steps[lead] or rows
+    for number, outer in enumerate(np.ndindex(shape[:lead])):
+        for start in range(0, shape[lead], rows):
+            stop = min(start + rows, shape[lead])
+            yield (*outer, slice(start, stop)), (number * shape[lead] + start) * below

@@ -15,19 +15,33 @@ import xarray as xr
 
 from fastlink._text import short_repr
 from fastlink.doors import door
-from fastlink.errors import InputError, suggest
+from fastlink.errors import InputError, KeyPath, suggest
 from fastlink.io.dataset import FORMAT_VERSION
 from fastlink.io.place import part_of, reason
 from fastlink.options import check_path, not_a_file
 from fastlink.space.dataset import FORMAT
 
-__all__ = ["as_dataset", "as_map", "is_hdf5", "open_map"]
+__all__ = [
+    "COMPRESSION",
+    "as_dataset",
+    "as_map",
+    "is_hdf5",
+    "is_zarr",
+    "open_map",
+    "register_filter",
+    "require_package",
+]
 
 #: Options of xarray that are decided here.
 DECIDED = ("filename_or_obj", "engine", "chunks", "kwargs")
 GIVE_A_MAP = "give the result of a sweep, or the path of its file"
 INSTALL_DASK = "python -m pip install dask"
 
+#: Global attribute of a compressed file: what it is compressed by; what every HDF5 can read.
+COMPRESSION, BUILT_IN = "compression", "gzip"
+INSTALL_CONVERT = "python -m pip install 'fastlink-linkages[convert]'"
+#: Any of these files tells that a folder is a zarr store.
+OF_ZARR = (".zgroup", ".zmetadata", "zarr.json")
 SIGNATURE = b"\x89HDF\r\n\x1a\n"
 
 
@@ -37,14 +51,33 @@ def is_hdf5(path: Path) -> bool:
         return file.read(len(SIGNATURE)) == SIGNATURE
 
 
+def is_zarr(path: Path) -> bool:
+    """Tell whether a folder is a zarr store."""
+    return any(os.path.isfile(path / name) for name in OF_ZARR)
+
+
+def require_package(module: str, where: KeyPath) -> None:
+    """Refuse what needs a package of conversions that is not installed."""
+    if find_spec(module) is None:
+        raise InputError(f"{module} is not installed", where=where, remedy=INSTALL_CONVERT)
+
+
+def register_filter(name: str) -> None:
+    """Let HDF5 use the filter of hdf5plugin, not another package's, such as netCDF4's, which may not fit."""
+    import hdf5plugin
+
+    with contextlib.suppress(ValueError):  # of another name, which will be missed when values are read
+        hdf5plugin.register(name, force=True)
+
+
 @door(name="open")
 def open_map(path: str | os.PathLike[str], *, chunks: Any = None, **options: Any) -> xr.Dataset:
-    """Open a map that a sweep has written; values are read when they are used.
+    """Open a map that a sweep or a conversion has written; values are read when they are used.
 
     Parameters
     ----------
     path : str or path
-        The file.
+        The file: HDF5, netCDF-4 or zarr.
     chunks : int, dict or "auto", optional
         Split variables into chunks of dask, as `xarray.open_dataset` does: ``{}`` as the file is, ``{"a1": 100}``,
         ``"auto"``. Needs dask.
@@ -76,12 +109,18 @@ def open_map(path: str | os.PathLike[str], *, chunks: Any = None, **options: Any
     ...         maps.title, float(maps.omega4_max.sel(a2=1.2))
     ('two designs', 29.5)
     """
-    path = existing_map(path)
+    path = existing_map(path, or_zarr=True)
     _check_options(chunks, options)
+    engine = "zarr" if path.is_dir() else "h5netcdf"
+    if engine == "zarr":
+        require_package("zarr", ("path",))
     try:
-        dataset = xr.open_dataset(path, engine="h5netcdf", chunks=chunks, **options)
+        dataset = xr.open_dataset(path, engine=engine, chunks=chunks, **options)
     except Exception as error:  # of h5py, h5netcdf, xarray and dask: there is no list of them
-        _refuse_option(path, chunks, options, error)
+        _refuse_option(path, engine, chunks, options, error)
+        if engine == "zarr":
+            what = f"{path}: cannot be read as zarr ({reason(error)})"
+            raise InputError(what, remedy="give a map that fastlink.convert has written") from error
         if path.suffix == ".toml" and not is_hdf5(path):
             what = f"{path}: is a study, not a map"
             raise InputError(what, remedy=f"`fastlink run {path}` makes its map") from error
@@ -89,6 +128,12 @@ def open_map(path: str | os.PathLike[str], *, chunks: Any = None, **options: Any
         raise InputError(what, remedy="give a map that a sweep has written") from error
     version = dataset.attrs.get(FORMAT)
     if isinstance(version, (int, np.integer)) and version <= FORMAT_VERSION:
+        if engine != "zarr" and str(dataset.attrs.get(COMPRESSION, BUILT_IN)).partition(":")[0] != BUILT_IN:
+            with contextlib.ExitStack() as stack:
+                stack.callback(dataset.close)
+                require_package("hdf5plugin", ("path",))
+                register_filter(str(dataset.attrs[COMPRESSION]).partition(":")[0])
+                stack.pop_all()
         return dataset
     dataset.close()
     if version is None:
@@ -138,9 +183,14 @@ def as_dataset(maps: Any) -> Iterator[xr.Dataset]:
         raise InputError(what, where=("maps",), remedy=remedy)
 
 
-def existing_map(path: Any) -> Path:
-    """Return the path of a file that may be a map, or refuse it."""
+def existing_map(path: Any, *, or_zarr: bool = False) -> Path:
+    """Return the path of a file that may be a map, or of a zarr store where that may be one, or refuse it."""
     file = check_path(("path",), path)
+    if is_zarr(file):
+        if or_zarr:
+            return file
+        what = f"{file}: is a zarr store, which has no checksums of fastlink"
+        raise InputError(what, remedy="check the .h5 file that it was made from")
     if other := not_a_file(file):
         raise InputError(f"{file}: {other}", remedy="give the path of a map that a sweep has written")
     if os.fspath(path).endswith(os.sep):
@@ -172,12 +222,12 @@ def _check_options(chunks: Any, options: dict[str, Any]) -> None:
         raise InputError("dask is not installed", where=("chunks",), remedy=INSTALL_DASK)
 
 
-def _refuse_option(path: Path, chunks: Any, options: dict[str, Any], error: Exception) -> None:
+def _refuse_option(path: Path, engine: Any, chunks: Any, options: dict[str, Any], error: Exception) -> None:
     """Refuse the options where the file opens without them."""
     if chunks is None and not options:
         return
     try:
-        xr.open_dataset(path, engine="h5netcdf").close()
+        xr.open_dataset(path, engine=engine).close()
     except Exception:
         return
     given = ("chunks",) if chunks is not None else tuple(options)[:1]

@@ -19,6 +19,8 @@ if TYPE_CHECKING:
 
 __all__ = ["contents", "summary"]
 
+#: What attributes begin with that are true of the map of which a file is a part.
+OF_SOURCE = "source_"
 MULTIPLES = ("", " thousand", " million", " billion")
 
 
@@ -85,6 +87,10 @@ def _summary(dataset: xr.Dataset) -> str:
             rows.append(("speed", scaled(told[f"{unit}_per_second"], units)))
             break
     rows += _errors(dataset)
+    notes = {
+        str(array.attrs["rounding"]) for array in dataset.data_vars.values() if "rounding" in array.attrs
+    }
+    rows += [("rounding", note) for note in sorted(notes)]
     source = dataset.encoding.get("source")
     if isinstance(source, (str, os.PathLike)) and Path(source).is_file():
         rows.append(("file", f"{source} ({size(Path(source).stat().st_size)})"))
@@ -140,9 +146,12 @@ def _errors(dataset: xr.Dataset) -> list[tuple[str, str]]:
     """Return the largest error of each variable, by the verification of a sweep."""
     if "verify_failed" in dataset.attrs:
         return [("errors", f"not measured: {dataset.attrs['verify_failed']}")]
-    errors = []
+    errors, title = [], "largest error"
     for name, array in dataset.data_vars.items():
         told = _Numbers(array.attrs)
+        if not told.has("verified_values") and told.has(f"{OF_SOURCE}verified_values"):
+            title = "of the whole map"  # of which this is a part
+            told = _Numbers({str(key).removeprefix(OF_SOURCE): value for key, value in array.attrs.items()})
         if not told.has("verified_values"):
             continue
         texts = []
@@ -156,7 +165,7 @@ def _errors(dataset: xr.Dataset) -> list[tuple[str, str]]:
             texts.append(f"{counted(int(told['verify_mismatches']), 'value')} NOT AS WITH 50 DIGITS")
         if texts:
             errors.append((str(name), f"{', '.join(texts)}, of {told['verified_values']:,.0f}"))
-    return [("" if k else "largest error", line) for k, line in enumerate(aligned(errors).splitlines())]
+    return [("" if k else title, line) for k, line in enumerate(aligned(errors).splitlines())]
 
 
 def _percent(count: int, total: int) -> str:

@@ -7,22 +7,24 @@ the name of the partial one.
 from __future__ import annotations
 
 import contextlib
-import ctypes
 import errno
-import functools
 import os
 import stat
-import sys
 from collections.abc import Callable, Iterator
 from pathlib import Path
+from typing import TypeVar
 
 from fastlink.io.checksums import seek_lock
 from fastlink.io.place import refused
+from fastlink.io.renaming import exclusive_rename
+from fastlink.io.writing.journal import journal_of
 
 try:
     import fcntl
 except ImportError:  # not POSIX: no locks, and a folder cannot be synchronised
     fcntl = None  # type: ignore[assignment]
+
+R = TypeVar("R")
 
 NO_LOCKS = {errno.ENOSYS, errno.EOPNOTSUPP, errno.ENOLCK}
 NO_RESERVE = {errno.EINVAL, errno.EOPNOTSUPP, errno.ENOSYS}
@@ -74,6 +76,34 @@ def create(path: Path) -> int:
     return _open(path, os.O_CREAT | os.O_EXCL)
 
 
+def begun(part: Path, lay: Callable[[Path], R]) -> tuple[int, R]:
+    """Begin a partial file: claim its name, lay the file out, and hold it.
+
+    Parameters
+    ----------
+    part : Path
+        Its name.
+    lay : callable
+        Makes the file at the path that is given to it.
+
+    Returns
+    -------
+    fd : int
+        The open file.
+    result : object
+        That of `lay`.
+    """
+    fresh = fresh_name(part)
+    with claimed(part):
+        journal_of(part).unlink(missing_ok=True)
+        try:
+            result = lay(fresh)
+            return laid_out(fresh, part), result
+        except BaseException:
+            fresh.unlink(missing_ok=True)
+            raise
+
+
 def laid_out(fresh: Path, part: Path) -> int:
     """Give a laid-out file the claimed name, hold it, and return its file number."""
     if fcntl is None:
@@ -105,6 +135,19 @@ def reopened(part: Path) -> int | None:
     if fd is not None and os.fstat(fd).st_nlink != 1:
         os.close(fd)
         return None
+    return fd
+
+
+def held_folder(folder: Path) -> int | None:
+    """Hold a folder; return its file number, None where none can be opened. Refused when a live process has it."""
+    if fcntl is None:
+        return None
+    fd = os.open(folder, os.O_RDONLY)
+    try:
+        _lock(fd, folder)
+    except BaseException:
+        os.close(fd)
+        raise
     return fd
 
 
@@ -249,27 +292,6 @@ def _rename(part: Path, final: Path, overwrite: bool) -> None:
         os.rename(part, final)
     else:
         part.unlink()
-
-
-@functools.cache
-def exclusive_rename() -> Callable[[Path, Path], None]:
-    """Return the system's renaming that fails when the name is taken."""
-    if os.name == "nt":
-        return os.rename  # which fails there when the name is taken
-    name, flag = ("renamex_np", 4) if sys.platform == "darwin" else ("renameat2", 1)
-    function = getattr(ctypes.CDLL(None, use_errno=True), name, None)
-
-    def rename(part: Path, final: Path) -> None:
-        if function is None:
-            raise OSError(errno.ENOSYS, os.strerror(errno.ENOSYS))
-        here = -100  # AT_FDCWD of Linux; paths are absolute
-        places = (os.fsencode(part), os.fsencode(final))
-        arguments = places if name == "renamex_np" else (here, places[0], here, places[1])
-        if function(*arguments, flag):
-            number = ctypes.get_errno()
-            raise OSError(number, os.strerror(number))
-
-    return rename
 
 
 def synchronise_folder(folder: Path) -> None:

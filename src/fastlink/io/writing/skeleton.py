@@ -55,17 +55,25 @@ def lay_out(
     if whole is not None:
         _to_netcdf(path, whole, "a", WHOLE)
     with h5py.File(path, "r+", **ALIGNED) as file:
-        blocks = sum(block_count(variable.nbytes) for variable in variables)
-        group = file.create_group(CHECKSUMS)
-        about = {"algorithm": ALGORITHM, "block_bytes": BLOCK_BYTES}
-        for name, value in plain_attrs(about | {"variables": " ".join(v.name for v in variables)}).items():
-            group.attrs[name] = value
-        sizes = {OF_VALUES: blocks, OF_REST: 1}
-        offsets |= {
-            name: _reserved(group, name.partition("/")[2], (n,), "u4")[1] for name, n in sizes.items()
-        }
+        offsets |= create_checksums(file, variables)
         results = [variable for variable in variables if not variable.is_coordinate]
         return offsets | {variable.name: _create(file, coords, variable, computed) for variable in results}
+
+
+def lay_labels(path: Path, coords: xr.Dataset, attrs: Mapping[str, Any]) -> None:
+    """Create the file with its coordinates and global attributes alone."""
+    make_sure_of_room(path, coords.nbytes + SLACK)
+    _to_netcdf(path, coords.assign_attrs(plain_attrs(attrs)), "w")
+
+
+def create_checksums(file: Any, variables: Sequence[Variable]) -> dict[str, int]:
+    """Create the checksums of the values of some variables, and of all else; return their offsets."""
+    group = file.create_group(CHECKSUMS)
+    about = {"algorithm": ALGORITHM, "block_bytes": BLOCK_BYTES}
+    for name, value in plain_attrs(about | {"variables": " ".join(v.name for v in variables)}).items():
+        group.attrs[name] = value
+    sizes = {OF_VALUES: sum(block_count(variable.nbytes) for variable in variables), OF_REST: 1}
+    return {name: _reserved(group, name.partition("/")[2], (n,), "u4")[1] for name, n in sizes.items() if n}
 
 
 def _to_netcdf(path: Path, coords: xr.Dataset, mode: Literal["w", "a"], group: str | None = None) -> None:
@@ -89,20 +97,32 @@ def _create(file: Any, coords: xr.Dataset, variable: Variable, computed: Sequenc
     dataset, offset = _reserved(file, variable.name, variable.shape, variable.dtype)
     if variable.dims == (variable.name,):
         dataset.make_scale(variable.name)
+    label(file, dataset, coords, variable, computed)
+    return offset
+
+
+def label(
+    file: Any, dataset: Any, coords: xr.Dataset, variable: Variable, computed: Sequence[Variable] = ()
+) -> None:
+    """Give a dataset its dimensions, its attributes, and the names of further coordinates."""
     for axis, dim in enumerate(variable.dims):
         # unless attached, dimensions are matched by length and equal axes are swapped
         if dim != variable.name:
             dataset.dims[axis].attach_scale(file[dim])
-    along = {str(name): coord.dims for name, coord in coords.coords.items()}
-    along |= {one.name: one.dims for one in computed}
-    auxiliary = [
-        name for name, dims in along.items() if name not in variable.dims and set(dims) <= set(variable.dims)
-    ]
     for name, value in plain_attrs(variable.attrs).items():
         dataset.attrs[name] = value
-    if auxiliary and not variable.is_coordinate:
-        dataset.attrs["coordinates"] = " ".join(str(name) for name in auxiliary)
-    return offset
+    along = auxiliary(coords, variable, computed)
+    if along and not variable.is_coordinate:
+        dataset.attrs["coordinates"] = along
+
+
+def auxiliary(coords: xr.Dataset, variable: Variable, computed: Sequence[Variable] = ()) -> str:
+    """Return the names of the coordinates of a variable that are no axes of it, as CF lists them."""
+    along = {str(name): coord.dims for name, coord in coords.coords.items()}
+    along |= {one.name: one.dims for one in computed}
+    return " ".join(
+        name for name, dims in along.items() if name not in variable.dims and set(dims) <= set(variable.dims)
+    )
 
 
 def _reserved(group: Any, name: str, shape: tuple[int, ...], dtype: Any) -> tuple[Any, int]:
@@ -130,7 +150,7 @@ def set_attrs(
     fd: int, path: Path, attrs: Mapping[str, Any], of_variables: Mapping[str, Mapping[str, Any]]
 ) -> None:
     """Add attributes, global and of variables, to a file that is locked by `fd`."""
-    with _opened(fd, path, "r+") as file:
+    with opened(fd, path, "r+") as file:
         for group, added in (("/", attrs), *of_variables.items()):
             for name, value in added.items():
                 file[group].attrs[name] = value
@@ -138,7 +158,7 @@ def set_attrs(
 
 def check_readable(fd: int, path: Path, variables: Sequence[Variable], offsets: Mapping[str, int]) -> None:
     """Fail unless a file that is locked by `fd` can be opened, and its variables are where they were laid."""
-    with _opened(fd, path, "r") as file:
+    with opened(fd, path, "r") as file:
         for variable in variables:
             found = file[variable.name]
             dims = tuple(scale[0].name.removeprefix("/") for scale in found.dims if len(scale))
@@ -149,7 +169,8 @@ def check_readable(fd: int, path: Path, variables: Sequence[Variable], offsets: 
 
 
 @contextlib.contextmanager
-def _opened(fd: int, path: Path, mode: str) -> Iterator[Any]:
+def opened(fd: int, path: Path, mode: str) -> Iterator[Any]:
+    """Open a file that is locked by `fd` by HDF5."""
     with contextlib.ExitStack() as stack:
         try:
             # this process holds the lock that HDF5 would ask for

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
+from typing import Any
 
 import h5py
 
-from fastlink.errors import Remedy, Setting
+from fastlink.errors import KeyPath, Remedy, Setting
 from fastlink.io.place import (
     SLACK,
     check_place,
@@ -33,7 +34,13 @@ RESTART: Remedy = (
 )
 
 
-def check_target(path: str | Path, nbytes_needed: int, overwrite: bool, sources: Sequence[Path] = ()) -> Path:
+def check_target(
+    path: str | Path,
+    nbytes_needed: int,
+    overwrite: bool,
+    sources: Sequence[Path] = (),
+    named: Callable[[KeyPath, Any], Path] = check_output,
+) -> Path:
     """Return the absolute path of an output file, or refuse it.
 
     To be called before anything is computed.
@@ -48,8 +55,10 @@ def check_target(path: str | Path, nbytes_needed: int, overwrite: bool, sources:
         Whether an existing file may be replaced.
     sources : sequence of Path
         Files that the values are computed from, which must stay.
+    named : callable
+        The check of its name, which is that of a map unless given.
     """
-    target = Path(os.path.realpath(check_output(("to",), path)))
+    target = Path(os.path.realpath(named(("to",), path)))
     check_place(target)
     if target.is_symlink():  # which realpath could not follow
         raise refused(f"{path}: its symbolic links lead back to themselves", "choose another name")
@@ -63,7 +72,7 @@ def check_target(path: str | Path, nbytes_needed: int, overwrite: bool, sources:
     if target.exists() and not overwrite:
         raise exists_error(target)
     if any(target.exists() and target.samefile(source) for source in sources):
-        raise refused(f"{path}: the study is read from that file", "choose another name")
+        raise refused(f"{path} is a file that is read for it", "choose another name")
     if nbytes_needed + SLACK > free_bytes(target) + given_back(part):
         raise no_room(target, nbytes_needed)
     return target
@@ -87,7 +96,7 @@ def forget_journal(target: Path) -> None:
         journal_of(part).unlink(missing_ok=True)
 
 
-def check_left(path: Path, fingerprint: str) -> None:
+def check_left(path: Path, fingerprint: str, remedy: Remedy = RESTART) -> None:
     """Refuse to replace what an earlier run of another request left: its designs, or a whole map.
 
     Raises
@@ -103,9 +112,9 @@ def check_left(path: Path, fingerprint: str) -> None:
         same = about.get("fingerprint") == fingerprint
         whose = "laid out by another version of HDF5" if same else "of another request, or by another version"
         if count:
-            raise refused(f"{part} holds {count:,} of {size:,} designs {whose}", RESTART)
+            raise refused(f"{part} holds {count:,} of {size:,} designs {whose}", remedy)
     elif is_map(part) and part.stat().st_nlink == 1:  # else it has another name
-        raise refused(f"{part} is a whole map that has not got its name", RESTART)
+        raise refused(f"{part} is a whole map that has not got its name", remedy)
 
 
 def is_map(path: Path) -> bool:

@@ -30,7 +30,7 @@ from fastlink.io.ranges import Range, Ranges, missing
 from fastlink.io.writing import partial_file
 from fastlink.io.writing.blocks import OfThread, cut
 from fastlink.io.writing.finishing import uninterrupted
-from fastlink.io.writing.journal import Journal, journal_of
+from fastlink.io.writing.journal import Journal
 from fastlink.io.writing.resume import LayOut, Rows, SameRows, first_blocks, resume
 from fastlink.io.writing.skeleton import check_readable, lay_out, set_attrs
 from fastlink.io.writing.target import check_left, check_target
@@ -277,15 +277,7 @@ class Writer:
 
     def _start(self, lay_out: LayOut) -> None:
         """Lay the file out, and reserve its room."""
-        fresh = partial_file.fresh_name(self.part)
-        with partial_file.claimed(self.part):
-            journal_of(self.part).unlink(missing_ok=True)
-            try:
-                self._offsets = lay_out(fresh)
-                self._fd = partial_file.laid_out(fresh, self.part)
-            except BaseException:
-                fresh.unlink(missing_ok=True)
-                raise
+        self._fd, self._offsets = partial_file.begun(self.part, lay_out)
         try:
             # HDF5 gives back at the end what the attributes leave
             partial_file.reserve(self._fd, SLACK)

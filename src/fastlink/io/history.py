@@ -1,0 +1,23 @@
+"""The attribute ``history`` of CF: a line for each program that has made or changed a file."""
+
+from __future__ import annotations
+
+from datetime import UTC, datetime
+
+from fastlink._version import __version__
+
+__all__ = ["HISTORY", "history"]
+
+HISTORY = "history"
+
+
+def history(command: str, before: str = "") -> str:
+    """Return the history of a file after a command: its lines before, then time, version and the command.
+
+    Examples
+    --------
+    >>> history("sweep planar_4r").partition("Z ")[2].startswith("fastlink ")
+    True
+    """
+    line = f"{datetime.now(UTC):%Y-%m-%dT%H:%M:%SZ} fastlink {__version__}: {' '.join(command.split())}"
+    return f"{before}\n{line}" if before else line

@@ -1,0 +1,536 @@
+"""A converted map holds what it says, of the map that it names."""
+
+from __future__ import annotations
+
+import errno
+import subprocess
+import sys
+import tracemalloc
+import warnings
+
+import h5py
+import netCDF4
+import numpy as np
+import pandas as pd
+import pytest
+import xarray as xr
+from numpy.testing import assert_array_equal
+from pyarrow import parquet
+from tests.support.map_files import digest, left_in, raising
+from tests.support.refusals import refused
+
+import fastlink as fl
+from fastlink.io.converting import compression, hdf5_file, source, zarr_folder
+from fastlink.io.writing import partial_file
+
+QUANTITIES = ["theta4", "omega4_max", "transmission_angle_min", "omega4_error", "grashof_class"]
+#: What each format holds of a map as it is: all of it.
+WHOLE = {
+    "plain.h5": {},
+    "plain.nc": {},
+    "gzip.nc": {"compress": "gzip"},
+    "zstd.h5": {"compress": "zstd:3"},
+    "blosc.h5": {"compress": "blosc"},
+    "lz4.h5": {"compress": "lz4"},
+    "plain.zarr": {},
+    "gzip.zarr": {"compress": "gzip:1"},
+    "zstd.zarr": {"compress": "zstd:9"},
+    "blosc.zarr": {"compress": "blosc:1"},
+    "lz4.zarr": {"compress": "lz4"},
+}
+
+
+def sweep(space, path, **options):
+    given = {"angles": 24, "verify": 8, "overwrite": True, "threads": 1} | options
+    fl.sweep("planar_4r", space, QUANTITIES, to=path, **given).close()
+    return path
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    return tmp_path_factory.mktemp("maps")
+
+
+@pytest.fixture(scope="module")
+def grid(folder):
+    axes = {"a1": [0.4, 0.5, 1.5], "a2": np.linspace(1.0, 1.4, 5), "a3": 0.8, "a4": 1.0, "omega1": 25.0}
+    return sweep(fl.grid(**axes), folder / "grid.h5")
+
+
+@pytest.fixture(scope="module")
+def sampled(folder):
+    return sweep(fl.sobol(32, a1=(0.4, 0.5), a2=(1.0, 1.2), a3=0.8, a4=1.0, omega1=25.0), folder / "sobol.h5")
+
+
+@pytest.fixture
+def small_blocks(monkeypatch):
+    """Blocks and chunks as small as those of a large map are to it."""
+    monkeypatch.setattr(source, "BLOCK_BYTES", 1000)
+    monkeypatch.setattr("fastlink.io.converting.tables.BLOCK_BYTES", 20_000)
+    monkeypatch.setattr(hdf5_file, "CHUNK_BYTES", 300)
+    monkeypatch.setattr(zarr_folder, "CHUNK_BYTES", 500)
+
+
+def loaded(path):
+    with fl.open(path) as maps:
+        return maps.load()
+
+
+def assert_same(one, other):
+    """Assert the same variables, coordinates, bits, types and labels."""
+    xr.testing.assert_identical(one.drop_attrs(), other.drop_attrs())
+    assert {name: array.dtype for name, array in one.variables.items()} == {
+        name: array.dtype for name, array in other.variables.items()
+    }
+    for name, array in other.variables.items():
+        for key, value in array.attrs.items():
+            np.testing.assert_array_equal(one[name].attrs[key], value)
+
+
+@pytest.mark.parametrize("name", WHOLE)
+@pytest.mark.parametrize("kind", ["grid", "sampled"])
+def test_a_whole_map_comes_through_every_format(request, tmp_path, small_blocks, name, kind):
+    path = request.getfixturevalue(kind)
+    before = digest(path)
+    made = fl.convert(path, tmp_path / name, **WHOLE[name])
+    assert left_in(tmp_path) == [name]
+    assert made == tmp_path / name
+    converted = loaded(made)
+    assert_same(converted, loaded(path))
+    assert converted.designs == loaded(path).designs
+    assert "fingerprint" not in converted.attrs
+    assert f"convert {path.name} --to {name}" in converted.history.splitlines()[-1]
+    assert "of 32" in fl.summary(made) or "of 8" in fl.summary(made)
+    assert digest(path) == before
+
+
+def test_compressed_chunks_are_in_the_file_and_uncompressed_values_are_not(grid, tmp_path, small_blocks):
+    for name, filters in (("z.h5", [2, 32015]), ("g.nc", [2, 1]), ("p.h5", [])):
+        options = {"z.h5": {"compress": "zstd"}, "g.nc": {"compress": "gzip"}, "p.h5": {}}[name]
+        with h5py.File(fl.convert(grid, tmp_path / name, **options)) as file:
+            plist = file["theta4"].id.get_create_plist()
+            assert [plist.get_filter(k)[0] for k in range(plist.get_nfilters())] == filters
+            assert (file["theta4"].chunks is None) == (name == "p.h5")
+
+
+def test_netcdf4_reads_what_is_compressed_by_gzip(grid, tmp_path):
+    path = fl.convert(grid, tmp_path / "g.nc", compress="gzip")
+    with netCDF4.Dataset(path) as file:
+        assert file["theta4"].dimensions == ("a1", "a2", "branch", "theta1")
+        assert_array_equal(np.asarray(file["theta4"][:]), loaded(grid).theta4.values)
+
+
+@pytest.mark.parametrize("name", ["a.h5", "z.h5", "g.nc"])
+def test_checksums_of_a_converted_file_are_its_own(grid, tmp_path, name):
+    path = fl.convert(
+        grid, tmp_path / name, compress=None if name == "a.h5" else "gzip", select={"a2": "#1:"}
+    )
+    assert fl.check(path)
+    content = bytearray(path.read_bytes())
+    with h5py.File(path) as file:
+        dataset = file["theta4"].id
+        place = dataset.get_offset() if name == "a.h5" else dataset.get_chunk_info(0).byte_offset
+    content[place + 3] ^= 4
+    path.write_bytes(content)
+    assert not fl.check(path)
+    assert ("theta4" if name == "a.h5" else "values") in str(fl.check(path))
+
+
+SELECTIONS = {
+    "a range with both ends": ({"a2": "1.1:1.2"}, {"a2": slice(1, 3)}),
+    "a pair": ({"a2": (1.1, 1.2)}, {"a2": slice(1, 3)}),
+    "no lower end": ({"a2": ":1.2"}, {"a2": slice(0, 3)}),
+    "no upper end": ({"a2": (1.2, None)}, {"a2": slice(2, 5)}),
+    "a value": ({"a1": 0.5}, {"a1": 1}),
+    "a value as text": ({"a1": "0.5"}, {"a1": 1}),
+    "a number": ({"a2": "#3"}, {"a2": 3}),
+    "the last": ({"a2": "#-1"}, {"a2": 4}),
+    "numbers": ({"a2": "#1:4"}, {"a2": slice(1, 4)}),
+    "every fifth": ({"theta1": "#::5"}, {"theta1": slice(0, 24, 5)}),
+    "degrees": ({"theta1_deg": "90:180"}, {"theta1": slice(6, 13)}),
+    "an angle in degrees": ({"theta1_deg": 270}, {"theta1": 18}),
+    "an assembly mode": ({"branch": 2}, {"branch": 1}),
+    "several": ({"a1": "0.45:2", "a2": "#::2", "theta1": "#::7", "branch": "1"},
+                {"a1": slice(1, 3), "a2": slice(0, 5, 2), "theta1": slice(0, 24, 7), "branch": 0}),
+    "a constant": ({"a3": 0.8, "a4": "0.9:1.1"}, {}),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", SELECTIONS)
+def test_a_selection_is_that_of_xarray(grid, tmp_path, small_blocks, name):
+    given, indexers = SELECTIONS[name]
+    expected = loaded(grid).isel(indexers)
+    for ending in ("h5", "zarr"):
+        path = fl.convert(grid, tmp_path / f"part.{ending}", select=given)
+        part = loaded(path)
+        xr.testing.assert_identical(part.drop_attrs(), expected.drop_attrs())
+        assert part.designs == expected.status.size
+        # the status is that of each design
+        codes = {
+            m: int(code)
+            for m, code in zip(part.status.flag_meanings.split(), part.status.flag_values, strict=True)
+        }
+        for meaning, code in codes.items():
+            assert part.attrs[f"designs_{meaning}"] == int((expected.status == code).sum())
+        modes, angles = expected.sizes.get("branch", 1), expected.sizes.get("theta1", 1)
+        assert part.configurations == part.designs * modes * angles
+        assert part.theta1_count == angles
+
+
+def test_columns_select_designs(sampled, tmp_path, small_blocks):
+    maps = loaded(sampled)
+    chosen = ((maps.a1 >= 0.42) & (maps.a1 <= 0.47) & (maps.a2 <= 1.1)).values
+    part = loaded(fl.convert(sampled, tmp_path / "part.h5", select={"a1": "0.42:0.47", "a2": ":1.1"}))
+    assert 0 < chosen.sum() < chosen.size
+    xr.testing.assert_identical(part.drop_attrs(), maps.isel(design=chosen).drop_attrs())
+    # these designs are no Sobol' points
+    assert part.design_kind == "table"
+    assert not [name for name in part.attrs if name.startswith("design_") and name != "design_kind"]
+    assert (part.source_design_kind, part.source_design_n) == ("sobol", 32)
+    again = fl.sweep("planar_4r", part.fastlink.designs, QUANTITIES, angles=24)
+    assert_array_equal(again.theta4, part.theta4)
+
+
+def test_attributes_of_a_part_are_not_those_of_the_whole(grid, tmp_path):
+    path = fl.convert(grid, tmp_path / "part.h5", select={"a2": "1.1:1.2"}, quantities=["theta4"])
+    part = loaded(path)
+    assert list(part.data_vars) == ["theta4", "status"]
+    assert part.title.endswith(": theta4, status")
+    assert part.selection == "a2=1.1:1.2"
+    of_run = (
+        "run_time_s",
+        "verified_designs",
+        "verify_",
+        "designs_per_second",
+        "fingerprint",
+        "written_time_ns",
+    )
+    assert not [name for name in part.attrs if name.startswith(of_run)]
+    assert part.source_verified_designs == 8
+    assert "verified_values" not in part.theta4.attrs
+    assert part.theta4.source_verified_values == loaded(grid).theta4.verified_values
+    assert "of the whole map" in fl.summary(path)
+
+
+def test_a_rerun_does_not_take_a_converted_file_for_its_map(tmp_path):
+    space = fl.grid(a1=0.4, a2=[1.1, 1.2], a3=0.8, a4=1.0)
+    request = "planar_4r", space, ["transmission_angle_min"]
+    fl.sweep(*request, to=tmp_path / "whole.h5", verify=0).close()
+    fl.sweep(*request, to=tmp_path / "whole.h5", verify=0).close()  # taken for what it is
+    for options in ({}, {"select": {"a2": "1.1"}}, {"dtype": "float32"}, {"compress": "gzip"}):
+        fl.convert(tmp_path / "whole.h5", tmp_path / "other.h5", overwrite=True, **options)
+        before = digest(tmp_path / "other.h5")
+        with refused("to", "overwrite=True"):
+            fl.sweep(*request, to=tmp_path / "other.h5", verify=0)
+        assert digest(tmp_path / "other.h5") == before
+
+
+def test_rounding_is_as_the_attributes_say(grid, tmp_path):
+    maps, part = loaded(grid), loaded(fl.convert(grid, tmp_path / "f4.nc", dtype="float32"))
+    # half an ulp of a binary number of 24 bits
+    unit = 2.0**-24
+    for name, array in part.data_vars.items():
+        values = maps[name].values
+        if values.dtype.kind != "f":
+            assert array.dtype == values.dtype
+            assert_array_equal(array, values)
+            continue
+        assert array.dtype == np.float32
+        assert "float32" in array.rounding
+        if name.endswith("_error"):
+            known = ~np.isnan(values)
+            assert_array_equal(np.isnan(array), ~known)
+            assert (array.values >= values)[known].all()  # what bounds errors still does
+            assert (array.values <= values * (1 + 2 * unit))[known].all()
+        else:
+            assert_array_equal(array.values, values.astype(np.float32))
+        if "error_max_relative" in maps[name].attrs:
+            assert maps[name].error_max_relative + unit <= array.error_max_relative <= 1.01 * unit + 1e-9
+        assert "error_max_roundings" not in array.attrs
+    assert part.a2.dtype == np.float64
+    assert "float32" in fl.summary(tmp_path / "f4.nc")
+
+
+def test_what_float32_cannot_hold_is_said(tmp_path):
+    space = fl.grid(a1=0.4, a2=[1.1, 1.2], a3=0.8, a4=1.0, omega1=[25.0, 1e30])
+    maps = fl.sweep("planar_4r", space, ["alpha4_max"], branch=1)
+    with pytest.warns(fl.InputWarning, match="2 of alpha4_max"):
+        path = fl.convert(maps, tmp_path / "f4.h5", dtype="float32")
+    assert loaded(path).rounding_overflows == "alpha4_max: 2"
+
+
+def test_an_absent_value_of_an_axis_is_the_nearest_with_a_remark(grid, tmp_path):
+    with pytest.warns(fl.InputWarning, match="the nearest, 0.5, is taken"):
+        part = loaded(fl.convert(grid, tmp_path / "part.h5", select={"a1": 0.51}))
+    assert float(part.a1) == 0.5
+    with pytest.warns(fl.InputWarning, match="theta1_deg"):
+        fl.convert(grid, tmp_path / "radians.h5", select={"theta1": "-30:30"})
+
+
+@pytest.mark.parametrize(
+    ("options", "key", "remedy"),
+    [
+        ({"select": {"a_2": 1.1}}, "a_2", "'a2'"),
+        ({"select": {"a2": "2:3"}}, "a2", "widen"),
+        ({"select": {"a2": 7.0}}, "a2", "widen"),
+        ({"select": {"a3": 7.0}}, "a3", "widen"),
+        ({"select": {"a2": "1.2:1.1"}}, "a2", "lesser end first"),
+        ({"select": {"a2": "x"}}, "a2", "a range"),
+        ({"select": {"a2": "#9"}}, "a2", "#0 to #4"),
+        ({"select": {"a2": "#x"}}, "a2", "#3"),
+        ({"select": {"a2": "#1:2:-1"}}, "a2", "#3"),
+        ({"select": {"a2": None}}, "a2", "a range"),
+        ({"select": {"a2_deg": 3}}, "a2_deg", "write a2"),
+        ({"select": {"theta4": 1.0}}, "theta4", "a1"),
+        ({"select": {"branch": 3}}, "branch", "widen"),
+        ({"select": "a2=1"}, "select", "a range"),
+        ({"quantities": ["theta_4"]}, "quantities", "'theta4'"),
+        ({"quantities": "theta4"}, "quantities", "list"),
+        ({"quantities": []}, "quantities", "leave it out"),
+        ({"dtype": "int16"}, "dtype", "float32"),
+        ({"dtype": "float16"}, "dtype", "float32"),
+        ({"dtype": object()}, "dtype", "float32"),
+        ({"compress": "zip"}, "compress", "gzip"),
+        ({"compress": "zstd:99"}, "compress", "22"),
+        ({"compress": "lz4:3"}, "compress", "lz4"),
+        ({"compress": 3}, "compress", "gzip"),
+        ({"overwrite": "no"}, "overwrite", "True or False"),
+        ({"to": "maps.xlsx"}, "to", ".csv"),
+        ({"to": "maps"}, "to", ".csv"),
+        ({"to": "no/such/folder.nc"}, "to", "create it"),
+        ({"to": "no/such/folder.zarr"}, "to", "create it"),
+        ({"to": "out.csv", "compress": "gzip"}, "compress", "leave it out"),
+    ],
+)  # fmt: skip
+def test_refusals(grid, tmp_path, monkeypatch, options, key, remedy):
+    monkeypatch.chdir(tmp_path)
+    with refused(key, remedy):
+        fl.convert(grid, **({"to": "out.h5"} | options))
+    assert left_in(tmp_path) == []
+
+
+def test_all_problems_are_said_together(grid, tmp_path):
+    with pytest.raises(fl.InputError) as caught:
+        fl.convert(grid, tmp_path / "o.h5", select={"a_2": 1, "a9": 2}, dtype="int8", quantities=["x"])
+    assert len(caught.value.problems) == 4
+
+
+@pytest.mark.parametrize("name", ["out.h5", "out.nc", "out.zarr", "out.csv", "out.parquet"])
+def test_what_exists_is_replaced_only_by_overwrite(grid, sampled, tmp_path, name):
+    path = fl.convert(grid, tmp_path / name, quantities=["theta4"])
+    kept = sorted(one.read_bytes() for one in path.rglob("*") if one.is_file()) or path.read_bytes()
+    with refused("to", "overwrite=True"):
+        fl.convert(sampled, path)
+    assert kept == (sorted(one.read_bytes() for one in path.rglob("*") if one.is_file()) or path.read_bytes())
+    fl.convert(sampled, path, overwrite=True)
+    assert left_in(tmp_path) == [name]
+    if name.endswith(("h5", "nc", "zarr")):
+        assert loaded(path).sizes["design"] == 32
+
+
+def test_the_map_itself_and_other_folders_are_not_replaced(grid, tmp_path):
+    before = digest(grid)
+    with refused("to", "another name"):
+        fl.convert(grid, grid, overwrite=True, compress="gzip")
+    assert digest(grid) == before
+    (tmp_path / "mine.zarr").mkdir()
+    (tmp_path / "mine.zarr" / "thesis.txt").write_text("years")
+    with refused("to", "another name"):
+        fl.convert(grid, tmp_path / "mine.zarr", overwrite=True)
+    (tmp_path / "out.zarr.part").mkdir()
+    (tmp_path / "out.zarr.part" / "thesis.txt").write_text("years")
+    with refused("to", "remove it"):
+        fl.convert(grid, tmp_path / "out.zarr")
+    assert left_in(tmp_path) == ["mine.zarr", "out.zarr.part"]
+    assert (tmp_path / "out.zarr.part" / "thesis.txt").read_text() == "years"
+
+
+@pytest.mark.parametrize("name", ["out.h5", "z.h5", "out.zarr", "out.csv", "out.parquet"])
+@pytest.mark.parametrize("fault", [KeyboardInterrupt, OSError(errno.ENOSPC, "No space left on device")])
+def test_what_fails_leaves_nothing_and_touches_nothing(
+    grid, tmp_path, monkeypatch, small_blocks, name, fault
+):
+    path = fl.convert(grid, tmp_path / name)
+    before = left_in(tmp_path)
+    owner, function = (partial_file, "write_all") if name == "out.h5" else (source.Source, "read")
+    real, count = getattr(owner, function), iter(range(100))
+
+    def failing(*args):
+        if next(count) == 7:
+            raise fault
+        return real(*args)
+
+    monkeypatch.setattr(owner, function, failing)
+    options = {"compress": "gzip"} if name == "z.h5" else {}
+    if fault is KeyboardInterrupt:
+        with pytest.raises(KeyboardInterrupt):
+            fl.convert(grid, path, overwrite=True, **options)
+    else:
+        with refused("to", "room"):
+            fl.convert(grid, path, overwrite=True, **options)
+    assert left_in(tmp_path) == before
+
+
+KILLED = """
+import os, signal, sys
+import fastlink as fl
+from fastlink.io.converting import source
+source.BLOCK_BYTES = 1000
+read, count = source.Source.read, iter(range(10**6))
+def killing(*args):
+    if next(count) == 9:
+        os.kill(os.getpid(), signal.SIGKILL)
+    return read(*args)
+source.Source.read = killing
+fl.convert(sys.argv[1], sys.argv[2], overwrite=True, compress=sys.argv[3] or None)
+"""
+
+
+@pytest.mark.parametrize(("name", "compress"), [("out.h5", "gzip"), ("out.zarr", "")])
+def test_a_kill_touches_nothing_that_is_finished_and_the_next_conversion_goes_through(
+    grid, sampled, tmp_path, name, compress
+):
+    path = fl.convert(sampled, tmp_path / name)
+    before = loaded(path)
+    done = subprocess.run([sys.executable, "-c", KILLED, str(grid), str(path), compress], check=False)
+    assert done.returncode == -9
+    assert left_in(tmp_path) == [name, f"{name}.part"]
+    xr.testing.assert_identical(loaded(path), before)
+    fl.convert(grid, path, overwrite=True, compress=compress or None)
+    assert left_in(tmp_path) == [name]
+    assert_same(loaded(path), loaded(grid))
+
+
+def test_a_partial_file_of_a_sweep_is_kept(grid, tmp_path, monkeypatch):
+    space = fl.grid(a1=0.4, a2=[1.1, 1.2], a3=0.8, a4=1.0)
+    monkeypatch.setattr(partial_file, "publish", raising(errno.EIO))
+    with refused("to"):
+        fl.sweep("planar_4r", space, ["transmission_angle_min"], to=tmp_path / "m.h5", verify=0)
+    monkeypatch.undo()
+    assert left_in(tmp_path) == ["m.h5.part", "m.h5.part.journal"]
+    for options in ({}, {"compress": "gzip"}):
+        with refused("to", "finish it"):
+            fl.convert(grid, tmp_path / "m.h5", **options)
+    assert left_in(tmp_path) == ["m.h5.part", "m.h5.part.journal"]
+
+
+def long_table(maps):
+    """The rows as xarray and pandas make them."""
+    wide = maps.load()
+    frame = wide.to_dataframe(dim_order=list(wide.theta4.dims)).reset_index()
+    return frame.drop(columns=[name for name in frame if name not in wide.variables])
+
+
+@pytest.mark.parametrize("kind", ["grid", "sampled"])
+@pytest.mark.parametrize("options", [{}, {"dtype": "float32", "select": {"theta1": "#::3", "branch": 2}}])
+def test_tables_have_a_row_for_each_configuration(request, tmp_path, small_blocks, kind, options):
+    path = request.getfixturevalue(kind)
+    expected = long_table(loaded(fl.convert(path, tmp_path / "same.h5", **options)))
+    text = pd.read_csv(fl.convert(path, tmp_path / "out.csv", **options), dtype=str)
+    table = pd.read_parquet(fl.convert(path, tmp_path / "out.parquet", **options))
+    assert set(table) == set(text) == set(expected)
+    for name in expected:
+        assert_array_equal(table[name].to_numpy(), expected[name].to_numpy())
+        assert table[name].dtype == expected[name].dtype
+        read = np.array([float(cell) for cell in text[name].fillna("nan")])
+        assert_array_equal(read.astype(expected[name].dtype), expected[name].to_numpy())
+    metadata = parquet.read_schema(tmp_path / "out.parquet")
+    assert metadata.field("theta4").metadata[b"units"] == b"rad"
+    assert b"CF-1.11" in metadata.metadata[b"fastlink"]
+    # a block has at most 20,000 bytes in 13 columns of 8 bytes
+    assert (parquet.ParquetFile(tmp_path / "out.parquet").num_row_groups > 1) or len(table) <= 192
+
+
+def test_designs_are_read_back_from_a_table(grid, tmp_path):
+    path = fl.convert(grid, tmp_path / "out.csv", quantities=["grashof_class"])
+    space = fl.table(path)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", fl.InputWarning)  # of results that are left out
+        again = fl.sweep("planar_4r", space, ["theta4_max"])
+    straight = fl.sweep("planar_4r", loaded(grid).fastlink.designs, ["theta4_max"])
+    assert_array_equal(again.theta4_max.values.reshape(-1), straight.theta4_max.values.reshape(-1))
+
+
+def test_a_table_has_one_kind_of_rows(tmp_path):
+    space = fl.grid(a1=0.4, a2=[1.1, 1.2], a3=0.8, a4=1.0, omega1=25.0)
+    maps = fl.sweep("planar_4r", space, ["theta4", "omega4_extrema"], angles=8)
+    with refused("quantities", "choose"):
+        fl.convert(maps, tmp_path / "out.csv")
+    fl.convert(maps, tmp_path / "out.csv", quantities=["theta4"])
+    assert len(pd.read_csv(tmp_path / "out.csv")) == 2 * 2 * 8
+
+
+def test_names_of_designs_come_along(tmp_path):
+    table = {"name": ['crank, "A"', "b", "ü"], "a1": [0.4, 0.5, 0.6], "a2": 1.2, "a3": 0.8, "a4": 1.0}
+    maps = fl.sweep("planar_4r", fl.table(table), ["transmission_angle_min"])
+    names = maps["name"].values.tolist()
+    for ending in ("h5", "nc", "zarr"):
+        path = fl.convert(maps, tmp_path / f"out.{ending}", compress="gzip", select={"name": "b"})
+        assert loaded(path)["name"].values.tolist() == ["b"]
+    assert pd.read_csv(fl.convert(maps, tmp_path / "o.csv"))["name"].tolist() == [
+        n for n in names for _ in "12"
+    ]
+    assert pd.read_parquet(fl.convert(maps, tmp_path / "o.parquet"))["name"][0] == names[0]
+
+
+def test_chunks_are_those_of_dask(grid, tmp_path):
+    dask = pytest.importorskip("dask.array")
+    with fl.open(fl.convert(grid, tmp_path / "plain.nc"), chunks={"a2": 2}) as maps:
+        assert maps.theta4.chunks[1] == (2, 2, 1)
+        xr.testing.assert_identical(maps.load().drop_attrs(), loaded(grid).drop_attrs())
+    for name in ("z.h5", "z.zarr", "z.nc"):
+        path = fl.convert(grid, tmp_path / name, compress="zstd")
+        for chunks in ({}, "auto"):
+            with fl.open(path, chunks=chunks) as maps:
+                assert isinstance(maps.theta4.data, dask.Array)
+                xr.testing.assert_identical(maps.load().drop_attrs(), loaded(grid).drop_attrs())
+
+
+def test_absent_packages_are_named_with_their_extra(grid, tmp_path, monkeypatch):
+    zstd, store = fl.convert(grid, tmp_path / "z.h5", compress="zstd"), fl.convert(grid, tmp_path / "z.zarr")
+    monkeypatch.setattr("fastlink.io.reader.find_spec", lambda name: None)
+    for key, call in (
+        ("compress", lambda: fl.convert(grid, tmp_path / "o.h5", compress="zstd")),
+        ("to", lambda: fl.convert(grid, tmp_path / "o.zarr")),
+        ("to", lambda: fl.convert(grid, tmp_path / "o.parquet")),
+        ("path", lambda: fl.open(zstd)),
+        ("path", lambda: fl.open(store)),
+    ):
+        with refused(key, "fastlink-linkages[convert]"):
+            call()
+    fl.convert(grid, tmp_path / "o.nc", compress="gzip")
+    fl.convert(grid, tmp_path / "o.csv")
+
+
+@pytest.mark.parametrize("name", ["out.h5", "z.h5", "out.csv"])
+def test_memory_does_not_grow_with_the_map(tmp_path, monkeypatch, name):
+    """At any time there are one block as it is read and, for each, one as it is written.
+
+    Twice a block while it is selected or rounded, and 100 bytes for each cell of CSV, of which a block has as many
+    as fit: 4 blocks are enough, and what is not of a size with the map: labels, HDF5's and Python's own.
+    """
+    space = fl.grid(a1=np.linspace(0.3, 0.5, 20), a2=np.linspace(1.1, 1.2, 25), a3=0.8, a4=1.0)
+    maps = fl.sweep("planar_4r", space, ["theta4"], angles=100, to=tmp_path / "m.h5", verify=0)
+    block = 1 << 16
+    monkeypatch.setattr(source, "BLOCK_BYTES", block)
+    monkeypatch.setattr("fastlink.io.converting.tables.BLOCK_BYTES", block)
+    monkeypatch.setattr(hdf5_file, "CHUNK_BYTES", block // 4)
+    options = {"compress": "gzip:1"} if name == "z.h5" else {}
+    fl.convert(maps.isel(a1=[0]), tmp_path / name, **options)  # what is imported and kept
+    tracemalloc.start()
+    fl.convert(maps, tmp_path / name, dtype="float32", overwrite=True, **options)
+    _, most = tracemalloc.get_traced_memory()
+    tracemalloc.stop()
+    assert maps.theta4.nbytes > 10 * block
+    assert most < 4 * block + 400_000
+    maps.close()
+
+
+def test_levels_are_those_of_the_libraries():
+    for name, levels in compression.LEVELS.items():
+        given = [name] if levels is None else [f"{name}:{levels[0]}", f"{name}:{levels[1]}"]
+        for text in given:
+            parsed = compression.check_compression(text, "hdf5")
+            assert str(parsed) == text
+            assert parsed.of_hdf5()
+            assert parsed.of_zarr()
