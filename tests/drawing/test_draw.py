@@ -304,3 +304,32 @@ def test_pictures_of_each_kind_are_written(tmp_path, kind):
 
 def test_a_notebook_shows_the_figure_by_itself():
     assert fl.draw("hart", DESIGNS["hart"])._repr_png_().startswith(b"\x89PNG")
+
+
+def test_a_range_that_is_only_looked_at_is_no_limit():
+    linkage = {"a": 1.0, "b": 1.0, "g": 4.0, "h": 1.0, "x": 0.5, "y": 0.3}
+    known = catalogue("minkowski_4r")
+    motion = Motion(
+        "minkowski_4r", known, picture_of("minkowski_4r", known), linkage, (1, 2), None, reach=5.0
+    )
+    limits = fl.evaluate("minkowski_4r", ["theta_min", "theta_max"], **linkage)
+    inner, outer = f"{limits['theta_min']:g}", f"{limits['theta_max']:g}"
+    assert motion.range_texts(False) == [f"up to -{outer}", f"-{inner} to {inner}", f"{outer} on"]
+    assert motion.span == (-5.0, 5.0)
+    assert bars(fl.draw("minkowski_4r", linkage, theta=4.5))
+
+
+def test_the_conic_about_F_touches_the_four_sides():
+    """Its second focus mirrored in a tangent is twice the major semi-axis from the first."""
+    design = DESIGNS["focal"]
+    figure = fl.draw("focal", design, branch=2, show="foci")
+    (second,) = [line.get_xydata()[0] for line in figure.axes[0].lines if line.get_marker() == "x"]
+    found = bars(figure)
+    (shape,) = [one for one in figure.axes[0].patches if hasattr(one, "get_center")]
+    first = found["P", "F", "2"][1]
+    sides = [found["M", "A", "2"], found["N", "B", "2"], found["A", "B", "2"]]
+    for start, end in sides:
+        across = np.array([start[1] - end[1], end[0] - start[0]]) / np.hypot(*(end - start))
+        mirrored = second - 2.0 * ((second - start) @ across) * across
+        # a root of a quadratic of coordinates of 5, some ten roundings each
+        assert abs(np.hypot(*(mirrored - first)) - max(shape.width, shape.height)) < 1e-12

@@ -132,7 +132,10 @@ class Board:
         caption = self._caption(width)
         longest = max(len(handle.get_label()) for handle in handles)
         columns = 2 if len(handles) > 3 and 2 * (longest * LETTER + 0.6) < width else 1
-        rows = -(-len(handles) // columns)
+        room = int((width / columns - 0.9) / LETTER)
+        for handle in handles:
+            handle.set_label(textwrap.fill(handle.get_label(), room))
+        rows = -(-sum(handle.get_label().count("\n") + 1 for handle in handles) // columns)
         height = low + LINE * (0.93 * rows + len(caption)) + 2.0 * MARGIN
         figure = self.figure
         figure.set_size_inches(width, height)
@@ -189,10 +192,8 @@ class Board:
             motion.meaning(name) for name in ("grashof_class", "status") if name in motion.catalogue.facts
         ]
         if not motion.turns_fully:
-            ends = [f"{motion.shown(a, degrees)} to {motion.shown(b, degrees)}" for a, b in motion.ranges]
-            if all(one == motion.span for one in motion.ranges):
-                ends = []
-            words += [f"{symbol} from {' and '.join(ends)}"] if ends else []
+            ends = [] if motion.ranges == (motion.span,) else motion.range_texts(degrees)
+            words += [f"{symbol} {', '.join(ends)}"] if ends else []
         return [*_filled(own, ", ", width), *_filled(words, "; ", width)]
 
     def show(self, positions: Sequence[float] | None = None) -> None:
@@ -213,7 +214,7 @@ def _view(request: Request) -> Any:
     bounded = all(one.picture.metric == "euclidean" for one in request.motions)
     for motion in request.motions:
         positions = [request.positions]
-        if bounded and motion.turns:
+        if bounded:
             positions += motion.along(61, None if request.moves else request.positions)
         elif request.moves:
             positions += [motion.spread(61)]

@@ -49,6 +49,8 @@ class Motion:
         The assembly modes.
     links : Links or None
         Where mass data come from.
+    reach : float
+        Of an input without bounds, how far what is looked at reaches at least, to both sides.
     """
 
     mechanism: str
@@ -57,6 +59,7 @@ class Motion:
     design: dict[str, float]
     branches: tuple[int, ...]
     links: Links | None
+    reach: float = 0.0
 
     @property
     def input(self) -> str:
@@ -136,8 +139,25 @@ class Motion:
         """The ends of what is looked at: a turn, or what the picture says of the input."""
         if self.turns:
             return -np.pi, np.pi
-        low, high = self.picture.spans.get(self.input, SPAN)
-        return -self.number(low), self.number(high)
+        low, high = (self.number(end) for end in self.picture.spans.get(self.input, SPAN))
+        return (-max(low, self.reach), max(high, self.reach)) if self.is_window else (-low, high)
+
+    @property
+    def is_window(self) -> bool:
+        """Whether the ends of what is looked at are no limits of the input, which has no bounds."""
+        ends = self.picture.spans.get(self.input, SPAN)
+        return not self.turns and not any(isinstance(end, str) for end in ends)
+
+    def range_texts(self, degrees: bool) -> list[str]:
+        """Return the ranges in which the linkage assembles as texts, such as ``24° to 145°``."""
+        found = []
+        for low, high in self.ranges:
+            first = "" if self.is_window and low == self.span[0] else self.shown(low, degrees)
+            last = "" if self.is_window and high == self.span[1] else self.shown(high, degrees)
+            found.append(
+                f"{first} to {last}" if first and last else f"{first} on" if first else f"up to {last}"
+            )
+        return found
 
     @cached_property
     def _samples(self) -> Any:
@@ -224,18 +244,16 @@ class Motion:
         if positions is None or self.assembles(positions).any():
             return
         at = " and ".join(self.shown(one, degrees) for one in np.atleast_1d(positions)[:3])
-        ranges = " or ".join(
-            f"{self.shown(low, degrees)} to {self.shown(high, degrees)}" for low, high in self.ranges
-        )
+        ranges = " or ".join(self.range_texts(degrees))
         what = f"the linkage does not assemble at {at}{f' ({words})' if words else ''}"
         raise InputError(what, where=("draw", key), remedy=f"write a position from {ranges}")
 
-    def shown(self, position: float, degrees: bool) -> str:
+    def shown(self, position: float, degrees: bool, brief: bool = False) -> str:
         """Return a position as text."""
         if self.turns and degrees:
             return f"{short_number(round(float(np.degrees(position)), 3))}°"
         units = "" if self.catalogue.position.units == "1" else f" {self.catalogue.position.units}"
-        return f"{short_number(float(position))}{units}"
+        return f"{position:.4g}{units}" if brief else f"{short_number(float(position))}{units}"
 
 
 def as_draw(function: Callable[[], T], curve: int = 0) -> T:

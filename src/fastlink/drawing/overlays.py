@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from importlib import import_module
-from inspect import signature
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from matplotlib.lines import Line2D
 
+from fastlink.drawing.following import ARMS, FAINT, add_arms, legend_of_loci
 from fastlink.drawing.places import samples_of
 from fastlink.plot.draw import LINES
 from fastlink.plot.labels import mathematical
@@ -21,13 +20,10 @@ __all__ = ["MODES", "add_overlays", "mode_line"]
 
 #: The colours of assembly modes, and of what belongs to none.
 MODES = LINES
-FAINT, GHOST = "0.62", "0.72"
+GHOST = "0.72"
 TEETH = 90
 #: Of the picture: the length of a usual tooth, and of the longest.
 TOOTH, LONGEST = 0.06, 4.0
-GRID = 401
-#: The dashes of an arm of a circle of future-pointing vectors, and of the other one.
-ARMS: dict[bool, Any] = {True: (0, (1.2, 1.6)), False: (0, (5, 3))}
 
 
 def mode_line(branch: int, **changes: Any) -> dict[str, Any]:
@@ -61,26 +57,17 @@ def _add_paths(sheet: Sheet, position: float) -> list[Any]:
 
 
 def _add_circles(sheet: Sheet, position: float, group: str) -> list[Any]:
-    """Draw the circles and lines of a group, past-pointing arms dashed."""
-    motion, seen = sheet.motion, set()
+    """Draw the circles about ground pivots and the lines of a group, and return their legend."""
+    motion, arms = sheet.motion, 0
     for circle in motion.picture.circles:
-        if circle.group != group or not motion.has(circle.radius):
-            continue
-        centres = motion.places([position], [motion.picture.point(circle.centre)])[circle.centre][:, 0]
-        radii = motion.values([circle.radius], [position])[circle.radius][:, 0]
-        for centre, radius in zip(centres, radii, strict=True):
-            key = (*np.round(centre * sheet.scale, 3), round(float(radius) * sheet.scale, 3))
-            if not np.isfinite(key).all() or key in seen:
-                continue
-            seen.add(key)
-            for arm, is_usual in sheet.plane.circle(centre, radius, sheet.view):
-                sheet.axis.plot(*arm.T, color=FAINT, linewidth=0.9, linestyle=ARMS[is_usual], zorder=1.0)
+        if circle.group == group and motion.picture.point(circle.centre).kind == "ground":
+            arms += len(add_arms(sheet, position, circle))
     for guide in motion.picture.guides:
         if guide.group == group and not guide.slider and guide.x is not None and motion.has(guide.x):
             x = motion.number(guide.x)
             if np.isfinite(x):
                 sheet.axis.axvline(x, color=FAINT, linewidth=0.9, linestyle=(0, (8, 3, 1, 3)), zorder=1.0)
-    both = seen and motion.picture.metric != "euclidean"
+    both = arms and motion.picture.metric != "euclidean"
     lines = [Line2D([], [], color=FAINT, linewidth=0.9, linestyle=ARMS[one]) for one in (True, False) if both]
     for line, label in zip(lines, ("future-pointing arms", "past-pointing arms"), strict=False):
         line.set_label(label)
@@ -147,40 +134,6 @@ def _comb(sheet: Sheet, position: float) -> list[Any]:
     return []
 
 
-def _add_loci(sheet: Sheet, position: float) -> list[Any]:
-    """Draw the curves that functions of fastlink give for the position."""
-    motion, handles = sheet.motion, []
-    for locus in motion.picture.loci:
-        if locus.group not in sheet.show:
-            continue
-        package, name = locus.function.split(".")
-        function = getattr(import_module(f"fastlink.{package}"), name)
-        known = {**motion.design, motion.input: position}
-        arguments = [key for key in signature(function).parameters if key in known]
-        if motion.input not in signature(function).parameters and "phi" in signature(function).parameters:
-            continue  # of a position by another input
-        of_mode = "branch" in signature(function).parameters
-        for k, branch in enumerate(motion.branches if of_mode else motion.branches[:1]):
-            given = {key: known[key] for key in arguments} | ({"branch": branch} if of_mode else {})
-            curve = function(**given)
-            colour = sheet.colour(k) if of_mode else FAINT
-            style = {"color": colour, "linewidth": 0.9, "alpha": 0.75, "zorder": 1.2}
-            if locus.gives == "points":
-                sheet.axis.plot(*np.asarray(curve).T, **style)
-            else:
-                _level(sheet, curve, colour)
-        handles.append(Line2D([], [], color=FAINT, linewidth=0.9, label=locus.meaning))
-    return handles
-
-
-def _level(sheet: Sheet, coefficients: Any, colour: Any) -> None:
-    """Draw where a polynomial in x and y is zero."""
-    x, y = (np.linspace(low, high, GRID) for low, high in sheet.view.reshape(2, 2))
-    values = np.polynomial.polynomial.polygrid2d(x, y, coefficients)
-    if np.nanmin(values) < 0.0 < np.nanmax(values):
-        sheet.axis.contour(x, y, values.T, [0.0], colors=[colour], linewidths=0.9, zorder=1.2)
-
-
 #: What is drawn by a word of its own.
 OF_WORDS: dict[str, Callable[[Sheet, float], list[Any]]] = {
     "cone": _cones,
@@ -192,7 +145,7 @@ OF_WORDS: dict[str, Callable[[Sheet, float], list[Any]]] = {
 def add_overlays(sheet: Sheet, position: float) -> list[Any]:
     """Draw all that is shown besides the linkage, as for a position, and return its legend."""
     handles = [line for group in sorted(sheet.show) for line in _add_circles(sheet, position, group)]
-    handles += [*_add_loci(sheet, position), *_add_paths(sheet, position)]
+    handles += [*legend_of_loci(sheet), *_add_paths(sheet, position)]
     for word, add in OF_WORDS.items():
         if word in sheet.show:
             handles += add(sheet, position)

@@ -32,6 +32,8 @@ __all__ = ["Options", "Request", "picture_of", "request_of"]
 #: The most linkages side by side, and curves beside them.
 MOST_SHEETS, MOST_CURVES = 24, 6
 ALL = "all"
+#: How much farther than its positions the range of an input without bounds is shown.
+BEYOND = 1.25
 
 
 @dataclass(frozen=True)
@@ -91,7 +93,7 @@ class Request:
         if len(self.positions) < 2:
             return title
         symbol = mathematical(motion.catalogue.position.symbol)
-        return f"{title}{title and ', '}{symbol} = {motion.shown(position, self.degrees)}"
+        return f"{title}{title and ', '}{symbol} = {motion.shown(position, self.degrees, brief=True)}"
 
 
 def request_of(source: Source, options: Options) -> Request:
@@ -124,8 +126,9 @@ def request_of(source: Source, options: Options) -> Request:
         problems.add(what, ("animate",), "leave strip and further positions out")
     problems.stop()
     choices = _choices(catalogue, links, numbers)
+    reach = 0.0 if positions is None else BEYOND * float(np.abs(positions).max())
     motions = tuple(
-        Motion(source.mechanism, catalogue, picture, numbers | one, tuple(sorted(branches)), links)
+        Motion(source.mechanism, catalogue, picture, numbers | one, tuple(sorted(branches)), links, reach)
         for one in choices
     )
     show, curves = _words(motions[0], options.show), _curves(motions[0], options.curves)

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from fastlink.drawing.following import add_following
 from fastlink.drawing.marks import INK, add_ground, add_guide, add_joint, add_slider
 from fastlink.drawing.overlays import MODES, add_overlays, mode_line
 from fastlink.drawing.places import Names, samples_of
@@ -130,7 +131,7 @@ class Sheet:
         names.clear()
         for cloud, weight in self.free:
             names.keep_free(cloud, weight)
-        drawn: list[Any] = []
+        drawn = add_following(self, position)
         for bar in motion.picture.bars:
             if not bar.is_ground:
                 drawn += self._bar(bar, position, places, common)

@@ -107,15 +107,21 @@ class Locus:
     function : str
         Its public name, such as ``"focal.cubic_points"``; it takes inputs and the input position by their names.
     gives : str
-        ``"points"`` (x, y), or the ``"equation"`` by the coefficients of x^i y^j.
+        ``"points"`` (x, y), the ``"equation"`` by the coefficients of x^i y^j, or a ``"conic"`` with its axes and foci.
     meaning : str
         Words for the legend.
+    by : str
+        The input that has to drive, where the function takes its position; an empty text where it takes none.
+    given : mapping of str to str
+        The facts that are further arguments.
     """
 
     group: str
     function: str
-    gives: Literal["points", "equation"]
+    gives: Literal["points", "equation", "conic"]
     meaning: str
+    by: str = ""
+    given: Mapping[str, str] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)

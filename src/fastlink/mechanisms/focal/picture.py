@@ -8,6 +8,8 @@ __all__ = ["PICTURE"]
 
 CENTRES = ("PFQX", "SFTY", "PSQT")
 
+FOCUS = {"x": "F_x", "y": "F_y"}
+
 PICTURE = Picture(
     points=(
         Point("M", 0.0, 0.0, "ground"),
@@ -33,7 +35,10 @@ PICTURE = Picture(
         *(Circle(points, f"{points}_radius") for points in CENTRES),
     ),
     guides=(Guide(x="line_x", group="path"),),
-    loci=(Locus("cubic", "focal.cubic_points", "points", "focal cubic"),),
+    loci=(
+        Locus("cubic", "focal.cubic_points", "points", "focal cubic", by="phi"),
+        Locus("foci", "focal.inscribed_conics", "conic", "conic with the focus F", by="phi", given=FOCUS),
+    ),
     traced={"path": "T"},
     usual="path cubic",
 )
