@@ -15,7 +15,7 @@ from tests.support.refusals import refused
 
 import fastlink as fl
 
-FRAMES = 4
+FRAMES = 3
 
 
 def test_a_gif_has_the_pictures_asked_for_and_ends_where_it_began(tmp_path):

@@ -24,9 +24,17 @@ omega1 = 20.0
 
 
 @pytest.fixture(scope="module")
-def maps():
+def place(tmp_path_factory):
+    place = tmp_path_factory.mktemp("maps") / "maps.h5"
     space = fl.grid(a1=0.4, a2=[1.0, 1.1, 1.2], a3=[0.7, 0.8], a4=1.0)
-    return fl.sweep("planar_4r", space, ["transmission_angle_min"])
+    fl.sweep("planar_4r", space, ["transmission_angle"], theta1=[1.0, 2.0], to=place, verify=0).close()
+    return place
+
+
+@pytest.fixture(scope="module")
+def maps(place):
+    with fl.open(place) as maps:
+        return maps.load()
 
 
 @pytest.fixture
@@ -46,24 +54,23 @@ def lengths(figure):
 EXPECTED = pytest.approx((1.1, 0.8), rel=1e-14)
 
 
-def test_a_design_of_a_map_by_its_number_and_by_its_values(maps, tmp_path):
+def test_a_design_of_a_map_by_its_number_and_by_its_values(maps, place):
     assert lengths(fl.draw(maps, 3, theta1=1.0)) == EXPECTED
     assert lengths(fl.draw(maps, at={"a2": 1.12, "a3": 0.79}, theta1=1.0)) == EXPECTED
     assert lengths(fl.draw(maps, 2, a3=0.8, theta1=1.0)) == EXPECTED
-    place = tmp_path / "maps.h5"
-    space = maps.fastlink.designs
-    fl.sweep("planar_4r", space, ["transmission_angle_min"], to=place, progress=False).close()
-    assert lengths(fl.draw(place, 3, theta1=1.0)) == EXPECTED
+    assert lengths(fl.draw(place, 3)) == EXPECTED
     assert lengths(fl.draw(str(place), 3, theta1=1.0)) == EXPECTED
 
 
-def test_a_row_has_its_assembly_mode(maps):
-    rows = maps.fastlink.top(2, "transmission_angle_min")
+def test_a_row_has_its_assembly_mode_and_its_position(maps):
+    rows = maps.fastlink.top(2, "transmission_angle")
     expected = float(rows.a2[1]), float(rows.a3[1])
-    figure = fl.draw(rows, 1, theta1=1.0)
+    figure = fl.draw(rows, 1)
+    crank = bars(figure)["O", "A", str(int(rows.branch[1]))][1]
+    assert np.arctan2(*crank[::-1]) == pytest.approx(float(rows.theta1[1]), rel=1e-15)
     assert lengths(figure) == pytest.approx(expected, rel=1e-14)
     assert {branch for *_, branch in bars(figure)} == {str(int(rows.branch[1]))}
-    assert {branch for *_, branch in bars(fl.draw(rows, 1, theta1=1.0, branch=[1, 2]))} == {"1", "2"}
+    assert {branch for *_, branch in bars(fl.draw(rows, 1, theta1_deg=20, branch=[1, 2]))} == {"1", "2"}
 
 
 def test_a_design_of_a_study_with_its_links(study):
@@ -73,9 +80,11 @@ def test_a_design_of_a_study_with_its_links(study):
     assert lengths(fl.draw(study, at={"a2": 1.12, "a3": 0.79}, theta1=1.0)) == EXPECTED
 
 
-def test_a_single_design_needs_no_number():
-    one = fl.sweep("planar_4r", fl.grid(**FOUR_BAR), ["grashof_class"])
-    assert lengths(fl.draw(one, theta1=1.0)) == EXPECTED
+def test_a_single_design_needs_no_number(study):
+    study.write_text(
+        STUDY.replace("{linspace = [1.0, 1.2, 3]}", "1.1").replace("{values = [0.7, 0.8]}", "0.8")
+    )
+    assert lengths(fl.draw(study, theta1=1.0)) == EXPECTED
 
 
 @pytest.mark.parametrize(

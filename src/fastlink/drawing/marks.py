@@ -38,8 +38,10 @@ def add_ground(axis: Any, at: Any, size: float = 1.0) -> None:
     )
     width = 1.6 * half
     _line(axis, [-width, width], [base, base], at, zorder=4.5, **style)
-    for x in np.linspace(-0.8 * width, width, 6):
-        _line(axis, [x, x - 4.0 * size], [base, base - 4.5 * size], at, zorder=4.5, color=INK, linewidth=0.7)
+    starts, gap = np.linspace(-0.8 * width, width, 6), np.full(6, np.nan)
+    x = np.stack([starts, starts - 4.0 * size, gap], axis=-1).ravel()
+    y = np.tile([base, base - 4.5 * size, np.nan], 6)
+    _line(axis, x, y, at, zorder=4.5, color=INK, linewidth=0.7)
 
 
 def add_joint(axis: Any, at: Any, colour: Any, size: float) -> Any:
