@@ -34,7 +34,8 @@ def inner(quantity, designs, branch, variants=()):
     [
         (2.0, "2", "2", 1.0),
         (-1e-3, "1e-9", "1e-9", 1.0),  # doubles have the wrong sign
-        (1e-3, "1e-36", "1e-60", 0.0),  # 50 digits of nothing: 2^-115 of the noise of doubles
+        (1e-3, "1e-36", "1e-60", 0.0),  # noise
+        (1e-30, "1e-100", "-1e-137", 0.0),  # a product of two errors
         (0.0, "1e-49", "-1e-99", 0.0),
         (0.0, "-1e-49", "-1e-49", -1.0),  # tiny, but known
         (0.0, "0", "0", 0.0),
@@ -70,6 +71,22 @@ def test_noise_of_a_slope_at_a_fold_is_no_extreme():
     listed = fl.sweep("planar_4r", fl.grid(**designs, omega1=1.0), ["F32_extrema"], links=BARS, verify=1)
     assert np.isnan(listed["F32_extrema"]).all()
     assert listed.attrs["verify_mismatches"] == 0
+
+
+def test_lists_leave_out_rounding_errors_where_a_kite_or_parallelogram_rests():
+    """A crank that turns its coupler alone, or its output at its own speed, needs no torque: 0 has no extremes."""
+    rng = np.random.default_rng(7)
+    lengths = np.array([(9, 9, 7, 7), (2, 4, 2, 4)], float)
+    designs = dict(zip(LENGTHS, lengths.T, strict=True)) | masses_and_points(rng, 2)
+    names = ["T41_extrema_count", "T41_extrema", "shaking_force_extrema_count"]
+    found = fl.sweep("planar_4r", fl.table(designs), names)
+    for branch in (1, 2):
+        for name in ("T41", "shaking_force"):
+            exact = inner(name, designs, branch)[0]
+            count = found.sel(branch=branch)[f"{name}_extrema_count"]
+            np.testing.assert_array_equal(count, [len(each) for each in exact])
+    listed = found["T41_extrema"].values
+    assert (abs(listed[np.isfinite(listed)]) > 1e-3).all()
 
 
 def test_no_extreme_is_listed_beside_the_pole_of_a_fold():

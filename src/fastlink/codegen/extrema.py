@@ -11,7 +11,7 @@ from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
 
 from fastlink.codegen.extrema_schedule import ExtremaSchedule
-from fastlink.codegen.runtime import bounds, cells, octaves, results, roots, sampling, subdivision
+from fastlink.codegen.runtime import bounds, cells, octaves, resting, results, roots, sampling, subdivision
 from fastlink.codegen.runtime.cells import LANES, MOST_LANES, STATE_ROWS
 from fastlink.codegen.source import Source, Text, paste_fact
 
@@ -160,6 +160,9 @@ class _ExtremaWriter(ExtremaSchedule):
         text, search = self.text, self.program.searches[number]
         text.call(cells.nothing_yet, "counts")
         parts = [f"part_{number}_{half}" for half in range(self.halves)]
+        if not self.program.mirrored and not search.onto:  # else the branches are silenced together
+            for part in parts:
+                text.call(resting.silence_rest, f"w, table, samples, marks, {part}, n_here")
         for part in parts:
             text.call(sampling.mark_ends, f"w, table, samples, marks, {part}, width")
             if search.divided:

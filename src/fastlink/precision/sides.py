@@ -1,9 +1,8 @@
 """Signs of slopes at samples: by doubles, and with many digits wherever a change of sign rests on them.
 
 Beside a fold, and of what is constant, a slope in doubles is nothing but its rounding error: its changes of sign look
-like extremes. All precisions evaluate the same facts, so that the error of 50 digits is some 2^-115 of that of doubles,
-which is no less than the value where that is noise. Of a slope that is 0 in doubles, or has the other sign, 100 digits
-tell: the difference of both is the error of 50 digits, and noise is no more than that.
+like extremes. All precisions evaluate the same facts: where doubles and 50 digits agree, neither is noise, which is
+2^115 times as great in doubles. Elsewhere further digits tell.
 """
 
 from __future__ import annotations
@@ -13,18 +12,17 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from fastlink.precision.reference import CONTEXT, DIGITS
+from fastlink.precision.reference import CONTEXT
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 __all__ = ["side_of", "turning_cells"]
 
-#: A slope with 50 digits (168 bits) that is less of one in doubles (53 bits) is noise in these; 2^25 are for noise in
-#: doubles that is small by chance.
-NOISE = 2.0**-90
-#: The error of 50 digits is no more of a slope whose sign they tell.
-SURE = 2.0**-10
+#: Two precisions agree to this share of a slope.
+AGREE = 0.25
+#: Further digits, no multiple of 50: noise may be a product of errors, as great with twice as many digits.
+FURTHER = 137
 
 
 def side_of(doubles: float, slope: Callable[[], Any]) -> float:
@@ -45,11 +43,11 @@ def side_of(doubles: float, slope: Callable[[], Any]) -> float:
     exact = slope()
     if exact != exact or not np.isfinite(doubles):
         return float(np.sign(doubles))
-    if doubles * exact > 0 and abs(exact) > NOISE * abs(doubles):
+    if abs(exact - doubles) < AGREE * abs(exact):
         return float(np.sign(doubles))
-    with CONTEXT.workdps(2 * DIGITS):
+    with CONTEXT.workdps(FURTHER):
         finer = slope()
-        sure = abs(exact - finer) <= SURE * abs(finer)
+        sure = abs(exact - finer) < AGREE * abs(finer)
     return (float(finer > 0) - float(finer < 0)) if sure else 0.0
 
 
