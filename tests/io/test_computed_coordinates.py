@@ -37,7 +37,7 @@ def sweep(space, **options):
 
 
 def without_times(maps):
-    times = ("time", "per_second", "fingerprint", "threads")
+    times = ("time", "per_second", "fingerprint", "threads", "history")
     attrs = {name: value for name, value in maps.attrs.items() if not any(word in name for word in times)}
     return maps.assign_attrs(attrs).drop_attrs(deep=False).assign_attrs(attrs)
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import contextlib
 import hashlib
 import time
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -27,6 +27,7 @@ from fastlink.io.ranges import joined
 from fastlink.io.writing.target import forget_journal, forget_published
 from fastlink.io.writing.writer import Writer
 from fastlink.precision import DESIGNS, Verification
+from fastlink.space.design_space import held
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -88,9 +89,9 @@ class Evaluation:
         if in_memory:  # there values stay as they are computed, and only dimensions change places
             resolved = replace(resolved, layout=CURVES)
         self.resolved, self.threads, self.block = resolved, threads, block
-        #: Coordinates that are written block by block, to a file.
-        self.columns = [] if in_memory else labels.computed(plan, space)
-        self.nbytes = sum(variable.nbytes for variable in self._written)
+        #: Coordinates that are computed block by block, beside the results.
+        self.columns = labels.computed(plan, space)
+        self.nbytes = sum(variable.nbytes for variable in (self.variables if in_memory else self._written))
         check_needs(resolved, threads, block, verify, self.nbytes if in_memory else 0)
         self.counts = StatusCounts(plan)
         self.verification = Verification(plan, space, positions, verify) if verify else None
@@ -134,6 +135,12 @@ class Evaluation:
         """Evaluate all designs, and return the labelled results."""
         arrays = allocated(self.job.shapes, self.resolved.space.size)
         sink, axis = self._sink(show), self.resolved.scaling_axis
+        columns = {variable.name: np.empty(variable.shape, variable.dtype) for variable, _ in self.columns}
+
+        def hold(name: str, start: int, values: NDArray[Any]) -> None:
+            columns[name][start : start + len(values)] = values
+
+        sink = tee(self._of_columns(hold), sink) if columns else sink
         if axis is None and self.part is None:
             run(self.job, targets=arrays, sink=sink, threads=self.threads, block=self.block)
         else:
@@ -142,13 +149,16 @@ class Evaluation:
         measured, errors = self._errors()
         variables = [replace(v, attrs=v.attrs | errors.get(v.name, {})) for v in self.variables]
         attrs = {**self._labelled(attrs), **statistics, **measured}
-        return labels.labelled(self.resolved, variables, arrays, attrs)
+        resolved = self.resolved
+        if columns:
+            resolved = replace(resolved, space=held(resolved.space, columns))
+        return labels.labelled(resolved, variables, arrays, attrs)
 
     def to_file(
         self, path: Path, show: Sink, attrs: Mapping[str, Any], *, overwrite: bool, restart: bool
     ) -> None:
         """Evaluate all designs into a file, or the rest of a killed run."""
-        size, options = self.resolved.space.size, dict[str, Any](overwrite=overwrite, restart=restart)
+        options: dict[str, Any] = {"overwrite": overwrite, "restart": restart}
         if self.part is None:
             options |= {"run": (self._fingerprint(attrs), self.job.size), "rows": self.resolved.scaling_axis}
         else:
@@ -162,20 +172,28 @@ class Evaluation:
                         variable.shape[: variable.leading] or variable.shape[len(self.resolved.space.shape) :]
                     )
                     writer.write(variable.name, start, array.reshape(len(array), *row))
-                for variable, column in self.columns:
-                    first, last = variable.placement(size).own(start, stop)
-                    writer.write(variable.name, first, column.piece(first, last))
 
             def record(start: int, stop: int, arrays: list[NDArray[Any]]) -> None:
                 writer.record(start, stop)
 
             sink = self._sink(show)
             resumed = self._replay(writer, sink)
-            self._run(tee(write, sink), record, writer.pending)
+            self._run(tee(write, self._of_columns(writer.write), sink), record, writer.pending)
             statistics = self._statistics(resumed)
             measured, errors = self._errors()  # an interrupt leaves a partial file that goes on from here
             made = {HISTORY: history(f"sweep {self.resolved.mechanism} to {path.name}")}
             writer.finish(statistics | measured | made, errors)
+
+    def _of_columns(self, write: Callable[[str, int, NDArray[Any]], None]) -> Sink:
+        """Return a sink that writes the coordinates which are computed with some designs."""
+        size = self.resolved.space.size
+
+        def pass_on(start: int, stop: int, arrays: list[NDArray[Any]]) -> None:
+            for variable, column in self.columns:
+                first, last = variable.placement(size).own(start, stop)
+                write(variable.name, first, column.piece(first, last))
+
+        return pass_on
 
     def _run(self, sink: Sink, record: Sink | None = None, pending: list[Range] | None = None) -> None:
         """Evaluate designs.

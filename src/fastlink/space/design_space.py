@@ -315,3 +315,10 @@ def flat(space: DesignSpace) -> DesignSpace:
     columns = {name: frozen(np.array(values)) for name, values in part.columns.items()}
     labels = {name: label for name, label in space.labels.items() if not label.ndim}
     return replace(part, kind="table", columns=columns, attrs={"design_kind": "table"}, labels=labels)
+
+
+def held(space: DesignSpace, values: Mapping[str, NDArray[Any]]) -> DesignSpace:
+    """Return a space with arrays in place of columns and labels that are computed where they are looked at."""
+    columns = {name: values.get(name, column) for name, column in space.columns.items()}
+    labels = {**space.labels, **{name: array for name, array in values.items() if name not in columns}}
+    return replace(space, columns=columns, labels=labels)

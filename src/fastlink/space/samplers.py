@@ -14,7 +14,7 @@ from fastlink.errors import InputError, Pair, Problems
 from fastlink.options import MOST_SEED, check_whole
 from fastlink.space.column import Column
 from fastlink.space.design_space import DesignSpace, sampled
-from fastlink.space.sequences import ROUNDS, slices_axes, sobol_axes, sobol_bits
+from fastlink.space.sequences import rounds_of, slices_axes, sobol_axes, sobol_bits
 from fastlink.space.table import table
 from fastlink.space.values import Floats, axis_of, check_input_name, constant, numbers_of, units_of
 
@@ -216,4 +216,4 @@ def _sample_attrs(
         import scipy  # scipy takes longer to import than all the rest of this module, and others do without
 
         return attrs | {"design_bits": sobol_bits(n), "design_scipy": scipy.__version__}
-    return attrs | {"design_method": f"keyed permutation, {ROUNDS} rounds"}
+    return attrs | {"design_method": f"keyed permutation, {rounds_of(n)} rounds"}

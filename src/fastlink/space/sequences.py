@@ -4,16 +4,17 @@ from __future__ import annotations
 
 import hashlib
 import math
+import threading
 from abc import abstractmethod
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from fastlink.space.column import Column
+from fastlink.space.column import STEP, Column
 from fastlink.space.values import Floats
 
-__all__ = ["Permutation", "Slices", "SobolAxis", "slices_axes", "sobol_axes", "sobol_bits"]
+__all__ = ["Permutation", "Slices", "SobolAxis", "rounds_of", "slices_axes", "sobol_axes", "sobol_bits"]
 
 Words = NDArray[np.uint64]
 #: Bits of the sequence up to 2^30 designs, those of scipy, and beyond: as many as a double holds.
@@ -24,11 +25,18 @@ TABLE_BITS = 12
 COMPARED = 64
 #: Values of a Latin hypercube that are computed at once, in the caches.
 AT_ONCE = 4096
-#: Rounds of the permutation: see docs/designs.md for what was measured.
-ROUNDS = 6
-#: Odd multipliers of the finalizers of MurmurHash3 and SplitMix64, which spread each bit over all higher ones.
-FIRST, SECOND = np.uint64(0xBF58476D1CE4E5B9), np.uint64(0x94D049BB133111EB)
-HALF = np.uint64(32)
+#: Rounds of the permutation of many designs; of few ones, whose orders would not come equally often.
+ROUNDS, OF_FEW, FEW = 6, 16, 4096
+#: Odd multipliers of the finalizers of SplitMix64 and MurmurHash3, which spread each bit over all higher ones, and a
+#: shift between; by the bits of a word.
+MULTIPLIERS = {64: (0xBF58476D1CE4E5B9, 0x94D049BB133111EB, 29), 32: (0x85EBCA6B, 0xC2B2AE35, 13)}
+
+
+class _Last(threading.local):
+    """The last block that a thread has computed."""
+
+    def __init__(self) -> None:
+        self.range, self.values = (0, 0), np.empty(0)
 
 
 class _Axis(Column):
@@ -46,13 +54,29 @@ class _Axis(Column):
     def unit(self, start: int, stop: int, out: Floats) -> None:
         """Write points between 0 and 1."""
 
+    def __init__(self, length: int, bounds: tuple[float, float]) -> None:
+        super().__init__(length, bounds)
+        self._last = _Last()
+
     def read(self, start: int, stop: int, out: NDArray[Any]) -> None:
-        """Write some values."""
+        """Write some values; the last block of a thread is kept, for kernels and files take it one after the other."""
+        if self._last.range == (start, stop):
+            out[:] = self._last.values
+            return
         low, high = self.bounds
         self.unit(start, stop, out)
         out *= high - low
         out += low
         np.minimum(out, high, out=out)  # where the sum is rounded to beyond the end
+        if stop - start <= STEP:
+            self._last.range, self._last.values = (start, stop), out.copy()
+
+    def __getstate__(self) -> dict[str, Any]:
+        return {name: value for name, value in vars(self).items() if name != "_last"}
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        vars(self).update(state)
+        self._last = _Last()
 
 
 class SobolAxis(_Axis):
@@ -130,12 +154,17 @@ def sobol_axes(n: int, seed: int, bounds: list[tuple[float, float]]) -> list[Col
     return list(axes)
 
 
+def rounds_of(n: int) -> int:
+    """Return the rounds of a permutation of so many numbers."""
+    return OF_FEW if n <= FEW else ROUNDS
+
+
 class Permutation:
     """A permutation of 0 to n - 1 in which each number is computed without the others.
 
     A Feistel network on numbers l b + r, l < a, r < b, with a and b near the square root of n: by turns l and r are
     shifted, modulo a and b, by a hash of the other one and of a key. Numbers from n to a b - 1, of which there are less
-    than a, are mapped again, until they fall below n.
+    than a, are mapped again, until they fall below n. Up to 2^32 the words have 32 bits, for speed.
 
     Parameters
     ----------
@@ -152,32 +181,32 @@ class Permutation:
     """
 
     def __init__(self, n: int, keys: Words) -> None:
-        self.n = np.uint64(n)
+        self.n, self.kind = n, np.uint32 if n <= 1 << 32 else np.uint64
         self.a = math.isqrt(n - 1) + 1
         self.b = -(-n // self.a)
-        self.keys = keys
+        self.keys = keys.astype(self.kind)
 
     def __call__(self, numbers: Words) -> Words:
         """Return the images of some numbers."""
-        images = self._network(numbers)
-        outside = np.flatnonzero(images >= self.n)
+        images = self._network(numbers.astype(self.kind))
+        outside = np.flatnonzero(images > self.n - 1)
         while outside.size:
             images[outside] = self._network(images[outside])
-            outside = outside[images[outside] >= self.n]
-        return images
+            outside = outside[images[outside] > self.n - 1]
+        return images.astype(np.uint64)
 
-    def _network(self, numbers: Words) -> Words:
-        b = np.uint64(self.b)
+    def _network(self, numbers: NDArray[Any]) -> NDArray[Any]:
+        kind, b = self.kind, self.kind(self.b)
         left = numbers // b
         right = numbers - left * b
-        sides = [(left, np.uint64(self.a)), (right, b)]
+        half, sides = kind(4 * numbers.itemsize), [(left, kind(self.a)), (right, b)]
         mixed, wrapped = np.empty_like(numbers), np.empty_like(numbers)
         for key in self.keys:
             (side, size), (other, _) = sides
             np.bitwise_xor(other, key, out=mixed)
             _mix(mixed, wrapped)
             mixed *= size
-            mixed >>= HALF
+            mixed >>= half
             side += mixed
             np.subtract(side, size, out=wrapped)  # below zero it wraps to beyond all
             np.minimum(side, wrapped, out=side)
@@ -187,13 +216,15 @@ class Permutation:
         return left
 
 
-def _mix(words: Words, scratch: Words) -> None:
-    """Replace words by hashes of 32 bits."""
-    words *= FIRST
-    np.right_shift(words, np.uint64(29), out=scratch)
+def _mix(words: NDArray[Any], scratch: NDArray[Any]) -> None:
+    """Replace words by hashes of half as many bits."""
+    kind, bits = words.dtype.type, 8 * words.itemsize
+    first, second, shift = MULTIPLIERS[bits]
+    words *= kind(first)
+    np.right_shift(words, kind(shift), out=scratch)
     words ^= scratch
-    words *= SECOND
-    words >>= HALF
+    words *= kind(second)
+    words >>= kind(bits // 2)
 
 
 class Slices(_Axis):
@@ -212,7 +243,9 @@ class Slices(_Axis):
     def __init__(self, length: int, bounds: tuple[float, float], seed: int, axis: int) -> None:
         super().__init__(length, bounds)
         self.seed, self.axis = seed, axis
-        keys: Any = np.random.SeedSequence(seed, spawn_key=(axis,)).generate_state(ROUNDS + 1, np.uint64)
+        keys: Any = np.random.SeedSequence(seed, spawn_key=(axis,)).generate_state(
+            rounds_of(length) + 1, np.uint64
+        )
         self.permutation, self.key = Permutation(length, keys[:-1]), keys[-1]
         # so many that slice and place together are one double: its quotient by n lies in the slice, rounded as it is,
         # for places are half a step away from either end, which is more than 2^-53 of the number of any slice
@@ -235,7 +268,7 @@ class Slices(_Axis):
     @property
     def definition(self) -> tuple[Any, ...]:
         """The class and its parameters."""
-        return "slices", ROUNDS, self.seed, self.axis, self.length, self.bounds
+        return "slices", self.seed, self.axis, self.length, self.bounds
 
 
 def slices_axes(n: int, seed: int, bounds: list[tuple[float, float]]) -> list[Column]:
