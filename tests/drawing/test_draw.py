@@ -221,6 +221,8 @@ def test_forces_are_arrows_in_their_directions():
     names = [f"{name}_{xy}" for name in ("F41", "F21", "F32", "F43") for xy in "xy"]
     forces = fl.evaluate("planar_4r", names, **given, links=links, branch=1)
     expected = np.reshape(list(forces.values()), (4, 2))
+    (legend,) = [one.get_text() for one in figure.legends[0].get_texts() if "forces" in one.get_text()]
+    assert legend == f"forces, the greatest {np.hypot(*expected.T).max():.3g} N"
     ratio = np.hypot(*vectors.T) / np.hypot(*expected.T)
     assert_allclose(ratio, ratio[0], rtol=1e-12)  # 2^-53 of a coordinate of 1 in an arrow of a thousandth
     assert_allclose(np.arctan2(*vectors.T), np.arctan2(*expected.T), rtol=1e-12)

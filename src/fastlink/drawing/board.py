@@ -87,6 +87,7 @@ class Board:
             top = MARGIN + TITLE + row * each + self._title_height()
             axis = self._axes((left, top, self.width, self.height))
             sheet = Sheet(axis, motion, self.view, self.scale, self.request.show, style=style)
+            sheet.moves = self.request.moves or len(self.request.positions) > 1
             found = sheet.background(position)
             handles = handles or found
             if title:

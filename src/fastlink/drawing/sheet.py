@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from matplotlib.lines import Line2D
 
 from fastlink.drawing.following import add_following
 from fastlink.drawing.marks import INK, add_ground, add_guide, add_joint, add_slider
@@ -69,8 +70,9 @@ class Sheet:
         self.show, self.style = show, style
         self.plane = PLANES[motion.picture.metric]
         self.names = Names(scale, view)
-        #: The greatest force over what is shown; found at the first position unless it is set.
-        self.force_unit: float | None = None
+        #: Whether one scale of forces is for the whole motion; the greatest force that is shown.
+        self.moves = False
+        self.force_unit = 1.0
         self.free: list[tuple[Any, float]] = []
 
     # -- what stands still -----------------------------------------------------------------------------------------
@@ -81,6 +83,7 @@ class Sheet:
         axis.set(xlim=view[:2], ylim=view[2:], aspect="equal", autoscale_on=False)
         axis.set_axis_off()
         handles = add_overlays(self, position)
+        handles += self._scale_forces(position) if "forces" in self.show else []
         places = self.motion.places([position])
         ground = [one for one in self.motion.points if one.kind == "ground"]
         for bar in self.motion.picture.bars:
@@ -235,13 +238,8 @@ class Sheet:
         """Draw forces as arrows, all by one scale."""
         drawn: list[Any] = []
         forces = self.motion.picture.forces
-        names = [f"{one.name}_{xy}" for one in forces for xy in "xy"]
-        values = self.motion.values(names, [position])
-        arrows = {one.name: np.stack([values[f"{one.name}_{xy}"][:, 0] for xy in "xy"], -1) for one in forces}
-        sizes = np.stack([np.hypot(*arrow.T) for arrow in arrows.values()])
-        if self.force_unit is None:
-            self.force_unit = float(np.nanmax(sizes)) if np.isfinite(sizes).any() else 1.0
-        reach = 0.22 * min(np.ptp(self.view[:2]), np.ptp(self.view[2:])) / (self.force_unit or 1.0)
+        arrows = {name: vectors[:, 0] for name, vectors in self._vectors([position]).items()}
+        reach = 0.22 * min(np.ptp(self.view[:2]), np.ptp(self.view[2:])) / self.force_unit
         for one in forces:
             for k, vector in enumerate(arrows[one.name] * reach):
                 start = places[one.at][k]
@@ -256,6 +254,22 @@ class Sheet:
                 at = self.names.place(key, symbol.replace("_", ""), start + vector, 9.0)
                 drawn.append(self._text(mathematical(symbol), at, colour))
         return drawn
+
+    def _scale_forces(self, position: float) -> list[Any]:
+        """Find the greatest force that is shown, and return its legend."""
+        shown = self.motion.spread(61, ends=False) if self.moves else [position]
+        sizes = np.stack([np.hypot(*np.moveaxis(one, -1, 0)) for one in self._vectors(shown).values()])
+        greatest = float(sizes[np.isfinite(sizes)].max(initial=0.0))
+        self.force_unit = greatest or 1.0
+        colour = MODES[3] if len(self.motion.branches) == 1 else INK
+        label = f"forces, the greatest {greatest:.3g} N"
+        return [Line2D([], [], color=colour, linewidth=1.4, marker=">", markersize=5, label=label)]
+
+    def _vectors(self, positions: Any) -> dict[str, Any]:
+        """Return each force over assembly modes, positions, and x and y."""
+        names = [one.name for one in self.motion.picture.forces]
+        values = self.motion.values([f"{name}_{xy}" for name in names for xy in "xy"], positions)
+        return {name: np.stack([values[f"{name}_{xy}"] for xy in "xy"], axis=-1) for name in names}
 
     def _letters(self, points: Any, places: Any, common: Any) -> list[Any]:
         """Write the names of points; those that stand in one place share it."""
