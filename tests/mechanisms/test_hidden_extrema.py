@@ -256,3 +256,14 @@ def test_a_force_of_links_without_mass_is_finite_at_a_toggle():
     assert most == pytest.approx(force.max(), rel=1e-9)
     assert least - below <= force.min()
     assert least == pytest.approx(force.min(), rel=1e-12)
+
+
+def test_a_limit_at_a_fold_that_has_no_value_is_flagged():
+    """T of a focal kite comes to the ground line where it folds, from below; in doubles it has no place there."""
+    kite = {"a": 3.0, "b": 6.0, "c": 3.0, "d": 6.0, "lambda_": -0.9999999999995224, "completion": 2.0}
+    found = fl.sweep(
+        "focal", fl.grid(**kite, omega=1.0), ["T_y_max", "T_y_max_error"], input="sigma", branch=2, verify=0
+    )
+    # within 1e-13 of the places and 2^-30 of the fold: rounding over the distance
+    assert abs(float(found.T_y_max)) < 1e-4
+    assert float(found.T_y_max_error) == np.inf

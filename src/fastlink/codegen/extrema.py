@@ -153,8 +153,6 @@ class _ExtremaWriter(ExtremaSchedule):
         values = [self.copy_for(name, suffix) for name in step.depends_on]
         paste_fact(step, values, self.suffix_for(step.name, suffix), self.text)
 
-    # -- the search --------------------------------------------------------------------------------
-
     def write_search(self, number: int) -> None:
         """Write the search for the cells that hold a zero of one function, their refinement, and the extrema there."""
         text, search = self.text, self.program.searches[number]
@@ -167,7 +165,8 @@ class _ExtremaWriter(ExtremaSchedule):
             text.call(sampling.mark_ends, f"w, table, samples, marks, {part}, width")
             if search.divided:
                 text.call(subdivision.mark_unresolved, f"samples, marks, {part}, width")
-        self.write_octaves(number, parts[0])
+        if search.divided or not search.parity:  # else its extremes are counted: none hides
+            self.write_octaves(number, parts[0])
         for part in parts:
             if search.divided:
                 text.call(sampling.collect_unresolved, f"samples, marks, {part}, counts, unresolved")
@@ -221,8 +220,7 @@ class _ExtremaWriter(ExtremaSchedule):
     def write_steps(self, number: int, advance: Callable[..., Any]) -> None:
         """Write the steps of a refinement."""
         with self.text.block(f"for step in range({MOST_STEPS}):"):
-            with self.text.block("if n_open == 0:"):
-                self.text.add("break")
+            self.text.add("if n_open == 0: break")
             self.text.add(f"slope_{number}(state, vectors, n_open)")
             self.text.call(advance, "state, vectors, n_open, flags", "n_open")
 
@@ -230,6 +228,10 @@ class _ExtremaWriter(ExtremaSchedule):
         """Write the quantity's evaluation at items of a search, what is extreme there, and its storing."""
         text, search = self.text, self.program.searches[number]
         self.write_value(number)
+        if classify is results.end_values and search.at_limit:
+            text.call(roots.place_lost, f"state, filled, w, table, {results.FARTHER}", "n_lost")
+            with text.block("if n_lost > 0:"):
+                self.write_value(number)
         text.call(classify, f"{state}, search_{number}")
         if classify is results.extrema_at_zeros:
             text.call(results.drop_folds, "state, filled, w, table")

@@ -18,6 +18,8 @@ not the exact place.
   less than 4 x. The value is off by at most 8 x |s|; beside a toggle, where it may change as c x and s grows as 1/x, by
   c x = s s/|b|. What is infinite at a toggle has no bound, nor has what grows as 1/x or more towards a fold: |b| x^2 is
   at least half of it, then.
+- Where a quantity has a limit at a fold but no value there in doubles, that at 2^-30 of the scale stands for it, and
+  has no bound.
 - Where no slope changes its sign, a place in the middle of the turn stands for the extreme. If its slope is within its
   error bound the quantity is constant but for rounding: off by at most S times half a turn on each side.
 - A jump by a whole turn is at pi, which is off by its own rounding.
@@ -113,7 +115,8 @@ def bound_ends(s: Any, count: int, w: Any, table: Any) -> None:
         off = 0.0 if x == 0.0 else (beside if beside < off else off)
         off = PI * steep if (first == 0.0) & (slope <= s[SLOPE_BOUND, i]) else off
         pole = (not toggle) & (x > 0.0) & (size > 0.0) & (4.0 * (bend * (x * x)) >= size)
-        s[BOUND, i] = INFINITY if (size == INFINITY) | pole else known(MARGIN * s[BOUND, i] + off)
+        lost = x > 2.0 * abs(first)
+        s[BOUND, i] = INFINITY if (size == INFINITY) | pole | lost else known(MARGIN * s[BOUND, i] + off)
 
 
 @inlined
