@@ -158,9 +158,8 @@ class _ExtremaWriter(ExtremaSchedule):
         text, search = self.text, self.program.searches[number]
         text.call(cells.nothing_yet, "counts")
         parts = [f"part_{number}_{half}" for half in range(self.halves)]
-        if not self.program.mirrored and not search.onto:  # else the branches are silenced together
-            for part in parts:
-                text.call(resting.silence_rest, f"w, table, samples, marks, {part}, n_here")
+        for part in [] if self.program.mirrored or search.onto else parts:
+            text.call(resting.silence_rest, f"w, table, samples, marks, {part}, n_here")
         for part in parts:
             text.call(sampling.mark_ends, f"w, table, samples, marks, {part}, width")
             if search.divided:

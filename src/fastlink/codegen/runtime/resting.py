@@ -15,9 +15,10 @@ from fastlink.numerics.elementary import INFINITY, NOT_A_NUMBER
 
 __all__ = ["silence_rest"]
 
-#: A half is at rest where the greatest slope is so little of the greatest of the half that continues it: some 250
-#: roundings. Where both bars of a kite differ by 1e-13, what they do is no greater.
-REST = 2.0**-45
+#: A half may be at rest where the greatest slope is so little of the greatest of the half that continues it. It is if
+#: one sample in five is 0 or of another sign than the one before: rounding errors are so at every second one, and no
+#: quantity has so many extremes.
+REST, RESTLESS = 2.0**-20, 5
 
 
 @outlined
@@ -41,12 +42,17 @@ def silence_rest(w: Any, table: Any, samples: Any, marks: Any, part: Any, count:
         lower = (w[start, i] != 0.0) & (w[toggle, i] == 0.0)
         upper = (w[start + 1, i] != 0.0) & (w[toggle + 1, i] == 0.0)
         if lower | upper:
-            own, other = 0.0, 0.0
+            own, other, restless = 0.0, 0.0, 0
             for j in range(rows):
-                here, there = abs(samples[first + j, i]), abs(samples[beyond + j, i])
-                own = here if here > own else own
+                f, there, before = (
+                    samples[first + j, i],
+                    abs(samples[beyond + j, i]),
+                    samples[first + max(j - 1, 0), i],
+                )
+                own = abs(f) if abs(f) > own else own
                 other = there if there > other else other
-            if (own <= REST * other) & (other < INFINITY):
+                restless = restless + (1 if (f == 0.0) | ((f > 0.0) != (before > 0.0)) else 0)
+            if (own <= REST * other) & (other < INFINITY) & (RESTLESS * restless > rows):
                 for j in range(rows):
                     samples[first + j, i] = NOT_A_NUMBER
                     marks[first + j, i] = 0
