@@ -163,7 +163,7 @@ class Evaluation:
             options |= {"run": (self._fingerprint(attrs), self.job.size), "rows": self.resolved.scaling_axis}
         else:
             options |= {"run": (self._fingerprint(attrs), self.resolved.space.size)}
-            options |= {"whole": whole_coordinates(self.whole, *self.range)}
+            options |= {"whole": whole_coordinates(self.whole)}
         with Writer(path, self._coordinates(), self._written, self._labelled(attrs), **options) as writer:
 
             def write(start: int, stop: int, arrays: list[NDArray[Any]]) -> None:
