@@ -7,6 +7,7 @@ import itertools
 import numpy as np
 import pytest
 from numpy.testing import assert_array_equal
+from tests.support.part_requests import AXES, REQUESTS, sweep
 from tests.support.refusals import assert_refusal, refused
 from tests.support.study_files import GOOD, written
 from typer.testing import CliRunner
@@ -17,66 +18,6 @@ from fastlink.io.parts import Part
 from fastlink.io.writing import journal
 from fastlink.io.writing.writer import Writer
 
-COUPLERS, OUTPUTS, SPEEDS = np.linspace(1.0, 1.4, 7), np.linspace(0.6, 1.0, 5), np.array([0.5, 3.0, 7.0])
-AXES = {"omega1": SPEEDS, "a2": COUPLERS, "a3": OUTPUTS}
-TABLE = {
-    "a1": np.linspace(0.3, 0.5, 11),
-    "a2": np.linspace(1.0, 1.4, 11),
-    "part_no": [f"P{k}" for k in range(11)],
-}
-FOCAL = {"a": [5.0, 5.5, 6.0], "b": 5.0, "c": 2.0, "d": 4.0}
-#: Requests of each kind: mechanism, designs, quantities, options.
-REQUESTS = {
-    "grid": (
-        "planar_4r",
-        lambda: fl.grid(a1=0.4, a2=COUPLERS, a3=OUTPUTS, a4=1.0),
-        ["theta4"],
-        {"theta1": 6},
-    ),
-    "sobol": (
-        "planar_4r",
-        lambda: fl.sobol(37, seed=3, a1=(0.3, 0.5), a2=(1.0, 1.4), a3=0.8, a4=1.0),
-        ["transmission_angle_min"],
-        {},
-    ),
-    "hypercube": (
-        "planar_4r",
-        lambda: fl.latin_hypercube(23, seed=3, a1=(0.3, 0.5), a2=(1.0, 1.4), a3=0.8, a4=1.0),
-        ["transmission_angle_min"],
-        {"branch": 2},
-    ),
-    "table": ("planar_4r", lambda: fl.table({**TABLE, "a3": 0.8, "a4": 1.0}), ["theta4"], {"theta1": 4}),
-    "numbered table": (
-        "planar_4r",
-        lambda: fl.table({"design": np.arange(11) * 3 + 7, **TABLE, "a3": 0.8, "a4": 1.0}),
-        ["theta4"],
-        {"theta1": 4},
-    ),
-    "one design": (
-        "planar_4r",
-        lambda: fl.grid(a1=0.4, a2=1.2, a3=0.8, a4=1.0),
-        ["theta4_mean"],
-        {"theta1": 4},
-    ),
-    "scalar branch": (
-        "planar_4r",
-        lambda: fl.grid(a1=0.4, a2=COUPLERS, a3=0.8, a4=1.0, omega1=2.0),
-        ["omega4_extrema"],
-        {"branch": 1},
-    ),
-    "designs far from 1": (
-        "planar_4r",
-        lambda: fl.sobol(19, seed=1, a1=(3e-7, 5.0), a2=(1e-7, 1.4), a3=0.8e-6, a4=1e-6),
-        ["theta4"],
-        {"theta1": 4},
-    ),
-}
-
-
-def sweep(of, **options):
-    mechanism, space, quantities, given = REQUESTS[of] if isinstance(of, str) else of
-    return fl.sweep(mechanism, space(), quantities, **given, **options)
-
 
 def assert_is_part(part, whole, swept):
     """Assert that a part has the results and inputs of its designs in the whole map, and their numbers."""
@@ -85,7 +26,7 @@ def assert_is_part(part, whole, swept):
     for name in whole.data_vars:
         values = whole[name].values
         assert part[name].dims == ("design", *whole[name].dims[swept:])
-        rows = values.reshape(-1, *values.shape[swept:])[start:stop]
+        rows = np.ascontiguousarray(values.reshape(-1, *values.shape[swept:])[start:stop])
         assert_array_equal(part[name].values, rows, err_msg=name)
         assert rows.tobytes() == part[name].values.tobytes()
         assert whole[name].attrs.keys() <= part[name].attrs.keys()
@@ -98,12 +39,12 @@ def assert_is_part(part, whole, swept):
             )
             assert_array_equal(part[name].values, values.ravel()[start:stop], err_msg=str(name))
             assert part[name].dims == ("design",)
-            assert part[name].attrs == coord.attrs
+            assert repr(part[name].attrs) == repr(coord.attrs)
         elif name != "design":
             assert part[name].variable.identical(coord.variable)
 
 
-@pytest.mark.parametrize("of", REQUESTS)
+@pytest.mark.parametrize("of", [of for of in REQUESTS if of != "layout of maps"])
 def test_parts_are_those_of_the_whole(of):
     whole = sweep(of)
     swept = whole["status"].ndim

@@ -88,6 +88,8 @@ def namespace() -> dict[str, Any]:
     bars = fl.round_bar(density=7750.0, radius=0.01)
     options: dict[str, Any] = {"angles": 8, "threads": 1}
     fl.sweep("planar_4r", space, ["omega4_max"], to="maps.h5", overwrite=True, verify=0, **options).close()
+    of_part = options | {"part": (1, 1), "to": "part.h5", "overwrite": True, "verify": 0}
+    fl.sweep("planar_4r", space, ["omega4_max"], **of_part).close()
     focal = fl.grid(a=5.0, b=5.0, c=2.0, d=4.0, rho=1.0, completion=1)
     design = dict(a1=0.5, a2=1.0, a3=0.75, a4=2.0, P_u=0.0, P_v=2.0)
     figures = dict.fromkeys(

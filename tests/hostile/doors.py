@@ -271,6 +271,13 @@ DOORS: list[Door] = [
         MECHANISM | _slots(internal=("flag", "False"), input=("choice", "None", "theta1")),
         "",
     ),
+    Door(
+        "join",
+        "fl.join($paths, to=$to, overwrite=$overwrite, restart=$restart, progress=$progress)",
+        _slots(paths=("path", "'part.h5'", "part.h5"), to=("path", "'joined.h5'", "a.h5"))
+        | {name: RUNNING[name] for name in ("overwrite", "restart", "progress")},
+        "",
+    ),
     Door("check", "fl.check($path)", _slots(path=("path", "'maps.h5'", "maps.h5")), ""),
     Door(
         "convert",

@@ -18,6 +18,7 @@ for function in (
     drawing.draw,
     studies.explain,
     studies.run,
+    maps.join,
     maps.info,
     maps.check,
     maps.best,

@@ -36,6 +36,7 @@ ELSEWHERE = {
     "convert": ("export", "nccopy", "save", "to_netcdf", "transform"),
     "explain": ("estimate", "forecast", "plan"),
     "info": ("describe", "head", "open", "print", "show", "summary"),
+    "join": ("concat", "combine", "merge"),
     "mechanisms": ("list", "ls"),
     "new": ("init", "template"),
     "draw": ("animate", "linkage", "sketch"),

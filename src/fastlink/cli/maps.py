@@ -1,4 +1,4 @@
-"""The commands on maps: info, check, best, convert, plot."""
+"""The commands on maps: join, info, check, best, convert, plot."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ import typer
 from fastlink.cli.app import MapFile, Overwrite, command, numbers_by_name
 from fastlink.errors import InputError, Setting
 
-__all__ = ["best", "check", "convert", "info", "plot"]
+__all__ = ["best", "check", "convert", "info", "join", "plot"]
 
 CHANGED = 1
 
@@ -23,6 +23,34 @@ def info(
     from fastlink.report.summary import contents
 
     typer.echo(contents(file))
+
+
+@command
+def join(
+    paths: Annotated[
+        list[Path],
+        typer.Argument(metavar="PART...", help="The parts of a map, or their folder.", show_default=False),
+    ],
+    to: Annotated[
+        Path, typer.Option("--to", metavar="FILE", help="The HDF5 file to write.", show_default=False)
+    ],
+    overwrite: Overwrite = False,
+    restart: Annotated[
+        bool, typer.Option("--restart", help="Throw away what an interrupted join has left in FILE.part.")
+    ] = False,
+    quiet: Annotated[bool, typer.Option("--quiet", help="Print neither progress nor summary.")] = False,
+) -> None:
+    """Join the parts of a map that `fastlink run --part K/N` has written.
+
+    For instance: fastlink join maps.part-*.h5 --to maps.h5
+    """
+    from fastlink.engine.join import join
+    from fastlink.report.summary import summary
+
+    progress = False if quiet else None
+    with join(paths, to=to, overwrite=overwrite, restart=restart, progress=progress) as maps:
+        if not quiet:
+            typer.echo(summary(maps))
 
 
 @command

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import contextlib
 import hashlib
 import time
 from collections.abc import Callable, Mapping
@@ -21,10 +20,8 @@ from fastlink.io.dataset import plain_attrs
 from fastlink.io.finished import finished_map
 from fastlink.io.history import HISTORY, history
 from fastlink.io.parts import Part, PartOfMap
-from fastlink.io.place import existing_file
 from fastlink.io.placement import CURVES, MAPS
 from fastlink.io.ranges import joined
-from fastlink.io.writing.target import forget_journal, forget_published
 from fastlink.io.writing.writer import Writer
 from fastlink.precision import DESIGNS, Verification
 from fastlink.space.design_space import held
@@ -98,15 +95,9 @@ class Evaluation:
 
     def finished(self, to: str | Path, attrs: Mapping[str, Any]) -> xr.Dataset | None:
         """Return the map of this request if it is there already, None where no file is; refuse another file."""
-        path = existing_file(to)
-        if path is None:
-            return None
-        with contextlib.suppress(OSError):
-            forget_published(path)
-            forget_journal(path)
         verified = 0 if self.verification is None else self.verification.designs.size
         return finished_map(
-            path,
+            to,
             self._fingerprint(attrs),
             verified=verified,
             coords=self._coordinates(),
@@ -163,7 +154,7 @@ class Evaluation:
             options |= {"run": (self._fingerprint(attrs), self.job.size), "rows": self.resolved.scaling_axis}
         else:
             options |= {"run": (self._fingerprint(attrs), self.resolved.space.size)}
-            options |= {"whole": whole_coordinates(self.whole)}
+            options |= {"whole": whole_coordinates(self.whole, *self.range)}
         with Writer(path, self._coordinates(), self._written, self._labelled(attrs), **options) as writer:
 
             def write(start: int, stop: int, arrays: list[NDArray[Any]]) -> None:

@@ -8,6 +8,7 @@ from typing import Any
 
 from fastlink.errors import InputError, KeyPath, Problems
 from fastlink.io.attributes import check_attrs
+from fastlink.io.merged import CORE_TIME, JOINED
 from fastlink.io.parts import OF_PARTS, check_part
 from fastlink.io.placement import LAYOUTS
 from fastlink.mechanisms import NAMES, inputs_of
@@ -44,6 +45,7 @@ RESERVED = frozenset(
         "compression",
         "history",
         *OF_PARTS,
+        *(JOINED, CORE_TIME),
     )
 )
 #: How others begin: the origin of the designs, counts of each status, the verification.
@@ -52,9 +54,10 @@ BEGINNINGS = ("design_", "designs_", "fastlink_", "verified_", "verify_")
 
 def is_reserved(name: str) -> bool:
     """Tell whether a sweep itself may write a global attribute of a name."""
-    if name.endswith("_count"):  # of input positions
-        return any(name.removesuffix("_count") in inputs_of(mechanism) for mechanism in NAMES)
-    return name in RESERVED or name.startswith(BEGINNINGS)
+    of_positions = name.endswith("_count") and any(
+        name.removesuffix("_count") in inputs_of(mechanism) for mechanism in NAMES
+    )
+    return of_positions or name in RESERVED or name.startswith(BEGINNINGS)
 
 
 def optional(check: Check) -> Check:

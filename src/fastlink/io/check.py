@@ -3,22 +3,20 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field
-from itertools import repeat
 from pathlib import Path
-from typing import Any, NamedTuple
 
 import h5py
 
 from fastlink._text import size
 from fastlink.doors import door
 from fastlink.errors import InputError
-from fastlink.io.checksums import CHECKSUMS, OF_REST, OF_VALUES, crc32, of_file, read_all
+from fastlink.io.checksums import CHECKSUMS, crc32, read_all
 from fastlink.io.place import reason
 from fastlink.io.ranges import Range, joined
 from fastlink.io.reader import existing_map
+from fastlink.io.stored import Stored, open_to_read
 
 __all__ = ["FileCheck", "check"]
 
@@ -100,50 +98,34 @@ def check(path: str | Path) -> FileCheck:
         with h5py.File(place, "r") as file:
             if CHECKSUMS not in file:
                 raise InputError(f"{place}: has no checksums", remedy="write it again by this version")
-            block_bytes = int(file[CHECKSUMS].attrs["block_bytes"])
-            names = str(file[CHECKSUMS].attrs["variables"]).split()
-            blocks = [block for name in names for block in _blocks(name, file[name], block_bytes)]
-            said, rest = file[OF_VALUES][:].tolist(), int(file[OF_REST][0])
-            rest_at = file[OF_REST].id.get_offset()
-        return _compared(place, blocks, said, rest_at, rest)
+            stored = Stored.of(file)
+        return _compared(place, stored)
     except (OSError, RuntimeError, KeyError, ValueError, TypeError, EOFError) as error:
         remedy = "give a map that a sweep has written, or write it again"
         raise InputError(f"{place}: cannot be read ({reason(error)})", remedy=remedy) from error
 
 
-class _Block(NamedTuple):
-    """A block of values: of which variable, where in the file, and the numbers of its values."""
+def _compared(path: Path, stored: Stored) -> FileCheck:
+    """Return the outcome for a file with its checksums."""
+    blocks = [(name, *block) for name in stored.values for block in stored.blocks(name)]
+    fd = open_to_read(path)
 
-    variable: str
-    start: int
-    stop: int
-    values: Range
+    def is_intact(block: tuple[str, int, Range]) -> bool:
+        name, number, (start, stop) = block
+        return crc32(read_all(fd, stop - start, stored.values[name].offset + start)) == stored.sums[number]
 
-
-def _blocks(name: str, values: h5py.Dataset, block_bytes: int) -> Iterator[_Block]:
-    """Yield the blocks of a variable."""
-    offset, itemsize = values.id.get_offset(), values.dtype.itemsize
-    for start in range(0, values.nbytes, block_bytes):
-        stop = min(start + block_bytes, values.nbytes)
-        yield _Block(name, offset + start, offset + stop, (start // itemsize, stop // itemsize))
-
-
-def _compared(path: Path, blocks: list[_Block], said: Any, rest_at: int, rest: int) -> FileCheck:
-    """Return the outcome, from where values lie, their checksums, and where that of all else lies, and what it is."""
-    fd = os.open(path, os.O_RDONLY | getattr(os, "O_BINARY", 0))
     try:
         with ThreadPoolExecutor() as pool:
-            found = pool.map(lambda one: crc32(read_all(fd, one.stop - one.start, one.start)), blocks)
-            # without as many checksums as blocks, no block has one
-            pairs = zip(found, said if len(said) == len(blocks) else repeat(None), blocks, strict=False)
-            wrong = [block for crc, expected, block in pairs if crc != expected]
-        left_out = {block.start: block.stop - block.start for block in blocks}
-        is_intact = of_file(fd, left_out, (rest_at, rest_at + 4)) == rest
+            wrong = [
+                block for block, intact in zip(blocks, pool.map(is_intact, blocks), strict=True) if not intact
+            ]
+        rest_is_intact = stored.rest_is_intact(fd)
         nbytes = os.fstat(fd).st_size
     finally:
         os.close(fd)
     ranges: dict[str, list[Range]] = {}
-    for block in wrong:
-        ranges.setdefault(block.variable, []).append(block.values)
+    for name, _, (start, stop) in wrong:
+        itemsize = stored.values[name].itemsize
+        ranges.setdefault(name, []).append((start // itemsize, stop // itemsize))
     damaged = {name: [(first, end - 1) for first, end in joined(values)] for name, values in ranges.items()}
-    return FileCheck(path, nbytes, damaged, is_intact, not blocks)
+    return FileCheck(path, nbytes, damaged, rest_is_intact, not blocks)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import os
 import time
 from collections.abc import Mapping, Sequence
@@ -13,8 +14,9 @@ import xarray as xr
 
 from fastlink.errors import InputError
 from fastlink.io.dataset import Variable, plain_attrs
-from fastlink.io.place import exists_error
+from fastlink.io.place import existing_file, exists_error
 from fastlink.io.reader import open_map
+from fastlink.io.writing.target import forget_journal, forget_published
 
 __all__ = ["FINGERPRINT", "WRITTEN", "finished_map", "marks", "stamp"]
 
@@ -40,19 +42,19 @@ def stamp(path: Path, attrs: Mapping[str, Any]) -> None:
 
 
 def finished_map(
-    path: Path,
+    to: str | Path,
     fingerprint: str,
     *,
     verified: int,
     coords: xr.Dataset,
     variables: Sequence[Variable],
     attrs: Mapping[str, Any],
-) -> xr.Dataset:
-    """Return an existing file, opened, if it is the finished map of a request; else refuse it.
+) -> xr.Dataset | None:
+    """Return an existing file, opened, if it is the finished map of a request, None where no file is; else refuse it.
 
     Parameters
     ----------
-    path : Path
+    to : path
         The file.
     fingerprint : str
         The hash of the request.
@@ -67,6 +69,12 @@ def finished_map(
     InputError
         It is another file, or was changed since it was written; the message says in what it differs.
     """
+    path = existing_file(to)
+    if path is None:
+        return None
+    with contextlib.suppress(OSError):
+        forget_published(path)
+        forget_journal(path)
     try:
         found = open_map(path)
     except InputError:

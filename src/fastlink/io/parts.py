@@ -44,10 +44,14 @@ class Part:
         """Return the first of its designs, and the first after them."""
         return designs * (self.number - 1) // self.count, designs * self.number // self.count
 
+    @property
+    def mark(self) -> str:
+        """Its mark in the name of its file."""
+        return f".part-{self.number:0{len(str(self.count))}}-of-{self.count}"
+
     def path(self, whole: Path) -> Path:
         """Return the file of the part beside that of the whole map."""
-        number = f"{self.number:0{len(str(self.count))}}"
-        return whole.with_name(f"{whole.stem}.part-{number}-of-{self.count}{whole.suffix}")
+        return whole.with_name(f"{whole.stem}{self.mark}{whole.suffix}")
 
 
 def check_part(where: KeyPath, value: Any) -> Part:

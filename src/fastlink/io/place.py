@@ -68,7 +68,7 @@ def check_place(path: Path, where: str = "to", example: str = "maps.h5") -> None
         raise not_writable(path, error, where) from error
 
 
-def not_writable(path: Path, error: OSError, where: str = "to") -> InputError:
+def not_writable(path: Path, error: OSError | RuntimeError, where: str = "to") -> InputError:
     """Return the error of a place at which no file can be made."""
     return refused(f"{path} cannot be written ({reason(error)})", "choose another place", where)
 
@@ -99,6 +99,13 @@ def no_room(path: Path, nbytes: int, error: OSError | RuntimeError | None = None
         f"{path} needs {size(nbytes)} but {size(free_bytes(path))} are free{why}",
         "ask for fewer quantities or designs, or choose another disk",
     )
+
+
+def not_written(path: Path, nbytes: int, error: OSError | RuntimeError) -> InputError:
+    """Return the error of a file of so many bytes that cannot be written any further."""
+    if getattr(error, "errno", None) in NO_ROOM:
+        return no_room(path, nbytes, error)
+    return not_writable(path, error)
 
 
 def free_bytes(path: Path) -> int:

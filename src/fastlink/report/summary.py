@@ -11,6 +11,8 @@ from typing import TYPE_CHECKING, Any
 
 from fastlink._text import aligned, counted, duration, scaled, short_number, size
 from fastlink.doors import door
+from fastlink.io.merged import JOINED
+from fastlink.io.parts import PartOfMap
 from fastlink.io.reader import as_map
 from fastlink.maps.flags import flag_counts, flags_of
 
@@ -67,6 +69,9 @@ def summary(maps: Any) -> str:
 def _summary(dataset: xr.Dataset) -> str:
     told = _Numbers(dataset.attrs)
     rows = _designs(dataset, told)
+    if (part := PartOfMap.of(dataset.attrs)) is not None:
+        start, stop = part.range
+        rows.append(("part", f"{part.part}: designs {start:,} to {stop - 1:,} of {part.designs:,}"))
     if "selection" in dataset.attrs:
         rows.append(("selection", str(dataset.attrs["selection"])))
     if told.has("configurations"):
@@ -80,6 +85,8 @@ def _summary(dataset: xr.Dataset) -> str:
             text += f", after {duration(told['set_up_time_s'])} of setting up and compiling"
         if told.has("threads"):
             text += f", {counted(int(told['threads']), 'thread')}"
+        if told.has(JOINED):
+            text += f"; of {counted(int(told[JOINED]), 'part')} together"
         rows.append(("run time", text))
     for unit in ("configurations", "designs"):
         if told.has(f"{unit}_per_second"):

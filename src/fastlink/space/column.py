@@ -302,7 +302,10 @@ def part_of(values: NDArray[Any] | Column, inner: int, start: int, stop: int) ->
     start, stop : int
         The range of designs.
     """
-    if inner > 1 or stop > len(values):
+    repeated = inner > 1 or stop > len(values)
+    if repeated and values.dtype.kind not in "iuf":  # texts, which no file takes block by block
+        return values[np.arange(start, stop) // inner % len(values)]
+    if repeated:
         return Gathered(values, inner, start, stop - start)
     if isinstance(values, Column):
         return Consecutive(values, start, stop)

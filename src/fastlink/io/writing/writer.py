@@ -25,7 +25,7 @@ from fastlink.errors import InputError
 from fastlink.io.checksums import OF_REST, OF_VALUES, add, block_count, of_file, of_pieces
 from fastlink.io.dataset import FORMAT_VERSION, Variable, check_dims, plain_attrs
 from fastlink.io.finished import marks, stamp
-from fastlink.io.place import NO_ROOM, SLACK, no_room, part_of, reason, refused
+from fastlink.io.place import SLACK, not_written, part_of, reason, refused
 from fastlink.io.ranges import Range, Ranges, missing
 from fastlink.io.writing import partial_file
 from fastlink.io.writing.blocks import OfThread, cut
@@ -167,6 +167,11 @@ class Writer:
             One row per design; its other dimensions are those of the variable that are not swept.
         """
         places = self._places(name, start, block)
+        in_order = self._of_thread.by_value(block) if self._variables[name].leading else block
+        self.write_pieces(name, list(cut(in_order.reshape(-1).view(np.uint8).data, places)))
+
+    def write_pieces(self, name: str, pieces: Sequence[tuple[int, memoryview]]) -> None:
+        """Write bytes of the values of a variable, each piece at its position from the first value; thread-safe."""
         with self._idle:
             if self._closed:
                 raise ValueError(f"{self.path}: the file is closed")
@@ -174,20 +179,19 @@ class Writer:
         try:
             if self._journal.error:  # what is written from now on would be lost
                 raise self._journal.error
-            in_order = self._of_thread.by_value(block) if self._variables[name].leading else block
-            pieces = list(cut(in_order.reshape(-1).view(np.uint8).data, places))
             for position, data in pieces:
                 partial_file.write_all(self._fd, data, self._offsets[name] + position)
         except OSError as error:
             raise self._failure(error) from error
         else:
-            self._journal.add_bytes(block.nbytes)
+            nbytes = sum(len(data) for _, data in pieces)
+            self._journal.add_bytes(nbytes)
             first, variable = self._first_block[name], self._variables[name]
             added = [(first + k, addend) for k, addend in of_pieces(pieces, variable.nbytes)]
             self._of_thread.addends += added
             with self._idle:
                 add(self._sums, added)
-                self._values_written[name] += block.size
+                self._values_written[name] += nbytes // variable.dtype.itemsize
         finally:
             with self._idle:
                 self._writing -= 1
@@ -205,7 +209,7 @@ class Writer:
         of_variables : mapping, optional
             Further attributes of variables, such as their errors.
         """
-        last = plain_attrs({**attrs, **marks(self._fingerprint), FORMAT: FORMAT_VERSION})
+        last = plain_attrs({**marks(self._fingerprint), **attrs, FORMAT: FORMAT_VERSION})
         further = {name: plain_attrs(added) for name, added in (of_variables or {}).items()}
         for name, count in self._values_written.items():
             expected = math.prod(self._variables[name].shape)
@@ -303,10 +307,7 @@ class Writer:
         return variable.placement(count).pieces(start, start + len(block))
 
     def _failure(self, error: OSError | RuntimeError) -> InputError:
-        if getattr(error, "errno", None) in NO_ROOM:
-            return no_room(self.path, self._nbytes, error)
-        what = f"{self.path} cannot be written ({reason(error)})"
-        return InputError(what, where=("to",), remedy="choose another place")
+        return not_written(self.path, self._nbytes, error)
 
     def _close_to_writers(self) -> None:
         """Refuse further writes, wait for those under way, and record what is written.

@@ -1,0 +1,106 @@
+"""Join the parts of a map."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from fastlink.doors import door
+from fastlink.engine.executor import default_threads
+from fastlink.engine.options import check_options
+from fastlink.engine.sinks import ProgressBar
+from fastlink.errors import Problems
+from fastlink.io.finished import finished_map
+from fastlink.io.joining import JoinedMap
+from fastlink.io.part_files import part_files
+from fastlink.io.writing.target import check_target
+from fastlink.io.writing.writer import Writer
+from fastlink.maps import open as open_map
+from fastlink.options import check_output
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+__all__ = ["join"]
+
+#: More threads than these do not copy faster.
+MOST_THREADS = 4
+
+
+@door
+def join(
+    paths: str | Path | Sequence[str | Path],
+    *,
+    to: str | Path,
+    overwrite: bool = False,
+    restart: bool = False,
+    progress: bool | None = None,
+) -> xr.Dataset:
+    """Join the parts of a map to the file that one sweep of all designs writes.
+
+    Every value is checked against the checksums of its part as it is read. The labels and the bits are those of the
+    whole sweep, and `fastlink.sweep` of the same request finds its map in the file. Counts of designs and run times are
+    sums, measured errors the greatest of all parts; docs/scaling.md tells each attribute. A join that was killed goes
+    on when it is called again.
+
+    Parameters
+    ----------
+    paths : path, or sequence of paths
+        The files of all parts, made with ``part=(k, n)``; the folder that holds them; or a pattern such as
+        ``"maps.part-*.h5"``.
+    to : path
+        The HDF5 file to write. The parts stay.
+    overwrite : bool, default False
+        Replace an existing file. Without it, an existing map of the same request, unchanged since, is opened as it is.
+    restart : bool, default False
+        Throw away what an interrupted join has left in ``FILE.part``.
+    progress : bool, optional
+        Show a progress bar on standard error; by default only on a terminal.
+
+    Returns
+    -------
+    xarray.Dataset
+        Opened lazily from the file.
+
+    Raises
+    ------
+    InputError
+        A part is missing, damaged, doubled with other values or of another map; the message names it.
+
+    Examples
+    --------
+    >>> import pathlib, tempfile
+    >>> import fastlink as fl
+    >>> request = "planar_4r", fl.grid(a1=0.4, a2=[1.1, 1.2, 1.3], a3=0.8, a4=[1.0, 1.1]), ["transmission_angle_min"]
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     for k in (1, 2, 3):
+    ...         fl.sweep(*request, part=(k, 3), to=f"{folder}/maps.part-{k}-of-3.h5", verify=0).close()
+    ...     with fl.join(folder, to=pathlib.Path(folder, "maps.h5")) as maps:
+    ...         dict(maps.transmission_angle_min.sizes)
+    {'a2': 3, 'a4': 2, 'branch': 2}
+    """
+    problems, checked, parts = Problems(), dict[str, Any](), []
+    with problems.at():
+        check_output(("to",), to)
+        checked = check_options({"overwrite": overwrite, "restart": restart, "progress": progress})
+    with problems.at():
+        parts = part_files(paths)
+    problems.stop()
+    joined = JoinedMap(parts)
+    about: dict[str, Any] = {"coords": joined.coords, "variables": joined.variables, "attrs": {}}
+    if not overwrite:
+        found = finished_map(to, joined.fingerprint, verified=0, **about)
+        if found is not None:
+            return found
+    nbytes = sum(variable.nbytes for variable in joined.variables)
+    path = check_target(to, nbytes, overwrite, [part.path for part in parts])
+    ways: dict[str, Any] = {"overwrite": overwrite, "restart": restart, "run": joined.run}
+    with Writer(path, joined.coords, joined.variables, {}, **ways) as writer:
+        with ProgressBar(joined.designs, checked["progress"]) as bar:
+            for start, stop in writer.written:
+                bar.take(start, stop, [])
+            threads = min(default_threads(), MOST_THREADS)
+            joined.copy(writer, threads, lambda start, stop: bar.take(start, stop, []))
+        writer.finish(joined.last_attrs, joined.errors)
+    return open_map(path)

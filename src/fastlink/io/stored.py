@@ -1,0 +1,77 @@
+"""The checksums that stand in a file, and the values they are about."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Any
+
+import h5py
+
+from fastlink.io.checksums import CHECKSUMS, OF_REST, OF_VALUES, of_file
+from fastlink.io.ranges import Range
+
+__all__ = ["Stored", "Values", "open_to_read"]
+
+
+@dataclass(frozen=True)
+class Values:
+    """The values of a variable: where they begin in the file, their bytes, and the number of their first block."""
+
+    offset: int
+    nbytes: int
+    itemsize: int
+    first: int
+
+
+@dataclass(frozen=True)
+class Stored:
+    """The checksums of a file.
+
+    Attributes
+    ----------
+    block_bytes : int
+        Bytes of a block of values.
+    values : dict of str to Values
+        The values of each variable.
+    sums : list of int
+        The checksum of each block, or None where there are not as many as blocks.
+    rest, rest_at : int
+        That of all else, and where it stands.
+    """
+
+    block_bytes: int
+    values: dict[str, Values]
+    sums: list[int | None]
+    rest: int
+    rest_at: int
+
+    @classmethod
+    def of(cls, file: Any) -> Stored:
+        """Return those of an open file, which has them."""
+        block_bytes, count = int(file[CHECKSUMS].attrs["block_bytes"]), 0
+        values: dict[str, Values] = {}
+        for name in str(file[CHECKSUMS].attrs["variables"]).split():
+            found: h5py.Dataset = file[name]
+            values[name] = Values(found.id.get_offset(), found.nbytes, found.dtype.itemsize, count)
+            count += -(-found.nbytes // block_bytes)
+        sums = file[OF_VALUES][:].tolist()
+        rest, rest_at = int(file[OF_REST][0]), file[OF_REST].id.get_offset()
+        return cls(block_bytes, values, sums if len(sums) == count else [None] * count, rest, rest_at)
+
+    def blocks(self, name: str) -> Iterator[tuple[int, Range]]:
+        """Yield the number of each block of a variable, and its range of bytes from the first value."""
+        nbytes = self.values[name].nbytes
+        for k, start in enumerate(range(0, nbytes, self.block_bytes)):
+            yield self.values[name].first + k, (start, min(start + self.block_bytes, nbytes))
+
+    def rest_is_intact(self, fd: int) -> bool:
+        """Tell whether all but the values is as it was written."""
+        values = {one.offset: one.nbytes for one in self.values.values()}
+        return of_file(fd, values, (self.rest_at, self.rest_at + 4)) == self.rest
+
+
+def open_to_read(path: str | os.PathLike[str]) -> int:
+    """Return the file number of a file that is opened to be read."""
+    return os.open(path, os.O_RDONLY | getattr(os, "O_BINARY", 0))
