@@ -17,6 +17,7 @@ from fastlink.diagnostics import accuracy_table as accuracy_table
 from fastlink.diagnostics.explain import explain as explain
 from fastlink.drawing.draw import draw as draw
 from fastlink.engine.function import Function
+from fastlink.engine.join import join as join
 from fastlink.errors import InputError as InputError
 from fastlink.errors import InputWarning as InputWarning
 from fastlink.io.check import check as check
@@ -75,6 +76,7 @@ __all__ = [
     "function",
     "grid",
     "hart",
+    "join",
     "latin_hypercube",
     "mechanisms",
     "minkowski",

@@ -32,7 +32,7 @@ OF_MAKING = {
     "configurations_per_second",
     "written_time_ns",
 }
-OF_MAKING |= {"threads", "joined_parts", "core_time_s", "verify_time_s"}
+OF_MAKING |= {"history", "threads", "joined_parts", "core_time_s", "verify_time_s"}
 OF_MAKING |= {"verified_designs", "designs_of_earlier_runs"}
 #: More than a block of a megabyte in each part.
 LARGE = (

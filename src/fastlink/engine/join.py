@@ -102,5 +102,5 @@ def join(
                 bar.take(start, stop, [])
             threads = min(default_threads(), MOST_THREADS)
             joined.copy(writer, threads, lambda start, stop: bar.take(start, stop, []))
-        writer.finish(joined.last_attrs, joined.errors)
+        writer.finish(joined.last_attrs(path.name), joined.errors)
     return open_map(path)

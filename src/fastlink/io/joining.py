@@ -15,6 +15,7 @@ import xarray as xr
 
 from fastlink.io.dataset import Variable
 from fastlink.io.finished import FINGERPRINT, WRITTEN
+from fastlink.io.history import HISTORY, history
 from fastlink.io.merged import is_measured, merged, merged_errors
 from fastlink.io.part_files import PartFile
 from fastlink.io.parts import OF_PARTS, WHOLE
@@ -78,10 +79,11 @@ class JoinedMap:
         sums = [part.stored.sums for part in self.parts]
         return hashlib.sha256(repr((self.fingerprint, "joined", sums)).encode()).hexdigest(), self.designs
 
-    @property
-    def last_attrs(self) -> dict[str, Any]:
-        """The global attributes that the map has at its end."""
-        return merged([part.attrs for part in self.parts]) | {FINGERPRINT: self.fingerprint}
+    def last_attrs(self, name: str) -> dict[str, Any]:
+        """Return the global attributes that the map has at its end, in a file of some name."""
+        before = str(self.parts[0].attrs.get(HISTORY, ""))
+        made = {HISTORY: history(f"join {len(self.parts)} parts to {name}", before)}
+        return merged([part.attrs for part in self.parts]) | {FINGERPRINT: self.fingerprint} | made
 
     @property
     def errors(self) -> dict[str, dict[str, Any]]:
@@ -188,7 +190,14 @@ class JoinedMap:
         coords |= {str(name): one.variable for name, one in self._whole.coords.items() if name != DESIGN}
         for name, values in labels.items():
             coords[name] = ((DESIGN,), values, opened[name].attrs)
-        last = {*merged([part.attrs for part in self.parts]), FINGERPRINT, WRITTEN, FORMAT, *OF_PARTS}
+        last = {
+            *merged([part.attrs for part in self.parts]),
+            FINGERPRINT,
+            HISTORY,
+            WRITTEN,
+            FORMAT,
+            *OF_PARTS,
+        }
         attrs = {name: value for name, value in opened.attrs.items() if name not in last}
         return xr.Dataset(coords=coords, attrs=attrs).drop_encoding()
 
