@@ -196,16 +196,17 @@ def test_an_absent_pyarrow_is_named(tmp_path, monkeypatch):
         fl.table(tmp_path / "d.parquet")
 
 
-def test_a_study_takes_a_parquet_file(tmp_path):
+def test_a_study_takes_a_parquet_file(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
     FRAME[["a2", "a3"]].to_parquet(tmp_path / "d.parquet")
     study = tmp_path / "study.toml"
     study.write_text(
         'mechanism = "planar_4r"\nquantities = ["omega4_max"]\n[design]\ntable = "d.parquet"\n'
         "a1 = 0.4\na4 = 1.0\nomega1 = 25.0\n"
     )
-    maps = fl.run_study(study)
-    assert maps.sizes["design"] == 50
-    assert_array_equal(maps.a3, FRAME["a3"])
+    with fl.run_study(study) as maps:
+        assert maps.sizes["design"] == 50
+        assert_array_equal(maps.a3, FRAME["a3"])
 
 
 @pytest.mark.parametrize("kind", ["csv", "parquet"])

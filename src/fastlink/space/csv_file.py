@@ -95,14 +95,21 @@ class _Blocks(TableFile):
 
     def load(self, block: int) -> dict[Any, Any]:
         """Return the numbers of a block of rows, by column."""
-        with _opened(self.path) as file:
-            file.seek(self.places[block])
-            given = (
-                row for row in _rows(iter(file.readline, ""), self.separator) if any(map(str.strip, row))
-            )
+        try:
+            columns = list(zip(*islice(self._rows_from(block), BLOCK_ROWS), strict=True))
+            count = min(BLOCK_ROWS, self.length - self.starts[block])
+            return {key: np.fromiter(map(float, columns[key]), np.float64, count) for key in self.numeric}
+        except (ValueError, IndexError):  # blank lines or empty cells among them
+            given = (row for row in self._rows_from(block) if any(map(str.strip, row)))
             columns = list(zip(*islice(given, BLOCK_ROWS), strict=True))
         # an empty cell is None, which NumPy takes for NaN
         return {key: np.array([_number(text) for text in columns[key]], np.float64) for key in self.numeric}
+
+    def _rows_from(self, block: int) -> Iterator[list[str]]:
+        """Yield all rows from a block on, blank ones too."""
+        with _opened(self.path) as file:
+            file.seek(self.places[block])
+            yield from _rows(file, self.separator)
 
 
 class _Column:
