@@ -44,9 +44,8 @@ class _ExtremaWriter(ExtremaSchedule):
             text.add(f"counts[{cells.DESIGNS}] = n_here")
             for number in range(len(searches)):
                 self.write_search(number)
-            for number, search in enumerate(searches):
-                if self.needs_ends(search):
-                    self.write_ends(number)
+            for search in filter(self.needs_ends, searches):
+                self.write_ends(searches.index(search))
             for row in self.doubts:
                 text.call(results.doubt, f"w, {row}, n_here, lists, best")
             for output in self.program.outputs:
@@ -92,8 +91,7 @@ class _ExtremaWriter(ExtremaSchedule):
         text, sides = self.text, self.program.sides
         scale, start, _ = map(self.row, self.program.graded.ends[0])
         text.call(sampling.place_samples, f"w, samples, {scale}, {start}, {self.cells}, width")
-        on_sides = f", on {sides} sides" if sides > 1 else ""
-        often = f"{self.samples} samples of the graded range{on_sides}"
+        often = f"{self.samples} samples of the graded range" + (f", on {sides} sides" if sides > 1 else "")
         with text.block(f"for j in range({self.samples}):"):
             text.add(f"from_upper = j > {self.cells}")
             text.add(f"position = {3 * self.cells + 1} - j if from_upper else j")
@@ -322,9 +320,8 @@ class _ExtremaWriter(ExtremaSchedule):
         elif request.listed == "count":
             self.text.call(results.store_counts, f"{target}, best")
         else:
-            rows = {"position": results.LIST_THETA, "value": results.LIST_VALUE, "kind": results.LIST_KIND}
-            rows["error"] = results.LIST_BOUND
-            self.text.call(results.store_list, f"{target}, lists, {rows[request.listed]}")
+            row = results.LIST_ROW_OF[request.listed]
+            self.text.call(results.store_list, f"{target}, lists, {row}")
 
 
 def write_extrema(program: ExtremaProgram) -> Source:

@@ -51,6 +51,7 @@ __all__ = [
 # Rows of the lists: an extremum's position, value and kind; where error bounds are requested, that of the value.
 LIST_THETA, LIST_VALUE, LIST_KIND, LIST_BOUND = range(4)
 LIST_ROWS = 3
+LIST_ROW_OF = {"position": LIST_THETA, "value": LIST_VALUE, "kind": LIST_KIND, "error": LIST_BOUND}
 # Rows of the best: greatest and least value with their positions, and how many extrema there are; where error bounds
 # are requested, those of both.
 GREATEST, AT_GREATEST, LEAST, AT_LEAST, COUNT, GREATEST_BOUND, LEAST_BOUND = range(7)
