@@ -11,7 +11,15 @@ import numpy as np
 from fastlink._version import __version__, version
 from fastlink.catalogue.catalogue import Catalogue, Fact, Input
 from fastlink.engine.resolve import ResolvedSweep, axis_lengths
-from fastlink.io.dataset import Variable, assemble, computed_coordinates, coordinates, marked, plain_attrs
+from fastlink.io.dataset import (
+    Variable,
+    assemble,
+    computed_coordinates,
+    coordinates,
+    marked,
+    of_code,
+    plain_attrs,
+)
 from fastlink.io.placement import CURVES, MAPS
 from fastlink.plan.plan import Plan
 from fastlink.plan.program import Output
@@ -185,7 +193,9 @@ def labelled(
     kind = tuple(space.constants), tuple(space.attrs.items()), positions.tobytes() if used else b""
     dataset = _blank(plan, *kind, one_branch).copy(deep=False, data=data)
     for name, value in space.constants.items():
-        dataset.variables[name].data = np.array(value)
+        constant = dataset.variables[name]
+        data, constant.attrs = of_code(value, constant.attrs)
+        constant.data = np.array(data)
     for variable in variables:
         dataset.variables[variable.name].attrs = plain_attrs(variable.attrs)
     dataset.attrs |= marked(attrs)
@@ -197,7 +207,9 @@ def _blank(
     plan: Plan, names: tuple[str, ...], attrs: tuple[tuple[str, Any], ...], positions: bytes, one_branch: bool
 ) -> xr.Dataset:
     """Return the Dataset of one design without its values."""
-    space = DesignSpace("grid", (), (), dict.fromkeys(names, 0.0), attrs=dict(attrs))
+    known = plan.catalogue.known_inputs(plan.variants)
+    some = {name: float(min(known[name].choices or (0,))) for name in names}
+    space = DesignSpace("grid", (), (), some, attrs=dict(attrs))
     angles = np.frombuffer(positions)
     results = variables(plan, space, angles.size, one_branch=one_branch)
     values = {variable.name: np.empty(variable.shape, variable.dtype) for variable in results}

@@ -101,17 +101,15 @@ def coordinates(
     """
     coords: dict[str, Any] = {}
     for name, axis in space.axes.items():
-        labels = plain_attrs(described[name])
-        # an input that is a code: as the flags of results, an integer
-        coords[name] = ((name,), axis.astype(np.int32) if "flag_values" in labels else axis, labels)
+        coords[name] = ((name,), *of_code(axis, plain_attrs(described[name])))
     if DESIGN in space.dims and DESIGN not in left_out:
         number = space.labels.get(DESIGN, np.arange(space.shape[space.dims.index(DESIGN)]))
         coords[DESIGN] = ((DESIGN,), np.asarray(number), OF_NUMBERS)
     for name, column in space.columns.items():
         if name not in left_out:
-            coords[name] = ((DESIGN,), np.asarray(column), plain_attrs(described[name]))
+            coords[name] = ((DESIGN,), *of_code(np.asarray(column), plain_attrs(described[name])))
     for name, value in space.constants.items():
-        coords[name] = ((), value, plain_attrs(described[name]))
+        coords[name] = ((), *of_code(value, plain_attrs(described[name])))
     for name, label in space.labels.items():
         if name != DESIGN and name not in left_out:
             coords[name] = ((DESIGN,) if label.ndim else (), np.asarray(label), OF_LABELS)
@@ -120,6 +118,19 @@ def coordinates(
             raise ValueError(f"coordinate {name!r} is an input of the design space already")
         coords[name] = (dims, values, plain_attrs(attrs))
     return xr.Dataset(coords=coords, attrs=plain_attrs(space.attrs))
+
+
+def of_code(values: Any, labels: dict[str, Any]) -> tuple[Any, dict[str, Any]]:
+    """Return the values of an input that is a code as the flags of results, integers; of others, as they are.
+
+    Values that are no code leave all as they are, with the codes in their type, as CF wants it.
+    """
+    if "flag_values" not in labels:
+        return values, labels
+    codes = np.asarray(values)
+    if np.isin(codes, labels["flag_values"]).all():
+        return codes.astype(np.int32), labels
+    return values, labels | {"flag_values": np.asarray(labels["flag_values"], codes.dtype)}
 
 
 def computed_coordinates(
