@@ -9,7 +9,7 @@ Newton's iteration on differences with 50 digits.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
@@ -43,8 +43,8 @@ END, JUMP = 0, 2
 #: As near to a toggle as the digits of ends allow, where three powers of 1/x may cancel, and so much
 #: farther: a quantity that changes by such a factor between the two is infinite or 0 at the toggle.
 AT_END, FARTHER, GROWS = CONTEXT.mpf(10) ** -40, 1000, 10
-#: Digits of extremes: second differences over 1e-12 of what is 1e-30 of its terms have none of 50; and of ends.
-OF_EXTREMES, OF_ENDS = 2 * DIGITS, 3 * DIGITS
+#: Digits of extremes (of 50, second differences over 1e-12 have few) and of ends; a share of the usual size below both.
+OF_EXTREMES, OF_ENDS, NOTHING = 2 * DIGITS, 3 * DIGITS, CONTEXT.mpf(10) ** -70
 
 
 @dataclass(frozen=True)
@@ -236,7 +236,8 @@ class Stationary:
         if candidate.kind == JUMP:
             return Extreme(CONTEXT.pi, CONTEXT.zero, CONTEXT.nan, CONTEXT.zero)
         with CONTEXT.workdps(OF_ENDS if candidate.kind == END else OF_EXTREMES):
-            return self._extreme(design, candidate, positions=positions)
+            found = self._extreme(design, candidate, positions=positions)
+        return replace(found, value=CONTEXT.zero) if abs(found.value) < NOTHING * self.size(design) else found
 
     def _extreme(self, design: int, candidate: Candidate, *, positions: bool) -> Extreme:
         design_values = {name: column[design] for name, column in self.inputs.items()}

@@ -22,6 +22,10 @@ if TYPE_CHECKING:
 __all__ = ["bound_of_doubtful_choice", "bound_of_zeroed"]
 
 
+#: A millionth more than what is left out, for the rounding of the bound on its way.
+MARGIN = 1.0 + 2.0**-20
+
+
 def bound_of_zeroed(rules: Rules, node: Node) -> Bound:
     """Return the bound of a gap that is 0 within the rounding of the lengths: there its size is the error."""
     (condition, x), graph = node.args, rules.graph
@@ -31,6 +35,7 @@ def bound_of_zeroed(rules: Rules, node: Node) -> Bound:
     if x in bound.lost:  # the low word: what is left out is counted with the high one
         return replace(bound, lost=lost, gap=True)
     left_out = graph.add(rules.size(x), rules.error(x, rules.settled(x)))
+    left_out = graph.mul(graph.number(MARGIN), left_out)
     return replace(bound, rest=graph.select(condition, left_out, bound.rest), lost=lost, gap=True)
 
 
