@@ -6,6 +6,7 @@ import itertools
 
 import numpy as np
 import pytest
+import xarray as xr
 from numpy.testing import assert_array_equal
 from tests.support.part_requests import AXES, REQUESTS, sweep
 from tests.support.refusals import assert_refusal, refused
@@ -193,3 +194,18 @@ def test_a_wrong_part_is_refused_in_the_words_of_the_command_line(tmp_path, monk
     run = CliRunner().invoke(app, ["run", str(written(GOOD)), "--part", part])
     assert run.exit_code == 2
     assert_refusal(ValueError(run.output.strip()), "--part", remedy)
+
+
+@pytest.mark.parametrize("of", ["grid", "sobol", "completions of a numbered table"])
+def test_the_netcdf_library_reads_a_part_as_xarray_does(of, tmp_path):
+    """The axes of the whole, which have the names of coordinates along the designs, are none of its dimensions."""
+    sweep(of, part=(2, 3), to=tmp_path / "part.h5").close()
+    with (
+        fl.open(tmp_path / "part.h5") as part,
+        xr.open_dataset(tmp_path / "part.h5", engine="netcdf4") as other,
+    ):
+        assert other.sizes == part.sizes
+        assert {name: one.dims for name, one in other.variables.items()} == {
+            name: one.dims for name, one in part.variables.items()
+        }
+        assert_array_equal(other.design.values, part.design.values)

@@ -18,7 +18,7 @@ from fastlink.io.finished import FINGERPRINT, WRITTEN
 from fastlink.io.history import HISTORY, history
 from fastlink.io.merged import is_measured, merged, merged_errors
 from fastlink.io.part_files import PartFile
-from fastlink.io.parts import OF_PARTS, WHOLE
+from fastlink.io.parts import OF_PARTS
 from fastlink.io.ranges import Range
 from fastlink.io.writing.writer import Writer
 from fastlink.space.dataset import FORMAT
@@ -50,8 +50,7 @@ class JoinedMap:
 
     def __init__(self, parts: Sequence[PartFile]) -> None:
         self.parts, self.designs = parts, parts[0].of.designs
-        with parts[0].dataset(WHOLE) as opened:
-            self._whole = opened.load().drop_encoding()
+        self._whole = parts[0].whole()
         self._dims = tuple(str(self._whole.attrs["dims"]).split())
         self._shape = tuple(map(int, np.atleast_1d(self._whole.attrs["shape"]))) if self._dims else ()
         #: Consecutive designs that share each entry of a table or a sample.
@@ -176,8 +175,7 @@ class JoinedMap:
             if one.dims == (DESIGN,) and name not in left_out
         }
         if DESIGN in self._whole.coords:  # the numbers of a table, of all designs that have rows in the part
-            with part.dataset(WHOLE) as whole:
-                found[DESIGN] = whole[DESIGN].values[int(start % self._shared > 0) :]
+            found[DESIGN] = part.whole()[DESIGN].values[int(start % self._shared > 0) :]
         elif DESIGN in found:
             found[DESIGN] = found[DESIGN] // self._shared
         return found

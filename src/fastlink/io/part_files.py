@@ -63,13 +63,18 @@ class PartFile:
     stored: Stored
     measured: Mapping[str, Mapping[str, Any]]
 
-    def dataset(self, group: str | None = None) -> xr.Dataset:
-        """Return the part as a Dataset, or the coordinates that it keeps of the whole."""
-        return (
-            open_map(self.path)
-            if group is None
-            else xr.open_dataset(self.path, engine="h5netcdf", group=group)
-        )
+    def dataset(self) -> xr.Dataset:
+        """Return the part as a Dataset."""
+        return open_map(self.path)
+
+    def whole(self) -> xr.Dataset:
+        """Return the coordinates that the part keeps of the whole."""
+        coords = {}
+        with h5py.File(self.path, "r") as file:
+            for name, one in file[WHOLE].items():
+                values = one.asstr()[:] if h5py.check_string_dtype(one.dtype) else one[:]
+                coords[name] = ((name,), values, {key: _scalar(value) for key, value in one.attrs.items()})
+            return xr.Dataset(coords=coords, attrs=dict(file[WHOLE].attrs))
 
     def check_labels(self) -> None:
         """Refuse the part if anything but its values has changed."""

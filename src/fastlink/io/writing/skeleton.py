@@ -52,9 +52,9 @@ def lay_out(
         offsets = {variable.name: _create(file, coords, variable, []) for variable in computed}
     if along:
         _to_netcdf(path, coords[along].reset_coords()[along].drop_attrs(deep=False), "a")
-    if whole is not None:
-        _to_netcdf(path, whole, "a", WHOLE)
     with h5py.File(path, "r+", **ALIGNED) as file:
+        if whole is not None:
+            _keep_whole(file, whole)
         offsets |= create_checksums(file, variables)
         results = [variable for variable in variables if not variable.is_coordinate]
         return offsets | {variable.name: _create(file, coords, variable, computed) for variable in results}
@@ -76,11 +76,23 @@ def create_checksums(file: Any, variables: Sequence[Variable]) -> dict[str, int]
     return {name: _reserved(group, name.partition("/")[2], (n,), "u4")[1] for name, n in sizes.items() if n}
 
 
-def _to_netcdf(path: Path, coords: xr.Dataset, mode: Literal["w", "a"], group: str | None = None) -> None:
+def _keep_whole(file: Any, whole: xr.Dataset) -> None:
+    """Keep coordinates of a whole map in a group.
+
+    They are plain arrays: the netCDF library would take their dimensions for those of the same name outside.
+    """
+    group = file.create_group(WHOLE)
+    group.attrs.update(plain_attrs(whole.attrs))
+    for name, coord in whole.coords.items():
+        values = coord.values.astype(object) if coord.dtype.kind == "U" else coord.values
+        group.create_dataset(name, data=values, track_times=False).attrs.update(plain_attrs(coord.attrs))
+
+
+def _to_netcdf(path: Path, coords: xr.Dataset, mode: Literal["w", "a"]) -> None:
     """Write coordinates to a file, or to one that has others."""
     # without _FillValue: None xarray declares NaN a fill value of every coordinate
     encoding = {name: {"_FillValue": None} for name in coords.variables}
-    coords.to_netcdf(path, mode=mode, engine="h5netcdf", group=group, encoding=encoding)
+    coords.to_netcdf(path, mode=mode, engine="h5netcdf", encoding=encoding)
 
 
 def lay_labels_again(fresh: Path, fd: int, offsets: Mapping[str, int], variables: Sequence[Variable]) -> None:
