@@ -5,6 +5,7 @@ from pathlib import Path
 from typing import Any, Literal, overload
 
 import xarray as xr
+from distributed import Client
 from numpy.typing import ArrayLike
 
 from fastlink import focal as focal
@@ -434,6 +435,7 @@ def sweep(
     part: tuple[int, int] | str | None = ...,
     layout: str = ...,
     threads: int | None = ...,
+    client: Client | None = ...,
     progress: bool | None = ...,
     allow_invalid: bool = ...,
     attrs: Mapping[str, Any] | None = ...,
@@ -469,6 +471,7 @@ def sweep(
     part: tuple[int, int] | str | None = ...,
     layout: str = ...,
     threads: int | None = ...,
+    client: Client | None = ...,
     progress: bool | None = ...,
     allow_invalid: bool = ...,
     attrs: Mapping[str, Any] | None = ...,
@@ -495,6 +498,7 @@ def sweep(
     part: tuple[int, int] | str | None = ...,
     layout: str = ...,
     threads: int | None = ...,
+    client: Client | None = ...,
     progress: bool | None = ...,
     allow_invalid: bool = ...,
     attrs: Mapping[str, Any] | None = ...,
@@ -524,6 +528,7 @@ def sweep(
     part: tuple[int, int] | str | None = ...,
     layout: str = ...,
     threads: int | None = ...,
+    client: Client | None = ...,
     progress: bool | None = ...,
     allow_invalid: bool = ...,
     attrs: Mapping[str, Any] | None = ...,
@@ -552,6 +557,7 @@ def sweep(
     part: tuple[int, int] | str | None = ...,
     layout: str = ...,
     threads: int | None = ...,
+    client: Client | None = ...,
     progress: bool | None = ...,
     allow_invalid: bool = ...,
     attrs: Mapping[str, Any] | None = ...,

@@ -85,10 +85,11 @@ EVALUATED = {name: OPTIONS[name] for name in ("links", "input", "solver")}
 EXTREMA = _slots(extrema=("choice", "None", "refined"))
 ANGLES = _slots(angles=("positions", "8", "0.5"))
 SWEEP = "links=$links, input=$input, solver=$solver, backend=$backend, extrema=$extrema, angles=$angles, branch=$branch"
-RUN = "threads=$threads, block=$block, verify=$verify, to=$to, overwrite=$overwrite, "
+RUN = "threads=$threads, client=$client, block=$block, verify=$verify, to=$to, overwrite=$overwrite, "
 RUN += "restart=$restart, part=$part, layout=$layout, progress=$progress, allow_invalid=$allow_invalid, attrs=$attrs"
 RUNNING = _slots(
     threads=("count", "1", "2"),
+    client=("thing", "None", "1.0", "None"),
     block=("count", "None", "2", "2**64", "10**30", "10**400"),
     verify=("count", "0", "1", "0"),
     to=("path", "None", "a.h5"),
@@ -393,11 +394,11 @@ DOORS: list[Door] = [
     Door(
         "run_study",
         "fl.run_study($path, to=$to, threads=$threads, overwrite=$overwrite, restart=$restart, layout=$layout, "
-        "part=$part, progress=$progress, verify=$verify)",
+        "client=$client, part=$part, progress=$progress, verify=$verify)",
         _slots(path=("path", "'study.toml'", "study.toml"))
         | {
             name: RUNNING[name]
-            for name in ("threads", "overwrite", "restart", "part", "layout", "progress", "verify")
+            for name in ("threads", "client", "overwrite", "restart", "part", "layout", "progress", "verify")
         }
         | _slots(to=("path", "'out.h5'", "a.h5")),
         "",

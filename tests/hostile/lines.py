@@ -133,6 +133,9 @@ WORDS = [
     *(
         "--verify=-1",
         "--part=2/1",
+        "--dask=",
+        "--dask=no/such.json",
+        "--dask=tcp://nosuch",
         "--input=",
         "--all",
         "--designs=0",

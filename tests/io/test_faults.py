@@ -194,7 +194,7 @@ def test_a_failed_synchronisation_is_not_forgotten(tmp_path, monkeypatch, expect
     """The system reports it once: what was written since may be lost though all later calls succeed."""
     path = tmp_path / "m.h5"
     monkeypatch.setattr(journal, "STEP_SECONDS", 0.0)
-    synchronise, calls = journal._synchronise, []
+    synchronise, calls = journal.synchronise, []
 
     def failing_once(fd):
         calls.append(fd)
@@ -203,7 +203,7 @@ def test_a_failed_synchronisation_is_not_forgotten(tmp_path, monkeypatch, expect
         synchronise(fd)
 
     with monkeypatch.context() as patch:
-        patch.setattr(journal, "_synchronise", failing_once)
+        patch.setattr(journal, "synchronise", failing_once)
         with pytest.raises(fl.InputError, match="Input/output error"):
             sweep(path, block=1)
     assert not path.exists()

@@ -206,7 +206,7 @@ def test_a_failure_to_synchronise_notes_nothing(tmp_path, monkeypatch):
     def fails(fd):
         raise OSError(5, "input/output error")
 
-    monkeypatch.setattr(journal, "_synchronise", fails)
+    monkeypatch.setattr(journal, "synchronise", fails)
     notes = Journal(fd, part, {"fingerprint": "f"}, [], {})
     notes.add(0, 2, [])
     notes.close()

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import functools
 import time
 from pathlib import Path
@@ -51,6 +52,14 @@ def run(
             help="How the map is to be read: 'curves' design by design, 'maps' position by position.",
         ),
     ] = None,
+    client: Annotated[
+        str | None,
+        typer.Option(
+            "--dask",
+            metavar="ADDRESS",
+            help="Run on a dask.distributed cluster: the address of its scheduler, or its scheduler file.",
+        ),
+    ] = None,
 ) -> None:
     """Run a study, and write its map; a map that is there and up to date is kept."""
     from fastlink.io.finished import WRITTEN
@@ -66,8 +75,12 @@ def run(
         "part": part,
         "layout": layout,
     }
-    maps = run_study(study, to=to, progress=progress, **options)
-    with maps:
+    with contextlib.ExitStack() as stack:
+        if client is not None:
+            from fastlink.engine.distributed import connected
+
+            options["client"] = stack.enter_context(connected(("client",), client))
+        maps = stack.enter_context(run_study(study, to=to, progress=progress, **options))
         if maps.attrs[WRITTEN] < started:
             typer.echo(f"{maps.encoding['source']} is up to date")
         if not quiet:

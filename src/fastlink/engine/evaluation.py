@@ -30,6 +30,7 @@ if TYPE_CHECKING:
     import xarray as xr
     from numpy.typing import NDArray
 
+    from fastlink.engine.distributed import Cluster
     from fastlink.engine.resolve import ResolvedSweep
     from fastlink.io.dataset import Variable
     from fastlink.io.ranges import Range
@@ -57,6 +58,8 @@ class Evaluation:
         Whether the results stay in memory.
     part : Part, optional
         The part of the designs to evaluate; all unless given.
+    cluster : Cluster, optional
+        Whose workers evaluate them, instead of threads of this process.
 
     Attributes
     ----------
@@ -75,9 +78,10 @@ class Evaluation:
         in_memory: bool,
         *,
         part: Part | None = None,
+        cluster: Cluster | None = None,
     ) -> None:
         verify = (0 if in_memory else DESIGNS) if verify is None else verify
-        self.whole, self.part = resolved, part
+        self.whole, self.part, self.cluster = resolved, part, cluster
         self.range = (0, resolved.space.size) if part is None else part.range(resolved.space.size)
         if part is not None:
             resolved = replace(resolved, space=consecutive(resolved.space, *self.range))
@@ -132,7 +136,7 @@ class Evaluation:
             columns[name][start : start + len(values)] = values
 
         sink = tee(self._of_columns(hold), sink) if columns else sink
-        if axis is None and self.part is None:
+        if axis is None and self.part is None and self.cluster is None:
             run(self.job, targets=arrays, sink=sink, threads=self.threads, block=self.block)
         else:
             self._run(tee(into(arrays), sink))
@@ -155,14 +159,13 @@ class Evaluation:
         else:
             options |= {"run": (self._fingerprint(attrs), self.resolved.space.size)}
             options |= {"whole": whole_coordinates(self.whole, *self.range)}
+        swept = len(self.resolved.space.shape)
+        rows = [(v.name, v.shape[: v.leading] or v.shape[swept:]) for v in self.variables]
         with Writer(path, self._coordinates(), self._written, self._labelled(attrs), **options) as writer:
-
+            # both travel to the workers of a cluster, and the evaluation does not
             def write(start: int, stop: int, arrays: list[NDArray[Any]]) -> None:
-                for variable, array in zip(self.variables, arrays, strict=True):
-                    row = (
-                        variable.shape[: variable.leading] or variable.shape[len(self.resolved.space.shape) :]
-                    )
-                    writer.write(variable.name, start, array.reshape(len(array), *row))
+                for (name, row), array in zip(rows, arrays, strict=True):
+                    writer.write(name, start, array.reshape(len(array), *row))
 
             def record(start: int, stop: int, arrays: list[NDArray[Any]]) -> None:
                 writer.record(start, stop)
@@ -177,10 +180,10 @@ class Evaluation:
 
     def _of_columns(self, write: Callable[[str, int, NDArray[Any]], None]) -> Sink:
         """Return a sink that writes the coordinates which are computed with some designs."""
-        size = self.resolved.space.size
+        size, columns = self.resolved.space.size, self.columns
 
         def pass_on(start: int, stop: int, arrays: list[NDArray[Any]]) -> None:
-            for variable, column in self.columns:
+            for variable, column in columns:
                 first, last = variable.placement(size).own(start, stop)
                 write(variable.name, first, column.piece(first, last))
 
@@ -210,7 +213,11 @@ class Evaluation:
             # designs that only scale with those of another part are evaluated for both
             pending = joined([piece for row in rows for piece in axis.evaluated(*row)]) if axis else rows
             sink = axis.over(sink, at_once) if axis else sink
-        run(self.job, sink=sink, threads=self.threads, block=self.block, pending=pending)
+        if self.cluster is None:
+            run(self.job, sink=sink, threads=self.threads, block=self.block, pending=pending)
+        else:
+            travels = record is not None
+            self.cluster.run(self.job, sink, travels=travels, block=self.block, pending=pending)
 
     def _sink(self, show: Sink) -> Sink:
         """Return the sink of the results besides the file or the arrays."""

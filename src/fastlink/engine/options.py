@@ -6,6 +6,7 @@ from collections.abc import Callable, Mapping
 from functools import partial
 from typing import Any
 
+from fastlink.engine.distributed import check_client
 from fastlink.errors import InputError, KeyPath, Problems
 from fastlink.io.attributes import check_attrs
 from fastlink.io.merged import CORE_TIME, JOINED
@@ -70,6 +71,7 @@ CHECKS: dict[str, Check] = {
     "allow_invalid": check_switch,
     "attrs": optional(partial(check_attrs, reserved=is_reserved)),
     "block": optional(partial(check_whole, least=1)),
+    "client": optional(check_client),
     "layout": partial(check_choice, known=LAYOUTS),
     "overwrite": check_switch,
     "part": optional(check_part),

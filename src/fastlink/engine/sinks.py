@@ -56,24 +56,67 @@ def within(ranges: Sequence[Range], sink: Sink, first: int = 0) -> Sink:
     return clip
 
 
-class StatusCounts:
-    """Count the designs of each status."""
+_counting = threading.Lock()
 
-    def __init__(self, plan: Plan) -> None:
-        self.index = [output.name for output in plan.outputs].index("status")
-        self.flags = plan.catalogue.facts["status"].flags
-        self.counts = np.zeros(max(self.flags) + 1, dtype=np.int64)
-        self.lock = threading.Lock()
+
+class _Counts:
+    """Numbers of designs by the value of a result.
+
+    Parameters
+    ----------
+    index : int
+        Which result.
+    size : int
+        More than its greatest value.
+    """
+
+    def __init__(self, index: int, size: int) -> None:
+        self.index, self.size = index, size
+        self.counts = np.zeros(size, dtype=np.int64)
 
     def take(self, start: int, stop: int, arrays: list[NDArray[Any]]) -> None:
         """Count the designs of a block; thread-safe."""
-        counts = np.bincount(arrays[self.index], minlength=self.counts.size)
-        with self.lock:
+        self.merge(np.bincount(arrays[self.index], minlength=self.size))
+
+    def merge(self, counts: NDArray[Any]) -> None:
+        """Add numbers; thread-safe."""
+        with _counting:
             self.counts += counts
+
+    def report(self) -> NDArray[Any]:
+        """Return the numbers."""
+        return self.counts
+
+
+class StatusCounts(_Counts):
+    """Count the designs of each status."""
+
+    def __init__(self, plan: Plan) -> None:
+        self.flags = plan.catalogue.facts["status"].flags
+        super().__init__([output.name for output in plan.outputs].index("status"), max(self.flags) + 1)
+
+    def twin(self) -> _Counts:
+        """Return an object that counts in another process, see `fastlink.engine.elsewhere`."""
+        return _Counts(self.index, self.size)
 
     def attrs(self) -> dict[str, int]:
         """Return the counts as file attributes."""
         return {f"designs_{meaning}": int(self.counts[value]) for value, meaning in self.flags.items()}
+
+
+class _Done:
+    """Count designs."""
+
+    def __init__(self) -> None:
+        self.count = 0
+
+    def take(self, start: int, stop: int, arrays: list[NDArray[Any]]) -> None:
+        """Count the designs of a block."""
+        self.count += stop - start
+
+    def report(self) -> int:
+        """Return their number."""
+        return self.count
 
 
 class ProgressBar:
@@ -85,9 +128,17 @@ class ProgressBar:
 
     def take(self, start: int, stop: int, arrays: list[NDArray[Any]]) -> None:
         """Show that a block is done; thread-safe."""
+        self.merge(stop - start)
+
+    def merge(self, count: int) -> None:
+        """Show that designs are done; thread-safe."""
         if self.bar is not None:
             with self.lock:
-                self.bar.update(stop - start)
+                self.bar.update(count)
+
+    def twin(self) -> _Done:
+        """Return an object that counts designs in another process."""
+        return _Done()
 
     def __enter__(self) -> ProgressBar:
         return self

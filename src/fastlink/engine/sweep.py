@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 from fastlink.catalogue.declare import ELIMINATED
 from fastlink.doors import door
 from fastlink.engine import labels
+from fastlink.engine.distributed import Cluster
 from fastlink.engine.evaluation import Evaluation
 from fastlink.engine.executor import default_threads
 from fastlink.engine.options import check_options
@@ -25,6 +26,7 @@ from fastlink.maps import open as open_map
 
 if TYPE_CHECKING:
     import xarray as xr
+    from distributed import Client
     from numpy.typing import ArrayLike
 
     from fastlink.space.design_space import DesignSpace
@@ -52,6 +54,7 @@ def sweep(
     part: tuple[int, int] | str | None = None,
     layout: str = CURVES,
     threads: int | None = None,
+    client: Client | None = None,
     progress: bool | None = None,
     allow_invalid: bool = False,
     attrs: Mapping[str, Any] | None = None,
@@ -119,6 +122,8 @@ def sweep(
         value by value. The numbers are the same bits (see docs/files.md for what each costs).
     threads : int, optional
         All processors unless given. Any number gives the same bits.
+    client : distributed.Client, optional
+        Evaluate the designs on the workers of a dask.distributed cluster, to the same bits: see docs/scaling.md.
     progress : bool, optional
         Show a progress bar on standard error; by default only on a terminal.
     allow_invalid : bool
@@ -163,6 +168,7 @@ def sweep(
     with problems.at():
         given: dict[str, Any] = {"verify": verify, "to": to, "part": part, "threads": threads}
         given |= {"overwrite": overwrite, "restart": restart, "progress": progress, "layout": layout}
+        given |= {"client": client}
         checked = check_options(given | {"allow_invalid": allow_invalid, "attrs": attrs, "block": block})
     with problems.at():
         asked: dict[str, Any] = {"links": links, "input": input, "angles": angles, "positions": positions}
@@ -171,16 +177,24 @@ def sweep(
         resolved = resolve(mechanism, space, quantities, **asked)
         if checked.get("part") is not None:
             check_size(("part",), checked["part"], resolved.space.size)
+    if client is not None and threads is not None:
+        problems.add(
+            "is given with client", ("threads",), "leave it out: workers have their own number of threads"
+        )
     problems.stop()
     resolved = replace(resolved, layout=checked["layout"])
     threads, target = checked["threads"] or default_threads(), checked["to"]
-    options = threads, checked["block"], checked["verify"], target is None
-    evaluation = Evaluation(resolved, *options, part=checked["part"])
+    cluster = None if checked["client"] is None else Cluster(checked["client"])
+    options = 1 if cluster else threads, checked["block"], checked["verify"], target is None
+    evaluation = Evaluation(resolved, *options, part=checked["part"], cluster=cluster)
+    threads = cluster.threads if cluster else threads
     before = labels.global_attrs(resolved, threads) | (checked["attrs"] or {})
     is_new = target is None or overwrite
     if not is_new and (finished := evaluation.finished(target, before)) is not None:
         return finished
     path = None if target is None else check_target(target, evaluation.nbytes, overwrite)
+    if cluster is not None:
+        cluster.check()
     evaluation.load(started)
     with ProgressBar(evaluation.resolved.space.size, progress) as bar:
         if path is None:

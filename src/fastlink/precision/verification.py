@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import threading
 import time
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
@@ -47,8 +46,43 @@ def check_verify(where: KeyPath, verify: Any) -> int:
     return check_whole(where, verify, 0, EVALUATIONS, remedy)
 
 
+#: The first and the last but one of the chosen designs, and their results by output.
+_Rows = tuple[int, int, "list[NDArray[Any]]"]
 #: Quantities that are rounding errors themselves, which have none.
 OF_ERRORS = ("residual", "deviation")
+
+
+class _Chosen:
+    """The results of chosen designs, collected block by block.
+
+    Parameters
+    ----------
+    designs : array of int
+        Their numbers, growing.
+    """
+
+    def __init__(self, designs: NDArray[Any]) -> None:
+        self.designs = designs
+        self.rows: list[_Rows] = []
+
+    def collect(self, start: int, stop: int, arrays: list[NDArray[Any]]) -> None:
+        """Copy the results of those among start to stop; thread-safe."""
+        first, last = map(int, np.searchsorted(self.designs, (start, stop)))
+        if first < last:
+            chosen = self.designs[first:last] - start
+            self.rows.append((first, last, [array[chosen] for array in arrays]))
+
+    def report(self) -> list[_Rows]:
+        """Return what was collected."""
+        return self.rows
+
+    def joined(self) -> list[NDArray[Any]]:
+        """Return the results of all of them, by output."""
+        joined = [np.empty((self.designs.size, *a.shape[1:]), a.dtype) for a in self.rows[0][2]]
+        for first, last, arrays in self.rows:
+            for whole, array in zip(joined, arrays, strict=True):
+                whole[first:last] = array
+        return joined
 
 
 class Verification:
@@ -73,19 +107,19 @@ class Verification:
         # in random order, so that the first of them are a random sample too
         self.order = self.rng.permutation(designs.size)
         self.sample = Sample(plan, space.at(designs[self.order]), positions, branch_indices)
-        self._lock = threading.Lock()
-        self._rows: list[NDArray[Any]] = []
+        self._chosen = _Chosen(designs)
 
     def collect(self, start: int, stop: int, arrays: list[NDArray[Any]]) -> None:
         """Copy the results of the sampled designs among start to stop; thread-safe."""
-        first, last = np.searchsorted(self.designs, (start, stop))
-        if first == last:
-            return
-        with self._lock:
-            if not self._rows:
-                self._rows = [np.empty((self.designs.size, *a.shape[1:]), a.dtype) for a in arrays]
-        for rows, array in zip(self._rows, arrays, strict=True):
-            rows[first:last] = array[self.designs[first:last] - start]
+        self._chosen.collect(start, stop, arrays)
+
+    def merge(self, rows: list[_Rows]) -> None:
+        """Add what a twin has collected."""
+        self._chosen.rows += rows
+
+    def twin(self) -> _Chosen:
+        """Return an object that collects in another process, see `fastlink.engine.elsewhere`."""
+        return _Chosen(self.designs)
 
     def measure(self) -> tuple[dict[str, Any], dict[str, dict[str, Any]]]:
         """Return attributes of the result, which state a failure too, and of its variables."""
@@ -129,7 +163,7 @@ class Verification:
     def _groups_with_results(self) -> tuple[list[tuple[str, list[Output]]], int]:
         """Give the sample its results; return the outputs by method, and the evaluations that each may take."""
         outputs = self.sample.plan.outputs
-        for output, rows in zip(outputs, self._rows, strict=True):
+        for output, rows in zip(outputs, self._chosen.joined(), strict=True):
             self.sample.results[output.name] = rows[self.order]
         groups, _ = _groups(outputs)
         return groups, EVALUATIONS // max(len(groups), 1)

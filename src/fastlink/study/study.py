@@ -27,6 +27,7 @@ from fastlink.study.wording import StudyWording
 
 if TYPE_CHECKING:
     import xarray as xr
+    from distributed import Client
 
     from fastlink.catalogue.catalogue import Catalogue
     from fastlink.io.parts import Part
@@ -97,6 +98,7 @@ def run_study(
     restart: bool = False,
     part: tuple[int, int] | str | None = None,
     layout: str | None = None,
+    client: Client | None = None,
 ) -> xr.Dataset:
     """Run a study file and write its map.
 
@@ -125,6 +127,8 @@ def run_study(
         part in its name, such as ``maps.part-03-of-16.h5``.
     layout : {"curves", "maps"}, optional
         How the map is to be read (see `fastlink.sweep`); by default what the study says, else ``"curves"``.
+    client : distributed.Client, optional
+        Evaluate the designs on the workers of a dask.distributed cluster (see `fastlink.sweep`).
 
     Returns
     -------
@@ -156,7 +160,7 @@ def run_study(
     {'a2': 5, 'branch': 2}
     """
     given: dict[str, Any] = {"to": to, "threads": threads, "overwrite": overwrite, "verify": verify}
-    given |= {"progress": progress, "part": part, "layout": layout}
+    given |= {"progress": progress, "part": part, "layout": layout, "client": client}
     checked = check_options(given | {"restart": restart, "layout": CURVES if layout is None else layout})
     study = read_study(path)
     target = study.target(to, checked["part"])
@@ -177,11 +181,12 @@ def run_study(
             part=part,
             layout=layout or study.output.get("layout") or CURVES,
             threads=threads,
+            client=client,
             progress=progress,
             attrs={**title, "study_file": study.path.name, "study": study.text},
         )
     except InputError as error:
-        if (given | {"part": part}).get(str(error.where[0]) if error.where else "") is not None:
+        if given.get(str(error.where[0]) if error.where else "") is not None:
             raise  # the caller's own, not the study's
         raise InputError.of(error.problems, StudyWording(study.path, study.tables, study.space)) from None
 

@@ -19,7 +19,7 @@ from typing import Any
 from fastlink.io.checksums import add
 from fastlink.io.ranges import Range, joined
 
-__all__ = ["Journal", "journal_of", "read_journal"]
+__all__ = ["Journal", "journal_of", "read_journal", "synchronise"]
 
 STEP_BYTES = 32 << 20
 STEP_SECONDS = 1.0
@@ -118,6 +118,12 @@ class Journal:
             self._pending.append((start, stop))
             add(self._sums, addends)
 
+    def add_all(self, ranges: Iterable[Range], addends: Iterable[tuple[int, int]]) -> None:
+        """Add several ranges of designs at once; thread-safe."""
+        with self._changed:
+            self._pending += ranges
+            add(self._sums, addends)
+
     def close(self) -> None:
         """Synchronise all data, and record the last designs."""
         with self._changed:
@@ -154,13 +160,13 @@ class Journal:
         if self.error or not (ranges or nbytes):
             return
         try:
-            _synchronise(self._fd)
+            synchronise(self._fd)
             if not ranges:
                 return
             if self._journal_fd is None:
                 self._journal_fd = self._start()
             _append(self._journal_fd, memoryview(_line([ranges, list(sums.items())])))
-            _synchronise(self._journal_fd)
+            synchronise(self._journal_fd)
             self.recorded = joined([*self.recorded, *ranges])
         except OSError as error:
             self.error = error
@@ -183,5 +189,6 @@ def _append(fd: int, data: memoryview) -> None:
         data = data[os.write(fd, data) :]
 
 
-def _synchronise(fd: int) -> None:
+def synchronise(fd: int) -> None:
+    """Bring the data of a file to the disk."""
     getattr(os, "fdatasync", os.fsync)(fd)

@@ -73,7 +73,7 @@ def _replaced(fd: int, part: Path) -> int:
 def create(path: Path) -> int:
     """Create an empty file, whatever had its name before, and return its file number."""
     path.unlink(missing_ok=True)
-    return _open(path, os.O_CREAT | os.O_EXCL)
+    return opened(path, os.O_CREAT | os.O_EXCL)
 
 
 def begun(part: Path, lay: Callable[[Path], R]) -> tuple[int, R]:
@@ -108,8 +108,8 @@ def laid_out(fresh: Path, part: Path) -> int:
     """Give a laid-out file the claimed name, hold it, and return its file number."""
     if fcntl is None:
         os.replace(fresh, part)  # an open file cannot be renamed there
-        return _open(part)
-    return adopt(_open(fresh), fresh, part)
+        return opened(part)
+    return adopt(opened(fresh), fresh, part)
 
 
 def adopt(fd: int, fresh: Path, part: Path) -> int:
@@ -222,7 +222,7 @@ def released(fd: int) -> Iterator[None]:
         _flock(fd, fcntl.LOCK_EX | fcntl.LOCK_NB)
 
 
-def _open(path: Path, flags: int = 0) -> int:
+def opened(path: Path, flags: int = 0) -> int:
     """Open a file, not what a link leads to."""
     flags |= getattr(os, "O_BINARY", 0) | getattr(os, "O_NOFOLLOW", 0)
     try:
@@ -257,7 +257,7 @@ def _flock(fd: int, operation: int) -> None:
 
 def _hold(part: Path, flags: int = 0) -> int | None:
     """Lock a partial file, and return its file number; None if its name has changed."""
-    fd = _open(part, flags)
+    fd = opened(part, flags)
     try:
         _lock(fd, part)
         if os.path.samestat(os.fstat(fd), os.stat(part)):

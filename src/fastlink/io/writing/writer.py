@@ -22,18 +22,20 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from fastlink.errors import InputError
-from fastlink.io.checksums import OF_REST, OF_VALUES, add, block_count, of_file, of_pieces
+from fastlink.io.checksums import OF_REST, OF_VALUES, add, block_count, of_file
 from fastlink.io.dataset import FORMAT_VERSION, Variable, check_dims, plain_attrs
 from fastlink.io.finished import marks, stamp
 from fastlink.io.place import SLACK, not_written, part_of, reason, refused
 from fastlink.io.ranges import Range, Ranges, missing
 from fastlink.io.writing import partial_file
-from fastlink.io.writing.blocks import OfThread, cut
+from fastlink.io.writing.blocks import OfThread
+from fastlink.io.writing.elsewhere import WriterElsewhere, Written
 from fastlink.io.writing.finishing import uninterrupted
-from fastlink.io.writing.journal import Journal
-from fastlink.io.writing.resume import LayOut, Rows, SameRows, first_blocks, resume
+from fastlink.io.writing.journal import Journal, synchronise
+from fastlink.io.writing.resume import LayOut, Rows, SameRows, resume
 from fastlink.io.writing.skeleton import check_readable, lay_out, set_attrs
 from fastlink.io.writing.target import check_left, check_target
+from fastlink.io.writing.values_file import ValuesFile
 from fastlink.space.dataset import FORMAT
 
 __all__ = ["Writer"]
@@ -98,7 +100,7 @@ class Writer:
         self._fingerprint, self._size = run or ("", 0)
         self._rows = rows or SameRows()
         self._ranges = Ranges()
-        self._first_block, self._sums = first_blocks(variables), dict[int, int]()
+        self._sums = dict[int, int]()
         self._of_thread = OfThread()
         try:
             if restart or not self._resumed(lay_out_all):
@@ -107,6 +109,7 @@ class Writer:
                 self._start(lay_out_all)
         except (OSError, RuntimeError) as error:  # HDF5 reports a full disk as either
             raise self._failure(error) from error
+        self._file = ValuesFile(self._fd, self._offsets, variables)
         about = {"fingerprint": self._fingerprint, "size": self._size, "offsets": self._offsets}
         self._journal = Journal(self._fd, self.part, about, self.written, self._sums)
 
@@ -166,9 +169,7 @@ class Writer:
         block : ndarray, C-contiguous
             One row per design; its other dimensions are those of the variable that are not swept.
         """
-        places = self._places(name, start, block)
-        in_order = self._of_thread.by_value(block) if self._variables[name].leading else block
-        self.write_pieces(name, list(cut(in_order.reshape(-1).view(np.uint8).data, places)))
+        self.write_pieces(name, self._file.pieces(name, start, block, self._of_thread))
 
     def write_pieces(self, name: str, pieces: Sequence[tuple[int, memoryview]]) -> None:
         """Write bytes of the values of a variable, each piece at its position from the first value; thread-safe."""
@@ -179,23 +180,41 @@ class Writer:
         try:
             if self._journal.error:  # what is written from now on would be lost
                 raise self._journal.error
-            for position, data in pieces:
-                partial_file.write_all(self._fd, data, self._offsets[name] + position)
+            added = self._file.put(name, pieces)
         except OSError as error:
             raise self._failure(error) from error
         else:
             nbytes = sum(len(data) for _, data in pieces)
             self._journal.add_bytes(nbytes)
-            first, variable = self._first_block[name], self._variables[name]
-            added = [(first + k, addend) for k, addend in of_pieces(pieces, variable.nbytes)]
             self._of_thread.addends += added
             with self._idle:
                 add(self._sums, added)
-                self._values_written[name] += nbytes // variable.dtype.itemsize
+                self._values_written[name] += nbytes // self._variables[name].dtype.itemsize
         finally:
             with self._idle:
                 self._writing -= 1
                 self._idle.notify_all()
+
+    def twin(self) -> WriterElsewhere:
+        """Return what writes in another process that knows the file by a token, in the place of its checksums."""
+        token = {self._offsets[name]: os.urandom(4) for name in (OF_VALUES, OF_REST)}
+        for position, data in token.items():
+            partial_file.write_all(self._fd, memoryview(data), position)
+        synchronise(self._fd)
+        return WriterElsewhere(self.part, token, self._offsets, list(self._variables.values()))
+
+    def merge(self, written: Written) -> None:
+        """Record what a twin has written; thread-safe."""
+        with self._idle:
+            if self._journal.error:
+                raise self._failure(self._journal.error)
+            add(self._sums, written.addends.items())
+            for name, count in written.values.items():
+                self._values_written[name] += count
+            for start, stop in written.ranges:
+                self._ranges.add(start, stop)
+        self._journal.add_bytes(written.nbytes)
+        self._journal.add_all(written.ranges, written.addends.items())
 
     def finish(
         self, attrs: Mapping[str, Any], of_variables: Mapping[str, Mapping[str, Any]] | None = None
@@ -288,23 +307,6 @@ class Writer:
         except BaseException:
             partial_file.discard(self._fd, self.part)
             raise
-
-    def _places(self, name: str, start: int, block: NDArray[Any]) -> list[Range]:
-        """Return where the pieces of a block lie among the values of its variable, or refuse one that does not fit."""
-        variable = self._variables[name]
-        if block.dtype != variable.dtype:
-            raise TypeError(f"{name}: block is {block.dtype}, the variable {variable.dtype}")
-        if not block.flags.c_contiguous:
-            raise ValueError(f"{name}: block is not C-contiguous")
-        shape, leading = variable.shape, variable.leading
-        swept = leading or len(shape) - (block.ndim - 1)
-        own, designs = (shape[:swept], shape[swept:]) if leading else (shape[swept:], shape[:swept])
-        if block.ndim == 0 or swept < 0 or block.shape[1:] != own:
-            raise ValueError(f"{name}: a block of shape {block.shape} does not hold rows of {shape}")
-        count = math.prod(designs)
-        if not 0 <= start <= start + len(block) <= count:
-            raise ValueError(f"{name}: designs {start} to {start + len(block)} of {count}")
-        return variable.placement(count).pieces(start, start + len(block))
 
     def _failure(self, error: OSError | RuntimeError) -> InputError:
         return not_written(self.path, self._nbytes, error)

@@ -1,0 +1,294 @@
+"""Run kernels over all designs on the workers of a dask.distributed cluster, range by range.
+
+A worker that sees the file that is written writes its results into it and reports what that adds to the checksums; from
+another the results come back. Which of both is found out in each task, by the worker itself. The bits are those of one
+thread: a range is evaluated by `fastlink.engine.executor.run`, as here.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import concurrent.futures
+import contextlib
+import itertools
+import json
+import math
+import queue
+import socket
+import sys
+import time
+import uuid
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from fastlink._text import short_repr
+from fastlink.codegen.runtime.cells import LANES
+from fastlink.engine.elsewhere import packed
+from fastlink.engine.executor import Job, Sink, row_bytes
+from fastlink.engine.on_worker import SAME_VERSION, Report, about, difference, evaluate_range
+from fastlink.errors import InputError, KeyPath, Problems, remark
+from fastlink.io.place import reason
+
+if TYPE_CHECKING:
+    from distributed import Client, Future
+
+    from fastlink.io.ranges import Range
+
+__all__ = ["Cluster", "check_client", "connected"]
+
+INSTALL = "python -m pip install 'fastlink-linkages[distributed]'"
+#: Seconds within which a scheduler answers.
+ANSWERED_SECONDS = 10.0
+#: Seconds of work in one task: to hand it out and to take its report costs some ms, and a lost worker loses this.
+TASK_SECONDS = 1.0
+#: Most bytes of results in one task: they may have to come back.
+TASK_BYTES = 32 << 20
+#: Tasks per thread of the workers that are handed out at once: one under way, one that waits for it.
+AHEAD = 2
+#: Designs of the first tasks, of which nothing is known; the next ones have at most so many times those before, and at
+#: least this part of `TASK_SECONDS`.
+FIRST_DESIGNS, GROWTH, LEAST = 64, 8, 0.1
+#: Seconds to wait for a report before a look at the number of workers.
+PATIENCE = 0.5
+#: Seconds for which the number of the workers' threads is believed.
+KNOWN_SECONDS = 2.0
+#: A cluster may lose what it was given so many times in a row without any result.
+LOSSES = 5
+
+
+def check_client(where: KeyPath, value: Any) -> Any:
+    """Return a client of dask.distributed, or refuse what is none or cannot be used from here."""
+    distributed = sys.modules.get("distributed")  # who has a client has imported it
+    write = "write a dask.distributed.Client, such as Client('tcp://127.0.0.1:8786')"
+    if distributed is None or not isinstance(value, distributed.Client):
+        raise InputError(f"is {short_repr(value)}", where=where, remedy=write)
+    if value.asynchronous:
+        raise InputError("is asynchronous", where=where, remedy="write Client(..., asynchronous=False)")
+    if value.status != "running":
+        raise InputError(f"is {value.status}", where=where, remedy="make it anew")
+    return value
+
+
+def connected(where: KeyPath, address: str) -> Client:
+    """Return a client of the scheduler at an address, or of that whose file is at a path."""
+    try:
+        from distributed import Client
+        from distributed.comm import get_address_host_port
+    except ModuleNotFoundError:
+        raise InputError("distributed is not installed", where=where, remedy=INSTALL) from None
+    try:
+        if Path(address).is_file():
+            address = json.loads(Path(address).read_text())["address"]
+        # a client that nobody answers takes half a minute, and is loud
+        socket.create_connection(get_address_host_port(address), ANSWERED_SECONDS).close()
+        return Client(address, timeout=ANSWERED_SECONDS)
+    except Exception as error:  # of all kinds, by what is wrong with the text
+        what = f"no scheduler answers at {short_repr(address)} ({reason(error) or type(error).__name__})"
+        remedy = "write the address that `dask scheduler` prints, such as tcp://10.0.0.1:8786, or its scheduler file"
+        raise InputError(what, where=where, remedy=remedy) from None
+
+
+class Cluster:
+    """The workers of a client, for one sweep.
+
+    Parameters
+    ----------
+    client : distributed.Client
+        The client.
+    """
+
+    def __init__(self, client: Client) -> None:
+        self.client = client
+        self._known = -math.inf, 0
+
+    @property
+    def threads(self) -> int:
+        """Number of threads of all workers, of which each runs one task at a time; not asked for at every call."""
+        when, threads = self._known
+        if time.monotonic() - when > KNOWN_SECONDS:
+            threads = sum(self.client.nthreads().values())
+            self._known = time.monotonic(), threads
+        return threads
+
+    def check(self) -> None:
+        """Refuse workers without fastlink, or with another version; wait for the first worker."""
+        if not self.threads:
+            remark("the cluster has no workers yet; the sweep waits for the first", ("client",))
+            self.client.wait_for_workers(1)
+        same, problems = about(), Problems()
+        for address, found in sorted(self.client.run(about, on_error="return").items()):
+            if found != same:
+                problems.add(f"the worker {address} {difference(found, same)}", ("client",), SAME_VERSION)
+        problems.stop()
+
+    def run(
+        self,
+        job: Job,
+        sink: Sink,
+        *,
+        travels: bool = False,
+        block: int | None = None,
+        pending: Sequence[Range] | None = None,
+    ) -> None:
+        """Evaluate every design, as `fastlink.engine.executor.run`; on any exception, what is under way is cancelled.
+
+        Parameters
+        ----------
+        job : Job
+            The kernels and their data.
+        sink : callable
+            Takes the results, here.
+        travels : bool
+            Whether workers may have the sink themselves, see `fastlink.engine.elsewhere`.
+        block : int, optional
+            Designs per block; of a task as many as take `TASK_SECONDS`.
+        pending : sequence of (start, stop), optional
+            The designs to evaluate; all unless given.
+        """
+        of_sink, travellers = packed(sink) if travels else (None, [])
+        tasks = _Tasks(self, (packed(job)[0], of_sink), block)
+        ranges = _Pending([(0, job.size)] if pending is None else pending)
+        length = _Length(job)
+        try:
+            while ranges.left or tasks.under_way:
+                while ranges.left and len(tasks.under_way) < AHEAD * max(self.threads, 1):
+                    tasks.submit(*ranges.take(length.next(ranges.left, self.threads)))
+                for start, stop, report in tasks.finished():
+                    length.learn(stop - start, report.seconds)
+                    if report.reports is None:
+                        sink(start, stop, report.arrays)
+                    else:
+                        for traveller, gathered in zip(travellers, report.reports, strict=True):
+                            traveller.merge(gathered)
+        finally:
+            tasks.cancel()
+
+
+class _Pending:
+    """Designs that are not handed out yet."""
+
+    def __init__(self, ranges: Sequence[Range]) -> None:
+        self.ranges = list(reversed([(start, stop) for start, stop in ranges if start < stop]))
+        self.left = sum(stop - start for start, stop in self.ranges)
+
+    def take(self, most: int) -> Range:
+        """Return the next designs, at most so many."""
+        start, stop = self.ranges.pop()
+        end = min(start + most, stop)
+        if end < stop:
+            self.ranges.append((end, stop))
+        self.left -= end - start
+        return start, end
+
+
+class _Length:
+    """How many designs make a task: as many as take `TASK_SECONDS` on one thread, by the last reports."""
+
+    def __init__(self, job: Job) -> None:
+        self.most = max(1, TASK_BYTES // max(row_bytes(job.shapes), 1))
+        self.length = min(FIRST_DESIGNS, self.most)
+        self.known = False
+
+    def next(self, left: int, threads: int) -> int:
+        """Return the number of the next task: towards the end fewer, so that no thread has nothing to do."""
+        share = -(-left // (AHEAD * max(threads, 1)))
+        least = self.length * LEAST if self.known else 1
+        length = int(max(1, min(self.length, max(share, least))))
+        return length if length < LANES else length // LANES * LANES
+
+    def learn(self, designs: int, seconds: float) -> None:
+        """Take account of how long a task of so many designs took."""
+        wanted = designs * TASK_SECONDS / max(seconds, 1e-6)
+        self.length = max(1, min(int(wanted), GROWTH * max(self.length, designs), self.most))
+        self.known = True
+
+
+class _Tasks:
+    """The tasks of a sweep that are handed out.
+
+    Parameters
+    ----------
+    cluster : Cluster
+        The workers.
+    data : (job, sink)
+        As for `evaluate_range`.
+    block : int, optional
+        Designs per block.
+    """
+
+    def __init__(self, cluster: Cluster, data: tuple[bytes, bytes | None], block: int | None) -> None:
+        self.client, self.data, self.block = cluster.client, data, block
+        self.name, self.numbers = uuid.uuid4().hex, itertools.count()
+        self.under_way: dict[Future, Range] = {}
+        self.done: queue.SimpleQueue[Future] = queue.SimpleQueue()
+        self.losses = 0
+        self._scatter()
+
+    def _scatter(self) -> None:
+        self.client.wait_for_workers(1)  # a scatter does not wait long
+        (self.scattered,) = self.client.scatter([self.data], broadcast=True, hash=False)
+
+    def submit(self, start: int, stop: int) -> None:
+        """Hand out a range of designs."""
+        future = self.client.submit(
+            evaluate_range,
+            self.scattered,
+            self.name,
+            start,
+            stop,
+            block=self.block,
+            same=about(),
+            key=f"fastlink-{self.name}-{next(self.numbers)}",
+            pure=False,
+        )
+        self.under_way[future] = start, stop
+        future.add_done_callback(self.done.put)
+
+    def finished(self) -> Iterator[tuple[int, int, Report]]:
+        """Yield the ranges that are done and their reports, after a short wait for the first."""
+        with contextlib.suppress(queue.Empty):
+            future = self.done.get(timeout=PATIENCE)
+            start, stop = self.under_way.pop(future)
+            if future.status == "error":
+                raise self._failure(start, stop, future.exception())
+            try:
+                report = future.result()
+            except (concurrent.futures.CancelledError, asyncio.CancelledError):
+                self._again(start, stop)
+                return
+            self.losses = 0
+            yield start, stop, report
+
+    def _again(self, start: int, stop: int) -> None:
+        """Hand out designs again whose task or data the cluster has lost."""
+        if self.client.status != "running" or self.losses >= LOSSES:
+            raise InputError("the cluster has lost its tasks", where=("client",), remedy="look at its log")
+        if self.scattered.status != "finished":
+            self.losses += 1
+            self._scatter()
+        self.submit(start, stop)
+
+    def _failure(self, start: int, stop: int, error: BaseException | None) -> BaseException:
+        """Return the error of a task in the words of the sweep."""
+        if isinstance(error, InputError):
+            return error
+        if isinstance(error, ImportError):
+            return InputError(
+                f"a worker {difference(error, about())}", where=("client",), remedy=SAME_VERSION
+            )
+        if type(error).__name__ == "KilledWorker":
+            what = f"workers die of designs {start} to {stop - 1}: {error}"
+            return InputError(
+                what, where=("client",), remedy="give workers more memory, or look at their log"
+            )
+        if isinstance(error, OSError):
+            what = f"a worker cannot write the file ({error})"
+            return InputError(what, where=("to",), remedy="choose another place")
+        return error or RuntimeError(f"designs {start} to {stop - 1} have failed on a worker")
+
+    def cancel(self) -> None:
+        """Cancel what is under way; what a worker has begun it ends, to the same bits."""
+        with contextlib.suppress(Exception):
+            self.client.cancel(list(self.under_way), force=True)
+        self.under_way.clear()
