@@ -176,10 +176,10 @@ def _dtype(dtype: Any) -> np.dtype[Any] | None:
     """Return the type of the numbers of the result, None where they keep theirs."""
     if dtype is None:
         return None
-    try:
-        name = np.dtype(dtype).name
-    except Exception:  # whatever a class of somebody's does
-        name = ""
+    name = ""
+    if isinstance(dtype, (str, np.dtype)) or (isinstance(dtype, type) and issubclass(dtype, np.generic)):
+        with contextlib.suppress(TypeError, ValueError, SyntaxError):
+            name = np.dtype(dtype).name
     if name not in TYPES:
         what = f"is {short_repr(dtype)}"
         if name.startswith(("int", "uint", "bool")):
@@ -195,14 +195,18 @@ def _quantities(maps: xr.Dataset, quantities: Any) -> list[str]:
     if quantities is None:
         return known
     where: KeyPath = ("quantities",)
+    if isinstance(quantities, np.ndarray) and quantities.ndim == 1:
+        quantities = quantities.tolist()
     if isinstance(quantities, str) or not isinstance(quantities, (Sequence, set, frozenset)):
         raise InputError(f"is {short_repr(quantities)}", where=where, remedy="write a list of names")
     if not quantities:
         raise InputError("is empty", where=where, remedy="leave it out for all variables")
     problems = Problems()
-    for name in quantities:
+    for k, name in enumerate(given := list(quantities)):
         if not isinstance(name, str) or name not in known:
             problems.add(f"{short_repr(name)} is not in the map", where, suggest(name, known))
+        elif name in given[:k]:
+            problems.add(f"{name} is named twice", where, "write it once")
     problems.stop()
     return [name for name in known if name in quantities or name == STATUS]
 
