@@ -10,6 +10,7 @@ from matplotlib.lines import Line2D
 
 from fastlink.drawing.following import ARMS, FAINT, add_arms, legend_of_loci
 from fastlink.drawing.places import samples_of
+from fastlink.facts.names import derivative_name
 from fastlink.plot.draw import LINES
 from fastlink.plot.labels import mathematical
 
@@ -110,7 +111,7 @@ def _comb(sheet: Sheet, position: float) -> list[Any]:
     size = min(np.ptp(sheet.view[:2]), np.ptp(sheet.view[2:]))
     for name, curvature in motion.picture.curvature.items():
         point = motion.picture.point(name)
-        slopes = [f"d_{xy}_d_{motion.input}" for xy in (point.x, point.y)]
+        slopes = [derivative_name(xy, motion.input) for xy in (point.x, point.y)]
         pieces = [
             motion.values([point.x, point.y, *slopes, curvature], one)
             for one in motion.along(2 * TEETH, position)

@@ -118,9 +118,7 @@ class Source:
 
 def _is_bound(variable: Variable) -> bool:
     """Tell whether a variable bounds errors."""
-    return str(variable.attrs.get("symbol", "")).startswith("err ") or variable.name.endswith(
-        "_extrema_error"
-    )
+    return str(variable.attrs.get("symbol", "")).startswith("err ")
 
 
 def _length(indexer: Indexer | None, size: int) -> int:
