@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import os
 import signal
 import subprocess
@@ -10,6 +11,7 @@ import sys
 import numpy as np
 import pytest
 from numpy.testing import assert_array_equal
+from tests.support.map_files import raising
 from tests.support.refusals import refused
 
 import fastlink as fl
@@ -155,6 +157,48 @@ def test_a_killed_run_loses_nothing_that_was_noted(tmp_path, commits):
     with sweep(path) as resumed, sweep(tmp_path / "whole.h5") as expected:
         assert resumed.attrs["designs_of_earlier_runs"] == designs
         assert_same(resumed, expected)
+
+
+@pytest.mark.parametrize("step", ["fsync", "replace"])
+def test_a_resumed_run_that_cannot_begin_its_journal_keeps_that_of_the_run_before(
+    tmp_path, monkeypatch, step
+):
+    """What was noted stays noted: the old journal goes when the new one names the same designs."""
+    path = tmp_path / "map.h5"
+    with monkeypatch.context() as patched:
+        interrupt_after(patched, 5)
+        with pytest.raises(KeyboardInterrupt):
+            sweep(path)
+    start = Journal._start
+    with monkeypatch.context() as patched:
+
+        def failing(self, first):
+            with monkeypatch.context() as within:
+                within.setattr(journal.os, step, raising(errno.EIO))
+                return start(self, first)
+
+        patched.setattr(Journal, "_start", failing)
+        with refused("to"):
+            sweep(path)
+    assert read_journal(tmp_path / "map.h5.part")[1] == [(0, 5 * 64)]
+    with sweep(path) as resumed:
+        assert resumed.attrs["designs_of_earlier_runs"] == 5 * 64
+
+
+def test_at_no_moment_are_noted_designs_without_a_journal(tmp_path, monkeypatch):
+    """Where a resumed run is killed just after its journal has replaced that of the run before."""
+    part = tmp_path / "map.h5.part"
+    part.write_bytes(b"data")
+    fd = os.open(part, os.O_RDWR)
+    replaced = []
+    replace = os.replace
+    monkeypatch.setattr(
+        os, "replace", lambda *names: (replace(*names), replaced.append(read_journal(part)[1]))
+    )
+    notes = Journal(fd, part, {"fingerprint": "f", "offsets": {}}, [(0, 2)], {0: 12})
+    notes.close()
+    assert replaced == [[(0, 2)]]
+    os.close(fd)
 
 
 def test_a_torn_record_ends_the_journal(tmp_path):

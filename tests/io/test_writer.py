@@ -298,9 +298,9 @@ def test_leaving_waits_for_writes_under_way(tmp_path, monkeypatch):
         closed.append(writer._fd == fd and os.fstat(fd).st_nlink)
         return pwrite(fd, data, at)
 
-    monkeypatch.setattr(os, "pwrite", slow)
     with ThreadPoolExecutor(1) as pool:
         with sample.writer(tmp_path / "m.h5") as writer:
+            monkeypatch.setattr(os, "pwrite", slow)
             future = pool.submit(writer.write, "status", 0, sample.arrays["status"])
             assert writing.wait(30)
             threading.Timer(0.1, go.set).start()

@@ -68,7 +68,7 @@ def check_place(path: Path, where: str = "to", example: str = "maps.h5") -> None
         raise not_writable(path, error, where) from error
 
 
-def not_writable(path: Path, error: OSError | RuntimeError, where: str = "to") -> InputError:
+def not_writable(path: Path, error: Exception, where: str = "to") -> InputError:
     """Return the error of a place at which no file can be made."""
     return refused(f"{path} cannot be written ({reason(error)})", "choose another place", where)
 
@@ -83,7 +83,7 @@ def exists_error(path: Path, why: str = "") -> InputError:
     return refused(f"{path}: the file exists{why and f', {why}'}", EXISTS)
 
 
-def no_room(path: Path, nbytes: int, error: OSError | RuntimeError | None = None) -> InputError:
+def no_room(path: Path, nbytes: int, error: Exception | None = None) -> InputError:
     """Return the error of a disk, or of a limit on files, that is too small for a map."""
     why = f" ({reason(error)})" if error else ""
     if getattr(error, "errno", None) == errno.EFBIG:
@@ -101,7 +101,7 @@ def no_room(path: Path, nbytes: int, error: OSError | RuntimeError | None = None
     )
 
 
-def not_written(path: Path, nbytes: int, error: OSError | RuntimeError) -> InputError:
+def not_written(path: Path, nbytes: int, error: Exception) -> InputError:
     """Return the error of a file of so many bytes that cannot be written any further."""
     if getattr(error, "errno", None) in NO_ROOM:
         return no_room(path, nbytes, error)

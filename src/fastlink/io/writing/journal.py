@@ -80,7 +80,7 @@ class Journal:
     about : dict
         The head of the journal: the fingerprint of the run, and the offsets of its data.
     written : list of (start, stop)
-        The designs that are written already.
+        The designs that are written already, which the journal of an earlier run names.
     sums : mapping of int to int
         The checksums of their values, by block.
     """
@@ -97,8 +97,8 @@ class Journal:
         self._journal_fd: int | None = None
         self._closed = False
         self.error: OSError | None = None
-        #: The designs that the journal names.
-        self.recorded: list[Range] = []
+        #: The designs that the journal names, this one or that of the earlier run until this one takes its place.
+        self.recorded: list[Range] = list(written)
         self._changed = threading.Condition()
         self._thread: threading.Thread | None = None
 
@@ -132,9 +132,12 @@ class Journal:
         if self._thread is not None:
             self._thread.join()
         self._commit()
-        if self._journal_fd is not None:
-            os.close(self._journal_fd)
-            self._journal_fd = None
+        fd, self._journal_fd = self._journal_fd, None
+        if fd is not None:
+            try:
+                os.close(fd)
+            except OSError as error:
+                self.error = self.error or error
 
     def remove(self) -> None:
         """Remove the journal of a file that has its name, or that is thrown away."""
@@ -163,20 +166,25 @@ class Journal:
             synchronise(self._fd)
             if not ranges:
                 return
+            line = _line([ranges, list(sums.items())])
             if self._journal_fd is None:
-                self._journal_fd = self._start()
-            _append(self._journal_fd, memoryview(_line([ranges, list(sums.items())])))
-            synchronise(self._journal_fd)
+                self._journal_fd = self._start(line)
+            else:
+                _append(self._journal_fd, memoryview(line))
+                synchronise(self._journal_fd)
             self.recorded = joined([*self.recorded, *ranges])
         except OSError as error:
             self.error = error
 
-    def _start(self) -> int:
-        """Create the journal with its head, and return its open file number."""
+    def _start(self, first: bytes) -> int:
+        """Create the journal with its head and first record, and return its open file number.
+
+        It replaces that of an earlier run, whose designs the first record names: at no moment are they without one.
+        """
         fresh = self._path.with_name(self._path.name + ".new")
         fresh.unlink(missing_ok=True)  # never through a link
         with open(fresh, "xb") as file:
-            file.write(self._head)
+            file.write(self._head + first)
             file.flush()
             os.fsync(file.fileno())
         os.replace(fresh, self._path)

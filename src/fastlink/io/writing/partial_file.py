@@ -182,7 +182,8 @@ def publish(fd: int, part: Path, final: Path, overwrite: bool) -> None:
         return
     _flock(fd, fcntl.LOCK_SH)  # readers may open it from its first moment on
     _rename(part, final, overwrite)
-    os.close(fd)
+    with contextlib.suppress(OSError):  # its bytes are on the disk already
+        os.close(fd)
     synchronise_folder(final.parent)
 
 
@@ -201,12 +202,13 @@ def write_all(fd: int, data: memoryview, position: int) -> None:
 
 def discard(fd: int, part: Path) -> None:
     """Remove a partial file, if the system lets it be removed; the next run will replace it."""
-    if fcntl is None:
-        os.close(fd)  # an open file cannot be removed there
     with contextlib.suppress(OSError):
+        if fcntl is None:
+            os.close(fd)  # an open file cannot be removed there
         part.unlink(missing_ok=True)
     if fcntl is not None:
-        os.close(fd)
+        with contextlib.suppress(OSError):
+            os.close(fd)
 
 
 @contextlib.contextmanager

@@ -17,7 +17,7 @@ from fastlink.io.placement import Placement
 from fastlink.io.ranges import Range, joined, missing
 from fastlink.io.writing import partial_file
 from fastlink.io.writing.journal import read_journal
-from fastlink.io.writing.skeleton import lay_labels_again
+from fastlink.io.writing.skeleton import copy_labels, places_of_values, scratch
 
 __all__ = ["LayOut", "Resumed", "Rows", "SameRows", "first_blocks", "resume"]
 
@@ -109,13 +109,14 @@ def resume(
     if fd is None:
         return None
     about, ranges, sums = journal
-    fresh = partial_file.fresh_name(part)
     try:
-        offsets = lay_out(fresh)
-        if offsets != about["offsets"]:
-            os.close(fd)
-            return None
-        lay_labels_again(fresh, fd, offsets, variables)
+        with scratch() as path:
+            offsets = lay_out(path)
+            if offsets != about["offsets"]:
+                os.close(fd)
+                return None
+            # its own labels may be torn or changed
+            copy_labels(path, fd, places_of_values(offsets, variables))
         partial_file.reserve(fd, SLACK)
         values = _Values(fd, offsets, variables, size, rows)
         whole, found = ranges, values.sums(ranges)  # what was cut off reads as zeros
@@ -128,8 +129,6 @@ def resume(
     except BaseException:
         os.close(fd)
         raise
-    finally:
-        fresh.unlink(missing_ok=True)
     return Resumed(fd, offsets, whole, found)
 
 

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import contextlib
 import os
-from collections.abc import Iterator, Mapping, Sequence
+import tempfile
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any, Literal
 
@@ -24,9 +25,13 @@ from fastlink.io.checksums import (
 from fastlink.io.dataset import Variable, plain_attrs
 from fastlink.io.parts import WHOLE
 from fastlink.io.place import SLACK
-from fastlink.io.writing.partial_file import make_sure_of_room, released, write_all
+from fastlink.io.writing.partial_file import create, make_sure_of_room, released, write_all
 
 PAGE_BYTES = 4096
+#: What a file that cannot be read or written raises, through HDF5 too.
+OF_HDF5 = (OSError, EOFError, RuntimeError, KeyError)
+#: The folder of files in memory, on Linux.
+MEMORY = "/dev/shm"
 ALIGNED = {"alignment_threshold": PAGE_BYTES, "alignment_interval": PAGE_BYTES}
 
 
@@ -95,13 +100,47 @@ def _to_netcdf(path: Path, coords: xr.Dataset, mode: Literal["w", "a"]) -> None:
     coords.to_netcdf(path, mode=mode, engine="h5netcdf", encoding=encoding)
 
 
-def lay_labels_again(fresh: Path, fd: int, offsets: Mapping[str, int], variables: Sequence[Variable]) -> None:
-    """Give a partial file the labels of one that was just laid out: its own may be torn or changed."""
-    values = {offsets[variable.name]: variable.nbytes for variable in variables}
-    with open(fresh, "rb") as file:
-        for position, labels in all_but(file.fileno(), values):
-            write_all(fd, memoryview(labels), position)
-        os.ftruncate(fd, os.fstat(file.fileno()).st_size)
+@contextlib.contextmanager
+def scratch() -> Iterator[Path]:
+    """Yield the path of a file for HDF5 to write: in memory, where the system has such files.
+
+    An error of the disk amid HDF5's own writes may end the process by a violation of memory; amid ours, which copy the
+    file to its place, it is an exception.
+    """
+    fd, name = tempfile.mkstemp(".h5", "fastlink-", MEMORY if os.access(MEMORY, os.W_OK | os.X_OK) else None)
+    os.close(fd)
+    try:
+        yield Path(name)
+    finally:
+        os.unlink(name)
+
+
+def laid_in_memory(
+    path: Path, lay_out: Callable[[Path], dict[str, int]], variables: Sequence[Variable]
+) -> dict[str, int]:
+    """Create the file that `lay_out` lays out, by way of memory; return the variables' offsets."""
+    with scratch() as other:
+        offsets = lay_out(other)
+        with os.fdopen(create(path), "r+b", buffering=0) as file:
+            copy_labels(other, file.fileno(), places_of_values(offsets, variables))
+    return offsets
+
+
+def places_of_values(offsets: Mapping[str, int], variables: Sequence[Variable]) -> dict[int, int]:
+    """Return the bytes of all values, by where they begin."""
+    return {offsets[variable.name]: variable.nbytes for variable in variables}
+
+
+def copy_labels(path: Path, fd: int, values: Mapping[int, int]) -> None:
+    """Give an open file all bytes of another besides values, which are so many from somewhere, and its length."""
+    with open(path, "rb") as file:
+        _copy(file.fileno(), fd, values)
+
+
+def _copy(source: int, target: int, values: Mapping[int, int]) -> None:
+    for position, labels in all_but(source, values):
+        write_all(target, memoryview(labels), position)
+    os.ftruncate(target, os.fstat(source).st_size)
 
 
 def _create(file: Any, coords: xr.Dataset, variable: Variable, computed: Sequence[Variable]) -> int:
@@ -159,13 +198,20 @@ def _reserved(group: Any, name: str, shape: tuple[int, ...], dtype: Any) -> tupl
 
 
 def set_attrs(
-    fd: int, path: Path, attrs: Mapping[str, Any], of_variables: Mapping[str, Mapping[str, Any]]
+    fd: int,
+    values: Mapping[int, int],
+    attrs: Mapping[str, Any],
+    of_variables: Mapping[str, Mapping[str, Any]],
 ) -> None:
-    """Add attributes, global and of variables, to a file that is locked by `fd`."""
-    with opened(fd, path, "r+") as file:
-        for group, added in (("/", attrs), *of_variables.items()):
-            for name, value in added.items():
-                file[group].attrs[name] = value
+    """Add attributes, global and of variables, to an open file whose values are so many bytes from somewhere."""
+    with scratch() as path:
+        with open(path, "r+b") as file:
+            _copy(fd, file.fileno(), values)
+        with h5py.File(path, "r+") as file:
+            for group, added in (("/", attrs), *of_variables.items()):
+                for name, value in added.items():
+                    file[group].attrs[name] = value
+        copy_labels(path, fd, values)
 
 
 def check_readable(fd: int, path: Path, variables: Sequence[Variable], offsets: Mapping[str, int]) -> None:
@@ -173,7 +219,7 @@ def check_readable(fd: int, path: Path, variables: Sequence[Variable], offsets: 
     with opened(fd, path, "r") as file:
         for variable in variables:
             found = file[variable.name]
-            dims = tuple(scale[0].name.removeprefix("/") for scale in found.dims if len(scale))
+            dims = tuple(str(scale[0].name).removeprefix("/") for scale in found.dims if len(scale))
             dims = dims or (variable.name,) * len(found.shape)  # a dimension itself
             layout = found.shape, found.dtype, dims, found.id.get_offset()
             if layout != (variable.shape, variable.dtype, variable.dims, offsets[variable.name]):
@@ -186,8 +232,8 @@ def opened(fd: int, path: Path, mode: str) -> Iterator[Any]:
     with contextlib.ExitStack() as stack:
         try:
             # this process holds the lock that HDF5 would ask for
-            file = stack.enter_context(h5py.File(path, mode, locking=False))
+            file = stack.enter_context(h5py.File(path, "r", locking=False))
         except BlockingIOError:  # HDF5_USE_FILE_LOCKING=TRUE in the environment overrules locking=False
             stack.enter_context(released(fd))
-            file = stack.enter_context(h5py.File(path, mode))
+            file = stack.enter_context(h5py.File(path, "r"))
         yield file

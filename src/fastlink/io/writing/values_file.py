@@ -15,6 +15,7 @@ from fastlink.io.ranges import Range
 from fastlink.io.writing import partial_file
 from fastlink.io.writing.blocks import OfThread, cut
 from fastlink.io.writing.resume import first_blocks
+from fastlink.io.writing.skeleton import places_of_values
 
 __all__ = ["ValuesFile"]
 
@@ -30,12 +31,18 @@ class ValuesFile:
         Where the values of each variable begin.
     variables : sequence of Variable
         The variables.
+
+    Attributes
+    ----------
+    places : dict of int to int
+        The bytes of the values of each variable, by where they begin.
     """
 
     def __init__(self, fd: int, offsets: Mapping[str, int], variables: Sequence[Variable]) -> None:
         self.fd, self._offsets = fd, offsets
         self._variables = {variable.name: variable for variable in variables}
         self._first_block = first_blocks(variables)
+        self.places = places_of_values(offsets, variables)
 
     def pieces(
         self, name: str, start: int, block: NDArray[Any], of_thread: OfThread

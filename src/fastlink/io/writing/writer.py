@@ -33,7 +33,7 @@ from fastlink.io.writing.elsewhere import WriterElsewhere, Written
 from fastlink.io.writing.finishing import uninterrupted
 from fastlink.io.writing.journal import Journal, synchronise
 from fastlink.io.writing.resume import LayOut, Rows, SameRows, resume
-from fastlink.io.writing.skeleton import check_readable, lay_out, set_attrs
+from fastlink.io.writing.skeleton import OF_HDF5, check_readable, laid_in_memory, lay_out, set_attrs
 from fastlink.io.writing.target import check_left, check_target
 from fastlink.io.writing.values_file import ValuesFile
 from fastlink.space.dataset import FORMAT
@@ -107,7 +107,7 @@ class Writer:
                 if not restart:
                     check_left(self.path, self._fingerprint)
                 self._start(lay_out_all)
-        except (OSError, RuntimeError) as error:  # HDF5 reports a full disk as either
+        except OF_HDF5 as error:
             raise self._failure(error) from error
         self._file = ValuesFile(self._fd, self._offsets, variables)
         about = {"fingerprint": self._fingerprint, "size": self._size, "offsets": self._offsets}
@@ -150,12 +150,13 @@ class Writer:
 
     def values(self, name: str, row: tuple[int, ...]) -> NDArray[Any]:
         """Return the values in the file, read where they are looked at: one row of a given shape per design."""
-        dtype = self._variables[name].dtype
-        designs = self._size * self._rows.length
-        if self._variables[name].leading:
-            values = np.memmap(self.part, dtype, "r", self._offsets[name], (*row, designs))
-            return np.moveaxis(values, -1, 0)
-        return np.memmap(self.part, dtype, "r", self._offsets[name], (designs, *row))
+        variable, designs = self._variables[name], self._size * self._rows.length
+        shape = (*row, designs) if variable.leading else (designs, *row)
+        try:
+            found = np.memmap(self.part, variable.dtype, "r", self._offsets[name], shape)
+        except OSError as error:
+            raise self._failure(error) from error
+        return np.moveaxis(found, -1, 0) if variable.leading else found
 
     def write(self, name: str, start: int, block: NDArray[Any]) -> None:
         """Write the values of consecutive designs of one variable; thread-safe.
@@ -239,13 +240,13 @@ class Writer:
             try:
                 if self._journal.error:
                     raise self._journal.error
-                set_attrs(self._fd, self.part, last, further)
+                set_attrs(self._fd, self._file.places, last, further)
                 self._write_checksums()
                 os.fsync(self._fd)
                 stamp(self.part, last)
                 check_readable(self._fd, self.part, list(self._variables.values()), self._offsets)
             except BaseException as error:
-                failure = self._failure(error) if isinstance(error, (OSError, RuntimeError)) else error
+                failure = self._failure(error) if isinstance(error, OF_HDF5) else error
                 self._keep_or_discard(failure)
                 raise failure from (None if failure is error else error)
             self._publish()
@@ -256,8 +257,7 @@ class Writer:
         blocks = sum(block_count(variable.nbytes) for variable in variables)
         sums = np.array([self._sums[block] for block in range(blocks)], "u4")
         partial_file.write_all(self._fd, sums.view(np.uint8).data, places[OF_VALUES])
-        values = {places[variable.name]: variable.nbytes for variable in variables}
-        rest = np.array([of_file(self._fd, values, (places[OF_REST], places[OF_REST] + 4))], "u4")
+        rest = np.array([of_file(self._fd, self._file.places, (places[OF_REST], places[OF_REST] + 4))], "u4")
         partial_file.write_all(self._fd, rest.view(np.uint8).data, places[OF_REST])
 
     def _publish(self) -> None:
@@ -293,14 +293,16 @@ class Writer:
             partial_file.discard(self._fd, self.part)
             self._journal.remove()
             return
-        os.close(self._fd)
+        with contextlib.suppress(OSError):
+            os.close(self._fd)
         share = sum(stop - start for start, stop in self._journal.recorded) / self._size
         if error is not None:
             error.add_note(f"{share:.0%} of the designs are kept in {self.part}; run the same again to go on")
 
     def _start(self, lay_out: LayOut) -> None:
         """Lay the file out, and reserve its room."""
-        self._fd, self._offsets = partial_file.begun(self.part, lay_out)
+        lay = partial(laid_in_memory, lay_out=lay_out, variables=list(self._variables.values()))
+        self._fd, self._offsets = partial_file.begun(self.part, lay)
         try:
             # HDF5 gives back at the end what the attributes leave
             partial_file.reserve(self._fd, SLACK)
@@ -308,7 +310,7 @@ class Writer:
             partial_file.discard(self._fd, self.part)
             raise
 
-    def _failure(self, error: OSError | RuntimeError) -> InputError:
+    def _failure(self, error: Exception) -> InputError:
         return not_written(self.path, self._nbytes, error)
 
     def _close_to_writers(self) -> None:
