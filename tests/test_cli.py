@@ -306,6 +306,17 @@ def test_best_lists_designs(folder):
     assert "a1 = 0.4 m" in same
 
 
+def test_best_designs_are_written_to_be_swept_again(folder):
+    called("run", "study.toml", "--quiet")
+    line = ("best", "study.h5", "--minimise", "omega4_max", "--top", 3, "--to", "best.csv")
+    assert called(*line).exit_code == 0
+    with fl.open("study.h5") as maps:
+        expected = fl.best(maps, minimise="omega4_max", top=3).load()
+    assert fl.table("best.csv").columns["a2"].tolist() == expected.a2.values.tolist()
+    assert_refusal(fl.InputError(*refused(*line)), "--to", "--overwrite")
+    assert called(*line, "--overwrite").exit_code == 0
+
+
 @pytest.mark.parametrize(
     ("arguments", "key", "remedy"),
     [

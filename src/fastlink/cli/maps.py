@@ -90,8 +90,16 @@ def best(
         int | None, typer.Option("--top", metavar="N", help="How many, by one objective; 10 if left out.")
     ] = None,
     degrees: Annotated[bool, typer.Option("--degrees", help="Show angles in degrees.")] = False,
+    to: Annotated[
+        Path | None,
+        typer.Option(
+            "--to", metavar="FILE", help="Write them too: h5, nc, zarr, csv or parquet by its ending."
+        ),
+    ] = None,
+    overwrite: Overwrite = False,
 ) -> None:
     """List the best designs of a map, by several objectives the Pareto front."""
+    from fastlink.io.converting.convert import convert as convert_map
     from fastlink.io.reader import open_map
     from fastlink.maps.best import best as find
     from fastlink.report.designs import listed
@@ -105,6 +113,8 @@ def best(
     }
     with open_map(file) as maps:
         found = find(maps, **options).load()
+    if to is not None:
+        convert_map(found, to, overwrite=overwrite)
     typer.echo(listed(found, [*(minimise or ()), *(maximise or ()), *wanted], degrees=degrees))
 
 

@@ -111,7 +111,7 @@ def _comb(sheet: Sheet, position: float) -> list[Any]:
     size = min(np.ptp(sheet.view[:2]), np.ptp(sheet.view[2:]))
     for name, curvature in motion.picture.curvature.items():
         point = motion.picture.point(name)
-        slopes = [derivative_name(xy, motion.input) for xy in (point.x, point.y)]
+        slopes = [derivative_name(str(xy), motion.input) for xy in (point.x, point.y)]
         pieces = [
             motion.values([point.x, point.y, *slopes, curvature], one)
             for one in motion.along(2 * TEETH, position)

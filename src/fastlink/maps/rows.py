@@ -11,6 +11,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
+from fastlink.io.ranges import pieces
 from fastlink.space.design_space import DESIGN
 
 __all__ = ["Block", "Rows"]
@@ -76,15 +77,10 @@ class Rows:
         >>> list(Rows({"a1": 2, "a2": 3}).blocks(2))[:2]
         [Block(index=(0, slice(0, 2, None)), first=0, count=2), Block(index=(0, slice(2, 3, None)), first=2, count=1)]
         """
-        shape, most = self.shape, most or MOST_ROWS
-        lead = next(k for k in range(len(shape)) if math.prod(shape[k + 1 :]) <= most or k == len(shape) - 1)
-        below = math.prod(shape[lead + 1 :])
-        step = max(1, most // max(1, below))
-        for number, outer in enumerate(np.ndindex(shape[:lead])):
-            for start in range(0, shape[lead], step):
-                stop = min(start + step, shape[lead])
-                place = (number * shape[lead] + start) * below
-                yield Block((*outer, slice(start, stop)), place, (stop - start) * below)
+        for index, first in pieces(self.shape, most or MOST_ROWS):
+            lead = index[-1]
+            assert isinstance(lead, slice)
+            yield Block(index, first, (lead.stop - lead.start) * math.prod(self.shape[len(index) :]))
 
     def read(self, array: xr.DataArray, block: Block) -> NDArray[Any]:
         """Return the values of a variable in the rows of a block; it has some of the dimensions, or none."""

@@ -37,7 +37,7 @@ def side_of(doubles: float, slope: Callable[[], Any]) -> float:
 
     Examples
     --------
-    >>> side_of(-1e-3, lambda: CONTEXT.mpf(1e-9)), side_of(-1e-3, lambda: CONTEXT.eps)
+    >>> side_of(-1e-3, lambda: CONTEXT.mpf(1e-9)), side_of(-1e-3, lambda: +CONTEXT.eps)
     (1.0, 0.0)
     """
     exact = slope()
