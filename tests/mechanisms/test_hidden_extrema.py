@@ -267,3 +267,43 @@ def test_a_limit_at_a_fold_that_has_no_value_is_flagged():
     # within 1e-13 of the places and 2^-30 of the fold: rounding over the distance
     assert abs(float(found.T_y_max)) < 1e-4
     assert float(found.T_y_max_error) == np.inf
+
+
+#: A parallelogram with a slight and a great mass: forces of branch 2 are constant but for rounding in one half.
+AT_REST = {
+    "a1": 9.0,
+    "a2": 2.0,
+    "a3": 9.0,
+    "a4": 2.0,
+    "omega1": 0.5,
+    "m1": 2.4671355648387943e-07,
+    "I1": 0.0,
+    "m2": 1.7271844878678653,
+    "I2": 0.9867537083850588,
+    "m3": 501834486656.10767,
+    "I3": 0.0,
+    "G1_u": 9.0,
+    "G1_v": -0.0006549136337967812,
+    "G2_u": 9.0,
+    "G2_v": 0.0,
+    "G3_u": 15.265182336000926,
+    "G3_v": 43421.32110501148,
+    "P_u": 0.6000493924319583,
+    "P_v": 9911.360095279775,
+    "T_load": 1.0,
+    "T_load_linear": 1.494155118855378,
+    "T_load_quadratic": -1.0,
+}
+
+
+@pytest.mark.parametrize("name", ["F21", "F32", "F41"])
+def test_a_half_at_rest_has_no_extreme_and_may_have_the_least_value(name):
+    """The least force of branch 2 is in a half in which all else is rounding errors; its place is not sought."""
+    ends = [f"{name}_{end}{error}" for end in ("max", "min") for error in ("", "_error")]
+    maps = fl.sweep("planar_4r", fl.grid(**AT_REST), ends, branch=2, angles=8, extrema="refined")
+    most, above, least, below = (float(maps[end]) for end in ends)
+    assert least < 1e6 < 1e18 < most
+    for theta in np.linspace(-3.2, 3.2, 40):
+        there = fl.evaluate("planar_4r", [name, f"{name}_error"], theta1=theta, branch=2, **AT_REST)
+        value, error = float(there[name]), float(there[f"{name}_error"])
+        assert least - below - error <= value <= most + above + error

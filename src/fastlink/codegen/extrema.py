@@ -155,8 +155,8 @@ class _ExtremaWriter(ExtremaSchedule):
         """Write the search for the cells that hold a zero of one function, their refinement, and the extrema there."""
         text, search = self.text, self.program.searches[number]
         text.call(cells.nothing_yet, "counts")
-        parts = [f"part_{number}_{half}" for half in range(self.halves)]
-        for part in [] if self.program.mirrored or search.onto else parts:
+        parts = self.parts_of(number)
+        for part in self.parts_that_may_rest(number):
             text.call(resting.silence_rest, f"w, table, samples, marks, {part}, n_here")
         for part in parts:
             text.call(sampling.mark_ends, f"w, table, samples, marks, {part}, width")
@@ -247,6 +247,8 @@ class _ExtremaWriter(ExtremaSchedule):
         """Write the values at the ends of the range, where these may be extreme."""
         text, search = self.text, self.program.searches[number]
         text.call(results.collect_ends, f"w, n_here, table, search_{number}, best, ends", "n_ends")
+        for part in self.parts_that_may_rest(number):
+            text.call(resting.collect_rest, f"samples, {part}, n_here, ends, n_ends", "n_ends")
         with text.block(f"for start in range(0, n_ends, {LANES}):"):
             text.call(cells.gather, f"ends, start, n_ends, w, rows_{number}, state", "filled")
             if search.order > 0:
@@ -320,8 +322,7 @@ class _ExtremaWriter(ExtremaSchedule):
         elif request.listed == "count":
             self.text.call(results.store_counts, f"{target}, best")
         else:
-            row = results.LIST_ROW_OF[request.listed]
-            self.text.call(results.store_list, f"{target}, lists, {row}")
+            self.text.call(results.store_list, f"{target}, lists, {results.LIST_ROW_OF[request.listed]}")
 
 
 def write_extrema(program: ExtremaProgram) -> Source:

@@ -65,6 +65,15 @@ class ExtremaSchedule:
         requests = (o.request for o in self.program.outputs if not search.onto)
         return any(r.can_be_refined for r in requests if r.quantity == search.quantity)
 
+    def parts_of(self, number: int) -> list[str]:
+        """Return the names of the tables of all halves in one search."""
+        return [f"part_{number}_{half}" for half in range(self.halves)]
+
+    def parts_that_may_rest(self, number: int) -> list[str]:
+        """Return those of halves that are silenced one by one; where they are mirrored, branches are together."""
+        own = not self.program.mirrored and not self.program.searches[number].onto
+        return self.parts_of(number) if own else []
+
     def number_of(self, quantity: str) -> int:
         """Return the number of the search for a quantity's extrema, which stands before that for its jumps."""
         return [search.quantity for search in self.program.searches].index(quantity)
@@ -82,7 +91,7 @@ class ExtremaSchedule:
             Array("state", "float64", (STATE_ROWS + max(map(len, map(self.item_needs, searches))), LANES)),
             Array("marks", "int8", (samples, LANES)),
             *self.item_lists(),
-            Array("ends", "float64", (ITEM_ROWS, 2 * room + MOST_LANES)),
+            Array("ends", "float64", (ITEM_ROWS, 3 * room + MOST_LANES)),
             Array("octaves", "float64", (OCTAVES, LANES)),
             Array("flags", "int8", (LANES,)),
             Array("vectors", "int64", (LANES // MOST_LANES,)),

@@ -9,11 +9,20 @@ from __future__ import annotations
 
 from typing import Any
 
-from fastlink.codegen.runtime.cells import BEYOND, CELLS, FIRST, START, TOGGLE
+from fastlink.codegen.runtime.cells import (
+    BEYOND,
+    CELLS,
+    FIRST,
+    PART,
+    START,
+    TOGGLE,
+    append_item,
+    set_bracket,
+)
 from fastlink.numerics.compiler import outlined
 from fastlink.numerics.elementary import INFINITY, NOT_A_NUMBER
 
-__all__ = ["silence_rest"]
+__all__ = ["collect_rest", "silence_rest"]
 
 #: A half may be at rest where the greatest slope is so little of the greatest of the half that continues it. It is if
 #: one sample in five is 0 or of another sign than the one before: rounding errors are so at every second one, and no
@@ -56,3 +65,24 @@ def silence_rest(w: Any, table: Any, samples: Any, marks: Any, part: Any, count:
                 for j in range(rows):
                     samples[first + j, i] = NOT_A_NUMBER
                     marks[first + j, i] = 0
+
+
+@outlined
+def collect_rest(samples: Any, part: Any, count: int, ends: Any, total: int) -> int:
+    """Make items of the middles of halves that were silenced: no extreme, yet the value there may be the greatest.
+
+    Parameters
+    ----------
+    samples, part, count
+        As for `silence_rest`, after it.
+    ends : array (rows of an item, items)
+        The ends of the range, to which they are appended.
+    total : int
+        How many these are.
+    """
+    for i in range(count):
+        middle = samples[part[FIRST] + part[CELLS], i]
+        if middle != middle:
+            set_bracket(ends, total, 1.0, 0.0, 1.0, 0.0)
+            total = append_item(ends, total, i, part[PART], False)
+    return total
