@@ -22,6 +22,7 @@ from tests.support.refusals import refused
 
 import fastlink as fl
 from fastlink.io.converting import compression, hdf5_file, source, tables, zarr_folder
+from fastlink.io.place import SLACK
 from fastlink.io.writing import partial_file
 
 QUANTITIES = ["theta4", "omega4_max", "transmission_angle_min", "omega4_error", "grashof_class"]
@@ -521,7 +522,7 @@ def test_memory_does_not_grow_with_the_map(tmp_path, monkeypatch, name):
     Twice a block while it is selected or rounded, and 100 bytes for each cell of CSV, of which a block has as many
     as fit: 4 blocks are enough, and what is not of a size with the map: labels, HDF5's and Python's own.
     """
-    space = fl.grid(a1=np.linspace(0.3, 0.5, 20), a2=np.linspace(1.1, 1.2, 25), a3=0.8, a4=1.0)
+    space = fl.grid(a1=np.linspace(0.3, 0.5, 60), a2=np.linspace(1.1, 1.2, 60), a3=0.8, a4=1.0)
     maps = fl.sweep("planar_4r", space, ["theta4"], angles=100, to=tmp_path / "m.h5", verify=0)
     block = 1 << 16
     monkeypatch.setattr(source, "BLOCK_BYTES", block)
@@ -533,8 +534,10 @@ def test_memory_does_not_grow_with_the_map(tmp_path, monkeypatch, name):
     fl.convert(maps, tmp_path / name, dtype="float32", overwrite=True, **options)
     _, most = tracemalloc.get_traced_memory()
     tracemalloc.stop()
-    assert maps.theta4.nbytes > 10 * block
-    assert most < 4 * block + 400_000
+    # labels, with room for attributes, are copied by way of memory: as bytes, and as the array of them
+    limit = 4 * block + 400_000 + 2 * SLACK
+    assert maps.theta4.nbytes > 2 * limit
+    assert most < limit
     maps.close()
 
 

@@ -140,7 +140,7 @@ def test_what_is_no_study_is_told_what_it_is(folder, monkeypatch):
             with refused(f"{name}: {what}", remedy):
                 door(name)
     monkeypatch.setattr(study_text, "LONGEST", 100)
-    with refused("too long for a study", "CSV file"):
+    with refused("too long for a study", "Parquet file"):
         run_study(written(GOOD))
 
 

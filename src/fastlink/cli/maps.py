@@ -72,6 +72,7 @@ Objectives = list[str] | None
 @command
 def best(
     file: MapFile,
+    *,
     minimise: Annotated[
         Objectives, typer.Option("--minimise", metavar="NAME", help="An objective; may be repeated.")
     ] = None,

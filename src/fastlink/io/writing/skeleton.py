@@ -232,8 +232,8 @@ def opened(fd: int, path: Path, mode: str) -> Iterator[Any]:
     with contextlib.ExitStack() as stack:
         try:
             # this process holds the lock that HDF5 would ask for
-            file = stack.enter_context(h5py.File(path, "r", locking=False))
+            file = stack.enter_context(h5py.File(path, mode, locking=False))
         except BlockingIOError:  # HDF5_USE_FILE_LOCKING=TRUE in the environment overrules locking=False
             stack.enter_context(released(fd))
-            file = stack.enter_context(h5py.File(path, "r"))
+            file = stack.enter_context(h5py.File(path, mode))
         yield file
