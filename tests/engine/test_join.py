@@ -118,7 +118,7 @@ def test_errors_are_the_greatest_and_numbers_are_sums(tmp_path):
 
 #: Sixteen processes at once, one of which is killed; each fault of a join.
 PROCESSES = """
-import os, signal, sys
+import os, signal, sys, time
 from pathlib import Path
 import fastlink as fl
 from fastlink.io.writing import journal
@@ -145,7 +145,9 @@ def run(k, killed):
     def counted(self, start, stop):
         record(self, start, stop)
         if killed and start >= 12:
-            self._journal._commit()
+            while sum(b - a for a, b in self._journal.recorded) < 16:  # its thread may be at it
+                self._journal._commit()
+                time.sleep(0.01)
             os.kill(os.getpid(), signal.SIGKILL)
     Writer.record = counted
     sweep(of, part=(k, 16), to=folder / f"m.part-{k:02}-of-16.h5", threads=1, block=4).close()
