@@ -8,6 +8,7 @@ import shutil
 import signal
 import warnings
 from collections import Counter
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import numpy as np
@@ -18,6 +19,7 @@ from tests.support.map_files import Sample, digest, left_in, raising
 from tests.support.refusals import refused
 
 import fastlink as fl
+from fastlink.engine import executor
 from fastlink.io.reader import open_map
 from fastlink.io.writing import journal, partial_file, writer
 from fastlink.io.writing.journal import journal_of
@@ -162,6 +164,26 @@ def test_after_a_write_that_failed_late_a_run_goes_on(tmp_path, monkeypatch, num
     assert_resumes(path, expected, 24)
 
 
+def test_a_thread_that_has_failed_takes_no_further_block(tmp_path, monkeypatch, expected):
+    """One thread may work for two on a busy machine: what failed half-way is in no checksum of the journal."""
+    path = tmp_path / "m.h5"
+    write, seen = writer.Writer.write, []
+
+    def failing(self, name, start, block):
+        seen.append((name, start))
+        if (name, start) == ("theta4", 16):
+            raise OSError(errno.EIO, "I/O")
+        write(self, name, start, block)
+
+    with monkeypatch.context() as patch:
+        patch.setattr(writer.Writer, "write", failing)
+        patch.setattr(executor, "ThreadPoolExecutor", lambda count, **options: ThreadPoolExecutor(1))
+        with pytest.raises(OSError, match="I/O"):
+            sweep(path, threads=2)
+    assert max(start for _, start in seen) == 16
+    assert_resumes(path, expected, 16)
+
+
 ENDS = {
     "the last synchronisation": lambda patch: patch.setattr(os, "fsync", raising(errno.EIO)),
     "the last attributes": lambda patch: patch.setattr(writer, "set_attrs", raising(errno.EIO)),
@@ -247,7 +269,9 @@ def trial_sweep(to, **options):
 def survived(folder: Path, expected, fault: str, outcome: Outcome, before: int = 0) -> tuple[str, int]:
     """Assert what must hold after a fault; return how the run ended, and how many designs it has noted."""
     path = folder / "m.h5"
-    assert outcome.code in CODES.get(fault, (2, 0)), outcome
+    # HDF5 reports a failed close of what was opened to be read in words of its own
+    of_hdf5 = (1,) if outcome.call == "close" and "hdf5" in outcome.caller and path.exists() else ()
+    assert outcome.code in (*CODES.get(fault, (2, 0)), *of_hdf5), outcome
     assert (folder / "other.h5").read_text() == "mine"
     if path.exists():
         assert_is(path, expected)

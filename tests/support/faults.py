@@ -173,6 +173,7 @@ def main(run: str) -> None:
     module, _, name = run.partition(":")
     function = getattr(importlib.import_module(module), name)
     journal.STEP_SECONDS = 0.0
+    signal.signal(signal.SIGINT, signal.default_int_handler)  # which a shell's background ignores
     function(None).close()
     below = "LD_PRELOAD" in os.environ
     page = mmap.mmap(-1, mmap.PAGESIZE)

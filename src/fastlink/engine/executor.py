@@ -142,7 +142,7 @@ def run(
                 RuntimeError
             ):  # the system starts no more; any number gives the same bits
                 while len(futures) < threads:
-                    futures.append(pool.submit(work))
+                    futures.append(pool.submit(_until_one_fails, work, stop))
             if not futures:
                 work()
             finished, _ = wait(futures, return_when=FIRST_EXCEPTION)
@@ -151,6 +151,18 @@ def run(
         finally:
             # An exception or Ctrl-C: the other threads finish their block and no more.
             stop.set()
+
+
+def _until_one_fails(work: Callable[[], None], stop: threading.Event) -> None:
+    """Work, and stop all others at a failure.
+
+    Its thread may begin the work of the next one, and a writer keeps by thread what belongs to a block.
+    """
+    try:
+        work()
+    except BaseException:
+        stop.set()
+        raise
 
 
 def _evaluate(
