@@ -13,6 +13,7 @@ import threading
 from collections.abc import Callable, Sequence
 from concurrent.futures import FIRST_EXCEPTION, Future, ThreadPoolExecutor, wait
 from dataclasses import dataclass
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -142,7 +143,7 @@ def run(
                 RuntimeError
             ):  # the system starts no more; any number gives the same bits
                 while len(futures) < threads:
-                    futures.append(pool.submit(_until_one_fails, work, stop))
+                    futures.append(pool.submit(partial(_until_one_fails, work, stop)))
             if not futures:
                 work()
             finished, _ = wait(futures, return_when=FIRST_EXCEPTION)
