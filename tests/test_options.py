@@ -8,8 +8,8 @@ import pytest
 from typer.testing import CliRunner
 
 import fastlink as fl
+from fastlink import threads
 from fastlink.cli import app
-from fastlink.engine import executor
 from fastlink.engine.options import MOST_THREADS, is_reserved
 from fastlink.options import LONGEST_NAME
 from tests.support.refusals import assert_refusal, refused
@@ -314,7 +314,7 @@ def test_a_seed_that_no_file_holds_is_refused():
 
 @pytest.mark.parametrize("started", [0, 1, 3])
 def test_a_system_that_starts_few_threads_computes_all_the_same(monkeypatch, started):
-    usual = executor.ThreadPoolExecutor.submit
+    usual = threads.ThreadPoolExecutor.submit
     count = 0
 
     def limited(pool, work):
@@ -326,7 +326,7 @@ def test_a_system_that_starts_few_threads_computes_all_the_same(monkeypatch, sta
 
     space = fl.grid(a1=0.4, a2=np.linspace(1.1, 1.3, 64), a3=0.8, a4=1.0, omega1=25.0)
     expected = fl.sweep("planar_4r", space, ["omega4_max"], threads=1)
-    monkeypatch.setattr(executor.ThreadPoolExecutor, "submit", limited)
+    monkeypatch.setattr(threads.ThreadPoolExecutor, "submit", limited)
     maps = fl.sweep("planar_4r", space, ["omega4_max"], threads=4, block=4)
     assert count > started
     assert maps.omega4_max.equals(expected.omega4_max)

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import errno
 import os
 import subprocess
 import sys
+from concurrent.futures import ThreadPoolExecutor
 
 import h5py
 import numpy as np
@@ -17,6 +19,7 @@ from tests.support.study_files import GOOD, written
 from typer.testing import CliRunner
 
 import fastlink as fl
+from fastlink import threads
 from fastlink.cli import app
 from fastlink.errors import InputWarning
 from fastlink.io import joining
@@ -218,6 +221,27 @@ def test_a_join_that_is_interrupted_goes_on(tmp_path, monkeypatch):
     monkeypatch.setattr(Writer, "record", noted)
     with fl.join(paths, to=tmp_path / "maps.h5") as joined:
         assert copied == [(21, 28), (28, 35)]
+        assert_same(joined, sweep("grid", to=tmp_path / "whole.h5"))
+
+
+def test_a_thread_of_a_join_that_has_failed_takes_no_further_piece(tmp_path, monkeypatch):
+    """One thread may work for two: what failed half-way is in no checksum of the journal, and nothing has changed."""
+    monkeypatch.setattr(journal, "STEP_SECONDS", 0.0)
+    paths, write, written = parts_of("grid", tmp_path, 5), Writer.write_pieces, []
+
+    def failing(self, name, pieces):
+        written.append(name)
+        if len(written) == 6:  # the last variable of the third piece
+            raise OSError(errno.EIO, "I/O")
+        write(self, name, pieces)
+
+    with monkeypatch.context() as patched:
+        patched.setattr(Writer, "write_pieces", failing)
+        patched.setattr(threads, "ThreadPoolExecutor", lambda count, **options: ThreadPoolExecutor(1))
+        with pytest.raises(OSError, match="I/O"):
+            fl.join(paths, to=tmp_path / "maps.h5")
+    assert len(written) == 6
+    with fl.join(paths, to=tmp_path / "maps.h5") as joined:  # a remark on changed values is an error here
         assert_same(joined, sweep("grid", to=tmp_path / "whole.h5"))
 
 

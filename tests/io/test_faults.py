@@ -19,7 +19,7 @@ from tests.support.map_files import Sample, digest, left_in, raising
 from tests.support.refusals import refused
 
 import fastlink as fl
-from fastlink.engine import executor
+from fastlink import threads
 from fastlink.io.reader import open_map
 from fastlink.io.writing import journal, partial_file, writer
 from fastlink.io.writing.journal import journal_of
@@ -177,7 +177,7 @@ def test_a_thread_that_has_failed_takes_no_further_block(tmp_path, monkeypatch, 
 
     with monkeypatch.context() as patch:
         patch.setattr(writer.Writer, "write", failing)
-        patch.setattr(executor, "ThreadPoolExecutor", lambda count, **options: ThreadPoolExecutor(1))
+        patch.setattr(threads, "ThreadPoolExecutor", lambda count, **options: ThreadPoolExecutor(1))
         with pytest.raises(OSError, match="I/O"):
             sweep(path, threads=2)
     assert max(start for _, start in seen) == 16

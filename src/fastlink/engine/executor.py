@@ -6,20 +6,18 @@ split stalls for a whole time slice when another process holds a core.
 
 from __future__ import annotations
 
-import contextlib
 import math
 import os
 import threading
 from collections.abc import Callable, Sequence
-from concurrent.futures import FIRST_EXCEPTION, Future, ThreadPoolExecutor, wait
 from dataclasses import dataclass
-from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from fastlink.codegen.runtime.cells import LANES
 from fastlink.engine.binding import BoundKernel, KernelTask, aligned
+from fastlink.threads import work_in_threads
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -136,34 +134,8 @@ def run(
     if threads == 1:
         work()
         return
-    with ThreadPoolExecutor(threads, thread_name_prefix="fastlink") as pool:
-        futures: list[Future[None]] = []
-        try:
-            with contextlib.suppress(
-                RuntimeError
-            ):  # the system starts no more; any number gives the same bits
-                while len(futures) < threads:
-                    futures.append(pool.submit(partial(_until_one_fails, work, stop)))
-            if not futures:
-                work()
-            finished, _ = wait(futures, return_when=FIRST_EXCEPTION)
-            for future in finished:
-                future.result()
-        finally:
-            # An exception or Ctrl-C: the other threads finish their block and no more.
-            stop.set()
-
-
-def _until_one_fails(work: Callable[[], None], stop: threading.Event) -> None:
-    """Work, and stop all others at a failure.
-
-    Its thread may begin the work of the next one, and a writer keeps by thread what belongs to a block.
-    """
-    try:
-        work()
-    except BaseException:
-        stop.set()
-        raise
+    # any number of threads gives the same bits
+    work_in_threads(work, threads, "fastlink", stop)
 
 
 def _evaluate(

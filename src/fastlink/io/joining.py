@@ -6,7 +6,6 @@ import hashlib
 import math
 import threading
 from collections.abc import Callable, Iterator, Sequence
-from concurrent.futures import FIRST_EXCEPTION, ThreadPoolExecutor, wait
 from dataclasses import replace
 from typing import Any
 
@@ -23,6 +22,7 @@ from fastlink.io.ranges import Range
 from fastlink.io.writing.writer import Writer
 from fastlink.space.dataset import FORMAT
 from fastlink.space.design_space import DESIGN
+from fastlink.threads import work_in_threads
 
 __all__ = ["JoinedMap"]
 
@@ -108,13 +108,7 @@ class JoinedMap:
                 writer.record(start, end)
                 done(start, end)
 
-        with ThreadPoolExecutor(threads, thread_name_prefix="fastlink-join") as pool:
-            try:
-                futures = [pool.submit(work) for _ in range(threads)]
-                for future in wait(futures, return_when=FIRST_EXCEPTION).done:
-                    future.result()
-            finally:  # an exception or Ctrl-C: the other threads finish their piece and no more
-                stop.set()
+        work_in_threads(work, threads, "fastlink-join", stop)
 
     def _pieces(self, pending: Sequence[Range]) -> Iterator[tuple[PartFile | None, int, int]]:
         """Yield designs to copy, so many at once that few blocks of a part are read for two pieces."""
