@@ -23,9 +23,9 @@ from fastlink.errors import InputError as InputError
 from fastlink.errors import InputWarning as InputWarning
 from fastlink.io.check import check as check
 from fastlink.io.converting.convert import convert as convert
-from fastlink.maps import best as best
 from fastlink.maps import finite as finite
 from fastlink.maps import open as open
+from fastlink.maps.best import best as best
 from fastlink.mechanisms.listing import mechanisms as mechanisms
 from fastlink.plot.plot_map import plot_map as plot_map
 from fastlink.report.quantities import QuantityList

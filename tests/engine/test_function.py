@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import pickle
+import subprocess
+import sys
 from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
@@ -193,3 +195,15 @@ def test_numbers_by_position_are_refused_with_the_form():
     function = fl.function("planar_4r", ["a1", "a2"], ["omega4_max"], a3=0.8, a4=1.0, omega1=25.0)
     with refused("function", "a row for each input"):
         function(0.4, 1.2)
+
+
+def test_a_function_and_single_configurations_need_no_labels():
+    """xarray and HDF5 take longer to import than all else: the first answer would come in twice the time."""
+    script = (
+        "import sys, fastlink as fl\n"
+        f"fl.function('planar_4r', ['a2'], ['omega4_max'], a3=0.8, **{FIXED!r})([1.2])\n"
+        f"fl.evaluate('planar_4r', ['omega4'], a2=1.2, a3=0.8, theta1=0.3, **{FIXED!r})\n"
+        "print([name for name in ('xarray', 'h5py') if name in sys.modules])\n"
+    )
+    done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True)
+    assert done.stdout.splitlines() == ["[]"]

@@ -18,6 +18,7 @@ from fastlink.mechanisms import NAMES
 from fastlink.mechanisms import catalogue as find_catalogue
 from fastlink.options import check_path, check_whole
 from fastlink.plot.selection import nearest_place
+from fastlink.space.dataset import STATUS
 from fastlink.space.degrees import DEGREES, degrees_name
 from fastlink.space.design_space import BRANCH, DESIGN, EXTREMUM
 from fastlink.space.links import MODELS, Links
@@ -26,7 +27,7 @@ from fastlink.study.study import read_study
 
 __all__ = ["Source", "read_source"]
 
-STATUS, STUDY, MAPS = "status", ".toml", (".h5", ".hdf5", ".nc", ".he5")
+STUDY, MAPS = ".toml", (".h5", ".hdf5", ".nc", ".he5")
 
 
 @dataclass(frozen=True)

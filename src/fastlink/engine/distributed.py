@@ -15,12 +15,11 @@ import json
 import math
 import queue
 import socket
-import sys
 import time
 import uuid
 from collections.abc import Iterator, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from fastlink._text import short_repr
 from fastlink.codegen.runtime.cells import LANES
@@ -35,7 +34,7 @@ if TYPE_CHECKING:
 
     from fastlink.io.ranges import Range
 
-__all__ = ["Cluster", "check_client", "connected"]
+__all__ = ["Cluster", "connected"]
 
 INSTALL = "python -m pip install 'fastlink-linkages[distributed]'"
 #: Seconds within which a scheduler answers.
@@ -55,19 +54,6 @@ PATIENCE = 0.5
 KNOWN_SECONDS = 2.0
 #: A cluster may lose what it was given so many times in a row without any result.
 LOSSES = 5
-
-
-def check_client(where: KeyPath, value: Any) -> Any:
-    """Return a client of dask.distributed, or refuse what is none or cannot be used from here."""
-    distributed = sys.modules.get("distributed")  # who has a client has imported it
-    write = "write a dask.distributed.Client, such as Client('tcp://127.0.0.1:8786')"
-    if distributed is None or not isinstance(value, distributed.Client):
-        raise InputError(f"is {short_repr(value)}", where=where, remedy=write)
-    if value.asynchronous:
-        raise InputError("is asynchronous", where=where, remedy="write Client(..., asynchronous=False)")
-    if value.status != "running":
-        raise InputError(f"is {value.status}", where=where, remedy="make it anew")
-    return value
 
 
 def connected(where: KeyPath, address: str) -> Client:

@@ -20,10 +20,10 @@ from fastlink.io.dataset import plain_attrs
 from fastlink.io.finished import finished_map
 from fastlink.io.history import HISTORY, history
 from fastlink.io.parts import Part, PartOfMap
-from fastlink.io.placement import CURVES, MAPS
 from fastlink.io.ranges import joined
 from fastlink.io.writing.writer import Writer
 from fastlink.precision import DESIGNS, Verification
+from fastlink.space.dataset import CURVES, MAPS
 from fastlink.space.design_space import held
 
 if TYPE_CHECKING:

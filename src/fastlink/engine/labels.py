@@ -20,10 +20,10 @@ from fastlink.io.dataset import (
     of_code,
     plain_attrs,
 )
-from fastlink.io.placement import CURVES, MAPS
 from fastlink.plan.plan import Plan
 from fastlink.plan.program import Output
 from fastlink.plan.query import Request
+from fastlink.space.dataset import CURVES, MAPS
 from fastlink.space.design_space import BRANCH, EXTREMUM, DesignSpace
 from fastlink.space.values import frozen
 

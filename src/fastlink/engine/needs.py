@@ -12,9 +12,9 @@ from fastlink._text import size as human_size
 from fastlink.codegen.runtime.cells import LANES
 from fastlink.engine.executor import BLOCK_BYTES, block_length, row_bytes
 from fastlink.errors import InputError, Remedy, Setting
-from fastlink.io.placement import MAPS
 from fastlink.memory import ALWAYS_FITS, check_memory
 from fastlink.space.column import Column
+from fastlink.space.dataset import MAPS
 from fastlink.space.design_space import DESIGN
 
 if TYPE_CHECKING:

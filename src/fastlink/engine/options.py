@@ -2,20 +2,20 @@
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Callable, Mapping
 from functools import partial
 from typing import Any
 
-from fastlink.engine.distributed import check_client
+from fastlink._text import short_repr
 from fastlink.errors import InputError, KeyPath, Problems
 from fastlink.io.attributes import check_attrs
 from fastlink.io.merged import CORE_TIME, JOINED
 from fastlink.io.parts import OF_PARTS, check_part
-from fastlink.io.placement import LAYOUTS
 from fastlink.mechanisms import NAMES, inputs_of
 from fastlink.options import check_choice, check_output, check_switch, check_whole
 from fastlink.precision import check_verify
-from fastlink.space.dataset import FORMAT
+from fastlink.space.dataset import FORMAT, LAYOUTS
 
 __all__ = ["CHECKS", "Check", "check_options", "is_reserved", "optional"]
 
@@ -64,6 +64,19 @@ def is_reserved(name: str) -> bool:
 def optional(check: Check) -> Check:
     """Return the check of an option that may be None."""
     return lambda where, value: None if value is None else check(where, value)
+
+
+def check_client(where: KeyPath, value: Any) -> Any:
+    """Return a client of dask.distributed, or refuse what is none or cannot be used from here."""
+    distributed = sys.modules.get("distributed")  # who has a client has imported it
+    write = "write a dask.distributed.Client, such as Client('tcp://127.0.0.1:8786')"
+    if distributed is None or not isinstance(value, distributed.Client):
+        raise InputError(f"is {short_repr(value)}", where=where, remedy=write)
+    if value.asynchronous:
+        raise InputError("is asynchronous", where=where, remedy="write Client(..., asynchronous=False)")
+    if value.status != "running":
+        raise InputError(f"is {value.status}", where=where, remedy="make it anew")
+    return value
 
 
 #: The check of each option of a sweep, which other doors share.

@@ -20,7 +20,6 @@ from fastlink.engine.executor import Job, Shapes
 from fastlink.engine.scaling import ScalingAxis, find_scaling_axis
 from fastlink.engine.sizes import UnitsOfDesigns
 from fastlink.errors import InputError, KeyPath, Problem, Problems
-from fastlink.io.placement import CURVES
 from fastlink.mechanisms import catalogue as find_catalogue
 from fastlink.options import check_path
 from fastlink.plan.plan import Plan, all_declared, make_plan
@@ -29,6 +28,7 @@ from fastlink.plan.positions import in_degrees
 from fastlink.plan.query import Extrema, with_lists
 from fastlink.plan.validate import all_choices, constants_of, joined_missing, missing_inputs
 from fastlink.space.column import definition_of
+from fastlink.space.dataset import CURVES
 from fastlink.space.degrees import COMMENT
 from fastlink.space.design_space import EXTREMUM
 from fastlink.space.table import as_space

@@ -12,7 +12,6 @@ from typing import TYPE_CHECKING, Any
 from fastlink.catalogue.declare import ELIMINATED
 from fastlink.doors import door
 from fastlink.engine import labels
-from fastlink.engine.distributed import Cluster
 from fastlink.engine.evaluation import Evaluation
 from fastlink.engine.executor import default_threads
 from fastlink.engine.options import check_options
@@ -20,9 +19,9 @@ from fastlink.engine.resolve import resolve
 from fastlink.engine.sinks import ProgressBar
 from fastlink.errors import Problems
 from fastlink.io.parts import check_size
-from fastlink.io.placement import CURVES
 from fastlink.io.writing.target import check_target
 from fastlink.maps import open as open_map
+from fastlink.space.dataset import CURVES
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -184,7 +183,11 @@ def sweep(
     problems.stop()
     resolved = replace(resolved, layout=checked["layout"])
     threads, target = checked["threads"] or default_threads(), checked["to"]
-    cluster = None if checked["client"] is None else Cluster(checked["client"])
+    cluster = None
+    if checked["client"] is not None:
+        from fastlink.engine.distributed import Cluster  # 25 ms of imports, for clusters alone
+
+        cluster = Cluster(checked["client"])
     options = 1 if cluster else threads, checked["block"], checked["verify"], target is None
     evaluation = Evaluation(resolved, *options, part=checked["part"], cluster=cluster)
     threads = cluster.threads if cluster else threads

@@ -6,10 +6,7 @@ from dataclasses import dataclass
 
 from fastlink.io.ranges import Range
 
-__all__ = ["CURVES", "LAYOUTS", "MAPS", "Placement"]
-
-#: How the values of a map lie: all those of a design together, or those of all designs at one input position.
-CURVES, MAPS = LAYOUTS = ("curves", "maps")
+__all__ = ["Placement"]
 
 
 @dataclass(frozen=True)

@@ -10,12 +10,11 @@ from fastlink._text import short_repr
 from fastlink.doors import door
 from fastlink.errors import InputError
 from fastlink.io.reader import as_dataset
-from fastlink.maps.conditions import STATUS
 from fastlink.maps.finite import finite
 from fastlink.maps.flags import check_flags, flag_counts, flags_of, has_flag
-from fastlink.maps.top import top
 from fastlink.maps.units import convert, converted, degrees, units_of
 from fastlink.options import check_choice
+from fastlink.space.dataset import STATUS
 
 __all__ = ["MapAccessor", "VariableAccessor"]
 
@@ -172,6 +171,8 @@ class MapAccessor:
         InputError
             There is no such variable, or the mask is not one of the same map.
         """
+        from fastlink.maps.top import top  # not whenever a map is opened
+
         with as_dataset(self._maps) as maps:
             return top(maps, n, by, largest=largest, where=where, infinite=infinite)
 

@@ -13,6 +13,7 @@ from fastlink._text import short_repr
 from fastlink.errors import InputError, Pair, Problems
 from fastlink.maps.flags import check_flags, flags_of
 from fastlink.options import check_choice
+from fastlink.space.dataset import STATUS
 from fastlink.space.degrees import RADIANS, angle_of, check_angle, radians, remark_on_angles
 from fastlink.space.values import is_number
 
@@ -20,9 +21,7 @@ if TYPE_CHECKING:
     import xarray as xr
     from numpy.typing import NDArray
 
-__all__ = ["STATUS", "Condition", "check_along", "conditions"]
-
-STATUS = "status"
+__all__ = ["Condition", "check_along", "conditions"]
 
 
 @dataclass(frozen=True)

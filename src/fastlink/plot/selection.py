@@ -13,6 +13,7 @@ from fastlink._text import short_number, short_repr
 from fastlink.errors import InputError, Remedy, Setting, suggest
 from fastlink.maps.flags import flags_of
 from fastlink.options import check_choice, check_whole
+from fastlink.space.dataset import STATUS
 from fastlink.space.design_space import BRANCH
 from fastlink.space.values import is_number
 
@@ -21,7 +22,6 @@ if TYPE_CHECKING:
 
 __all__ = ["Selection", "nearest_place", "select"]
 
-STATUS = "status"
 MOST_CELLS = 1600  # along each side, more than the pixels of a picture
 COUNTS = {1: "one", 2: "two", 3: "three"}
 

@@ -14,10 +14,14 @@ from fastlink.space.columns import Columns, refused
 from fastlink.space.design_space import BRANCH, DESIGN, EXTREMUM, DesignSpace
 from fastlink.space.values import Floats, axis_of, numbers_of, units_of
 
-__all__ = ["FORMAT", "space_of_dataset"]
+__all__ = ["CURVES", "FORMAT", "LAYOUTS", "MAPS", "STATUS", "space_of_dataset"]
 
 #: Global attribute of a map: the version of its layout; absent from a file that is not complete.
 FORMAT = "fastlink_map"
+#: The result that says how a design assembles, in every map.
+STATUS = "status"
+#: How the values of a map lie: all those of a design together, or those of all designs at one input position.
+CURVES, MAPS = LAYOUTS = ("curves", "maps")
 #: The dimensions of the results of a map that are none of designs.
 OF_RESULTS = (BRANCH, EXTREMUM)
 

@@ -12,11 +12,11 @@ from fastlink.doors import door
 from fastlink.engine.options import check_options
 from fastlink.engine.sweep import sweep
 from fastlink.errors import InputError, Problems, nearest
-from fastlink.io.placement import CURVES
 from fastlink.io.writing.target import check_target
 from fastlink.mechanisms import NAMES
 from fastlink.mechanisms import catalogue as find_catalogue
 from fastlink.options import check_path
+from fastlink.space.dataset import CURVES
 from fastlink.space.degrees import Degrees, angle_of, degrees_name
 from fastlink.space.design_space import DesignSpace
 from fastlink.study.homes import at_home

@@ -17,7 +17,7 @@ from fastlink._text import short_repr
 from fastlink.doors import door
 from fastlink.errors import InputError, KeyPath, Problems, remark, suggest
 from fastlink.io.converting.compression import Compression, check_compression
-from fastlink.io.converting.labels import STATUS, labelled
+from fastlink.io.converting.labels import labelled
 from fastlink.io.converting.selection import Selection, selected
 from fastlink.io.converting.source import Source
 from fastlink.io.place import exists_error, part_of, refused
@@ -25,6 +25,7 @@ from fastlink.io.progress import progress_bar
 from fastlink.io.reader import COMPRESSION, as_map, is_zarr, require_package
 from fastlink.io.writing.target import check_left, check_target
 from fastlink.options import check_path, check_switch
+from fastlink.space.dataset import STATUS
 
 __all__ = ["convert"]
 

@@ -16,7 +16,7 @@ from fastlink.io.finished import FINGERPRINT, WRITTEN
 from fastlink.io.history import HISTORY, history
 from fastlink.io.parts import OF_PARTS
 from fastlink.io.reader import COMPRESSION
-from fastlink.space.dataset import FORMAT
+from fastlink.space.dataset import FORMAT, STATUS
 from fastlink.space.design_space import BRANCH, DESIGN
 
 __all__ = ["SOURCE", "labelled"]
@@ -30,7 +30,6 @@ OF_RUN_BEGIN = ("designs_per_", "configurations_per_", "verify_")
 MEASURED = ("verified_values", "verify_mismatches", "independent_", "error_")
 #: Measured on values as they were computed: of rounded values they say nothing.
 OF_DOUBLES = ("error_median_relative", "error_max_roundings", "error_max_of_bound")
-STATUS = "status"
 
 
 def labelled(maps: xr.Dataset, source: Source, selection: Selection, command: str) -> dict[str, Any]:
