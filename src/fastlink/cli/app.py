@@ -7,7 +7,7 @@ import functools
 import signal
 import threading
 import warnings
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from pathlib import Path
 from typing import Annotated, Any, TypeVar, get_type_hints
 
@@ -16,7 +16,17 @@ import typer.core
 
 from fastlink.errors import InputError, InputWarning, KeyPath, Piece, Setting, Wording, suggest
 
-__all__ = ["MapFile", "MechanismName", "Overwrite", "StudyFile", "app", "command", "numbers_by_name"]
+__all__ = [
+    "MapFile",
+    "MechanismName",
+    "Overwrite",
+    "StudyFile",
+    "app",
+    "by_name",
+    "command",
+    "numbers_of",
+    "text_of",
+]
 
 BAD_INPUT, INTERRUPTED, TERMINATED = 2, 130, 143
 C = TypeVar("C", bound=Callable[..., Any])
@@ -146,26 +156,60 @@ def command(function: C) -> C:
     return guarded  # type: ignore[return-value]
 
 
-def numbers_by_name(texts: Iterable[str], where: str, form: str, example: dict[str, float]) -> dict[str, Any]:
-    """Return the numbers that an option gives as ``NAME=VALUE``, a list where it gives several.
+def by_name(
+    texts: Iterable[str], where: str, form: str, example: Mapping[str, Any], read: Callable[[str], Any]
+) -> dict[str, Any]:
+    """Return what an option gives as ``NAME=VALUE``, by name.
+
+    Parameters
+    ----------
+    texts : iterable of str
+        The texts.
+    where : str
+        The parameter of the option.
+    form : str
+        The form of a text, for messages.
+    example : mapping
+        What to write instead.
+    read : callable
+        Reads a value; returns None for what is none.
 
     Examples
     --------
-    >>> numbers_by_name(["a1=0.4", "theta1_deg=0,60"], "at", "DIM=VALUE", {"a4": 1.0})
-    {'a1': 0.4, 'theta1_deg': [0.0, 60.0]}
+    >>> by_name(["a2 = 1.1:1.2"], "select", "NAME=VALUES", {}, str)
+    {'a2': '1.1:1.2'}
     """
     given: dict[str, Any] = {}
     for text in texts:
         name, equals, value = (part.strip() for part in text.partition("="))
-        numbers = [_number(one) for one in value.split(",")]
-        if not (equals and name) or None in numbers:
-            remedy = ("write such as ", Setting(where, example))
+        found = read(value) if equals and name else None
+        if found is None:
+            remedy = ("write such as ", Setting(where, dict(example)))
             raise InputError(f"{text!r} is not {form}", where=(where,), remedy=remedy)
         if name in given:
             raise InputError(f"{name} is given twice", where=(where,), remedy="write it once")
-        several = [one for one in numbers if one is not None]
-        given[name] = several if len(several) > 1 else several[0]
+        given[name] = found
     return given
+
+
+def text_of(value: str) -> str | None:
+    """Return a value that is any text but an empty one."""
+    return value or None
+
+
+def numbers_of(value: str) -> float | list[float] | None:
+    """Return a value that is a number, or a list of several separated by commas.
+
+    Examples
+    --------
+    >>> numbers_of("0.4"), numbers_of("0,60"), numbers_of("x")
+    (0.4, [0.0, 60.0], None)
+    """
+    numbers = [_number(one) for one in value.split(",")]
+    known = [one for one in numbers if one is not None]
+    if len(known) < len(numbers):
+        return None
+    return known if len(known) > 1 else known[0]
 
 
 def _number(text: str) -> float | None:

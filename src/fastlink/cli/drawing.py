@@ -7,7 +7,7 @@ from typing import Annotated, Any
 
 import typer
 
-from fastlink.cli.app import command, numbers_by_name
+from fastlink.cli.app import by_name, command, numbers_of
 
 __all__ = ["draw"]
 
@@ -75,24 +75,14 @@ def draw(
     For instance: fastlink draw planar_4r a1=0.4 a2=1.1 a3=0.8 a4=1.0 theta1_deg=60
     """
     from fastlink.drawing.draw import draw as draw_mechanism
+    from fastlink.space.links import taken_links
 
-    given: dict[str, Any] = numbers_by_name(inputs or [], "inputs", "NAME=VALUE", EXAMPLE)
-    fixed = numbers_by_name(at or [], "at", "DIM=VALUE", EXAMPLE) if at else None
+    given: dict[str, Any] = by_name(inputs or [], "inputs", "NAME=VALUE", EXAMPLE, numbers_of)
+    fixed = by_name(at, "at", "DIM=VALUE", EXAMPLE, numbers_of) if at else None
     picture = to if to is not None or animate is not None else Path(f"{Path(mechanism).stem}.png")
     own: dict[str, Any] = {"at": fixed, "branch": branch, "input": input, "strip": strip, "show": show}
-    own |= {"curves": curves or (), "degrees": degrees, "to": picture, "links": _links(given)}
+    own |= {"curves": curves or (), "degrees": degrees, "to": picture, "links": taken_links(given)}
     own |= {"animate": animate, "frames": frames}
     draw_mechanism(mechanism, design, **own, **given)
     for path in filter(None, (picture, animate)):
         typer.echo(str(path))
-
-
-def _links(given: dict[str, Any]) -> Any:
-    """Take the numbers of a model of the links out of what is given, and return it; None without any."""
-    from fastlink.space.links import MODELS, Links
-
-    for model, names in MODELS.items():
-        values = {name: given.pop(name) for name in names if name in given}
-        if values:
-            return Links(model, values)
-    return None

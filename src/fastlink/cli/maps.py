@@ -7,7 +7,7 @@ from typing import Annotated, Any
 
 import typer
 
-from fastlink.cli.app import MapFile, Overwrite, command, numbers_by_name
+from fastlink.cli.app import MapFile, Overwrite, by_name, command, numbers_of, text_of
 from fastlink.errors import InputError, Setting
 
 __all__ = ["best", "check", "convert", "info", "join", "plot"]
@@ -121,15 +121,10 @@ def best(
 
 def _conditions(texts: list[str]) -> dict[str, Any]:
     """Return the conditions of ``--where NAME=LO:HI`` and ``--where NAME=MEANING``."""
-    wanted: dict[str, Any] = {}
-    for text in texts:
-        name, equals, condition = (part.strip() for part in text.partition("="))
+    form = "NAME=LO:HI or NAME=MEANING"
+    wanted: dict[str, Any] = by_name(texts, "where", form, {"a2": "1.1:1.3"}, text_of)
+    for name, condition in wanted.items():
         low, colon, high = (part.strip() for part in condition.partition(":"))
-        if not (equals and name and condition):
-            remedy = ("write such as ", Setting("where", {"a2": "1.1:1.3"}))
-            raise InputError(f"{text!r} is not NAME=LO:HI or NAME=MEANING", where=("where",), remedy=remedy)
-        if name in wanted:
-            raise InputError(f"{name} is named twice", where=("where",), remedy="write it once")
         wanted[name] = (_end(name, low), _end(name, high)) if colon else condition
     return wanted
 
@@ -177,7 +172,7 @@ def convert(
     """Convert a map to another format, compressed, in part, or with fewer digits."""
     from fastlink.io.converting.convert import convert
 
-    conditions = _named(select or [], "select", {"a2": "1.1:1.2"})
+    conditions = by_name(select or [], "select", "NAME=VALUES", {"a2": "1.1:1.2"}, text_of)
     names = None if quantities is None else [name.strip() for name in quantities.split(",")]
     options: dict[str, Any] = {"dtype": dtype, "compress": compress, "overwrite": overwrite}
     options["progress"] = False if quiet else None
@@ -211,21 +206,7 @@ def plot(
     """Draw a variable of a map."""
     from fastlink.plot.plot_map import plot_map
 
-    fixed = numbers_by_name(at or [], "at", "DIM=VALUE", {"a4": 1.0})
+    fixed = by_name(at or [], "at", "DIM=VALUE", {"a4": 1.0}, numbers_of)
     picture = to if to is not None else Path(f"{name}.png")
     plot_map(file, name, branch=branch, at=fixed, degrees=degrees, to=picture)
     typer.echo(str(picture))
-
-
-def _named(texts: list[str], option: str, example: dict[str, Any]) -> dict[str, str]:
-    """Return the texts that an option gives as ``NAME=VALUES``."""
-    given: dict[str, str] = {}
-    for text in texts:
-        name, equals, value = (part.strip() for part in text.partition("="))
-        if not (equals and name and value):
-            remedy = ("write such as ", Setting(option, example))
-            raise InputError(f"{text!r} is not NAME=VALUES", where=(option,), remedy=remedy)
-        if name in given:
-            raise InputError(f"{name} is given twice", where=(option,), remedy="write it once")
-        given[name] = value
-    return given

@@ -21,7 +21,7 @@ from fastlink.plot.selection import nearest_place
 from fastlink.space.dataset import STATUS
 from fastlink.space.degrees import DEGREES, degrees_name
 from fastlink.space.design_space import BRANCH, DESIGN, EXTREMUM
-from fastlink.space.links import MODELS, Links
+from fastlink.space.links import Links, taken_links
 from fastlink.space.values import has
 from fastlink.study.study import read_study
 
@@ -131,10 +131,7 @@ def _of_map(maps: Any, design: Any, at: Any) -> Source:
                 units = row[name].attrs.get("units")
                 inputs[degrees_name(name) if units in DEGREES else name] = float(row[name])
         branch = int(row[BRANCH]) if BRANCH in row.coords and row[BRANCH].ndim == 0 else None
-    links = None
-    for model, names in MODELS.items():
-        values = {name: inputs.pop(name) for name in names if name in inputs}
-        links = Links(model, values) if values else links
+    links = taken_links(inputs)
     return Source(mechanism, inputs, branch, links, input)
 
 

@@ -6,9 +6,11 @@ from datetime import UTC, datetime
 
 from fastlink._version import __version__
 
-__all__ = ["HISTORY", "history"]
+__all__ = ["HISTORY", "SOURCE", "history"]
 
 HISTORY = "history"
+#: What the attributes begin with that are true of the map from which a file was converted, and not of the file.
+SOURCE = "source_"
 
 
 def history(command: str, before: str = "") -> str:

@@ -64,11 +64,6 @@ class Rows:
         """The length of each dimension."""
         return tuple(self.sizes.values())
 
-    @property
-    def count(self) -> int:
-        """How many there are."""
-        return math.prod(self.shape)
-
     def blocks(self, most: int = 0) -> Iterator[Block]:
         """Yield all rows in consecutive pieces of about `most`, `MOST_ROWS` unless given.
 

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 from fastlink._text import aligned, counted, duration, scaled, short_number, size
 from fastlink.doors import door
+from fastlink.io.history import SOURCE
 from fastlink.io.merged import JOINED
 from fastlink.io.parts import PartOfMap
 from fastlink.io.reader import as_map
@@ -21,8 +22,6 @@ if TYPE_CHECKING:
 
 __all__ = ["contents", "summary"]
 
-#: What attributes begin with that are true of the map of which a file is a part.
-OF_SOURCE = "source_"
 MULTIPLES = ("", " thousand", " million", " billion")
 
 
@@ -156,9 +155,9 @@ def _errors(dataset: xr.Dataset) -> list[tuple[str, str]]:
     errors, title = [], "largest error"
     for name, array in dataset.data_vars.items():
         told = _Numbers(array.attrs)
-        if not told.has("verified_values") and told.has(f"{OF_SOURCE}verified_values"):
+        if not told.has("verified_values") and told.has(f"{SOURCE}verified_values"):
             title = "of the whole map"  # of which this is a part
-            told = _Numbers({str(key).removeprefix(OF_SOURCE): value for key, value in array.attrs.items()})
+            told = _Numbers({str(key).removeprefix(SOURCE): value for key, value in array.attrs.items()})
         if not told.has("verified_values"):
             continue
         texts = []

@@ -14,7 +14,7 @@ from fastlink.doors import door
 from fastlink.errors import InputError, Problems, suggest
 from fastlink.space.values import is_number
 
-__all__ = ["Links", "round_bar"]
+__all__ = ["MODELS", "Links", "round_bar", "taken_links"]
 
 MODELS: dict[str, tuple[str, ...]] = {"round_bar": ("density", "radius")}
 
@@ -52,6 +52,22 @@ class Links:
                     problems.add(f"is {short_repr(value)}", where, "write a finite number of at least 0")
         problems.stop()
         object.__setattr__(self, "values", numbers)
+
+
+def taken_links(given: dict[str, Any]) -> Links | None:
+    """Take the numbers of a model of the links out of what is given, and return it; None without any.
+
+    Examples
+    --------
+    >>> given = {"a1": 0.4, "density": 7750.0, "radius": 0.01}
+    >>> taken_links(given).values, given
+    ({'density': 7750.0, 'radius': 0.01}, {'a1': 0.4})
+    """
+    for model, names in MODELS.items():
+        values = {name: given.pop(name) for name in names if name in given}
+        if values:
+            return Links(model, values)
+    return None
 
 
 def _as_float(value: Any) -> float:

@@ -13,16 +13,14 @@ from fastlink.io.converting.selection import Selection
 from fastlink.io.converting.source import Source
 from fastlink.io.dataset import Variable, plain_attrs
 from fastlink.io.finished import FINGERPRINT, WRITTEN
-from fastlink.io.history import HISTORY, history
+from fastlink.io.history import HISTORY, SOURCE, history
 from fastlink.io.parts import OF_PARTS
 from fastlink.io.reader import COMPRESSION
 from fastlink.space.dataset import FORMAT, STATUS
 from fastlink.space.design_space import BRANCH, DESIGN
 
-__all__ = ["SOURCE", "labelled"]
+__all__ = ["as_json", "labelled"]
 
-#: What the attributes begin with that are true of the map that was converted, and not of the result.
-SOURCE = "source_"
 #: Global attributes that are true of a whole run alone.
 OF_RUN = ("designs_of_earlier_runs", "run_time_s", "set_up_time_s", "verified_designs")
 OF_RUN_BEGIN = ("designs_per_", "configurations_per_", "verify_")
@@ -63,6 +61,14 @@ def labelled(maps: xr.Dataset, source: Source, selection: Selection, command: st
             _round(variable)
     attrs[HISTORY] = history(command, str(given.get(HISTORY, "")))
     return plain_attrs(attrs)
+
+
+def as_json(attrs: Mapping[str, Any]) -> dict[str, Any]:
+    """Return attributes as JSON holds them."""
+    return {
+        str(name): value.tolist() if isinstance(value, (np.ndarray, np.generic)) else value
+        for name, value in attrs.items()
+    }
 
 
 def _titled(attrs: Mapping[str, Any], names: list[str], kept: list[str]) -> dict[str, Any]:

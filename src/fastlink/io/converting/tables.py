@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 
 from fastlink.errors import InputError
 from fastlink.io.converting.compression import Compression
+from fastlink.io.converting.labels import as_json
 from fastlink.io.converting.output import OutputFile
 from fastlink.io.converting.source import BLOCK_BYTES, Index, Source
 from fastlink.io.dataset import Variable
@@ -139,7 +140,7 @@ def write_parquet(
     labels |= {variable.name: variable.attrs for variable in source.variables}
     schema = pa.schema(
         [pa.field(name, _arrow(pa, types[name]), metadata=_metadata(labels[name])) for name in rows.names],
-        metadata={METADATA: json.dumps(_plain(attrs))},
+        metadata={METADATA: json.dumps(as_json(attrs))},
     )
     options: dict[str, Any] = {}
     if compression is not None:
@@ -196,12 +197,5 @@ def _arrow(pa: Any, dtype: np.dtype[Any]) -> Any:
 
 def _metadata(attrs: Mapping[str, Any]) -> dict[str, str]:
     return {
-        name: value if isinstance(value, str) else json.dumps(value) for name, value in _plain(attrs).items()
-    }
-
-
-def _plain(attrs: Mapping[str, Any]) -> dict[str, Any]:
-    return {
-        str(name): value.tolist() if isinstance(value, (np.ndarray, np.generic)) else value
-        for name, value in attrs.items()
+        name: value if isinstance(value, str) else json.dumps(value) for name, value in as_json(attrs).items()
     }

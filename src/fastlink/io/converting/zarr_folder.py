@@ -6,9 +6,8 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
 from fastlink.io.converting.compression import Compression, chunks_of
+from fastlink.io.converting.labels import as_json
 from fastlink.io.converting.output import OutputFolder
 from fastlink.io.converting.source import Source
 from fastlink.io.dataset import FORMAT_VERSION
@@ -34,7 +33,7 @@ def write_zarr(
     """Write a zarr store, chunk by chunk; without a compression by the library's own."""
     import zarr
 
-    labels = source.coords.assign_attrs(_json(attrs))
+    labels = source.coords.assign_attrs(as_json(attrs))
     with OutputFolder(path, overwrite) as out:
         labels.to_zarr(
             out.part,
@@ -45,7 +44,7 @@ def write_zarr(
         )
         group = zarr.open_group(str(out.part), mode="r+", zarr_format=ZARR_FORMAT)
         for variable in source.variables:
-            described: dict[str, Any] = {"_ARRAY_DIMENSIONS": list(variable.dims), **_json(variable.attrs)}
+            described: dict[str, Any] = {"_ARRAY_DIMENSIONS": list(variable.dims), **as_json(variable.attrs)}
             if along := auxiliary(source.coords, variable):
                 described["coordinates"] = along
             chunks = chunks_of(variable, CHUNK_BYTES)
@@ -61,14 +60,6 @@ def write_zarr(
             for index, _, values in source.blocks(variable, chunks):
                 array[index if index else ...] = values
                 show(values.nbytes)
-        group.attrs.update(_json({**source.remarks(), FORMAT: FORMAT_VERSION}))
+        group.attrs.update(as_json({**source.remarks(), FORMAT: FORMAT_VERSION}))
         zarr.consolidate_metadata(str(out.part), zarr_format=ZARR_FORMAT)
         out.publish()
-
-
-def _json(attrs: Mapping[str, Any]) -> dict[str, Any]:
-    """Return attributes as JSON holds them."""
-    return {
-        name: value.tolist() if isinstance(value, (np.ndarray, np.generic)) else value
-        for name, value in attrs.items()
-    }
