@@ -6,6 +6,7 @@ import errno
 import os
 import shutil
 import signal
+import threading
 import warnings
 from collections import Counter
 from concurrent.futures import ThreadPoolExecutor
@@ -182,6 +183,20 @@ def test_a_thread_that_has_failed_takes_no_further_block(tmp_path, monkeypatch, 
             sweep(path, threads=2)
     assert max(start for _, start in seen) == 16
     assert_resumes(path, expected, 16)
+
+
+def test_the_thread_that_an_interrupt_comes_to_writes_no_blocks(tmp_path, monkeypatch):
+    """An interrupt between a lock and what it guards leaves it locked: the journal would wait for ever."""
+    write, seen = writer.Writer.write, set()
+
+    def noted(self, name, start, block):
+        seen.add(threading.current_thread())
+        write(self, name, start, block)
+
+    monkeypatch.setattr(writer.Writer, "write", noted)
+    sweep(tmp_path / "m.h5", threads=1).close()
+    assert len(seen) == 1
+    assert threading.main_thread() not in seen
 
 
 ENDS = {

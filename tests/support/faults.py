@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import ctypes
 import errno
+import faulthandler
 import functools
 import itertools
 import json
@@ -42,6 +43,8 @@ def _signal(number: int) -> Callable[[], None]:
     return lambda: os.kill(os.getpid(), number)
 
 
+#: Seconds after which a run is taken for one that hangs.
+PATIENCE = 60
 #: What happens instead of a call; after a signal that does not end the process, the call goes on.
 FAULTS: dict[str, Callable[[], None]] = {
     "kill": _signal(signal.SIGKILL),
@@ -184,6 +187,7 @@ def main(run: str) -> None:
         page[:128] = bytes(128)
         child = os.fork()
         if not child:
+            faulthandler.dump_traceback_later(PATIENCE, exit=True)  # a run that hangs ends with 1
             if arm is None:
                 Injector(at, fault).install()
             else:

@@ -214,7 +214,8 @@ class Evaluation:
             pending = joined([piece for row in rows for piece in axis.evaluated(*row)]) if axis else rows
             sink = axis.over(sink, at_once) if axis else sink
         if self.cluster is None:
-            run(self.job, sink=sink, threads=self.threads, block=self.block, pending=pending)
+            how: dict[str, Any] = {"threads": self.threads, "block": self.block, "apart": record is not None}
+            run(self.job, sink=sink, pending=pending, **how)
         else:
             travels = record is not None
             self.cluster.run(self.job, sink, travels=travels, block=self.block, pending=pending)

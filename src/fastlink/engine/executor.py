@@ -85,6 +85,7 @@ def run(
     threads: int = 1,
     block: int | None = None,
     pending: Sequence[tuple[int, int]] | None = None,
+    apart: bool = False,
 ) -> None:
     """Evaluate every design.
 
@@ -104,6 +105,9 @@ def run(
         Designs per block; any value gives the same bits.
     pending : sequence of (start, stop), optional
         The designs to evaluate; all unless given.
+    apart : bool
+        Whether the calling thread evaluates nothing itself: an interrupt may leave a writer's lock in its hands, on which
+        the writer's own thread would wait for ever.
     """
     ranges = [(0, job.size)] if pending is None else pending
     size = sum(stop - start for start, stop in ranges)
@@ -131,7 +135,7 @@ def run(
         for kernel in kernels:
             kernel.release()
 
-    if threads == 1:
+    if threads == 1 and not apart:
         work()
         return
     # any number of threads gives the same bits
