@@ -5,6 +5,7 @@ from __future__ import annotations
 import functools
 import os
 import signal
+import threading
 import time
 
 import numpy as np
@@ -88,18 +89,20 @@ def small_tasks(monkeypatch):
 
 @pytest.fixture
 def written(monkeypatch):
-    """Note who writes values: this process, or a worker."""
-    writers = []
+    """Note who writes values: this process, or a worker; never the thread that an interrupt comes to."""
+    writers, threads = [], set()
     for name in ("write", "merge"):
         method = getattr(Writer, name)
 
         @functools.wraps(method)  # it travels by its name
         def noted(self, *args, method=method, name=name):
             writers.append(name)
+            threads.add(threading.current_thread())
             return method(self, *args)
 
         monkeypatch.setattr(Writer, name, noted)
-    return writers
+    yield writers
+    assert threading.main_thread() not in threads
 
 
 @pytest.mark.parametrize("space", SPACES)

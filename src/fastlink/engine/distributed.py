@@ -136,19 +136,25 @@ class Cluster:
         tasks = _Tasks(self, (packed(job)[0], of_sink), block)
         ranges = _Pending([(0, job.size)] if pending is None else pending)
         length = _Length(job)
-        try:
-            while ranges.left or tasks.under_way:
-                while ranges.left and len(tasks.under_way) < AHEAD * max(self.threads, 1):
-                    tasks.submit(*ranges.take(length.next(ranges.left, self.threads)))
-                for start, stop, report in tasks.finished():
-                    length.learn(stop - start, report.seconds)
-                    if report.reports is None:
-                        sink(start, stop, report.arrays)
-                    else:
-                        for traveller, gathered in zip(travellers, report.reports, strict=True):
-                            traveller.merge(gathered)
-        finally:
-            tasks.cancel()
+
+        def take(start: int, stop: int, report: Report) -> None:
+            if report.reports is None:
+                sink(start, stop, report.arrays)
+            else:
+                for traveller, gathered in zip(travellers, report.reports, strict=True):
+                    traveller.merge(gathered)
+
+        # not in this thread, for the reason that `apart` of `fastlink.engine.executor.run` has
+        with concurrent.futures.ThreadPoolExecutor(1, "fastlink-take") as taker:
+            try:
+                while ranges.left or tasks.under_way:
+                    while ranges.left and len(tasks.under_way) < AHEAD * max(self.threads, 1):
+                        tasks.submit(*ranges.take(length.next(ranges.left, self.threads)))
+                    for start, stop, report in tasks.finished():
+                        length.learn(stop - start, report.seconds)
+                        taker.submit(take, start, stop, report).result()
+            finally:
+                tasks.cancel()
 
 
 class _Pending:
