@@ -106,8 +106,8 @@ def run(
     pending : sequence of (start, stop), optional
         The designs to evaluate; all unless given.
     apart : bool
-        Whether the calling thread evaluates nothing itself: an interrupt may leave a writer's lock in its hands, on which
-        the writer's own thread would wait for ever.
+        Whether the calling thread evaluates nothing itself: an interrupt may leave a writer's lock in its hands,
+        on which the writer's own thread would wait for ever.
     """
     ranges = [(0, job.size)] if pending is None else pending
     size = sum(stop - start for start, stop in ranges)
