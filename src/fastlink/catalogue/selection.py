@@ -39,11 +39,21 @@ class Selection:
         return None if name in self.given else self.catalogue.resolve(name, self.variants, self.given)
 
     def derivation(self, by: str) -> Derivation:
-        """Return the derivatives with respect to a variable."""
+        """Return the derivatives with respect to a variable, those by an input at one input position.
+
+        In the graded range a place moves with the lengths, as its ends do; what is differentiated by an input are the
+        facts of a given position instead, which have the same values.
+        """
         if by not in self._derivations:
-            variable = self.catalogue.variables[by]
-            self._derivations[by] = Derivation(variable, self.find, lambda name: self._declared(name, by))
+            variable, graded = self.catalogue.variables[by], self.catalogue.graded
+            held = graded is not None and by != self.catalogue.position.name and graded.name in self.variants
+            at = self._without(graded.name) if graded is not None and held else self
+            self._derivations[by] = Derivation(variable, at.find, lambda name: at._declared(name, by))
         return self._derivations[by]
+
+    def _without(self, variant: str) -> Selection:
+        """Return the mechanism with the other variants."""
+        return Selection(self.catalogue, tuple(one for one in self.variants if one != variant), self.given)
 
     @cached_property
     def error_bounds(self) -> ErrorBounds:
