@@ -197,6 +197,12 @@ def test_a_value_that_should_vanish_and_does_not_is_a_mismatch(monkeypatch, name
     assert "NOT AS WITH 50 DIGITS" in fl.summary(maps)
 
 
+def test_a_bound_at_a_change_point_is_found_without_a_warning():
+    """Its text divides by zero in a case that is not selected."""
+    maps = fl.sweep("planar_4r", fl.grid(a1=0.4, a2=1.4, a3=0.8, a4=1.0), ["swing"], verify=1)
+    assert maps.attrs["verify_mismatches"] == 0
+
+
 def test_a_value_that_is_wrong_by_more_than_its_bound_is_a_mismatch(monkeypatch):
     monkeypatch.setattr(import_module("fastlink.engine.evaluation"), "Verification", Spoiled)
     monkeypatch.setattr(Spoiled, "factor", 1.0 + 1e-12)

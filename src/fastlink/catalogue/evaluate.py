@@ -49,8 +49,9 @@ def read_facts(
     if position in known:
         tables = (*catalogue.tables, *catalogue.table_low_parts)
         known |= tables_at(catalogue, known[position], [name for name in tables if name not in known])
-    for step in steps_of(catalogue, names, known, variants):
-        evaluate_step(step, known)
+    with np.errstate(all="ignore"):  # of a case that is not selected, or a value that says so itself
+        for step in steps_of(catalogue, names, known, variants):
+            evaluate_step(step, known)
     if sizes is None:
         return known
     labels = {name: catalogue.resolve(name, variants) for name in names if name not in values}

@@ -139,8 +139,7 @@ def read_curves(
     """Return a quantity over the input positions (last axis), without a kernel."""
     tables = (catalogue.position.name, *catalogue.tables, *catalogue.table_low_parts)
     tabled = zip(tables, angle_tables(catalogue, tables, positions), strict=True)
-    with np.errstate(all="ignore"):
-        return read_facts(catalogue, [quantity], {**values, **dict(tabled)}, variants)[quantity]
+    return read_facts(catalogue, [quantity], {**values, **dict(tabled)}, variants)[quantity]
 
 
 def cost(steps: Iterable[Fact | System]) -> int:
