@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from fractions import Fraction
 from importlib import import_module
+from operator import mul, truediv
 
 import mpmath as mp
 import numpy as np
@@ -28,7 +29,7 @@ from fastlink.catalogue.tables import angle_tables
 from fastlink.errors import InputError
 from fastlink.facts.fact import Input
 from fastlink.mechanisms import NAMES, catalogue
-from fastlink.numerics.compensated import UNIT_ROUNDING, pair_product, sum_of_four
+from fastlink.numerics.compensated import UNIT_ROUNDING, pair_product, pair_quotient, sum_of_four
 from fastlink.precision.reference import CONTEXT
 from fastlink.symbolic import error_laws
 from fastlink.symbolic.error_propagation import UNIT_WITH_MARGIN, WORDS
@@ -97,16 +98,17 @@ def test_a_gap_is_right_to_twice_the_digits_of_itself_however_much_cancels():
     assert nonzero > 3000
 
 
-def test_a_product_of_pairs_is_right_to_twice_the_digits():
+@pytest.mark.parametrize(("function", "operation"), [(pair_product, mul), (pair_quotient, truediv)])
+def test_a_product_or_quotient_of_pairs_is_right_to_twice_the_digits(function, operation):
     rng = np.random.default_rng(3)
     for _ in range(2000):
         a, b, s, t = (float(x) for x in rng.uniform(-2.0, 2.0, 4))
         a_low, b_low = a * UNIT_ROUNDING * s / 2.0, b * UNIT_ROUNDING * t / 2.0
-        exact = (Fraction(a) + Fraction(a_low)) * (Fraction(b) + Fraction(b_low))
-        high, low = pair_product(a, a_low, b, b_low)
-        assert abs(Fraction(high) + Fraction(low) - exact) <= WORDS[pair_product] * Fraction(
-            UNIT_ROUNDING
-        ) * abs(exact)
+        exact = operation(Fraction(a) + Fraction(a_low), Fraction(b) + Fraction(b_low))
+        high, low = function(a, a_low, b, b_low)
+        assert abs(Fraction(high) + Fraction(low) - exact) <= WORDS[function] * Fraction(UNIT_ROUNDING) * abs(
+            exact
+        )
 
 
 # -- small mechanisms: what is counted -----------------------------------------------------------------------

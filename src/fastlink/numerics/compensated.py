@@ -9,11 +9,12 @@ from __future__ import annotations
 from typing import Any
 
 from fastlink.numerics.compiler import compiled_as, inlined
-from fastlink.numerics.elementary import context_of
+from fastlink.numerics.elementary import context_of, select
 
 __all__ = [
     "gap_product_quotient",
     "pair_product",
+    "pair_quotient",
     "power_of_two_below",
     "square_sum",
     "sum_of_four",
@@ -79,6 +80,15 @@ def pair_product(a: Any, a_low: Any, b: Any, b_low: Any) -> Any:
     """Return the product of two unevaluated sums, as one."""
     p, e = two_product(a, b)
     return two_sum(p, e + (a * b_low + a_low * b))
+
+
+@inlined
+def pair_quotient(a: Any, a_low: Any, b: Any, b_low: Any) -> Any:
+    """Return the quotient of two unevaluated sums, as one; infinite where b is zero."""
+    quotient = a / b
+    p, e = two_product(quotient, b)
+    correction = ((a - p) - e + (a_low - quotient * b_low)) / b
+    return two_sum(quotient, select(correction == correction, correction, 0.0))
 
 
 @inlined

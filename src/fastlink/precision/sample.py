@@ -28,7 +28,7 @@ __all__ = ["Sample", "cost", "read_curves", "within"]
 
 #: The cost of a table of the input position, a linear system and a function of double words, in facts.
 TABLE, SYSTEM, PAIRS = 40, 300, 16
-OF_PAIRS = {"gap", "gap_product_quotient", "pair_product", "two_product"}
+OF_PAIRS = {"gap", "gap_product_quotient", "pair_product", "pair_quotient", "two_product"}
 #: Designs that are verified whatever the cost.
 FEWEST = 8
 

@@ -92,6 +92,12 @@ def _of_pair_product(
     return _of_product(graph, (args[0], args[2]), (slopes[0], slopes[2]), value)
 
 
+def _of_pair_quotient(
+    graph: ExpressionGraph, args: Sequence[Node], slopes: Sequence[Node], value: Node
+) -> Node:
+    return graph.div(graph.sub(slopes[0], graph.mul(value, slopes[2])), args[2])
+
+
 def _of_gap_product_quotient(
     graph: ExpressionGraph, args: Sequence[Node], slopes: Sequence[Node], value: Node
 ) -> Node:
@@ -109,6 +115,7 @@ RULES: dict[Any, Rule] = {
     compensated.sum_of_four: _of_sum,
     compensated.two_product: _of_product,
     compensated.pair_product: _of_pair_product,
+    compensated.pair_quotient: _of_pair_quotient,
     compensated.gap_product_quotient: _of_gap_product_quotient,
     compensated.power_of_two_below: lambda graph, args, slopes, value: graph.zero,
     vectors.zero_where: lambda graph, args, slopes, value: slopes[1],

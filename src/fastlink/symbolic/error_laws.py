@@ -16,6 +16,7 @@ __all__ = [
     "of_product",
     "of_quotient",
     "of_root",
+    "of_root_of_sum",
     "of_root_or_none",
     "of_root_or_zero",
     "of_small_angle",
@@ -45,6 +46,11 @@ def of_root(x: Any, root: Any, e: Any) -> Any:
 def of_root_or_none(x: Any, root: Any, e: Any) -> Any:
     """Return the effect of an error of x >= 0 on its root: infinite where x may be negative, and have none."""
     return select(e > x, INFINITY, of_root(x, root, e))
+
+
+def of_root_of_sum(x: Any, root: Any, e: Any) -> Any:
+    """Return the effect of an error of x on its root: infinite where x may be negative, unless it cancels to 0."""
+    return select(x == 0.0, sqrt(e), of_root_or_none(x, root, e))
 
 
 def of_root_or_zero(x: Any, root: Any, e: Any) -> Any:

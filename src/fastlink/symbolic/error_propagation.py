@@ -15,6 +15,7 @@ from fastlink.numerics.compensated import (
     UNIT_ROUNDING,
     gap_product_quotient,
     pair_product,
+    pair_quotient,
     power_of_two_below,
     sum_of_four,
     two_product,
@@ -44,6 +45,7 @@ from fastlink.symbolic.error_laws import (
     of_product,
     of_quotient,
     of_root,
+    of_root_of_sum,
     of_root_or_none,
 )
 from fastlink.symbolic.expression import ExpressionGraph, Node, is_power_of_two
@@ -61,6 +63,7 @@ WORDS = {
     two_product: 0.0,
     sum_of_four: 4 * UNIT_ROUNDING,
     pair_product: 8 * UNIT_ROUNDING,
+    pair_quotient: 16 * UNIT_ROUNDING,
     gap_product_quotient: 16 * UNIT_ROUNDING,
 }
 #: Elementary functions: two (arsinh, log_quotient: three) units in the last place are four (six) roundings.
@@ -224,6 +227,8 @@ class Rules:
             bound = self._of_ratio(graph.node("*", *args))
             return bound.relative - 1.0, bound.rest
         f, g = self._pair(*args[:2]), self._pair(*args[2:4])
+        if function is pair_quotient:
+            return f.relative + g.relative, self._quotient(graph.call(abs, high), args[2], f.rest, g.rest)
         sizes = self.size(args[0]), self.size(args[2])
         relative, rest = f.relative + g.relative, graph.read(of_product, [*sizes, f.rest, g.rest])
         if function is gap_product_quotient:
@@ -259,7 +264,7 @@ class Rules:
         if function is abs:
             return replace(a, positive=True)
         if function is sqrt:
-            law = of_root_or_none if a.gap and not a.positive else of_root
+            law = of_root if a.positive else of_root_or_none if a.gap else of_root_of_sum
             rest = a.rest if a.rest is graph.zero else graph.read(law, [x, node, a.rest])
             return Bound(0.5 * a.relative + 1.0, rest, positive=True)
         if function is atan2:

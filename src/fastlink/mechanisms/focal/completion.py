@@ -14,7 +14,14 @@ from __future__ import annotations
 from typing import Any
 
 from fastlink.mechanisms.focal.inputs import DESIGN, GIVEN_LAMBDA, GIVEN_S, WUNDERLICH, focal
-from fastlink.numerics.compensated import pair_product, power_of_two_below, square_sum, sum_of_four, two_sum
+from fastlink.numerics.compensated import (
+    pair_product,
+    pair_quotient,
+    power_of_two_below,
+    square_sum,
+    sum_of_four,
+    two_sum,
+)
 from fastlink.numerics.elementary import NOT_A_NUMBER, select, sqrt
 from fastlink.numerics.vectors import sign
 
@@ -30,16 +37,20 @@ def rho_plus_1(rho: Any) -> Any:
     return two_sum(1.0, rho)
 
 
-@focal.quantity(units="1", symbol="rho", source=f"{WUNDERLICH}, eq. (1.9)", internal=True, variant=GIVEN_S)
-def rho(s: Any, d: Any) -> Any:
+@focal.quantity(
+    units="1", symbol="rho", source=f"{WUNDERLICH}, eq. (1.9)", internal=True, variant=GIVEN_S, low="rho_low"
+)
+def rho(s: Any, scale: Any, s_d: Any) -> Any:
     """Ratio mp : nq of a given crank support."""
-    return s / (d - s)
+    support = s / scale
+    rest, rest_low = two_sum(s_d, -support)
+    return pair_quotient(support, 0.0, rest, rest_low)
 
 
-def one_plus_ratio_of_support(s: Any, d: Any) -> Any:
-    """1 + rho of a given crank support, and no low part."""
-    ratio = d / (d - s)
-    return ratio, 0.0 * ratio
+def one_plus_ratio_of_support(s: Any, scale: Any, s_d: Any) -> Any:
+    """1 + rho of a given crank support."""
+    rest, rest_low = two_sum(s_d, -(s / scale))
+    return pair_quotient(s_d, 0.0, rest, rest_low)
 
 
 by_support = focal.steps(units="1", source=COMPLETION, variant=GIVEN_S)
@@ -78,14 +89,16 @@ def common(ratio: Any, plus_1: Any, mixed: Any) -> Any:
     return plus_1 * mixed / ratio
 
 
-def excess(ratio: Any, plus_1: Any, plus_1_low: Any, mixed: Any, mixed_low: Any, u: Any, v: Any) -> Any:
+def excess(
+    ratio: Any, ratio_low: Any, plus_1: Any, plus_1_low: Any, mixed: Any, mixed_low: Any, u: Any, v: Any
+) -> Any:
     """|W - (u + v)^2|, or with a negative ratio |W - (u - v)^2|, negative where no root is real."""
     # (1 + ratio)(first^2 + ratio second^2) - ratio (u +- v)^2 in twice the working precision, over a power of two
     two = power_of_two_below(abs(ratio))
     side, side_low = pair_product(plus_1 / two, plus_1_low / two, mixed, mixed_low)
     reach, reach_low = two_sum(u, select(ratio < 0.0, -v, v))
     reach, reach_low = pair_product(reach, reach_low, reach, reach_low)
-    other, other_low = pair_product(ratio / two, 0.0, reach, reach_low)
+    other, other_low = pair_product(ratio / two, ratio_low / two, reach, reach_low)
     high, _low = sum_of_four(side, side_low, -other, -other_low)
     return high / abs(ratio / two)
 
