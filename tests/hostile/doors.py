@@ -375,12 +375,15 @@ DOORS: list[Door] = [
     Door("open", "fl.open($path)", _slots(path=("path", "'maps.h5'", "maps.h5")), ""),
     Door(
         "plot_map",
-        "fl.plot_map($maps, $name, branch=$branch, at=$at, to=$to)",
+        "fl.plot_map($maps, $name, branch=$branch, at=$at, panels=$panels, lines=$lines, degrees=$degrees, to=$to)",
         _slots(
             maps=("dataset", "MAPS", "MAPS", DATASETS[-1]),
             name=("name", "'omega4_max'", "omega4_max"),
             branch=("branch", "1"),
             at=("mapping", "None", "1", "xr.Dataset()"),
+            panels=("choice", "None", "a2"),
+            lines=("choice", "None", "a2"),
+            degrees=("flag", "False"),
             to=("path", "None", "a.png"),
         ),
         "",

@@ -181,7 +181,7 @@ def plain_of(result: Any) -> Any:
         return vars(result)
     if isinstance(result, pd.DataFrame):
         return result.to_dict("list")
-    if type(result).__name__ in ("Figure", "Drawing"):
+    if type(result).__name__ == "NotebookFigure":
         return [len(axes.get_children()) for axes in result.axes]
     return result
 

@@ -7,7 +7,7 @@ from tests.plot.test_plot import bar, legend, panels
 from tests.support.refusals import refused
 
 import fastlink as fl
-from fastlink.plot.draw import WITHOUT_BOUND
+from fastlink.plot.colours import WITHOUT_BOUND
 
 
 @pytest.fixture(scope="module")

@@ -12,8 +12,7 @@ from numpy.testing import assert_allclose, assert_array_equal
 from tests.support.refusals import refused
 
 import fastlink as fl
-from fastlink.plot.colours import limits_of
-from fastlink.plot.draw import ABSENT, WITHOUT_BOUND
+from fastlink.plot.colours import ABSENT, WITHOUT_BOUND, limits_of
 from fastlink.plot.labels import mathematical
 
 BARS = fl.round_bar(7750.0, 0.01)

@@ -195,6 +195,13 @@ def plot(
             "--at", metavar="DIM=VALUE", help="Fix a dimension at its nearest value; may be repeated."
         ),
     ] = None,
+    panels: Annotated[
+        str | None,
+        typer.Option("--panels", metavar="DIM", help="A small map for each of some values of a third input."),
+    ] = None,
+    lines: Annotated[
+        str | None, typer.Option("--lines", metavar="DIM", help="A line for each of some values of an input.")
+    ] = None,
     degrees: Annotated[
         bool, typer.Option("--degrees", help="Show angles in degrees, and read those of --at so.")
     ] = False,
@@ -208,5 +215,5 @@ def plot(
 
     fixed = by_name(at or [], "at", "DIM=VALUE", {"a4": 1.0}, numbers_of)
     picture = to if to is not None else Path(f"{name}.png")
-    plot_map(file, name, branch=branch, at=fixed, degrees=degrees, to=picture)
+    plot_map(file, name, branch=branch, at=fixed, panels=panels, lines=lines, degrees=degrees, to=picture)
     typer.echo(str(picture))

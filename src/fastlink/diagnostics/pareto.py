@@ -1,4 +1,4 @@
-"""The Pareto front of error against run time, as a table and as a picture."""
+"""The Pareto front of error against run time."""
 
 from __future__ import annotations
 
@@ -13,18 +13,14 @@ from fastlink.errors import InputError
 
 if TYPE_CHECKING:
     import xarray as xr
-    from matplotlib.figure import Figure
     from numpy.typing import NDArray
 
-__all__ = ["accuracy_table", "draw", "front"]
+__all__ = ["accuracy_table", "front"]
 
-#: Smaller errors are drawn as this one, half a rounding of a double.
-LEAST = 2.0**-54
 #: Smaller errors count as this one: they are those of the last digits.
 EQUAL = 2.0**-48
 #: An error that is not smaller than this share of another is not smaller.
 ALIKE = 0.99
-COLUMNS = 2
 #: The coordinates and variables of a result.
 NEEDED = (
     "way",
@@ -92,38 +88,3 @@ def _row(method: Any) -> tuple[str, ...]:
     missed = f"{int(method['missed'])} of {int(method['values'])}"
     star, name = "*" if int(method["pareto"]) else "", str(method["way"].values)
     return (star, name, f"{float(method['ns_per_design']):,.0f}", *texts, missed)
-
-
-def draw(measured: xr.Dataset) -> Figure:
-    """Return the work-precision diagram, with a panel for each quantity."""
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
-    from matplotlib.figure import Figure
-
-    quantities = [str(name) for name in measured["quantity"].values]
-    columns = min(COLUMNS, len(quantities))
-    lines = -(-len(quantities) // columns)
-    figure = Figure(figsize=(5.2 * columns, 3.9 * lines), layout="constrained", dpi=160)
-    FigureCanvasAgg(figure)
-    for k, quantity in enumerate(quantities):
-        _draw_panel(figure.add_subplot(lines, columns, k + 1), measured.sel(quantity=quantity), quantity)
-    return figure
-
-
-def _draw_panel(axes: Any, measured: xr.Dataset, quantity: str) -> None:
-    """Draw error over time of all methods for one quantity."""
-    measured = measured.isel(way=np.flatnonzero(np.isfinite(measured["error_max"].values)))
-    times, errors = measured["ns_per_design"].values, np.maximum(measured["error_max"].values, LEAST)
-    on_front = measured["pareto"].values == 1
-    order = np.flatnonzero(on_front)[np.argsort(times[on_front])]
-    axes.plot(times[order], errors[order], color="tab:blue", zorder=1)
-    axes.scatter(times, errors, c=np.where(on_front, "tab:blue", "0.6"), s=18, zorder=2)
-    for name, x, y in zip(measured["way"].values.tolist(), times, errors, strict=True):
-        # the label of a variant stands below its point, so that it does not hide the one that it varies
-        side, right, top = (-1, "right", "top") if ", " in name else (1, "left", "bottom")
-        anchor = {"horizontalalignment": right, "verticalalignment": top, "rotation_mode": "anchor"}
-        offset = {"xytext": (3 * side, 3 * side), "textcoords": "offset points"}
-        axes.annotate(name, (x, y), rotation=35, fontsize=6, **offset, **anchor)
-    axes.set(xscale="log", yscale="log", title=quantity, xlabel="run time per design / ns")
-    axes.set_ylabel("largest relative error")
-    axes.margins(x=0.25, y=0.2)
-    axes.grid(color="0.9", linewidth=0.6)

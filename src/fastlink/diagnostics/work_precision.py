@@ -12,7 +12,8 @@ import xarray as xr
 from fastlink._text import counted, duration, short_repr
 from fastlink.catalogue.declare import ELIMINATED
 from fastlink.diagnostics.methods import SECONDS_PER_DESIGN, SECONDS_PER_METHOD, Subject, methods_for, race
-from fastlink.diagnostics.pareto import draw, front
+from fastlink.diagnostics.pareto import front
+from fastlink.diagnostics.picture import draw
 from fastlink.diagnostics.truth import truth_of
 from fastlink.doors import door
 from fastlink.engine.options import Check, check_options, optional

@@ -2,14 +2,11 @@
 
 from __future__ import annotations
 
-import io
 import textwrap
 from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
-from matplotlib.backends.backend_agg import FigureCanvasAgg
-from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from fastlink._text import short_number
@@ -18,9 +15,10 @@ from fastlink.drawing.marks import add_scale
 from fastlink.drawing.overlays import mode_line
 from fastlink.drawing.request import Request
 from fastlink.drawing.sheet import Sheet, Style
+from fastlink.plot.figure import NotebookFigure
 from fastlink.plot.labels import mathematical, units_text
 
-__all__ = ["Board", "Drawing"]
+__all__ = ["Board"]
 
 #: In inches: the width of one sheet by how many stand in a row, the margin, a line of text, the curves beside.
 WIDTHS = {1: 5.6, 2: 4.2, 3: 3.2, 4: 2.7}
@@ -33,15 +31,6 @@ AROUND, WIDE_AROUND = 0.09, 0.3
 LETTER = 0.072  # of the legend, in inches
 CAPTION_LETTERS, TITLE_LETTERS = 15, 12  # in an inch
 POINTS = 72.0
-
-
-class Drawing(Figure):
-    """A figure that notebooks show by itself."""
-
-    def _repr_png_(self) -> bytes:
-        page = io.BytesIO()
-        self.savefig(page, format="png", dpi=110)
-        return page.getvalue()
 
 
 class Board:
@@ -62,8 +51,7 @@ class Board:
         self.width = WIDTHS[columns]
         self.height = self.width * float(np.ptp(self.view[2:]) / np.ptp(self.view[:2]))
         self.scale = POINTS * self.width / float(np.ptp(self.view[:2]))
-        self.figure = Drawing()
-        FigureCanvasAgg(self.figure)
+        self.figure = NotebookFigure(layout=None)
         #: The axes with their places in inches, from the upper left corner.
         self.placed: list[tuple[Any, tuple[float, float, float, float]]] = []
         self.sheets: list[Sheet] = []

@@ -10,8 +10,8 @@ import numpy as np
 from fastlink.drawing.overlays import MODES, mode_line
 from fastlink.maps.units import half_turn
 from fastlink.plot.colours import drawable, limits_of
-from fastlink.plot.draw import cut
 from fastlink.plot.labels import mathematical, units_text
+from fastlink.plot.lines import cut
 from fastlink.space.degrees import RADIANS
 
 if TYPE_CHECKING:

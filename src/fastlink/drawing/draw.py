@@ -115,7 +115,7 @@ def draw(
         source, Options(branch, links, input, strip, curves, show, degrees, film is not None)
     )
     from fastlink.drawing.board import Board
-    from fastlink.plot.draw import style
+    from fastlink.plot.figure import style
 
     with style():
         board = Board(request)

@@ -11,7 +11,7 @@ from matplotlib.lines import Line2D
 from fastlink.drawing.following import ARMS, FAINT, add_arms, legend_of_loci
 from fastlink.drawing.places import samples_of
 from fastlink.facts.names import derivative_name
-from fastlink.plot.draw import LINES
+from fastlink.plot.colours import LINES
 from fastlink.plot.labels import mathematical
 
 if TYPE_CHECKING:

@@ -15,7 +15,12 @@ if TYPE_CHECKING:
     import xarray as xr
 
 __all__ = [
+    "ABSENT",
     "CYCLIC",
+    "INFINITE",
+    "LINES",
+    "VEIL",
+    "WITHOUT_BOUND",
     "are_counts",
     "colours_of",
     "count_colours",
@@ -28,11 +33,15 @@ __all__ = [
 ]
 
 CYCLIC = "twilight_shifted"
-# Colours of the codes that most mechanisms have, then of long lists of types.
+# Colours of assembly modes, and of the codes that most mechanisms have, then of long lists of types. All can be told
+# apart by people who do not see red, green or blue as others do: tests/plot/test_colours.py.
+LINES = ("#0b5fa5", "#d1495b", "#e69f00", "#56b4e9")
 FLAGS = (
-    *("#2a9d5c", "#e9c46a", "#b0b7c3", "#d1495b", "#333333", "#8a5fbf"),
-    *("#0b5fa5", "#f4a261", "#7fc8a9", "#8c564b", "#e377c2", "#17becf", "#bcbd22", "#5c6f7b", "#c9a0dc"),
+    *("#009e73", "#f0e442", "#c3c9d3", "#d55e00", "#333333", "#b10de0"),
+    *("#9af79a", "#6b3c0d", "#f782f7", "#0d5382", "#0d0df7", "#e0b153", "#b182b1", "#530d9a", "#e00d3c"),
 )
+ABSENT, INFINITE, VEIL = "0.78", "0.45", (1.0, 1.0, 1.0, 0.55)
+WITHOUT_BOUND = "grows without bound"
 MOST_COUNTS = 8
 # Matplotlib subtracts, multiplies and takes logarithms of values without a care for overflow.
 LARGEST, SMALLEST = 1e300, 1e-290
@@ -45,7 +54,7 @@ def colours_of(values: Any, regular: Any, half_turn: float | None) -> tuple[Any,
     An angle that passes from half a turn to minus half a turn has a cyclic map, values of both signs have zero in the
     middle.
     """
-    inside = values[:, regular]
+    inside = values[regular]
     low, high, extend = limits_of(values, inside, 2.0)
     if half_turn is not None and low < -0.9 * half_turn and high > 0.9 * half_turn:
         return Normalize(-half_turn, half_turn), matplotlib.colormaps[CYCLIC], "neither"

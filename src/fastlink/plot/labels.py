@@ -12,7 +12,7 @@ from fastlink._text import short_number
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["constants_of", "label_of", "mathematical", "plain", "title_of", "units_text"]
+__all__ = ["constants_of", "label_of", "mathematical", "plain", "title_of", "units_text", "valued"]
 
 GREEK = re.compile(
     "alpha|beta|gamma|delta|epsilon|zeta|eta|theta|kappa|lambda|mu|nu|xi|rho|sigma|tau|phi|chi|psi|omega"
@@ -65,7 +65,8 @@ def label_of(array: xr.DataArray, name: bool = True) -> str:
     return " ".join(parts) or plain(array.name)
 
 
-def _valued(array: xr.DataArray, value: object) -> str:
+def valued(array: xr.DataArray, value: object) -> str:
+    """Return a variable and its value, with symbol and units."""
     symbol = mathematical(str(array.attrs.get("symbol", array.name)))
     units = str(array.attrs.get("units", "1"))
     return f"{symbol} = {plain(short_number(value))}{'' if units == '1' else f' {units_text(units)}'}"
@@ -74,13 +75,13 @@ def _valued(array: xr.DataArray, value: object) -> str:
 def title_of(dataset: xr.Dataset, variable: xr.DataArray, fixed: Mapping[str, object]) -> str:
     """Return the name of a variable, and the values at which dimensions are fixed."""
     title = textwrap.fill(plain(variable.attrs.get("long_name", variable.name)), TITLE_WIDTH)
-    values = ", ".join(_valued(dataset[dim], value) for dim, value in fixed.items())
+    values = ", ".join(valued(dataset[dim], value) for dim, value in fixed.items())
     return f"{title}\n{values}" if values else title
 
 
 def constants_of(dataset: xr.Dataset) -> str:
     """Return the inputs that are the same for every design, a few to a line."""
     scalars = [coord for coord in dataset.coords.values() if coord.ndim == 0 and "symbol" in coord.attrs]
-    parts = [_valued(coord, coord.item()) for coord in scalars]
+    parts = [valued(coord, coord.item()) for coord in scalars]
     lines = [", ".join(parts[k : k + CONSTANTS_PER_LINE]) for k in range(0, len(parts), CONSTANTS_PER_LINE)]
     return ",\n".join(lines)

@@ -30,13 +30,15 @@ def plot_map(
     *,
     branch: int | None = None,
     at: Mapping[str, float] | None = None,
+    panels: str | None = None,
+    lines: str | None = None,
     degrees: bool = False,
     to: str | Path | None = None,
 ) -> Figure:
     """Draw one variable of a result.
 
     Over two dimensions it is a filled map, grey where the linkage does not assemble; over one, a line for each
-    assembly mode. Further dimensions are fixed by `at`.
+    assembly mode. A further dimension is shown by `panels` or `lines`; all others are fixed by `at`.
 
     Parameters
     ----------
@@ -48,6 +50,10 @@ def plot_map(
         One assembly mode; by default all, in one picture.
     at : mapping of str to float, optional
         Values at which dimensions are fixed, each at the nearest one in the result; angles in degrees if `degrees`.
+    panels : str, optional
+        A third dimension: a small map for each of at most six of its values, evenly over all, in the same colours.
+    lines : str, optional
+        A second dimension: a line for each of at most six of its values, in place of a map over both.
     degrees : bool, default False
         Show angles in degrees: axes, colours, values that are fixed and those in `at`.
     to : path, optional
@@ -71,19 +77,26 @@ def plot_map(
     >>> figure = plot_map(maps, "transmission_angle_min", at={"a4": 1.0})
     >>> figure.axes[0].get_xlabel()
     'length of the coupler AB $a_{2}$ [m]'
+    >>> grid = plot_map(maps, "transmission_angle_min", panels="a4")
+    >>> [axis.get_title() for axis in grid.axes[:2]]
+    ['$a_{4}$ = 0.9 m', '$a_{4}$ = 1 m']
     """
     require_matplotlib("plot")
-    from fastlink.plot.draw import draw, style
+    from fastlink.plot.draw import draw
+    from fastlink.plot.figure import style
 
     path = None if to is None else check_picture(to, "to")
     check_switch(("degrees",), degrees)
     if at is not None and (not isinstance(at, Mapping) or hasattr(at, "data_vars")):
         remedy = ("write such as ", Setting("at", {"a4": 1.0}))
         raise InputError(f"is {short_repr(at)}", where=("at",), remedy=remedy)
+    splits = [(key, dim) for key, dim in (("panels", panels), ("lines", lines)) if dim is not None]
+    if len(splits) > 1:
+        raise InputError("is given beside panels", where=("lines",), remedy="leave one of them out")
     with as_map(maps) as dataset:
         if degrees:
             dataset = degrees_along(dataset)
-        shown = select(dataset, name, branch, at or {})
+        shown = select(dataset, name, branch, at or {}, *splits)
         if degrees:
             shown = replace(shown, variable=in_degrees(shown.variable))
         with style():

@@ -20,9 +20,10 @@ from fastlink.space.values import is_number
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["Selection", "nearest_place", "select"]
+__all__ = ["MOST_BESIDE", "Selection", "nearest_place", "select", "spread"]
 
 MOST_CELLS = 1600  # along each side, more than the pixels of a picture
+MOST_BESIDE = 6  # values of one dimension, or panels, side by side
 COUNTS = {1: "one", 2: "two", 3: "three"}
 
 
@@ -42,6 +43,8 @@ class Selection:
         The status of each cell, where the cells of a map are designs.
     names : dict
         The labels along dimensions whose coordinates are not numbers; these have their places instead.
+    split : str, optional
+        The dimension whose values are shown beside each other.
     """
 
     variable: xr.DataArray
@@ -49,22 +52,36 @@ class Selection:
     fixed: dict[str, Any]
     status: xr.DataArray | None
     names: dict[str, list[str]]
+    split: str | None = None
 
 
-def select(dataset: xr.Dataset, name: str, branch: int | None, at: Mapping[str, float]) -> Selection:
-    """Return what a picture of a variable shows, or refuse the request."""
+def select(
+    dataset: xr.Dataset,
+    name: str,
+    branch: int | None,
+    at: Mapping[str, float],
+    split: tuple[str, Any] | None = None,
+) -> Selection:
+    """Return what a picture of a variable shows, or refuse the request.
+
+    `split` is ``("panels", DIM)`` or ``("lines", DIM)``: the option and the dimension some of whose values are shown
+    beside each other.
+    """
     variable = _variable(dataset, name)
     if branch is not None:
         variable = _one_branch(variable, branch)
-    places, fixed = _fixed(variable, dict(at))
+    if split is not None:
+        _check_split(variable, *split, at)
+    beside = None if split is None else str(split[1])
+    places, fixed = _fixed(variable, dict(at), beside)
     if variable.size == 0:
         empty = next(str(dim) for dim, length in variable.sizes.items() if not length)
         what = f"{name} has no values along {empty}"
         raise InputError(what, where=("plot",), remedy="select at least one value")
     variable = variable.isel(places)
-    free = [str(dim) for dim in variable.dims if dim != BRANCH]
-    _check_free(variable, name, free)
-    status = _status(dataset, name, places, free)
+    free = [str(dim) for dim in variable.dims if dim not in (BRANCH, beside)]
+    _check_free(variable, name, free, split)
+    status = _status(dataset, name, places, free, beside)
     drawn: list[xr.DataArray] = [variable] if status is None else [variable, status]
     names: dict[str, list[str]] = {}
     for dim in free:
@@ -77,7 +94,38 @@ def select(dataset: xr.Dataset, name: str, branch: int | None, at: Mapping[str, 
         step = -(-along.size // MOST_CELLS) if len(free) == 2 else 1
         names |= {dim: names[dim][::step]} if dim in names else {}
         drawn = [array.isel({dim: order[::step]}) for array in drawn]
-    return Selection(drawn[0].load(), free, fixed, drawn[1].load() if status is not None else None, names)
+    if beside is not None:
+        few = _few(variable, beside)
+        drawn = [array.isel({beside: few}) if beside in array.dims else array for array in drawn]
+    read = [array.load() for array in drawn]
+    return Selection(read[0], free, fixed, read[1] if status is not None else None, names, beside)
+
+
+def _check_split(variable: xr.DataArray, option: str, dim: Any, at: Mapping[str, float]) -> None:
+    """Refuse a dimension whose values cannot stand beside each other."""
+    known = [str(key) for key in variable.dims if key != BRANCH]
+    check_choice((option,), dim, known, f" to {variable.name}")
+    if dim in at:
+        what = f"{dim} is fixed by at"
+        raise InputError(what, where=(option,), remedy="leave one of them out")
+
+
+def _few(variable: xr.DataArray, dim: str) -> Any:
+    """Return some places along a dimension by growing values, evenly over all of them."""
+    values = variable[dim].values
+    order = np.argsort(values, kind="stable") if _is_scale(values) else np.arange(len(values))
+    return order[spread(len(order), MOST_BESIDE)]
+
+
+def spread(count: int, most: int) -> Any:
+    """Return some of so many places, evenly over all, the first and the last among them.
+
+    Examples
+    --------
+    >>> spread(5, 6).tolist(), spread(101, 6).tolist()
+    ([0, 1, 2, 3, 4], [0, 20, 40, 60, 80, 100])
+    """
+    return np.unique(np.linspace(0, count - 1, min(count, most)).round().astype(int))
 
 
 def _variable(dataset: xr.Dataset, name: Any) -> xr.DataArray:
@@ -102,13 +150,15 @@ def _one_branch(variable: xr.DataArray, branch: Any) -> xr.DataArray:
     return variable.isel({BRANCH: [known.index(branch)]}) if BRANCH in variable.dims else variable
 
 
-def _fixed(variable: xr.DataArray, at: dict[str, Any]) -> tuple[dict[str, int], dict[str, Any]]:
+def _fixed(
+    variable: xr.DataArray, at: dict[str, Any], beside: str | None
+) -> tuple[dict[str, int], dict[str, Any]]:
     """Return place and value of each dimension that is fixed: by `at`, or as it has one value alone."""
     places: dict[str, int] = {}
     for key in variable.dims:
         if key in at and key != BRANCH:
             places[str(key)] = nearest_place(str(key), variable[key].values, at.pop(str(key)))
-        elif variable.sizes[key] == 1 and key != BRANCH:
+        elif variable.sizes[key] == 1 and key not in (BRANCH, beside):
             places[str(key)] = 0
     for dim in at:
         known = [str(key) for key in variable.dims if key != BRANCH]
@@ -147,14 +197,24 @@ def _finite(value: Any) -> float | None:
     return number if math.isfinite(number) else None
 
 
-def _check_free(variable: xr.DataArray, name: str, free: list[str]) -> None:
-    """Refuse to draw over no dimension, or over more than two."""
+def _check_free(variable: xr.DataArray, name: str, free: list[str], split: tuple[str, Any] | None) -> None:
+    """Refuse to draw over no dimension, or over more than two; lines run along one, panels have two."""
+    if split is not None and len(free) == {"lines": 2, "panels": 1}[split[0]]:
+        option, other = ("lines", "panels") if split[0] == "lines" else ("panels", "lines")
+        what = f"{name} has the dimensions {', '.join([*free, str(split[1])])}"
+        remedy = (
+            "write ",
+            Setting(other, str(split[1])),
+            *((", or fix one by at",) if option == "lines" else ()),
+        )
+        raise InputError(what, where=(option,), remedy=remedy)
     if len(free) > 2:
         what = f"{name} has the dimensions {', '.join(_listed(variable[dim]) for dim in free)}"
         values = variable[free[-1]].values
         middle = float(f"{values[len(values) // 2]:g}") if _is_scale(values) else 0
         count = COUNTS.get(len(free) - 2, str(len(free) - 2))
-        remedy = (f"fix {count} of them by ", Setting("at", {free[-1]: middle}))
+        beside = (", or show some values side by side by ", Setting("panels", free[-1]))
+        remedy = (f"fix {count} of them by ", Setting("at", {free[-1]: middle}), *(() if split else beside))
         raise InputError(what, where=("plot",), remedy=remedy)
     if not free:
         text = ", ".join(map(short_number, variable.values.ravel()))
@@ -180,13 +240,14 @@ def _by_place(array: xr.DataArray, dim: str) -> xr.DataArray:
 
 
 def _status(
-    dataset: xr.Dataset, name: str, places: Mapping[str, int], free: list[str]
+    dataset: xr.Dataset, name: str, places: Mapping[str, int], free: list[str], beside: str | None
 ) -> xr.DataArray | None:
     """Return the status of the designs of a map, or None if its cells are not designs."""
     if name == STATUS or STATUS not in dataset.data_vars or len(free) != 2:
         return None
     status = dataset[STATUS]
     status = status.isel({dim: place for dim, place in places.items() if dim in status.dims})
-    if set(status.dims) != set(free) or status.dtype.kind not in "iu" or not flags_of(status):
+    known = set(status.dims) - {beside} == set(free)
+    if not known or status.dtype.kind not in "iu" or not flags_of(status):
         return None
-    return status.transpose(free[1], free[0])
+    return status.transpose(..., free[1], free[0])

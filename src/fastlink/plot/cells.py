@@ -1,0 +1,242 @@
+"""Draw a variable over two dimensions, as a map, or as a grid of maps."""
+
+from __future__ import annotations
+
+import textwrap
+import warnings
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from matplotlib.colors import ListedColormap, LogNorm
+from matplotlib.patches import Patch
+from matplotlib.ticker import LogLocator, MaxNLocator
+
+from fastlink.maps.flags import flags_of
+from fastlink.maps.units import half_turn
+from fastlink.plot.colours import (
+    ABSENT,
+    CYCLIC,
+    INFINITE,
+    VEIL,
+    WITHOUT_BOUND,
+    are_counts,
+    colours_of,
+    count_colours,
+    drawable,
+    flag_colours,
+    flag_handles,
+    flag_indices,
+    near,
+)
+from fastlink.plot.labels import label_of
+from fastlink.plot.panels import name_places, panels_of, sameness
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+    from fastlink.plot.panels import Panel
+    from fastlink.plot.selection import Selection
+
+__all__ = ["draw_maps"]
+
+CONTOURS = 8
+BESIDE, BELOW, NARROW = 32, 60, 40  # letters in a line of a legend
+COLUMNS = 3  # of a grid
+LARGE, SMALL = (5.2, 5.0), (3.5, 3.1)  # panels, in inches
+
+
+def draw_maps(figure: Any, shown: Selection) -> None:
+    """Draw a panel for each assembly mode and each value of the dimension that is split."""
+    variable, free, status = shown.variable, shown.free, shown.status
+    rows = _wrapped(panels_of(shown))
+    panels = [panel for row in rows for panel in row]
+    axes = _axes(figure, shown, rows, bool(flags_of(variable)))
+    values = np.stack([panel.array.transpose(free[1], free[0]).values for panel in panels]).astype(float)
+    codes, flags = _codes(status, panels), {} if status is None else flags_of(status)
+    same = sameness(variable, values)
+    infinite = np.isinf(values)
+    values = np.where(infinite, np.nan, drawable(values))
+    plain = bool(flags_of(variable)) or are_counts(
+        values
+    )  # neither has contours, neither grows without bound
+    veiled = _veiled(values, codes, flags)
+    norm, colours, extend = _scale(variable, values, ~veiled)
+    veiled &= not plain
+    x, y = (variable[dim].values for dim in free)
+    for axis, panel, cells, beyond, veil in zip(axes, panels, values, infinite, veiled, strict=True):
+        axis.set_facecolor(ABSENT)
+        drawn = flag_indices(variable, cells) if flags_of(variable) else near(cells, norm)
+        image = _fill(axis, x, y, np.ma.masked_invalid(drawn), norm=norm, cmap=colours)
+        if beyond.any():
+            _fill(axis, x, y, np.ma.masked_equal(beyond, False), cmap=ListedColormap([INFINITE]))
+        if not plain:
+            if colours.name != CYCLIC and not same:
+                _add_contours(axis, x, y, np.where(veil, np.nan, cells), norm, small=shown.split is not None)
+            _add_veil(axis, x, y, veil)
+        axis.set_title(panel.title)
+        if same:
+            _write(axis, same)
+    handles = flag_handles(variable, values) if flags_of(variable) else []
+    if not flags_of(variable) and not same:
+        bar = figure.colorbar(image, ax=list(axes), extend=extend, pad=0.02, ticks=_bar_ticks(values))
+        bar.set_label(label_of(variable, name=False))
+    handles += _reasons(codes, flags, veiled, infinite, np.isnan(values) & ~infinite)
+    _add_legend(axes, handles, beside=bool(flags_of(variable)))
+
+
+def _wrapped(rows: list[list[Panel]]) -> list[list[Panel]]:
+    """Return rows of panels of which none is long: one row of many values becomes several."""
+    if len(rows) > 1 and all(len(row) == 1 for row in rows):
+        return [[row[0] for row in rows]]
+    (first, *others) = rows
+    if others or len(first) <= COLUMNS:
+        return rows
+    columns = 2 if len(first) == 4 else COLUMNS
+    return [first[k : k + columns] for k in range(0, len(first), columns)]
+
+
+def _axes(figure: Any, shown: Selection, rows: list[list[Panel]], is_code: bool) -> list[Any]:
+    """Return the axes of all panels, row by row, labelled at the outer ones."""
+    columns = len(rows[0])
+    width, height = LARGE if shown.split is None else SMALL
+    legend = 3.0 if is_code else 1.6
+    figure.set_size_inches(legend + width * columns, height * len(rows) + 0.9 * (len(rows) > 1))
+    grid = figure.subplots(len(rows), columns, sharex=True, sharey=True, squeeze=False)
+    variable, free = shown.variable, shown.free
+    taken = []
+    for i, row in enumerate(rows):
+        for j, axis in enumerate(grid[i]):
+            if j >= len(row):
+                axis.set_visible(False)
+                grid[i - 1][j].tick_params(labelbottom=True)
+                continue
+            taken.append(axis)
+            if i == len(rows) - 1 or j >= len(rows[i + 1]):
+                axis.set_xlabel(label_of(variable[free[0]]))
+                if free[0] in shown.names:
+                    name_places(axis.xaxis, shown.names[free[0]], turned=True)
+            if j == 0:
+                axis.set_ylabel(label_of(variable[free[1]]))
+                if free[1] in shown.names:
+                    name_places(axis.yaxis, shown.names[free[1]], turned=False)
+            if shown.split is not None:
+                axis.xaxis.label.set_fontsize(8.5)
+                axis.yaxis.label.set_fontsize(8.5)
+                axis.title.set_fontsize(9.5)
+    return taken
+
+
+def _codes(status: xr.DataArray | None, panels: Sequence[Panel]) -> Any:
+    """Return the status of each cell of each panel, or None."""
+    if status is None:
+        return None
+    return np.stack([status.values if status.ndim == 2 else status.values[panel.place] for panel in panels])
+
+
+def _veiled(values: Any, codes: Any, flags: Mapping[str, int]) -> Any:
+    """Return the cells of designs with toggles, where rates grow without bound.
+
+    There are none where all cells are such: a veil over all of them would distinguish nothing.
+    """
+    if codes is None:
+        return np.zeros(values.shape, bool)
+    present = np.isfinite(values)
+    veiled = present & (codes != next(iter(flags.values())))
+    return veiled & (present & ~veiled).any()
+
+
+def _scale(variable: xr.DataArray, values: Any, regular: Any) -> tuple[Any, Any, str]:
+    """Return norm, colour map and open ends for codes, counts or numbers."""
+    if flags_of(variable):
+        return flag_colours(variable)
+    if are_counts(values):
+        return count_colours(values)
+    return colours_of(values, regular, half_turn(variable.attrs.get("units")))
+
+
+def _bar_ticks(values: Any) -> Any:
+    return MaxNLocator(integer=True) if are_counts(values) else None
+
+
+def _fill(axis: Any, x: Any, y: Any, cells: Any, **colours: Any) -> Any:
+    return axis.pcolormesh(x, y, cells, shading="nearest", rasterized=True, **colours)
+
+
+def _write(axis: Any, text: str) -> None:
+    """Write a text in the middle of a panel, in place of a scale of colours that would show nothing."""
+    box = {"facecolor": "white", "edgecolor": "0.7", "boxstyle": "round,pad=0.5"}
+    axis.text(0.5, 0.5, textwrap.fill(text, 30), transform=axis.transAxes, ha="center", va="center", bbox=box)
+
+
+def _reasons(codes: Any, flags: Mapping[str, int], veiled: Any, infinite: Any, absent: Any) -> list[Patch]:
+    """Return the legend of cells under the veil, without bound, or without a value."""
+    handles = []
+    if veiled.any():
+        label = _meanings(codes[veiled], flags)
+        handles.append(Patch(facecolor=VEIL, edgecolor="0.35", linewidth=0, hatch="////", label=label))
+    if infinite.any():
+        handles.append(Patch(facecolor=INFINITE, label=WITHOUT_BOUND))
+    if absent.any():
+        label = _why_absent(None if codes is None else codes[absent], flags)
+        handles.append(Patch(facecolor=ABSENT, label=label))
+    return handles
+
+
+def _add_contours(axis: Any, x: Any, y: Any, cells: Any, norm: Any, small: bool) -> None:
+    if min(cells.shape) < 2 * CONTOURS or not np.isfinite(cells).any():
+        return
+    locator = LogLocator(subs=(1.0, 2.0, 5.0)) if isinstance(norm, LogNorm) else MaxNLocator(CONTOURS)
+    levels = [level for level in locator.tick_values(norm.vmin, norm.vmax) if norm.vmin < level < norm.vmax]
+    line = {"colors": "white", "linestyles": "solid", "linewidths": 0.7, "alpha": 0.8}
+    with warnings.catch_warnings():
+        warnings.filterwarnings("ignore", "No contour levels were found")
+        lines = axis.contour(x, y, np.ma.masked_invalid(cells), levels, **line)
+    axis.clabel(lines, fontsize=6.5 if small else 7.5, fmt="%g")
+
+
+def _add_veil(axis: Any, x: Any, y: Any, veiled: Any) -> None:
+    """Cover the cells of designs with toggles with a light veil, and hatch them."""
+    if min(veiled.shape) < 2 or not veiled.any():
+        return
+    _fill(axis, x, y, np.ma.masked_equal(veiled, False), cmap=ListedColormap([VEIL]))
+    outer_x, outer_y = (
+        np.concatenate(([1.5 * v[0] - 0.5 * v[1]], v, [1.5 * v[-1] - 0.5 * v[-2]])) for v in (x, y)
+    )
+    padded = np.pad(veiled.astype(float), 1, mode="edge")
+    axis.contourf(outer_x, outer_y, padded, levels=[0.5, 1.5], colors="none", hatches=["////"])
+
+
+def _add_legend(axes: Sequence[Any], handles: Sequence[Any], beside: bool) -> None:
+    """Add a legend below the first column of panels; for codes beside the last, as they have no colour bar."""
+    if not handles:
+        return
+    rows, columns = axes[0].get_gridspec().get_geometry()
+    small = rows > 1 or columns > 2
+    letters = BESIDE if beside else NARROW if small else BELOW
+    for handle in handles:
+        handle.set_label(textwrap.fill(handle.get_label(), letters))
+    look: dict[str, Any] = {"handles": handles, "frameon": False, "loc": "upper left", "borderaxespad": 0.0}
+    if beside:
+        axes[columns - 1].legend(**look, bbox_to_anchor=(1.02, 1.0))
+    elif small:
+        axes[(rows - 1) * columns].legend(**look, bbox_to_anchor=(0.0, -0.24), fontsize=8.5)
+    else:
+        together = 3 if sum(len(handle.get_label()) for handle in handles) < BELOW else 1
+        axes[0].legend(**look, bbox_to_anchor=(0.0, -0.13), ncols=together)
+
+
+def _why_absent(codes: Any, flags: Mapping[str, int]) -> str:
+    """Return why cells have no value: also designs that assemble may lack one."""
+    if codes is None:
+        return "does not assemble"
+    never = [code for meaning, code in flags.items() if meaning in ("never_assembles", "invalid_input")]
+    fails = np.isin(codes, never)
+    return " or ".join(["does not assemble"] * bool(fails.any()) + ["has no value"] * bool((~fails).any()))
+
+
+def _meanings(codes: Any, flags: Mapping[str, int]) -> str:
+    """Return what the statuses but the first mean, the most frequent one first."""
+    counts = {meaning: int((codes == code).sum()) for meaning, code in list(flags.items())[1:]}
+    present = sorted((meaning for meaning in counts if counts[meaning]), key=lambda meaning: -counts[meaning])
+    return ", ".join(present).replace("_", " ")
