@@ -195,6 +195,7 @@ def plot(
             "--at", metavar="DIM=VALUE", help="Fix a dimension at its nearest value; may be repeated."
         ),
     ] = None,
+    *,
     panels: Annotated[
         str | None,
         typer.Option("--panels", metavar="DIM", help="A small map for each of some values of a third input."),

@@ -49,7 +49,7 @@ class Panel:
 
     @property
     def title(self) -> str:
-        """What tells it from the others."""
+        """Return the text that tells it from the others."""
         return ", ".join(filter(None, (self.modes, self.value)))
 
 
