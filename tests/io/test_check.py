@@ -17,16 +17,6 @@ from tests.support.refusals import refused
 import fastlink as fl
 from fastlink.io import checksums
 from fastlink.io.writing import journal
-from fastlink.io.writing.journal import journal_of, read_journal
-
-
-@pytest.fixture
-def small_blocks(monkeypatch):
-    """Blocks as small as those of a large map are to it."""
-    for module in ("checksums", "writing.skeleton", "writing.resume"):
-        monkeypatch.setattr(f"fastlink.io.{module}.BLOCK_BYTES", 256)
-    monkeypatch.setattr("fastlink.io.writing.resume.READ_BYTES", 1024)
-    monkeypatch.setattr(checksums, "READ_BYTES", 1000)
 
 
 def test_a_sum_of_pieces_in_any_order_is_the_crc_of_the_block():
@@ -64,41 +54,12 @@ def test_checksums_are_read_without_fastlink(tmp_path, space, small_blocks):
     assert rest == zlib.crc32(whole)
 
 
-def flips(path, count, seed):
-    """Yield a file's bytes with one bit changed, at random places."""
-    rng = np.random.default_rng(seed)
-    whole = path.read_bytes()
-    for place in rng.integers(0, len(whole), count):
-        changed = bytearray(whole)
-        changed[place] ^= 1 << int(rng.integers(8))
-        yield int(place), bytes(changed)
-
-
 def noticed(path):
     """Tell whether a check sees that a file has changed."""
     try:
         return not fl.check(path)
     except fl.InputError:
         return True
-
-
-def test_any_changed_bit_is_noticed(tmp_path, small_blocks):
-    path = Sample().save(tmp_path / "m.h5")
-    changed = tmp_path / "changed.h5"
-    for place, content in flips(path, 150, seed=1):
-        changed.write_bytes(content)
-        assert noticed(changed), place
-
-
-@pytest.mark.stress
-def test_any_changed_byte_is_noticed(tmp_path, small_blocks):
-    sample = Sample()
-    sample.attrs["study"] = "short"  # that of the sample fills most of its file
-    path = sample.save(tmp_path / "m.h5")
-    whole, changed = path.read_bytes(), tmp_path / "changed.h5"
-    for place in range(len(whole)):
-        changed.write_bytes(whole[:place] + bytes([whole[place] ^ 0x10]) + whole[place + 1 :])
-        assert noticed(changed), place
 
 
 def test_what_has_changed_is_told(tmp_path, small_blocks):
@@ -183,37 +144,6 @@ def test_a_partial_file_that_was_cut_off_goes_on_before_the_cut(interrupted):
     os.truncate(part, start + 35 * 2 * 8 * 8 + 5)  # 35 designs of two branches and eight angles, and a little
     with pytest.warns(fl.InputWarning, match="they are computed again"):
         assert assert_goes_on(path, expected) == 34  # a block holds two designs of theta4
-
-
-def changed_partial(path, which, count, seed, expected):
-    part = path.with_name("m.h5.part")
-    whole, notes = part.read_bytes(), journal_of(part).read_bytes()
-    target = part if which == "values and labels" else journal_of(part)
-    outcomes = []
-    for _, content in flips(target, count, seed):
-        part.write_bytes(whole)
-        journal_of(part).write_bytes(notes)
-        target.write_bytes(content)
-        outcomes.append(assert_goes_on(path, expected))
-        path.unlink()
-    return outcomes
-
-
-@pytest.mark.filterwarnings("ignore::fastlink.InputWarning")
-@pytest.mark.parametrize("which", ["values and labels", "journal"])
-def test_a_partial_file_with_any_changed_bit_ends_right(interrupted, which):
-    path, expected = interrupted
-    assert read_journal(path.with_name("m.h5.part"))[1] == [(0, 40)]
-    changed_partial(path, which, 6, 3, expected)
-
-
-@pytest.mark.stress
-@pytest.mark.filterwarnings("ignore::fastlink.InputWarning")
-@pytest.mark.parametrize("which", ["values and labels", "journal"])
-def test_a_partial_file_with_any_changed_bit_ends_right_many_times(interrupted, which):
-    path, expected = interrupted
-    outcomes = changed_partial(path, which, 300, 4, expected)
-    assert len(set(outcomes)) > 1  # some cost designs
 
 
 @pytest.mark.skipif(not os.path.exists("/proc/self/mem"), reason="of Linux")

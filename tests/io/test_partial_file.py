@@ -5,6 +5,7 @@ import multiprocessing
 import os
 import resource
 import signal
+import tempfile
 import threading
 from concurrent.futures import ThreadPoolExecutor
 
@@ -17,7 +18,7 @@ from fastlink.errors import InputError
 from fastlink.io import place
 from fastlink.io.dataset import Variable, coordinates
 from fastlink.io.reader import open_map
-from fastlink.io.writing import partial_file, target
+from fastlink.io.writing import partial_file, skeleton, target
 from fastlink.io.writing.skeleton import lay_out
 from fastlink.io.writing.target import check_target
 from fastlink.io.writing.writer import Writer
@@ -70,6 +71,34 @@ def test_what_a_killed_run_left_is_replaced(tmp_path, other_process):
     assert left_in(tmp_path) == ["m.h5"]
     with open_map(path) as opened:
         xr.testing.assert_identical(opened, sample.expected())
+
+
+def lay_labels_and_be_killed(path, named):
+    def killed(*args):
+        links = [f"/proc/self/fd/{fd}" for fd in os.listdir("/proc/self/fd")]
+        names = [os.readlink(link) for link in links if os.path.lexists(link)]
+        named.send([name for name in names if os.path.isfile(name)])
+        os.kill(os.getpid(), signal.SIGKILL)
+
+    skeleton.create_checksums = killed
+    tempfile.tempdir = str(path.parent)
+    Sample().writer(path)
+
+
+@pytest.mark.skipif(not hasattr(os, "memfd_create"), reason="files without a name are of Linux")
+def test_a_kill_while_labels_are_laid_out_leaves_no_file_elsewhere(tmp_path):
+    context = multiprocessing.get_context("spawn")
+    named, end = context.Pipe(duplex=False)
+    process = context.Process(target=lay_labels_and_be_killed, args=(tmp_path / "m.h5", end))
+    process.start()
+    assert named.poll(60)
+    opened = [name for name in named.recv() if name.endswith((".h5", ".part", ".new"))]
+    process.join()
+    assert process.exitcode == -signal.SIGKILL
+    assert opened == [str(tmp_path / "m.h5.part")]
+    assert left_in(tmp_path) == ["m.h5.part"]
+    Sample().save(tmp_path / "m.h5")
+    assert left_in(tmp_path) == ["m.h5"]
 
 
 def test_the_room_of_what_a_killed_run_left_is_given_back_first(tmp_path, monkeypatch):
@@ -197,7 +226,9 @@ def test_a_disk_that_is_too_small_is_refused_before_anything_is_written(tmp_path
         check_target(tmp_path / "m.h5", 10**15, False)
     message = str(caught.value)
     assert message.startswith(f"to: {tmp_path / 'm.h5'} needs 1e+03 TB but ")
-    assert message.endswith(" are free; ask for fewer quantities or designs, or choose another disk")
+    assert message.endswith(
+        " are free; make room, choose another disk, or ask for fewer quantities or designs"
+    )
     assert left_in(tmp_path) == []
 
 
@@ -206,7 +237,7 @@ def test_what_a_killed_run_left_counts_as_free(tmp_path, monkeypatch):
     monkeypatch.setattr(target, "free_bytes", lambda path: place.SLACK)
     monkeypatch.setattr(place, "free_bytes", lambda path: place.SLACK)
     assert check_target(tmp_path / "m.h5", 3_900_000, False) == tmp_path / "m.h5"
-    with pytest.raises(InputError, match=r"needs 4\.2 MB but 1\.05 MB are free"):
+    with pytest.raises(InputError, match=r"needs 5\.25 MB but 1\.05 MB are free"):
         check_target(tmp_path / "m.h5", 4_200_000, False)
 
 

@@ -96,8 +96,8 @@ def no_room(path: Path, nbytes: int, error: Exception | None = None) -> InputErr
     ):  # another quota, or what was taken has been given back since
         return refused(f"{path}: the disk or its quota was full{why}", "make room, or choose another disk")
     return refused(
-        f"{path} needs {size(nbytes)} but {size(free_bytes(path))} are free{why}",
-        "ask for fewer quantities or designs, or choose another disk",
+        f"{path} needs {size(nbytes + SLACK)} but {size(free_bytes(path))} are free{why}",
+        "make room, choose another disk, or ask for fewer quantities or designs",
     )
 
 

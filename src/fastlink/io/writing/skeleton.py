@@ -25,14 +25,14 @@ from fastlink.io.checksums import (
 from fastlink.io.dataset import Variable, plain_attrs
 from fastlink.io.parts import WHOLE
 from fastlink.io.place import SLACK
-from fastlink.io.writing.partial_file import create, make_sure_of_room, released, write_all
+from fastlink.io.writing.partial_file import create, make_sure_of_room, released, reserve, write_all
 
 PAGE_BYTES = 4096
 #: What a file that cannot be read or written raises, through HDF5 too.
 OF_HDF5 = (OSError, EOFError, RuntimeError, KeyError)
-#: The folder of files in memory, on Linux.
-MEMORY = "/dev/shm"
 ALIGNED = {"alignment_threshold": PAGE_BYTES, "alignment_interval": PAGE_BYTES}
+#: The driver of HDF5 that opens a file without a name; the usual one asks for the name behind a link.
+NAMELESS: Any = {"driver": "stdio"}
 
 
 def lay_out(
@@ -42,22 +42,25 @@ def lay_out(
     attrs: Mapping[str, Any],
     whole: xr.Dataset | None = None,
 ) -> dict[str, int]:
-    """Create the file with labels, without values; return the variables' offsets.
+    """Write labels to a file that exists, and reserve room for values; return the variables' offsets.
 
     `whole` are coordinates of the map that the file is a part of.
     """
-    make_sure_of_room(path, coords.nbytes + (0 if whole is None else whole.nbytes) + SLACK)
+    labels = coords.nbytes + (0 if whole is None else whole.nbytes) + SLACK
+    with open(path, "r+b") as file:  # where HDF5 had no room it might crash the process, or not say why
+        reserve(file.fileno(), labels)
+        file.truncate(labels + sum(variable.nbytes for variable in variables))
     labelled = coords.assign_attrs(plain_attrs(attrs))
     computed = [variable for variable in variables if variable.is_coordinate]
     computed.sort(key=lambda variable: variable.dims != (variable.name,))  # the dimension of the others first
     scales = [variable.name for variable in computed if variable.dims == (variable.name,)]
     along = [name for name, coord in coords.coords.items() if set(scales) & set(coord.dims)]
     _to_netcdf(path, labelled.drop_vars(along), "w")
-    with h5py.File(path, "r+", **ALIGNED) as file:
+    with h5py.File(path, "r+", **ALIGNED, **NAMELESS) as file:
         offsets = {variable.name: _create(file, coords, variable, []) for variable in computed}
     if along:
         _to_netcdf(path, coords[along].reset_coords()[along].drop_attrs(deep=False), "a")
-    with h5py.File(path, "r+", **ALIGNED) as file:
+    with h5py.File(path, "r+", **ALIGNED, **NAMELESS) as file:
         if whole is not None:
             _keep_whole(file, whole)
         offsets |= create_checksums(file, variables)
@@ -97,17 +100,30 @@ def _to_netcdf(path: Path, coords: xr.Dataset, mode: Literal["w", "a"]) -> None:
     """Write coordinates to a file, or to one that has others."""
     # without _FillValue: None xarray declares NaN a fill value of every coordinate
     encoding = {name: {"_FillValue": None} for name in coords.variables}
-    coords.to_netcdf(path, mode=mode, engine="h5netcdf", encoding=encoding)
+    store = xr.backends.H5NetCDFStore.open(str(path), mode, **NAMELESS)
+    try:
+        coords.dump_to_store(store, encoding=encoding)
+    finally:
+        store.close()
 
 
 @contextlib.contextmanager
 def scratch() -> Iterator[Path]:
-    """Yield the path of a file for HDF5 to write: in memory, where the system has such files.
+    """Yield the path of an empty file for HDF5 to write: in memory and without a name, where the system has such files.
 
     An error of the disk amid HDF5's own writes may end the process by a violation of memory; amid ours, which copy the
-    file to its place, it is an exception.
+    file to its place, it is an exception. A file without a name is gone with the process, however that ends.
     """
-    fd, name = tempfile.mkstemp(".h5", "fastlink-", MEMORY if os.access(MEMORY, os.W_OK | os.X_OK) else None)
+    if hasattr(os, "memfd_create"):
+        fd = os.memfd_create("fastlink.h5")
+        try:
+            path = Path(f"/proc/self/fd/{fd}")
+            if path.exists():
+                yield path
+                return
+        finally:
+            os.close(fd)
+    fd, name = tempfile.mkstemp(".h5", "fastlink-")
     os.close(fd)
     try:
         yield Path(name)
@@ -207,7 +223,7 @@ def set_attrs(
     with scratch() as path:
         with open(path, "r+b") as file:
             _copy(fd, file.fileno(), values)
-        with h5py.File(path, "r+") as file:
+        with h5py.File(path, "r+", **NAMELESS) as file:
             for group, added in (("/", attrs), *of_variables.items()):
                 for name, value in added.items():
                     file[group].attrs[name] = value

@@ -1,0 +1,16 @@
+"""What the tests of files share."""
+
+from __future__ import annotations
+
+import pytest
+
+from fastlink.io import checksums
+
+
+@pytest.fixture
+def small_blocks(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Make the blocks of checksums as small as those of a large map are to it."""
+    for module in ("checksums", "writing.skeleton", "writing.resume"):
+        monkeypatch.setattr(f"fastlink.io.{module}.BLOCK_BYTES", 256)
+    monkeypatch.setattr("fastlink.io.writing.resume.READ_BYTES", 1024)
+    monkeypatch.setattr(checksums, "READ_BYTES", 1000)
