@@ -24,6 +24,7 @@ if TYPE_CHECKING:
     from fastlink.engine.sweep import sweep as sweep
     from fastlink.errors import InputError as InputError
     from fastlink.errors import InputWarning as InputWarning
+    from fastlink.exploring.explore import explore as explore
     from fastlink.io.check import check as check
     from fastlink.io.converting.convert import convert as convert
     from fastlink.maps import finite as finite

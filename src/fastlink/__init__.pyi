@@ -21,6 +21,7 @@ from fastlink.engine.function import Function
 from fastlink.engine.join import join as join
 from fastlink.errors import InputError as InputError
 from fastlink.errors import InputWarning as InputWarning
+from fastlink.exploring.explore import explore as explore
 from fastlink.io.check import check as check
 from fastlink.io.converting.convert import convert as convert
 from fastlink.maps import finite as finite
@@ -72,6 +73,7 @@ __all__ = [
     "draw",
     "evaluate",
     "explain",
+    "explore",
     "finite",
     "focal",
     "function",

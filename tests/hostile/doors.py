@@ -371,6 +371,16 @@ DOORS: list[Door] = [
         | MORE,
         "",
     ),
+    Door(
+        "explore",
+        "fl.explore($maps, port=$port, browser=$browser).close()",
+        _slots(
+            maps=("dataset", "MAPS", "MAPS", DATASETS[-1]),
+            port=("count", "0", "1"),
+            browser=("flag", "False"),
+        ),
+        "",
+    ),
     Door("mechanisms", "fl.mechanisms($more)", dict(MORE), ""),
     Door("open", "fl.open($path)", _slots(path=("path", "'maps.h5'", "maps.h5")), ""),
     Door(

@@ -24,6 +24,7 @@ for function in (
     maps.best,
     maps.convert,
     maps.plot,
+    maps.explore,
     studies.accuracy,
     mechanisms.cache,
 ):

@@ -44,6 +44,7 @@ ELSEWHERE = {
     "best": ("front", "optimise", "optimize", "pareto", "rank", "sort", "top"),
     "check": ("fsck", "verify", "checksum"),
     "convert": ("export", "nccopy", "save", "to_netcdf", "transform"),
+    "explore": ("browse", "dashboard", "serve", "view"),
     "explain": ("estimate", "forecast", "plan"),
     "info": ("describe", "head", "open", "print", "show", "summary"),
     "join": ("concat", "combine", "merge"),

@@ -1,4 +1,4 @@
-"""The commands on maps: join, info, check, best, convert, plot."""
+"""The commands on maps: join, info, check, best, convert, plot, explore."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ import typer
 from fastlink.cli.app import MapFile, Overwrite, by_name, command, numbers_of, text_of
 from fastlink.errors import InputError, Setting
 
-__all__ = ["best", "check", "convert", "info", "join", "plot"]
+__all__ = ["best", "check", "convert", "explore", "info", "join", "plot"]
 
 CHANGED = 1
 
@@ -218,3 +218,26 @@ def plot(
     picture = to if to is not None else Path(f"{name}.png")
     plot_map(file, name, branch=branch, at=fixed, panels=panels, lines=lines, degrees=degrees, to=picture)
     typer.echo(str(picture))
+
+
+@command
+def explore(
+    file: MapFile,
+    port: Annotated[
+        int, typer.Option("--port", metavar="N", help="Where the page is served; 0 for a free port.")
+    ] = 0,
+    browser: Annotated[
+        bool, typer.Option("--browser/--no-browser", help="Open the page in the browser.", show_default=False)
+    ] = True,
+) -> None:
+    """Show a map in the browser, with the mechanism of each design moving, until Ctrl-C.
+
+    The page is served to this machine alone, to whoever has its address with the random token in it.
+    """
+    import threading
+
+    from fastlink.exploring.explore import explore as serve
+
+    with serve(file, port=port, browser=browser) as page:
+        typer.echo(f"{page.url}\nCtrl-C ends it")
+        threading.Event().wait()

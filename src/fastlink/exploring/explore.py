@@ -1,0 +1,103 @@
+"""Explore a map in a browser: the door."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from fastlink.doors import door
+from fastlink.errors import InputError
+from fastlink.io.reader import as_map
+from fastlink.options import check_switch, check_whole
+
+__all__ = ["Page", "explore"]
+
+INSTALL = "python -m pip install 'fastlink-linkages[explore]'"
+LAST_PORT = 65535
+
+
+class Page:
+    """A map that is shown in a browser, until it is closed.
+
+    Attributes
+    ----------
+    url : str
+        The address of the page on this machine, with the token without which it is refused.
+    """
+
+    def __init__(self, maps: Any, port: int) -> None:
+        from contextlib import ExitStack
+
+        from fastlink.exploring.server import Server
+        from fastlink.exploring.values import Values
+
+        with ExitStack() as stack:
+            dataset = stack.enter_context(as_map(maps))
+            self._server = Server(Values(dataset), port)
+            stack.callback(self._server.close)
+            self._stack = stack.pop_all()
+        self.url = self._server.url
+
+    def close(self) -> None:
+        """Stop serving."""
+        self._stack.close()
+
+    def __enter__(self) -> Page:
+        return self
+
+    def __exit__(self, *error: object) -> None:
+        self.close()
+
+    def __repr__(self) -> str:
+        return f"<fastlink page {self.url}>"
+
+    def _repr_html_(self) -> str:
+        return f'<a href="{self.url}" target="_blank" rel="noreferrer">Explore this map</a>'
+
+
+@door
+def explore(maps: Any, *, port: int = 0, browser: bool = True) -> Page:
+    """Show a map in a browser, served on this machine alone, by a page that needs no network.
+
+    The map as a picture, with a slider for each input that it does not show; the values under the cursor, and beside
+    them the mechanism of that design, moving. The address has a random token, and nothing but this map is served.
+
+    Parameters
+    ----------
+    maps : xarray.Dataset or path
+        From `fastlink.sweep`, `fastlink.run_study` or `fastlink.open`, or the file of a map; read where it is looked
+        at, so that it may be larger than memory.
+    port : int, default 0
+        Where it is served; 0 for a port that is free.
+    browser : bool, default True
+        Open the page in the browser of this machine.
+
+    Returns
+    -------
+    Page
+        With the address as ``url``; ``close()`` ends it, as the end of Python does.
+
+    Raises
+    ------
+    InputError
+        Not a map, the port is taken, or matplotlib is missing, whose colours are used.
+
+    Examples
+    --------
+    >>> import fastlink as fl
+    >>> space = fl.grid(a1=[0.3, 0.4, 0.5], a2=[1.1, 1.2, 1.3], a3=0.8, a4=1.0, omega1=10.0)
+    >>> maps = fl.sweep("planar_4r", space, ["omega4_max"], branch=1)
+    >>> with fl.explore(maps, browser=False) as page:
+    ...     page.url[:17]
+    'http://127.0.0.1:'
+    """
+    try:
+        import matplotlib  # noqa: F401
+    except ModuleNotFoundError:
+        raise InputError("matplotlib is not installed", where=("explore",), remedy=INSTALL) from None
+    check_switch(("browser",), browser)
+    page = Page(maps, check_whole(("port",), port, 0, LAST_PORT))
+    if browser:
+        import webbrowser
+
+        webbrowser.open(page.url)
+    return page

@@ -1,0 +1,72 @@
+// Designs that are locked, side by side; and what is written of them.
+"use strict";
+async function lock(at) {
+  if (!at || state.locks.some(one => JSON.stringify(one.at) === JSON.stringify(at))) return;
+  state.locks.push(await designAt(at));
+  said(`design ${state.locks.length} is locked`);
+  locksChanged();
+}
+function locksChanged() {
+  remember();
+  drawOver();
+  drawLocked();
+  if (design) drawMotion();
+}
+function drawLocked() {
+  const place = element("locked");
+  place.hidden = !state.locks.length;
+  if (place.hidden) { place.replaceChildren(); return; }
+  const number = k => make("span", {className: "number", textContent: k + 1});
+  const cards = make("div", {id: "cards"}, ...state.locks.map((one, k) => {
+    const show = button("Show", () => { Object.assign(state, {at: {...one.at}, cursor: one.at, held: true}); change({}); });
+    const drop = button("Remove", () => { state.locks.splice(k, 1); locksChanged(); }, {title: `Remove design ${k + 1}`});
+    return make("figure", {}, ...(mechanism ? [make("canvas", {})] : []), make("figcaption", {}, number(k), show, drop));
+  }));
+  place.replaceChildren(make("div", {className: "bar"}, make("h2", {textContent: "Locked designs"}),
+    button("CSV", () => download("designs.csv", csvOf(state.locks)), {id: "to-csv"}),
+    button("Remove all", () => { state.locks = []; locksChanged(); })), cards, make("div", {className: "scroll"}, comparison(number)));
+  drawCards();
+}
+function fieldsOf(entries) {
+  const along = content.dims.filter(of => of.length > 1 || of.values).filter(of => of.name !== "design");
+  return [...along, ...content.columns, ...content.variables].filter(of => entries.some(one => of.name in dims && of.name in one.at || of.name in one.row));
+}
+const valueIn = (of, {at, row}) => of.name in dims ? (of.values ? of.values[at[of.name]] : of.codes[at[of.name]]) : row[of.name];
+const textIn = (of, one) => of.name in dims ? coordinate(of, one.at[of.name]) : of.name in one.row ? shown(one.row[of.name], of, 6) : "";
+function comparison(number) {
+  const fields = fieldsOf(state.locks);
+  const head = make("tr", {}, make("th", {textContent: isSample ? "design" : ""}), ...state.locks.map((one, k) => make("th", {}, number(k), isSample ? ` ${one.at.design}` : "")));
+  const rows = fields.map(of => {
+    const values = state.locks.map(one => valueIn(of, one)), numbers = values.filter(Number.isFinite), differ = new Set(numbers).size > 1 && of.name in variables && !of.flags;
+    return make("tr", {}, make("td", {title: of.name}, ...symbolNodes(of.symbol), of.meaning), ...state.locks.map((one, k) => make("td", {
+      textContent: textIn(of, one), className: !differ ? "" : values[k] === Math.min(...numbers) ? "least" : values[k] === Math.max(...numbers) ? "most" : ""})));
+  });
+  return make("table", {id: "comparison"}, make("thead", {}, head), make("tbody", {}, ...rows));
+}
+function drawCards() {
+  if (!mechanism) return;
+  document.querySelectorAll("#cards canvas").forEach((canvas, k) => {
+    const one = state.locks[k];
+    if (one?.scene) drawLinkage(canvas, 130, one.scene, one.motion.played(state.share ?? 0.17), {small: true});
+    else if (one) { const {pen, width} = prepared(canvas, 130); write(pen, "does not assemble", width / 2, 65); }
+  });
+}
+
+// -- files --
+
+const plain = x => typeof x === "number" ? (Number.isNaN(x) ? "" : Number.isFinite(x) ? String(x) : x > 0 ? "inf" : "-inf") : JSON.stringify(x);
+function csvOf(entries) {
+  const inputs = mechanism ? Object.keys(inputsOf(entries[0].at, entries[0].row)) : [], branch = dims.branch || content.constants.some(one => one.name === "branch");
+  const others = fieldsOf(entries).filter(of => !inputs.includes(of.name) && of.name !== "branch");
+  const head = [...inputs, ...(branch && mechanism ? ["branch"] : []), ...others.map(of => of.name)];
+  const lines = entries.map(one => {
+    const own = inputsOf(one.at, one.row);
+    return [...inputs.map(name => own[name]), ...(branch && mechanism ? [branchesOf(one.at)[0]] : []), ...others.map(of => valueIn(of, one) ?? NaN)].map(plain).join(",");
+  });
+  return [head.join(","), ...lines, ""].join("\n");
+}
+function download(name, text) {
+  const address = URL.createObjectURL(new Blob([text], {type: "text/plain"}));
+  make("a", {href: address, download: name}).click();
+  setTimeout(() => URL.revokeObjectURL(address), 10000);
+}

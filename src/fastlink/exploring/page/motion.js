@@ -1,0 +1,110 @@
+// The motion of a design by the facts of its mechanism: where it assembles, where its points are, its curves.
+"use strict";
+const mechanism = content.mechanism;
+const FACTS = /*FACTS*/;
+const SAMPLES = 360, HALVINGS = 44;
+
+function valueOf(known, name) {
+  if (typeof name === "number") return name;
+  const own = known[name];
+  if (own !== undefined) return own;
+  const step = FACTS[name];
+  if (step === undefined) return NaN;
+  const [law, needs, names] = step;
+  const result = law(...needs.map(one => valueOf(known, one)));
+  if (names.length === 1) known[name] = result;
+  else names.forEach((one, k) => { known[one] = result[k]; });
+  return known[name];
+}
+
+class Motion {
+  // inputs: those of the design in SI units and radians; branches: the assembly modes
+  constructor(inputs, branches) {
+    this.inputs = {...mechanism.constants, ...inputs};
+    this.branches = branches;
+    this.turns = mechanism.turns;
+    const ends = mechanism.spans[mechanism.position.name] ?? [1, 1];
+    const [low, high] = this.turns ? [Math.PI, Math.PI] : ends.map(end => valueOf({...this.inputs, branch: branches[0],
+      [mechanism.position.name]: 0}, end));
+    this.span = [-low, high];
+    this.joints = mechanism.points.filter(one => one.kind === "joint" || one.kind === "slider");
+    this.ranges = this.findRanges();
+  }
+  at(position, branch) { return {...this.inputs, branch, [mechanism.position.name]: position}; }
+  place(known, point) { return [valueOf(known, point.x), valueOf(known, point.y)]; }
+  places(position, branch, points = mechanism.points) {
+    const known = this.at(position, branch);
+    return Object.fromEntries(points.map(one => [one.name, this.place(known, one)]));
+  }
+  assembles(position, branches = this.branches) {
+    return branches.some(branch => {
+      const known = this.at(position, branch);
+      return this.joints.every(one => this.place(known, one).every(Number.isFinite));
+    });
+  }
+  findRanges(branches = this.branches) {
+    const [low, high] = this.span, step = (high - low) / SAMPLES;
+    if (!(high > low)) return [];
+    const samples = [low, ...Array.from({length: SAMPLES}, (_, k) => low + step * (k + 0.5)), high];
+    const inside = samples.map(one => this.assembles(one, branches));
+    if (inside.every(Boolean)) return [[low, high]];
+    const bounds = inside[0] ? [low] : [];
+    for (let k = 1; k < samples.length; k++)
+      if (inside[k] !== inside[k - 1]) {
+        let [good, bad] = inside[k - 1] ? [samples[k - 1], samples[k]] : [samples[k], samples[k - 1]];
+        for (let n = 0; n < HALVINGS; n++) {
+          const middle = 0.5 * (good + bad);
+          if (this.assembles(middle, branches)) good = middle; else bad = middle;
+        }
+        bounds.push(good);
+      }
+    if (inside.at(-1)) bounds.push(high);
+    let found = [];
+    for (let k = 0; k + 1 < bounds.length; k += 2) found.push([bounds[k], bounds[k + 1]]);
+    if (this.turns && inside[0] && inside.at(-1) && found.length > 1)  // one range about half a turn
+      found = [[found.at(-1)[0], found[0][1] + 2 * Math.PI], ...found.slice(1, -1)];
+    return found;
+  }
+  get turnsFully() { return this.turns && this.ranges.length === 1 && this.ranges[0][0] === this.span[0]
+    && this.ranges[0][1] === this.span[1]; }
+  get widest() { return this.ranges.reduce((a, b) => b[1] - b[0] > a[1] - a[0] ? b : a, this.ranges[0]); }
+  along(count, range = this.widest) {
+    const [low, high] = range, even = this.turnsFully;
+    return Array.from({length: count}, (_, k) => {
+      const share = k / (count - 1);
+      return low + (high - low) * (even ? share : 0.5 - 0.5 * Math.cos(Math.PI * share));
+    });
+  }
+  // share of a cycle from 0 to 1: a turn, or there and back
+  played(share) {
+    const [low, high] = this.widest;
+    return this.turnsFully ? low + (high - low) * share : 0.5 * (low + high) - 0.5 * (high - low) * Math.cos(2 * Math.PI * share);
+  }
+  within(position) {
+    if (!this.turns) return position;
+    const low = this.widest[0];
+    return low + ((((position - low) % (2 * Math.PI)) + 2 * Math.PI) % (2 * Math.PI));
+  }
+  curve(name, branch, count = 241) {
+    return this.ranges.map(range => this.along(count, range).map(position => [position, valueOf(this.at(position, branch), name)]));
+  }
+  // the greatest and the least value of a curve, made precise between its samples
+  extremes(name, branch, curves) {
+    const of = position => valueOf(this.at(position, branch), name);
+    return [1, -1].map(sign => {
+      let best = null;
+      for (const points of curves) points.forEach(([, y], k) => {
+        if (Number.isFinite(y) && (best === null || sign * y > sign * best.points[best.k][1])) best = {points, k};
+      });
+      if (best === null) return null;
+      const {points, k} = best, ratio = (Math.sqrt(5) - 1) / 2;
+      let [low, high] = [points[Math.max(0, k - 1)][0], points[Math.min(points.length - 1, k + 1)][0]];
+      for (let n = 0; n < 60; n++) {
+        const a = high - ratio * (high - low), b = low + ratio * (high - low);
+        if (sign * of(a) > sign * of(b)) high = b; else low = a;
+      }
+      const [there, value] = [0.5 * (low + high), of(0.5 * (low + high))];
+      return sign * value > sign * points[k][1] ? {position: there, value, sign} : {position: points[k][0], value: points[k][1], sign};
+    }).filter(Boolean);
+  }
+}

@@ -1,0 +1,81 @@
+// The pointer and the keys on the picture; the motion's controls; the link.
+"use strict";
+function pointTo(at, hold = state.held) {
+  if (!at) return;
+  state.cursor = at;
+  state.held = hold;
+  drawOver();
+  load0();
+}
+// The design alone, without a new picture.
+let designing = false, wanted = false;
+async function load0() {
+  if (designing) { wanted = true; return; }
+  designing = true;
+  try {
+    do { wanted = false; await loadDesign(); } while (wanted);
+  } finally { designing = false; remember(); }
+}
+function placeIn(event) {
+  const box = element("over").getBoundingClientRect();
+  return [event.clientX - box.left, event.clientY - box.top];
+}
+function shareIn(event) {
+  const [left, top] = placeIn(event), {box} = view;
+  return [clamp((left - box.left) / box.width, 0, 1), clamp(1 - (top - box.top) / box.height, 0, 1)];
+}
+function listen() {
+  const over = element("over");
+  let from = null;
+  over.onpointerdown = event => { from = shareIn(event); over.setPointerCapture(event.pointerId); over.focus(); };
+  over.onpointermove = event => {
+    if (!from && !state.held) pointTo(pickAt(...placeIn(event)));
+  };
+  over.onpointerup = event => {
+    if (from) pointTo(pickAt(...placeIn(event)), !state.held);
+    from = null;
+  };
+  over.ondblclick = event => { pointTo(pickAt(...placeIn(event)), true); lock(state.cursor); };
+  over.onkeydown = keyed;
+  element("play").onclick = () => play(!state.playing);
+  element("position").oninput = event => { play(false); state.share = +event.target.value; if (design?.scene) drawFrame(); };
+  element("curve").onchange = event => { state.curve = event.target.value; remember(); drawMotion(); };
+  element("help").onclick = () => {
+    element("keys").hidden = !element("keys").hidden;
+    element("help").setAttribute("aria-expanded", String(!element("keys").hidden));
+  };
+  element("copy").onclick = async () => {
+    remember();
+    try { await navigator.clipboard.writeText(location.href); } catch { window.prompt("The view as a link", location.href); return; }
+    element("copy").textContent = "Copied";
+    setTimeout(() => { element("copy").textContent = "Copy link to this view"; }, 1500);
+  };
+  let resizing = null;
+  window.onresize = () => { clearTimeout(resizing); resizing = setTimeout(() => { drawMap(); drawMotion(); }, 80); };
+}
+function keyed(event) {
+  const moves = {ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, 1], ArrowDown: [0, -1]};
+  const at = state.cursor ?? {...state.at};
+  if (event.key in moves) moveBy(at, ...moves[event.key].map(one => one * (event.shiftKey ? 10 : 1)));
+  else if (event.key === "Enter") lock(at);
+  else if (event.key === "0") change({window: {}, limits: {}});
+  else if (event.key === "Escape") { state.held = false; drawOver(); }
+  else if (event.key === " ") play(!state.playing);
+  else return;
+  event.preventDefault();
+}
+function moveBy(at, across, up) {
+  const [x, y] = view.axes;
+  let to;
+  if (isSample) {
+    const k = Math.round(at.design / content.step) + across + up;
+    to = {...at, design: clamp(k, 0, view.values.length - 1) * content.step};
+  } else {
+    to = {...at, [x.dim]: x.places[clamp(nearestOf(x.places, at[x.dim]) + across, 0, x.places.length - 1)]};
+    if (y) to[y.dim] = y.places[clamp(nearestOf(y.places, at[y.dim]) + up, 0, y.places.length - 1)];
+  }
+  state.held = true;
+  pointTo(to, true);
+  const told = placeTexts(to).map(([of, text]) => `${of.symbol} ${text}`).join(", ");
+  setTimeout(() => said(`${told}; ${state.name} ${shown(design.row[state.name], variables[state.name])}`), 120);
+}

@@ -1,0 +1,159 @@
+"""Serve the page of one map on this machine: to whoever has its token, and nothing else than that map."""
+
+from __future__ import annotations
+
+import hmac
+import json
+import operator
+import secrets
+import threading
+from collections.abc import Callable
+from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
+from typing import Any
+from urllib.parse import parse_qs, urlsplit
+
+import numpy as np
+
+from fastlink.errors import InputError
+from fastlink.exploring.assembly import page_of
+from fastlink.exploring.content import content_of
+from fastlink.exploring.values import Values
+
+__all__ = ["HOST", "Server"]
+
+#: The address that no other machine reaches; the most letters of a request.
+HOST, LONGEST = "127.0.0.1", 16_384
+POLICY = (
+    "default-src 'none'; script-src 'nonce-{}'; style-src 'unsafe-inline'; connect-src 'self'; img-src data:; "
+    "base-uri 'none'; form-action 'none'; frame-ancestors {}"
+)
+
+
+class Server:
+    """A map that is served, until it is closed.
+
+    Parameters
+    ----------
+    values : Values
+        The map.
+    port : int
+        The port; 0 for one that is free.
+
+    Raises
+    ------
+    InputError
+        The port is not free.
+    """
+
+    def __init__(self, values: Values, port: int = 0) -> None:
+        self.values, self.token, self.nonce = values, secrets.token_urlsafe(24), secrets.token_urlsafe(18)
+        content = {**content_of(values), "served": True, "token": self.token}
+        self.page = page_of(content, self.nonce).encode()
+        try:
+            self.http = ThreadingHTTPServer((HOST, port), self._handler())
+        except OSError as error:
+            what = f"{port} cannot be listened to ({error.strerror})"
+            raise InputError(what, where=("port",), remedy="leave it out, and a free one is taken") from error
+        self.http.daemon_threads = True
+        self.thread = threading.Thread(target=self.http.serve_forever, name="fastlink explore", daemon=True)
+        self.thread.start()
+
+    @property
+    def port(self) -> int:
+        """The port."""
+        return int(self.http.server_address[1])
+
+    @property
+    def url(self) -> str:
+        """The address of the page, with the token without which it is refused."""
+        return f"http://{HOST}:{self.port}/?token={self.token}"
+
+    def close(self) -> None:
+        """Stop serving."""
+        self.http.shutdown()
+        self.http.server_close()
+
+    def answers(self) -> dict[str, Callable[[dict[str, Any]], bytes]]:
+        """Return what can be asked for, besides the page."""
+        return {"/picture": self._picture, "/column": self._column, "/row": self._row}
+
+    def _picture(self, query: dict[str, Any]) -> bytes:
+        window = {dim: (int(low), int(high)) for dim, (low, high) in query["window"].items()}
+        name = str(query["name"])
+        values, steps = self.values.picture(name, tuple(query["axes"]), _places(query), window)
+        return _framed({"steps": steps, "scale": self.values.scale(name)}, values)
+
+    def _column(self, query: dict[str, Any]) -> bytes:
+        name = str(query["name"])
+        return _framed({"scale": self.values.scale(name)}, self.values.column(name, _places(query)))
+
+    def _row(self, query: dict[str, Any]) -> bytes:
+        return _as_json(self.values.row(_places(query)))
+
+    def _handler(self) -> type[BaseHTTPRequestHandler]:
+        server = self
+
+        class Handler(BaseHTTPRequestHandler):
+            protocol_version = "HTTP/1.1"
+            server_version, sys_version = "fastlink", ""
+
+            def do_GET(self) -> None:
+                status, kind, body = server.answered(self.path, self.headers)
+                self.send_response(status)
+                self.send_header("Content-Type", kind)
+                self.send_header("Content-Length", str(len(body)))
+                self.send_header("Cache-Control", "no-store")
+                self.send_header("Referrer-Policy", "no-referrer")
+                self.send_header("X-Content-Type-Options", "nosniff")
+                self.send_header(
+                    "Content-Security-Policy", POLICY.format(server.nonce, "'self' http://localhost:*")
+                )
+                self.end_headers()
+                self.wfile.write(body)
+
+            def log_message(self, format: str, *args: Any) -> None:
+                """Print nothing: addresses hold the token."""
+
+        return Handler
+
+    def answered(self, path: str, headers: Any) -> tuple[int, str, bytes]:
+        """Return status, type and body of the answer to a request.
+
+        The name by which the browser knows this machine is checked too: another site's name may lead here.
+        """
+        text = "text/plain; charset=utf-8"
+        if headers.get("Host") not in (f"{HOST}:{self.port}", f"localhost:{self.port}"):
+            return 403, text, b"refused: this is not the address of the page"
+        address = urlsplit(path)
+        asked = parse_qs(address.query)
+        given = headers.get("X-Token") if address.path != "/" else asked.get("token", [""])[0]
+        if not hmac.compare_digest((given or "").encode(), self.token.encode()):
+            return 403, text, b"refused: open the address that fastlink has printed, with its token"
+        if address.path == "/":
+            return 200, "text/html; charset=utf-8", self.page
+        answer = self.answers().get(address.path)
+        if answer is None:
+            return 404, text, b"there is nothing of that name"
+        try:
+            return 200, "application/octet-stream", answer(json.loads(asked["query"][0][:LONGEST]))
+        except (KeyError, ValueError, TypeError, IndexError, AttributeError) as error:
+            return 400, text, f"not a request of the page ({type(error).__name__})".encode()
+        except OSError as error:
+            return 500, text, f"the map cannot be read ({error})".encode()
+
+
+def _places(query: dict[str, Any]) -> dict[str, int]:
+    return {str(dim): operator.index(place) for dim, place in query["at"].items()}
+
+
+def _as_json(found: dict[str, Any]) -> bytes:
+    """Return values as JSON, which has no words for NaN and infinities: these are texts that JavaScript reads."""
+    words = {"nan": "NaN", "inf": "Infinity", "-inf": "-Infinity"}
+    return json.dumps({name: words.get(str(value), value) for name, value in found.items()}).encode()
+
+
+def _framed(head: dict[str, Any], values: Any) -> bytes:
+    """Return a head of JSON and doubles of half length, which begin at a multiple of four bytes."""
+    text = json.dumps(head).encode()
+    text += b" " * (-len(text) % 4)
+    return len(text).to_bytes(4, "little") + text + np.ascontiguousarray(values, dtype="<f4").tobytes()

@@ -1,0 +1,205 @@
+"""The page in a real browser: what a reader sees follows from what is done."""
+
+from __future__ import annotations
+
+import csv
+import time
+
+import numpy as np
+import pytest
+
+import fastlink as fl
+from fastlink.maps.flags import flags_of
+from tests.support.browser import PATIENCE, opened
+
+pytestmark = [pytest.mark.browser, pytest.mark.filterwarnings("default:NOT TESTED")]
+
+#: The colours at the middle of the cells of a picture of 15 by 13; pixels in the colour of the first assembly mode.
+PIXELS = """(() => {
+    const canvas = element("map"), pen = canvas.getContext("2d"), ratio = canvas.width / canvas.clientWidth;
+    const found = [], {left, top, width, height} = view.box;
+    for (let j = 0; j < 13; j++) for (let i = 0; i < 15; i++) {
+        const x = (left + (i + 0.5) / 15 * width) * ratio, y = (top + (1 - (j + 0.5) / 13) * height) * ratio;
+        found.push([...pen.getImageData(Math.round(x), Math.round(y), 1, 1).data.slice(0, 3)]);
+    }
+    return found;
+})()"""
+INK = """(() => {
+    const canvas = element("linkage"), size = [canvas.width, canvas.height];
+    const data = canvas.getContext("2d").getImageData(0, 0, ...size).data, wanted = ofHex(MODES[0]);
+    let count = 0;
+    for (let k = 0; k < data.length; k += 4) count += wanted.every((one, c) => one === data[k + c]);
+    return count;
+})()"""
+
+
+@pytest.fixture(scope="module")
+def page(path):
+    with fl.explore(path, browser=False) as served:
+        yield served
+
+
+@pytest.fixture
+def tab(browser, page):
+    with opened(browser, page.url) as found:
+        yield found
+
+
+def state(tab, expression="state"):
+    """Return a value of the page."""
+    return tab.evaluate(expression)
+
+
+def settled(tab, condition):
+    """Wait until a condition of the page holds."""
+    end = time.monotonic() + PATIENCE / 1000.0
+    while not tab.evaluate(condition):  # the page lets nobody evaluate a text in it, but this
+        assert time.monotonic() < end, condition
+        tab.wait_for_timeout(15)
+
+
+def point(tab, across, up):
+    """Move the mouse to a place of the picture, in shares of its sides."""
+    box, left = tab.locator("#over").bounding_box(), state(tab, "view.box")
+    x = box["x"] + left["left"] + across * left["width"]
+    y = box["y"] + left["top"] + (1 - up) * left["height"]
+    tab.mouse.move(x, y)
+    return x, y
+
+
+def values(tab):
+    """Return the values that are shown, by name."""
+    return tab.evaluate(
+        "Object.fromEntries([...document.querySelectorAll('#values div')].map("
+        "one => [one.dataset.name, one.querySelector('.value').textContent]))"
+    )
+
+
+def test_it_shows_the_map_and_the_values_under_the_cursor(tab, path):
+    assert tab.locator("#choose-name").input_value() == "omega4_max"
+    assert (state(tab, "state.x"), state(tab, "state.y")) == ("a2", "a3")
+    point(tab, 0.99, 0.01)
+    settled(tab, "design.at.a2 === 14 && design.at.a3 === 0")
+    with fl.open(path) as maps:
+        one = maps.isel(a1=1, a2=14, a3=0, branch=0)
+        shown = values(tab)
+        assert shown["a2"] == "1.5 m"
+        (meaning,) = [
+            name for name, code in flags_of(one.grashof_class).items() if code == int(one.grashof_class)
+        ]
+        assert shown["grashof_class"] == meaning.replace("_", " ")
+        for name in ("omega4_max", "transmission_angle_min"):
+            value = float(one[name]) * (180 / np.pi if name == "transmission_angle_min" else 1.0)
+            text = shown[name].replace("−", "-")
+            number = float(text.split("°")[0].split()[0].replace("none", "nan"))
+            assert number == pytest.approx(value, rel=1e-5, nan_ok=True)  # six digits are shown
+
+
+def test_the_pixels_have_the_colours_of_the_values(tab, path):
+    """The colour at the middle of each cell is that of its value, the first row below."""
+    colours = tab.evaluate(PIXELS)
+    with fl.open(path) as maps:
+        cells = maps.omega4_max.isel(a1=1, branch=0).transpose("a3", "a2").values.astype("f4").ravel()
+    wanted = tab.evaluate("cells => cells.map(one => painter(view.scale)(one === null ? NaN : one))",
+                          [None if np.isnan(one) else float(one) for one in cells])  # fmt: skip
+    assert colours == wanted
+    assert len({tuple(one) for one in colours}) > 20
+
+
+def test_a_slider_shows_another_slice(tab, path):
+    before = state(tab, "Array.from(view.values).map(String)")
+    tab.locator("#slide-a1").focus()
+    tab.keyboard.press("ArrowLeft")
+    settled(tab, "!loading && design.at.a1 === 0")
+    assert state(tab, "Array.from(view.values).map(String)") != before
+    with fl.open(path) as maps:
+        cells = maps.omega4_max.isel(a1=0, branch=0).transpose("a3", "a2").values.astype("f4").ravel()
+    np.testing.assert_array_equal(state(tab, "Array.from(view.values, String)"), [
+        "NaN" if np.isnan(one) else tab.evaluate("x => String(x)", float(one)) for one in cells])  # fmt: skip
+
+
+def test_the_mechanism_is_that_of_the_design_under_the_cursor(tab):
+    point(tab, 0.5, 0.5)
+    settled(tab, "design.at.a2 === 7 && design.at.a3 === 6")
+    place = state(tab, "design.motion.places(0.7, 1)")
+    a2, a3 = np.linspace(0.8, 1.5, 15)[7], np.linspace(0.4, 1.3, 13)[6]
+    true = fl.evaluate(
+        "planar_4r", ["A_x", "A_y", "B_x", "B_y"], a1=0.4, a2=a2, a3=a3, a4=1.0, theta1=0.7, branch=1
+    )
+    np.testing.assert_allclose([*place["A"], *place["B"]], list(true.values()), rtol=1e-12)
+    # and it is drawn: ink of the assembly mode on the canvas
+    ink = tab.evaluate(INK)
+    assert ink > 300
+
+
+def test_the_extremes_of_a_curve_are_marked_where_they_are(tab):
+    point(tab, 0.5, 0.5)
+    settled(tab, "design.at.a2 === 7 && design.at.a3 === 6")
+    marks = state(tab, "design.motion.extremes('omega4', 1, design.motion.curve('omega4', 1))")
+    a2, a3 = np.linspace(0.8, 1.5, 15)[7], np.linspace(0.4, 1.3, 13)[6]
+    space = fl.grid(a1=0.4, a2=a2, a3=a3, a4=1.0, omega1=10.0)
+    true = fl.sweep("planar_4r", space, ["omega4_max", "omega4_min"], branch=1, verify=0)
+    # the place of an extreme is found to the root of a rounding, its value to its square
+    np.testing.assert_allclose(
+        [one["value"] for one in marks], [true.omega4_max, true.omega4_min], rtol=1e-12
+    )
+
+
+def test_designs_are_locked_compared_and_written(tab, path):
+    x, y = point(tab, 0.3, 0.4)
+    tab.mouse.dblclick(x, y)
+    settled(tab, "state.locks.length === 1")
+    over = tab.locator("#over")
+    over.focus()
+    for key in ("ArrowRight", "ArrowUp", "Enter"):
+        tab.keyboard.press(key)
+    settled(tab, "state.locks.length === 2 && document.querySelectorAll('#cards figure').length === 2")
+    first, second = state(tab, "state.locks.map(one => one.at)")
+    assert (second["a2"], second["a3"]) == (first["a2"] + 1, first["a3"] + 1)
+    with tab.expect_download() as waiting:
+        tab.locator("#to-csv").click()
+    rows = list(csv.DictReader(waiting.value.path().read_text().splitlines()))
+    with fl.open(path) as maps:
+        for row, at in zip(rows, (first, second), strict=True):
+            one = maps.isel(at)
+            assert {name: float(row[name]) for name in ("a1", "a2", "a3", "a4", "omega1", "branch")} == {
+                name: float(one[name]) for name in ("a1", "a2", "a3", "a4", "omega1", "branch")
+            }
+            assert row["omega4_max"] == ("" if np.isnan(one.omega4_max) else repr(float(one.omega4_max)))
+    tab.locator("#cards button", has_text="Remove").first.click()
+    settled(tab, "state.locks.length === 1 && document.querySelectorAll('#cards figure').length === 1")
+
+
+def test_the_view_is_a_link(browser, page, tab):
+    tab.locator("#choose-name").select_option("grashof_class")
+    settled(tab, "view.name === 'grashof_class' && !loading")
+    tab.locator("#slide-a1").focus()
+    tab.keyboard.press("End")
+    x, y = point(tab, 0.2, 0.8)
+    tab.mouse.dblclick(x, y)
+    settled(tab, "state.locks.length === 1 && !loading")
+    with opened(browser, state(tab, "location.href")) as other:
+        for key in ("state.name", "state.at.a1", "state.cursor", "state.locks.map(one => one.at)"):
+            assert state(other, key) == state(tab, key)
+        assert "crank rocker" in other.locator("#legend").inner_text()
+
+
+def test_a_second_tab_without_the_token_is_refused(browser, page):
+    context = browser.new_context()
+    tab = context.new_page()
+    assert tab.goto(page.url.partition("?")[0]).status == 403
+    assert tab.goto(page.url[:-1]).status == 403
+    assert "token" in tab.inner_text("body")
+    context.close()
+
+
+def test_the_page_asks_nothing_of_any_other_machine(browser, page):
+    asked = []
+    with opened(browser, page.url) as tab:
+        tab.on("request", lambda request: asked.append(request.url))
+        tab.reload()
+        tab.wait_for_selector("body[data-ready=yes]")
+    assert asked
+    assert {one.partition("://")[2].partition("/")[0] for one in asked} == {
+        page.url.partition("://")[2].partition("/")[0]
+    }

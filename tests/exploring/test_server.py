@@ -1,0 +1,126 @@
+"""What the server answers, and what it refuses."""
+
+from __future__ import annotations
+
+import json
+import urllib.error
+import urllib.request
+from urllib.parse import quote
+
+import numpy as np
+import pytest
+
+import fastlink as fl
+from tests.support.refusals import refused
+
+
+@pytest.fixture(scope="module")
+def page(path):
+    with fl.explore(path, browser=False) as served:
+        yield served
+
+
+def ask(page, where, token=None, host=None, query=None):
+    """Return status and body of an answer."""
+    base, _, own = page.url.partition("?token=")
+    address = base + where + (f"?query={quote(json.dumps(query))}" if query is not None else "")
+    request = urllib.request.Request(address, headers={"X-Token": own if token is None else token})
+    if host is not None:
+        request.add_header("Host", host)
+    try:
+        with urllib.request.urlopen(request, timeout=30) as reply:
+            return reply.status, reply.read()
+    except urllib.error.HTTPError as error:
+        with error:
+            return error.code, error.read()
+
+
+def picture(page, **query):
+    """Return head and values of a picture."""
+    status, body = ask(page, "picture", query=query)
+    assert status == 200, body
+    length = int.from_bytes(body[:4], "little")
+    return json.loads(body[4 : 4 + length]), np.frombuffer(body[4 + length :], dtype="<f4")
+
+
+def test_it_is_served_on_this_machine_alone_with_a_token(page):
+    assert page.url.startswith("http://127.0.0.1:")
+    assert len(page.url.partition("?token=")[2]) >= 32
+
+
+@pytest.mark.parametrize("where", ["", "picture", "row", "column", "no", "../../etc/passwd"])
+@pytest.mark.parametrize("token", ["", "x", "é"])
+def test_without_the_token_all_is_refused(page, where, token):
+    base = page.url.partition("?")[0]
+    request = urllib.request.Request(
+        f"{base}{where}?token={quote(token)}&query=%7B%7D", headers={"X-Token": "no"}
+    )
+    with pytest.raises(urllib.error.HTTPError) as caught:
+        urllib.request.urlopen(request, timeout=30)
+    with caught.value as error:
+        assert error.code == 403
+
+
+def test_another_name_of_this_machine_is_refused(page):
+    assert ask(page, "row", host="evil.example", query={"at": {}})[0] == 403
+
+
+@pytest.mark.parametrize("where", ["etc/passwd", "../lengths.h5", "lengths.h5", "page/main.js"])
+def test_there_is_nothing_but_the_map(page, where):
+    assert ask(page, where, query={})[0] == 404
+
+
+@pytest.mark.parametrize(
+    ("where", "query"),
+    [
+        ("picture", None),
+        ("picture", 5),
+        ("picture", {"name": "no", "axes": ["a2"], "at": {}, "window": {}}),
+        ("picture", {"name": "omega4_max", "axes": ["a2", "a3"], "at": {}, "window": {}}),
+        (
+            "picture",
+            {"name": "omega4_max", "axes": ["a2"], "at": {"a1": 99, "a3": 0, "branch": 0}, "window": {}},
+        ),
+        ("row", {"at": {"a1": "x"}}),
+        ("row", []),
+    ],
+)
+def test_what_is_no_request_is_refused(page, where, query):
+    assert ask(page, where, query=query)[0] == 400
+
+
+def test_a_picture_holds_the_values_of_the_map(page, path):
+    with fl.open(path) as maps:
+        expected = maps.omega4_max.isel(a1=1, branch=0).transpose("a3", "a2").values
+    at = {"a1": 1, "branch": 0}
+    head, values = picture(page, name="omega4_max", axes=["a3", "a2"], at=at, window={})
+    assert head["steps"] == {"a2": 1, "a3": 1}
+    np.testing.assert_array_equal(values.reshape(expected.shape), expected.astype("f4"))
+    _, values = picture(
+        page, name="omega4_max", axes=["a3", "a2"], at=at, window={"a2": [2, 4], "a3": [5, 5]}
+    )
+    np.testing.assert_array_equal(values, expected[5, 2:5].astype("f4"))
+
+
+def test_a_row_holds_all_values_of_a_design(page, path):
+    with fl.open(path) as maps:
+        expected = maps.isel(a1=1, a2=3, a3=4, branch=1)
+        row = json.loads(ask(page, "row", query={"at": {"a1": 1, "a2": 3, "a3": 4, "branch": 1}})[1])
+        assert {name: float(value) for name, value in row.items()} == {
+            name: float(expected[name]) for name in maps.data_vars
+        }
+
+
+@pytest.mark.parametrize(
+    ("options", "key", "remedy"),
+    [({"port": -1}, "port", "from 0 to 65535"), ({"browser": 1}, "browser", "True or False")],
+)
+def test_wrong_options_are_refused(path, options, key, remedy):
+    with refused(key, remedy):
+        fl.explore(path, **{"browser": False, **options})
+
+
+def test_a_port_that_is_taken_is_refused(page, path):
+    taken = int(page.url.partition("?")[0].rstrip("/").rpartition(":")[2])
+    with refused("port", "leave it out"):
+        fl.explore(path, port=taken, browser=False)
