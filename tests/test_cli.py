@@ -353,6 +353,34 @@ def test_plot_refuses(folder, arguments, message):
     assert refused("plot", "study.h5", "omega4_max", *arguments) == [message]
 
 
+def test_plot_of_rows_and_fronts(folder):
+    called("run", "study.toml", "--quiet")
+    for arguments, picture in (
+        (["omega4_max", "a3", "--branch", "1"], "omega4_max-a3.png"),
+        (["omega4_max", "--kind", "cumulative", "--to", "c.pdf"], "c.pdf"),
+        (["--minimise", "omega4_max", "--maximise", "a3"], "front.png"),
+        (["omega4_max", "--lines", "a3", "--to", "l.png"], "l.png"),
+    ):
+        assert called("plot", "study.h5", *arguments).stdout == f"{picture}\n"
+        assert (folder / picture).exists()
+
+
+@pytest.mark.parametrize(
+    ("arguments", "key", "remedy"),
+    [
+        ([], "NAME...", "write a variable"),
+        (["omega4_max", "--minimise", "omega4_max"], "NAME...", "leave out"),
+        (["omega4_max", "a3", "--at", "a3=1"], "--at", "--where"),
+        (["omega4_max", "a3", "--kind", "pie"], "--kind", "scatter"),
+    ],
+)
+def test_plot_of_rows_refuses(folder, arguments, key, remedy):
+    called("run", "study.toml", "--quiet")
+    (line,) = refused("plot", "study.h5", *arguments)
+    assert line.startswith(key)
+    assert remedy in line.partition("; ")[2]
+
+
 def test_usage_errors_end_with_2(folder):
     for arguments in (
         ["run"],

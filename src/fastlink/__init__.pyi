@@ -28,6 +28,8 @@ from fastlink.maps import finite as finite
 from fastlink.maps import open as open
 from fastlink.maps.best import best as best
 from fastlink.mechanisms.listing import mechanisms as mechanisms
+from fastlink.plot.plot_designs import plot_designs as plot_designs
+from fastlink.plot.plot_designs import plot_front as plot_front
 from fastlink.plot.plot_map import plot_map as plot_map
 from fastlink.report.quantities import QuantityList
 from fastlink.report.summary import summary as summary
@@ -85,6 +87,8 @@ __all__ = [
     "minkowski",
     "open",
     "planar",
+    "plot_designs",
+    "plot_front",
     "plot_map",
     "quantities",
     "round_bar",

@@ -399,6 +399,33 @@ DOORS: list[Door] = [
         "",
     ),
     Door(
+        "plot_designs",
+        "fl.plot_designs($maps, $names, kind=$kind, where=$where, branch=$branch, degrees=$degrees, to=$to)",
+        _slots(
+            maps=("dataset", "MAPS", "MAPS", DATASETS[-1]),
+            names=("names", "['omega4_max', 'a2']", "omega4_max"),
+            kind=("choice", "None", "corner"),
+            where=("mapping", "None", "1", "xr.Dataset()", "{'omega4_max': (0, 1, 2)}", "{'omega4_max': 1}"),
+            branch=("branch", "1"),
+            degrees=("flag", "False"),
+            to=("path", "None", "a.png"),
+        ),
+        "",
+    ),
+    Door(
+        "plot_front",
+        "fl.plot_front($maps, minimise=$minimise, maximise=$maximise, branch=$branch, degrees=$degrees, to=$to)",
+        _slots(
+            maps=("dataset", "MAPS", "MAPS", DATASETS[-1]),
+            minimise=("name", "'omega4_max'", "omega4_max"),
+            maximise=("names", "['a2']", "a2"),
+            branch=("branch", "1"),
+            degrees=("flag", "False"),
+            to=("path", "None", "a.png"),
+        ),
+        "",
+    ),
+    Door(
         "explain",
         "fl.explain($path)",
         _slots(path=("path", "'study.toml'", "study.toml", "'study.toml/a.h5'")),

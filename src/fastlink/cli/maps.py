@@ -66,27 +66,29 @@ def check(
         raise typer.Exit(CHANGED)
 
 
-Objectives = list[str] | None
+Minimise = Annotated[
+    list[str] | None, typer.Option("--minimise", metavar="NAME", help="An objective; may be repeated.")
+]
+Maximise = Annotated[
+    list[str] | None, typer.Option("--maximise", metavar="NAME", help="An objective; may be repeated.")
+]
+Where = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--where",
+        metavar="NAME=LO:HI",
+        help="A condition: a2=1.1:1.3, transmission_angle_min_deg=40:, status=rotates_fully; may be repeated.",
+    ),
+]
 
 
 @command
 def best(
     file: MapFile,
     *,
-    minimise: Annotated[
-        Objectives, typer.Option("--minimise", metavar="NAME", help="An objective; may be repeated.")
-    ] = None,
-    maximise: Annotated[
-        Objectives, typer.Option("--maximise", metavar="NAME", help="An objective; may be repeated.")
-    ] = None,
-    where: Annotated[
-        list[str] | None,
-        typer.Option(
-            "--where",
-            metavar="NAME=LO:HI",
-            help="A condition: a2=1.1:1.3, transmission_angle_min_deg=40:, status=rotates_fully; may be repeated.",
-        ),
-    ] = None,
+    minimise: Minimise = None,
+    maximise: Maximise = None,
+    where: Where = None,
     top: Annotated[
         int | None, typer.Option("--top", metavar="N", help="How many, by one objective; 10 if left out.")
     ] = None,
@@ -182,10 +184,22 @@ def convert(
 @command
 def plot(
     file: MapFile,
-    name: Annotated[
-        str,
-        typer.Argument(metavar="NAME", help="The variable; `fastlink info` lists them.", show_default=False),
-    ],
+    names: Annotated[
+        list[str] | None,
+        typer.Argument(
+            metavar="NAME...", help="A variable, or several; `fastlink info` lists them.", show_default=False
+        ),
+    ] = None,
+    *,
+    kind: Annotated[
+        str | None,
+        typer.Option(
+            "--kind", metavar="KIND", help="Of all rows: scatter (X Y, and a colour), corner, or cumulative."
+        ),
+    ] = None,
+    minimise: Minimise = None,
+    maximise: Maximise = None,
+    where: Where = None,
     branch: Annotated[
         int | None, typer.Option("--branch", metavar="B", help="One assembly mode; all if left out.")
     ] = None,
@@ -195,7 +209,6 @@ def plot(
             "--at", metavar="DIM=VALUE", help="Fix a dimension at its nearest value; may be repeated."
         ),
     ] = None,
-    *,
     panels: Annotated[
         str | None,
         typer.Option("--panels", metavar="DIM", help="A small map for each of some values of a third input."),
@@ -211,12 +224,37 @@ def plot(
         typer.Option("--to", metavar="PICTURE", help="png, svg or pdf by its ending; NAME.png if left out."),
     ] = None,
 ) -> None:
-    """Draw a variable of a map."""
+    """Draw a map: one variable over one or two inputs; or rows by several variables; or a Pareto front.
+
+    For instance: fastlink plot maps.h5 omega4_max --at a4=1.0
+
+    Of all rows: fastlink plot maps.h5 omega4_max transmission_angle_min --where status=rotates_fully
+
+    A front: fastlink plot maps.h5 --minimise omega4_max --maximise transmission_angle_min
+    """
+    from fastlink.plot.plot_designs import plot_designs, plot_front
     from fastlink.plot.plot_map import plot_map
 
-    fixed = by_name(at or [], "at", "DIM=VALUE", {"a4": 1.0}, numbers_of)
-    picture = to if to is not None else Path(f"{name}.png")
-    plot_map(file, name, branch=branch, at=fixed, panels=panels, lines=lines, degrees=degrees, to=picture)
+    given = names or []
+    of_front, of_rows = bool(minimise or maximise), kind is not None or len(given) > 1 or bool(where)
+    if of_front and (given or kind is not None):
+        remedy = "leave out the names and --kind, or --minimise and --maximise"
+        raise InputError("is given beside objectives", where=("names" if given else "kind",), remedy=remedy)
+    if (of_front or of_rows) and (at or panels or lines):
+        option = "at" if at else "panels" if panels else "lines"
+        raise InputError("is of a map of one variable", where=(option,), remedy="choose rows by --where")
+    if not (of_front or given):
+        raise InputError("is missing", where=("names",), remedy="write a variable, such as omega4_max")
+    picture = to if to is not None else Path(f"{'-'.join(given) or 'front'}.png")
+    own: dict[str, Any] = {"branch": branch, "degrees": degrees, "to": picture}
+    conditions = _conditions(where or []) or None
+    if of_front:
+        plot_front(file, minimise=minimise or (), maximise=maximise or (), where=conditions, **own)
+    elif of_rows:
+        plot_designs(file, given, kind=kind, where=conditions, **own)
+    else:
+        fixed = by_name(at or [], "at", "DIM=VALUE", {"a4": 1.0}, numbers_of)
+        plot_map(file, given[0], at=fixed, panels=panels, lines=lines, **own)
     typer.echo(str(picture))
 
 

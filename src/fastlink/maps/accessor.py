@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import xarray as xr
 
@@ -15,6 +15,9 @@ from fastlink.maps.flags import check_flags, flag_counts, flags_of, has_flag
 from fastlink.maps.units import convert, converted, degrees, units_of
 from fastlink.options import check_choice
 from fastlink.space.dataset import STATUS
+
+if TYPE_CHECKING:
+    from fastlink.plot.accessor import MapPlots
 
 __all__ = ["MapAccessor", "VariableAccessor"]
 
@@ -113,6 +116,13 @@ class MapAccessor:
     def designs(self) -> xr.Dataset:
         """The inputs of the map without its results, to be swept again."""
         return self._maps.drop_vars(list(self._maps.data_vars))
+
+    @property
+    def plot(self) -> MapPlots:
+        """Pictures: ``plot("omega4_max")``, ``plot.designs([...])``, ``plot.front(minimise=...)``."""
+        from fastlink.plot.accessor import MapPlots  # pictures stand above maps; this is their door
+
+        return MapPlots(self._maps)
 
     @property
     def units(self) -> dict[str, str]:

@@ -153,7 +153,7 @@ def objective(maps: xr.Dataset, where: str, name: Any, sign: float) -> Objective
 
 
 @dataclass
-class _Reading:
+class Reading:
     """The rows that are considered, block by block, and what is left out."""
 
     rows: Rows
@@ -192,7 +192,7 @@ def ranked(
     maps: xr.Dataset, rows: Rows, one: Objective, wanted: list[Condition], *, top: int, infinite: bool
 ) -> xr.Dataset:
     """Return the rows with the least or greatest values of one objective."""
-    reading = _Reading(rows, [one], wanted, infinite)
+    reading = Reading(rows, [one], wanted, infinite)
     chosen, kept = np.empty(0, dtype=np.int64), np.empty(0)
     for places, points in reading:
         chosen, kept = np.concatenate((chosen, places)), np.concatenate((kept, points[:, 0]))
@@ -219,7 +219,7 @@ def _front(
     maps: xr.Dataset, rows: Rows, sought: list[Objective], wanted: list[Condition], *, infinite: bool
 ) -> xr.Dataset:
     """Return the rows that no other row beats."""
-    reading = _Reading(rows, sought, wanted, infinite)
+    reading = Reading(rows, sought, wanted, infinite)
     chosen, front = np.empty(0, dtype=np.int64), np.empty((0, len(sought)))
     for places, points in reading:
         left = undominated(points, front)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
 
@@ -20,7 +20,9 @@ from fastlink.space.values import is_number
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["MOST_BESIDE", "Selection", "nearest_place", "select", "spread"]
+    T = TypeVar("T", xr.DataArray, xr.Dataset)
+
+__all__ = ["MOST_BESIDE", "Selection", "nearest_place", "one_branch", "select", "spread"]
 
 MOST_CELLS = 1600  # along each side, more than the pixels of a picture
 MOST_BESIDE = 6  # values of one dimension, or panels, side by side
@@ -69,7 +71,7 @@ def select(
     """
     variable = _variable(dataset, name)
     if branch is not None:
-        variable = _one_branch(variable, branch)
+        variable = one_branch(variable, branch)
     if split is not None:
         _check_split(variable, *split, at)
     beside = None if split is None else str(split[1])
@@ -138,10 +140,10 @@ def _variable(dataset: xr.Dataset, name: Any) -> xr.DataArray:
     return variable
 
 
-def _one_branch(variable: xr.DataArray, branch: Any) -> xr.DataArray:
-    """Return the part of a variable for one assembly mode."""
+def one_branch(variable: T, branch: Any) -> T:
+    """Return the part of a variable, or of a map, for one assembly mode."""
     if BRANCH not in variable.coords:
-        what = f"{variable.name} is the same in every assembly mode"
+        what = f"{getattr(variable, 'name', 'the map')} is the same in every assembly mode"
         raise InputError(what, where=("branch",), remedy="leave it out")
     known = np.atleast_1d(variable[BRANCH].values).tolist()
     remedy = f"write one of {', '.join(map(str, known))}"

@@ -1,0 +1,219 @@
+"""Draw the rows of a map as points or cells: two columns, corners of several, cumulative distributions, fronts."""
+
+from __future__ import annotations
+
+import functools
+import itertools
+import textwrap
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from matplotlib.colors import LinearSegmentedColormap, LogNorm
+from matplotlib.lines import Line2D
+
+from fastlink.plot.cloud import Cloud, Column
+from fastlink.plot.colours import FLAGS, LINES, colours_of, near
+from fastlink.plot.figure import NotebookFigure
+from fastlink.plot.labels import plain
+from fastlink.plot.lines import STYLES
+
+__all__ = ["draw_corner", "draw_cumulative", "draw_scatter"]
+
+FRONT = LINES[1]
+#: From few rows to many; the lightest can still be told from white.
+CROWD = LinearSegmentedColormap.from_list("crowd", ["#cfd8e6", "#7f9cc0", "#2f5d92", "#0b2545"])
+FAINT = LinearSegmentedColormap.from_list("faint", ["#e4e4e4", "#8c8c8c"])
+LETTERS = 46
+MIDDLE = 50.0
+
+
+def draw_scatter(cloud: Cloud, front: Any = None) -> Any:
+    """Draw the rows over two columns; a third colours them; those of a front are marked and joined."""
+    figure = NotebookFigure(figsize=(7.2, 5.2))
+    axis = figure.subplots()
+    names = list(cloud.names)
+    x, y, *third = cloud.columns
+    image = _fill(axis, cloud, names, faint=front is not None)
+    axis.set_xlabel(textwrap.fill(x.label(), LETTERS + 14))
+    axis.set_ylabel(textwrap.fill(y.label(), LETTERS))
+    if front is not None:
+        _mark(axis, front.T, joined=True)
+        handles = [
+            Line2D([], [], **_dots(False), label="all rows"),
+            Line2D([], [], **_dots(True), label="Pareto front"),
+        ]
+        axis.legend(handles=handles, loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=2, frameon=False)
+    elif third and third[0].flags:
+        _code_legend(axis, third[0], cloud.points[:, 2])
+    elif image is not None:
+        label = (
+            "mean of " * (cloud.points is None) + third[0].label(name=False) if third else "rows in a cell"
+        )
+        figure.colorbar(image, ax=axis, pad=0.02).set_label(label)
+    return figure
+
+
+def draw_corner(cloud: Cloud, front: Any = None) -> Any:
+    """Draw every pair of columns as a scatter, and each column by itself as a histogram."""
+    count = len(cloud.columns)
+    size = 1.2 + min(2.6, 9.6 / count) * count
+    figure = NotebookFigure(figsize=(size, 0.92 * size))
+    grid = figure.subplots(count, count, squeeze=False)
+    names = list(cloud.names)
+    for i, j in itertools.product(range(count), repeat=2):
+        axis = grid[i][j]
+        if j > i:
+            axis.set_visible(False)
+        elif i == j:
+            _histogram(axis, cloud, names[i])
+        else:
+            _fill(axis, cloud, [names[j], names[i]], faint=front is not None)
+            if front is not None:
+                _mark(axis, front[:, [j, i]].T, joined=False)
+        _name_sides(axis, cloud.columns, i, j)
+    names_of = [
+        (column.label(name=False), column.array.attrs.get("long_name", column.array.name))
+        for column in cloud.columns
+    ]
+    text = "\n".join(f"{symbol}: {plain(name)}" for symbol, name in names_of)
+    if count > 2:
+        figure.text(0.99, 0.9, text, ha="right", va="top", fontsize=8.5, linespacing=1.5, in_layout=False)
+    return figure
+
+
+def _name_sides(axis: Any, columns: Sequence[Column], i: int, j: int) -> None:
+    """Label a panel of a corner at the outer sides."""
+    axis.tick_params(labelsize=7.5, labelbottom=i == len(columns) - 1, labelleft=j == 0 < i)
+    for label in axis.get_xticklabels():
+        label.set_rotation(30)
+    if i == len(columns) - 1:
+        axis.set_xlabel(columns[j].label(name=False), fontsize=9)
+    if j == 0 < i:
+        axis.set_ylabel(columns[i].label(name=False), fontsize=9)
+
+
+def _fill(axis: Any, cloud: Cloud, names: Sequence[str], faint: bool) -> Any:
+    """Draw points, or cells where rows are many; return what a colour bar belongs to."""
+    x, y, *third = (cloud.columns[cloud.names[name]] for name in names)
+    _scales(axis, x, y)
+    if cloud.points is None:
+        counts, sums = cloud.cells(*names)
+        cells = np.ma.masked_equal(counts, 0.0)
+        look: dict[str, Any] = {
+            "norm": LogNorm(1.0, max(2.0, counts.max())),
+            "cmap": FAINT if faint else CROWD,
+        }
+        if third:
+            cells = np.ma.masked_array(sums / np.maximum(counts, 1.0), counts == 0.0)
+            norm, colours, _ = colours_of(cells.filled(np.nan), np.ones(cells.shape, bool), None)
+            look = {"norm": norm, "cmap": colours}
+        return axis.pcolormesh(
+            x.edges(), y.edges(), cells, rasterized=True, alpha=0.6 if faint else 1.0, **look
+        )
+    values = cloud.points[:, [cloud.names[name] for name in names]].T
+    size = float(np.clip(3e4 / max(1, cloud.count), 1.0, 16.0))
+    look = {"s": size, "linewidths": 0.0, "rasterized": cloud.count > 2000}
+    if third and third[0].flags:
+        codes = list(third[0].flags.values())
+        colours = [FLAGS[codes.index(int(one)) % len(FLAGS)] for one in values[2]]
+        axis.scatter(values[0], values[1], c=colours, **look)
+        return None
+    if third:
+        norm, shades, _ = colours_of(values[2][None], np.ones((1, cloud.count), bool), None)
+        return axis.scatter(values[0], values[1], c=near(values[2], norm), norm=norm, cmap=shades, **look)
+    axis.scatter(values[0], values[1], color="0.72" if faint else LINES[0], alpha=0.7, **look)
+    return None
+
+
+def _scales(axis: Any, x: Column, y: Column) -> None:
+    """Set scales and ranges of both sides; codes have their meanings."""
+    for column, side, limit in ((x, axis.xaxis, axis.set_xlim), (y, axis.yaxis, axis.set_ylim)):
+        if column.logarithmic:
+            (axis.set_xscale if side is axis.xaxis else axis.set_yscale)("log")
+        limit(*column.edges(1))
+        if column.flags:
+            words = [textwrap.shorten(meaning.replace("_", " "), 24) for meaning in column.flags]
+            side.set_ticks(list(column.flags.values()), words, fontsize=8)
+    axis.grid(color="0.92", linewidth=0.7)
+    axis.set_axisbelow(True)
+
+
+def _dots(front: bool) -> dict[str, Any]:
+    marks = {"linestyle": "-" if front else "none", "linewidth": 1.0, "marker": "o"}
+    return {**marks, "color": FRONT if front else "0.72", "markersize": 5 if front else 4}
+
+
+def _mark(axis: Any, points: Any, joined: bool) -> None:
+    """Mark the rows of a front."""
+    look = _dots(True) | ({} if joined else {"linestyle": "none"})
+    order = np.argsort(points[0])
+    axis.plot(
+        *points[:, order], **look | {"markersize": 4, "markeredgecolor": "white", "markeredgewidth": 0.4}
+    )
+
+
+def _code_legend(axis: Any, column: Column, values: Any) -> None:
+    """Name the colours of a code, those that occur."""
+    handles = [
+        Line2D(
+            [], [], linestyle="none", marker="o", color=FLAGS[k % len(FLAGS)], label=meaning.replace("_", " ")
+        )
+        for k, (meaning, code) in enumerate(column.flags.items())
+        if (values == code).any()
+    ]
+    axis.legend(handles=handles, loc="upper left", bbox_to_anchor=(1.01, 1.0), frameon=False, fontsize=9)
+
+
+def _histogram(axis: Any, cloud: Cloud, name: str) -> None:
+    """Draw how many rows have which value."""
+    column = cloud.columns[cloud.names[name]]
+    counts, _ = cloud.cells(name)
+    few = counts.reshape(-1, 4).sum(axis=1)
+    axis.stairs(few, column.edges()[::4], fill=True, color=LINES[0], alpha=0.75)
+    if column.logarithmic:
+        axis.set_xscale("log")
+    axis.set_xlim(*column.edges(1))
+    axis.set_yticks([])
+    axis.spines["left"].set_visible(False)
+
+
+def draw_cumulative(clouds: Sequence[Cloud]) -> Any:
+    """Draw the share of rows with at most a value, one picture for each unit."""
+    columns = [cloud.columns[0] for cloud in clouds]
+    units = list(dict.fromkeys(_unit(column) for column in columns))
+    figure = NotebookFigure(figsize=(1.6 + 5.0 * len(units), 4.4))
+    axes = figure.subplots(1, len(units), sharey=True, squeeze=False)[0]
+    for axis, unit in zip(axes, units, strict=True):
+        group = [
+            (cloud, column) for cloud, column in zip(clouds, columns, strict=True) if _unit(column) == unit
+        ]
+        for k, (cloud, column) in enumerate(group):
+            infinite = cloud.left_out["infinite"]
+            values, counts = cloud.below(str(column.array.name))
+            remark = f" ({_percent(infinite, cloud.count + infinite)} without bound)" if infinite else ""
+            look = {"color": LINES[k % len(LINES)], "linestyle": STYLES[k % len(STYLES)], "linewidth": 1.7}
+            label = f"{column.label(name=False)}{remark}"
+            drawn = axis.plot if cloud.points is None else functools.partial(axis.step, where="post")
+            drawn(values, 100.0 * counts / max(1, cloud.count + infinite), label=label, **look)
+        if all(column.logarithmic for _, column in group):
+            axis.set_xscale("log")
+        ends = np.array([column.edges(1) for _, column in group])
+        axis.set_xlim(ends[:, 0].min(), ends[:, 1].max())
+        axis.set_ylim(0.0, 100.0)
+        axis.axhline(MIDDLE, color="0.6", linewidth=0.8)
+        axis.grid(color="0.9", linewidth=0.8)
+        axis.set_axisbelow(True)
+        axis.set_xlabel(textwrap.fill(group[0][1].label(), LETTERS + 14) if len(group) == 1 else unit)
+        if len(group) > 1 or any(cloud.left_out["infinite"] for cloud, _ in group):
+            axis.legend(loc="best", fontsize=9)
+    axes[0].set_ylabel("share of the rows that have at most this [%]")
+    return figure
+
+
+def _unit(column: Column) -> str:
+    return column.label(name=False).rpartition(" [")[2].rstrip("]") if "[" in column.label(False) else ""
+
+
+def _percent(part: int, whole: int) -> str:
+    return f"{100.0 * part / max(1, whole):.3g} %"
