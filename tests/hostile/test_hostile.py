@@ -153,21 +153,15 @@ def test_an_open_loop_is_seen() -> None:
 
 @pytest.mark.stress
 @pytest.mark.parametrize("part", PARTS)
-def test_much_more_hostile_input(
-    part: str, names: dict[str, Any], capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_much_more_hostile_input(part: str, names: dict[str, Any], tell: Callable[[str], None]) -> None:
     cases, count = PARTS[part]
     tally = campaign.judge_all(cases(SEED + 1, LONG * count), names)
-    with capsys.disabled():
-        print(f"\n{part}, seed {SEED + 1}\n{tally.table()}")
+    tell(f"{part}, seed {SEED + 1}\n{tally.table()}")
     assert_none_failed(tally)
 
 
 @pytest.mark.stress
-def test_each_hostile_value_at_each_argument(
-    names: dict[str, Any], capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_each_hostile_value_at_each_argument(names: dict[str, Any], tell: Callable[[str], None]) -> None:
     tally = campaign.judge_all(campaign.singles(), names)
-    with capsys.disabled():
-        print(f"\neach value at each argument\n{tally.table()}")
+    tell(f"each value at each argument\n{tally.table()}")
     assert_none_failed(tally)

@@ -284,8 +284,10 @@ def trial_sweep(to, **options):
 def survived(folder: Path, expected, fault: str, outcome: Outcome, before: int = 0) -> tuple[str, int]:
     """Assert what must hold after a fault; return how the run ended, and how many designs it has noted."""
     path = folder / "m.h5"
-    # HDF5 reports a failed close of what was opened to be read in words of its own
+    # HDF5 reports a failed close of what was opened to be read in words of its own; of an interrupt within one of its
+    # calls h5py can make an error (seen once in 1,000 faults)
     of_hdf5 = (1,) if outcome.call == "close" and "hdf5" in outcome.caller and path.exists() else ()
+    of_hdf5 += (2,) if fault == "interrupt" and "hdf5" in outcome.caller else ()
     assert outcome.code in (*CODES.get(fault, (2, 0)), *of_hdf5), outcome
     assert (folder / "other.h5").read_text() == "mine"
     if path.exists():
@@ -388,16 +390,14 @@ def test_faults_of_all_system_calls(tmp_path, expected, below):
 
 @pytest.mark.stress
 @pytest.mark.skipif(not hasattr(os, "fork"), reason="needs fork")
-def test_a_thousand_faults_of_system_calls(tmp_path, expected, capsys):
+def test_a_thousand_faults_of_system_calls(tmp_path, expected, tell):
     table, wrong = run_trials(tmp_path, expected, 400, seed=2)
-    with capsys.disabled():
-        print("\n" + report(table, wrong))
+    tell(report(table, wrong))
     assert not wrong
 
 
 @pytest.mark.stress
-def test_a_thousand_faults_of_all_system_calls(tmp_path, expected, capsys, below):
+def test_a_thousand_faults_of_all_system_calls(tmp_path, expected, tell, below):
     table, wrong = run_trials(tmp_path, expected, 1000, seed=4, below=True)
-    with capsys.disabled():
-        print("\n" + report(table, wrong))
+    tell(report(table, wrong))
     assert not wrong

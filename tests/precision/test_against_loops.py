@@ -30,13 +30,12 @@ def test_some_designs(mechanism, drive):
 
 @pytest.mark.stress
 @pytest.mark.parametrize("mechanism", dict.fromkeys(mechanism for mechanism, _ in DRAWN))
-def test_a_million_designs(mechanism, capsys):
+def test_a_million_designs(mechanism, tell):
     drives = [drive for of, drive in DRAWN if of == mechanism]
     tallies = []
     for drive in drives:
         tallies.append(campaign(mechanism, drive, MANY // len(drives)))
-        with capsys.disabled():
-            print(f"\n{HEADER}\n{tallies[-1].row()}")
+    tell("\n".join([HEADER, *(tally.row() for tally in tallies)]))
     assert [tally.report() for tally in tallies if tally.failures] == []
     assert sum(tally.counts["values"] for tally in tallies) > 10 * MANY
 

@@ -1,0 +1,34 @@
+"""The site, by Sphinx: ``python -m sphinx -W docs site`` writes it into the folder ``site``."""
+
+import re
+from importlib.metadata import version as version_of
+
+project = "fastlink"
+author = "the fastlink developers"
+release = version_of("fastlink-linkages")
+extensions = ["myst_parser", "sphinx.ext.autodoc", "sphinx.ext.napoleon"]
+html_theme = "furo"
+html_title = f"fastlink {release}"
+html_show_copyright = False
+# as GitHub does, by which the documents link to each other's sections
+myst_heading_anchors = 4
+autodoc_typehints = "none"  # the docstrings say them in words
+autodoc_member_order = "bysource"
+napoleon_google_docstring = False
+napoleon_use_ivar = True  # a field of a dataclass is one entry, not two
+
+
+def plain(app, what, name, thing, options, lines):
+    """Keep |x| and names such as lambda_, which mean something else to docutils, as the docstrings have them."""
+    example = False
+    for number, line in enumerate(lines):
+        example = line.lstrip().startswith(">>>") or (example and bool(line.strip()))
+        if not example:
+            pieces = re.split(r"(``.*?``)", line)
+            pieces[::2] = [re.sub(r"\||(?<=\w)_(?!\w)", r"\\\g<0>", piece) for piece in pieces[::2]]
+            lines[number] = "".join(pieces)
+
+
+def setup(app):
+    """Let Sphinx call `plain` before it reads a docstring."""
+    app.connect("autodoc-process-docstring", plain, priority=900)
