@@ -1,4 +1,4 @@
-"""Results to text: the tables, ``data/benchmarks/``, and the part of the README between its markers."""
+"""Results to text: the tables, ``data/benchmarks/``, and the part of docs/performance.md between its markers."""
 
 import json
 import os
@@ -13,7 +13,7 @@ from benchmarks import c_kernel
 
 ROOT = Path(__file__).parents[1]
 FOLDER = ROOT / "data" / "benchmarks"
-README = ROOT / "README.md"
+PAGE = ROOT / "docs" / "performance.md"
 BEGIN, END = "<!-- benchmarks -->", "<!-- /benchmarks -->"
 HEADS = {
     "case": "case",
@@ -148,14 +148,14 @@ def caption(rows, about):
 
 
 def text_of(rows, answers, about):
-    """Return the tables with their captions: what the README shows."""
+    """Return the tables with their captions: what the page shows."""
     shown = f"{speed_table(rows)}\n\n{caption(rows, about)}"
     return f"{answer_table(answers)}\n\n{shown}" if answers else shown
 
 
-def in_readme():
-    """Return what the README has between the markers, or None without markers."""
-    found = re.search(f"{re.escape(BEGIN)}\n(.*){re.escape(END)}", README.read_text(), re.S)
+def in_page():
+    """Return what the page has between the markers, or None without markers."""
+    found = re.search(f"{re.escape(BEGIN)}\n(.*){re.escape(END)}", PAGE.read_text(), re.S)
     return found.group(1).strip() if found else None
 
 
@@ -166,13 +166,13 @@ def record():
 
 
 def write(rows, answers, facts, about):
-    """Write both files, and the README's part where it has the markers."""
+    """Write both files, and the page's part where it has the markers."""
     FOLDER.mkdir(parents=True, exist_ok=True)
     named = [dict(zip(("fact", "value", "unit", "aim"), fact, strict=True)) for fact in facts]
     everything = {"machine": about, "cases": rows, "answers": answers, "facts": named}
     (FOLDER / "benchmarks.json").write_text(json.dumps(everything, indent=2) + "\n")
     shown = text_of(rows, answers, about)
     (FOLDER / "benchmarks.md").write_text(f"{shown}\n\n{fact_table(facts)}\n")
-    if in_readme() is not None:
-        before, rest = README.read_text().split(BEGIN, 1)
-        README.write_text(f"{before}{BEGIN}\n{shown}\n{END}{rest.split(END, 1)[1]}")
+    if in_page() is not None:
+        before, rest = PAGE.read_text().split(BEGIN, 1)
+        PAGE.write_text(f"{before}{BEGIN}\n{shown}\n{END}{rest.split(END, 1)[1]}")

@@ -15,8 +15,10 @@ import tomllib
 from pathlib import Path
 
 import pytest
+from typer.testing import CliRunner
 
 import fastlink
+from fastlink.cli import app
 from fastlink.mechanisms import NAMES, catalogue
 
 ROOT = Path(__file__).parents[1]
@@ -62,6 +64,20 @@ def test_the_examples_of_the_documents(document, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     result = doctest.testfile(str(document), module_relative=False, encoding="utf-8")
     assert result.failed == 0
+    if document.name == "start.md" or document.parent.name == "how_to":
+        run_commands("".join(code_blocks(document.read_text(), "sh")))
+
+
+def run_commands(lines):
+    """Run command lines in this process and folder."""
+    for line in lines.splitlines():
+        (program, *arguments), _, target = (
+            part.split() if i != 1 else part for i, part in enumerate(line.partition(" > "))
+        )
+        done = CliRunner().invoke(app, arguments)
+        assert (program, done.exit_code) == ("fastlink", 0), f"{line}: {done.output}"
+        for name in target:
+            Path(name).write_text(done.stdout)
 
 
 @pytest.mark.parametrize("document", DOCUMENTS, ids=lambda path: path.name)

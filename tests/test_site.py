@@ -18,9 +18,12 @@ DOCS = Path(__file__).parents[1] / "docs"
 @pytest.fixture(scope="module")
 def site(tmp_path_factory):
     folder = tmp_path_factory.mktemp("site")
-    command = [sys.executable, "-m", "sphinx", "-q", "-W", "--keep-going", "-d", folder / "trees", DOCS, folder]
+    line = f"-m sphinx -q -W --keep-going -d {folder / 'trees'} {DOCS} {folder}"
     # furo asks Sphinx for what Sphinx is about to rename
-    done = subprocess.run(command, capture_output=True, text=True, check=False, env={**os.environ, "PYTHONWARNINGS": ""})
+    calm = {**os.environ, "PYTHONWARNINGS": ""}
+    done = subprocess.run(
+        [sys.executable, *line.split()], capture_output=True, text=True, check=False, env=calm
+    )
     assert done.returncode == 0, done.stderr
     return folder
 

@@ -299,22 +299,22 @@ def test_what_was_measured_is_what_is_shown():
     text = report.text_of(kept["cases"], kept.get("answers", []), kept["machine"])
     written = (report.FOLDER / "benchmarks.md").read_text()
     assert written == f"{text}\n\n{report.fact_table(found)}\n"
-    short_repr = report.in_readme()
+    short_repr = report.in_page()
     if short_repr is None:
-        pytest.skip(f"README.md has no {report.BEGIN}")
+        pytest.skip(f"docs/performance.md has no {report.BEGIN}")
     assert short_repr == text
 
 
-def test_the_readme_is_changed_between_its_markers_only(tmp_path, monkeypatch, results):
-    readme = tmp_path / "README.md"
-    readme.write_text(f"before\n{report.BEGIN}\n{report.END}\nafter\n")
-    monkeypatch.setattr(report, "README", readme)
+def test_the_page_is_changed_between_its_markers_only(tmp_path, monkeypatch, results):
+    page = tmp_path / "performance.md"
+    page.write_text(f"before\n{report.BEGIN}\n{report.END}\nafter\n")
+    monkeypatch.setattr(report, "PAGE", page)
     monkeypatch.setattr(report, "FOLDER", tmp_path / "data")
     rows, answered, found = results
     about = report.machine()
     for _ in range(2):
         report.write(rows, answered, found, about)
-        assert report.in_readme() == report.text_of(rows, answered, about)
+        assert report.in_page() == report.text_of(rows, answered, about)
     assert report.record()["answers"] == answered
-    assert readme.read_text().startswith("before\n")
-    assert readme.read_text().endswith(f"{report.END}\nafter\n")
+    assert page.read_text().startswith("before\n")
+    assert page.read_text().endswith(f"{report.END}\nafter\n")
