@@ -65,8 +65,8 @@ class _ExtremaWriter(ExtremaSchedule):
         sizes = [start, toggle, program.sides, self.halves, len(program.branches)]
         tables = {"table": [*sizes, *own, *mirror]}
         for k, search in enumerate(program.searches):
-            onto = self.number_of(search.quantity)
-            tables[f"search_{k}"] = [k, onto, search.order, search.parity, int(search.at_limit)]
+            onto, flags = self.number_of(search.quantity), [int(search.at_limit), int(search.jumps)]
+            tables[f"search_{k}"] = [k, onto, search.order, search.parity, *flags]
             tables[f"rows_{k}"] = [self.row(name) for name in self.item_needs(search)] or [0]
             for half in range(self.halves):
                 first, beyond = self.sample_row(k, half), self.sample_row(k, self.half_beyond(half))
@@ -270,10 +270,10 @@ class _ExtremaWriter(ExtremaSchedule):
                 stores[cells.IMAGE] = f"mirror_image({position}, {2.0 * self.program.graded.axis})"
             names = [quantity, position]
             if search.bounded_by:
-                bound, slope_bound, bend = search.bounded_by
-                names += [search.slope, *search.bounded_by]
-                stores |= {cells.BOUND: bound, cells.SLOPE: f"abs({search.slope})"}
-                stores |= {cells.SLOPE_BOUND: slope_bound, cells.BEND: f"abs({bend})"}
+                names += search.bounded_by
+                bound, slope_bound, bend, slope = search.bounded_by
+                stores |= {cells.BOUND: bound, cells.SLOPE_BOUND: slope_bound}
+                stores |= {cells.BEND: f"abs({bend})", cells.SLOPE: f"abs({slope})"}
             self.write_values(search, names, stores)
 
     @contextmanager

@@ -58,7 +58,8 @@ class ExtremaSchedule:
     def slope_names(self, *searches: ExtremumSearch) -> list[str]:
         """Return the values that the sampled functions are products of."""
         magnitudes = (search.quantity for search in searches if search.magnitude)
-        return [self.program.graded.bounded_factor, *(search.slope for search in searches), *magnitudes]
+        slopes = (name for search in searches for name in (search.slope, *search.divisors[:1]))
+        return [self.program.graded.bounded_factor, *slopes, *magnitudes]
 
     def needs_ends(self, search: ExtremumSearch) -> bool:
         """Tell whether the ends of the range count: where a greatest or least value is requested."""
@@ -130,16 +131,22 @@ class ExtremaSchedule:
     def scaled(self, search: ExtremumSearch, suffix: str = "") -> str:
         """Return the derivative times the power of sin mu that keeps it finite and not zero at a toggle.
 
-        That of a magnitude is half the derivative of the square, which has no kink where the vector is almost zero.
+        That of a magnitude is half the derivative of the square, which has no kink where the vector is almost zero;
+        that of a quotient is multiplied by what it is divided by, so that no pole hides between two samples. Both are 0
+        where that is exactly 0, and the derivative no number.
         """
         bounded = self.copy_for(self.program.graded.bounded_factor, suffix)
         factors = [self.copy_for(search.slope, suffix), *[bounded] * search.slope_order]
+        divisors = [self.copy_for(divisor, suffix) for divisor in search.divisors]
+        factors += divisors
         if search.magnitude:
             value = self.copy_for(search.quantity, suffix)
             # the sign is the same without this factor, where it would overflow or underflow
             factors.append(f"({value} if ({value} > 1e-100) & ({value} < 1e100) else 1.0)")
             factors += [bounded] * search.order
-        return " * ".join(factors)
+            divisors = [value]
+        product = " * ".join(factors)
+        return f"(0.0 if {divisors[0]} == 0.0 else {product})" if divisors else product
 
     # -- branches and halves of the range ----------------------------------------------------------
 

@@ -127,6 +127,9 @@ class GradedRange:
         The quantities that are not described by a derivative: residuals, and quantities with poles.
     wraps_at : mapping of str to str
         For an angle the fact that vanishes where the angle passes pi, and where it passes 0.
+    divisors : mapping of str to (str, int)
+        For a quantity the fact that it is divided by and that may come close to zero anywhere in the range, never
+        negative, and the power of it by which its derivative is divided.
     axis : float
         The input position that the mirror leaves: it exchanges `axis` + x and `axis` - x.
     """
@@ -145,6 +148,7 @@ class GradedRange:
     max_extrema: Mapping[str, int]
     not_differentiable: tuple[str, ...] = ()
     wraps_at: Mapping[str, str] = field(default_factory=dict)
+    divisors: Mapping[str, tuple[str, int]] = field(default_factory=dict)
     cells_otherwise: int = 32
     max_extrema_otherwise: int = 16
     axis: float = 0.0

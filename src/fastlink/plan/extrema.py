@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import ast
-from collections.abc import Iterable, Sequence
+from collections.abc import Container, Iterable, Sequence
 from dataclasses import replace
 
 from fastlink.catalogue.catalogue import Catalogue, CatalogueError, Fact, System
@@ -39,6 +39,7 @@ def find_extremum_search(
         return None
     grades = asymptotics(graded, steps, (*graded.coordinates, "branch"))
     grade = grades[quantity]
+    divisor, power = graded.divisors.get(quantity, (quantity, 0))
     needed = {name for step in _steps(catalogue, (quantity,), given, variants) for name in step.names}
     return ExtremumSearch(
         quantity,
@@ -46,12 +47,13 @@ def find_extremum_search(
         graded.cells.get(quantity, graded.cells_otherwise),
         graded.max_extrema.get(quantity, graded.max_extrema_otherwise),
         round(grade.order),
-        max(round(grades[slope].order), 0),
+        max(round(grades[slope].order + power * grades[divisor].order), 0),
         grade.parity,
         -grade.parity,  # the input position is odd
         at_limit=graded.reciprocal not in needed and not grade.choice,
         divided=quantity not in graded.cells,
         magnitude=_is_magnitude(next(step for step in steps if quantity in step.names)),
+        divisors=(divisor,) * power,
     )
 
 
@@ -73,6 +75,46 @@ def _steps(
     )
 
 
+def _further_searches(
+    catalogue: Catalogue, searches: Iterable[ExtremumSearch], bounded: Container[str]
+) -> list[ExtremumSearch]:
+    """Return the searches for places where a quantity may be greatest or least, though its slope is not 0.
+
+    Where the greatest or least value of an angle is requested, its jumps by 2 pi are searched too; where that of a
+    quotient is, the places where what it is divided by is least: next to zero three extremes may be too close to tell.
+    """
+    graded, position = catalogue.graded, catalogue.position.name
+    assert graded is not None
+    # The fact that vanishes there is the sine of the angle times a length: odd where the angle is.
+    jumps = [
+        replace(
+            s,
+            slope=graded.wraps_at[s.quantity],
+            slope_order=0,
+            slope_parity=s.parity,
+            magnitude=False,
+            divisors=(),
+            onto=s.quantity,
+            jumps=True,
+            bounded_by=(),
+        )
+        for s in searches
+        if s.quantity in bounded and s.quantity in graded.wraps_at
+    ]
+    nearly_poles = [
+        replace(
+            s,
+            slope=derivative_name(s.divisors[0], position),
+            divisors=s.divisors[:1],  # the square's derivative, which has no kink
+            divided=False,
+            onto=s.quantity,
+        )
+        for s in searches
+        if s.quantity in bounded and s.divisors
+    ]
+    return jumps + nearly_poles
+
+
 def extrema_programs(
     catalogue: Catalogue,
     outputs: Sequence[Output],
@@ -82,10 +124,7 @@ def extrema_programs(
     branches: Sequence[int],
     variants: Sequence[str],
 ) -> list[ExtremaProgram]:
-    """Group searches by what may share samples without changing any bit: fineness and symmetry.
-
-    Where the greatest or least value of an angle is requested, its jumps by 2 pi are searched too.
-    """
+    """Group searches by what may share samples without changing any bit: fineness and symmetry."""
     graded = catalogue.graded
     assert graded is not None
     bounded = {output.request.quantity for output in outputs if output.request.can_be_refined}
@@ -95,28 +134,20 @@ def extrema_programs(
     )
     searches = [
         replace(
-            s, bounded_by=(error_name(s.quantity), error_name(s.slope), derivative_name(s.slope, position))
+            s,
+            bounded_by=(
+                error_name(s.quantity),
+                error_name(s.slope),
+                derivative_name(s.slope, position),
+                s.slope,
+            ),
         )
         if s.quantity in with_errors
         else s
         for s in searches
     ]
-    # The fact that vanishes there is the sine of the angle times a length: odd where the angle is.
-    jumps = [
-        replace(
-            s,
-            slope=graded.wraps_at[s.quantity],
-            slope_order=0,
-            slope_parity=s.parity,
-            magnitude=False,
-            onto=s.quantity,
-            bounded_by=(),
-        )
-        for s in searches
-        if s.quantity in bounded and s.quantity in graded.wraps_at
-    ]
     groups: dict[tuple[int, bool], list[ExtremumSearch]] = {}
-    for search in (*searches, *jumps):
+    for search in (*searches, *_further_searches(catalogue, searches, bounded)):
         groups.setdefault((search.cells, search.parity != 0), []).append(search)
     programs = []
     for group in groups.values():

@@ -113,10 +113,15 @@ class ExtremumSearch:
         Whether cells are divided whose samples cannot exclude further extrema; the others have none that hide.
     magnitude : bool
         Whether it is the magnitude of a vector: its square is smooth where it comes close to zero.
+    divisors : tuple of str
+        The values other than 1/sigma by whose product the slope is divided.
     onto : str
-        Where `slope` vanishes at jumps by 2 pi instead: the quantity, which reaches pi and -pi there.
+        Where `slope` is another one, at whose zeros the quantity may be greatest or least too: the quantity.
+    jumps : bool
+        Whether these are jumps of an angle by 2 pi, which reaches pi and -pi there.
     bounded_by : tuple of str
-        Where error bounds of the extremes are requested: those of quantity and slope, and the slope's derivative.
+        Where error bounds of the extremes are requested: those of quantity and slope, the slope's derivative, and the
+        slope.
     """
 
     quantity: str
@@ -130,7 +135,9 @@ class ExtremumSearch:
     at_limit: bool
     divided: bool
     magnitude: bool
+    divisors: tuple[str, ...] = ()
     onto: str = ""
+    jumps: bool = False
     bounded_by: tuple[str, ...] = ()
 
 

@@ -34,10 +34,9 @@ from typing import Any
 from fastlink.codegen.runtime.cells import (
     BEND,
     BOUND,
+    JUMPS,
     KIND,
     LANE,
-    NUMBER,
-    ONTO,
     SLOPE,
     SLOPE_BOUND,
     START,
@@ -81,7 +80,7 @@ def bound_zeros(s: Any, count: int, search: Any, magnitude: int) -> None:
     magnitude : int
         1 for the magnitude of a vector, else 0.
     """
-    if search[ONTO] != search[NUMBER]:
+    if search[JUMPS] > 0:
         for i in lanes(padded(count)):
             s[BOUND, i] = OF_PI
     else:
@@ -92,7 +91,8 @@ def bound_zeros(s: Any, count: int, search: Any, magnitude: int) -> None:
             off = steep * (steep / s[BEND, i])
             most = own + (OF_PLACE * slope + (0.0 if kink else TWO_PI * slope_bound))
             bound = own + (off if off < most else most)
-            least = (magnitude > 0) & (s[KIND, i] < 0.0) & (bound > value)
+            # not a number where the value is exactly 0
+            least = (magnitude > 0) & (s[KIND, i] < 0.0) & ((bound > value) | (bound != bound))
             s[BOUND, i] = known((value if value > own else own) if least else bound)
 
 

@@ -48,10 +48,10 @@ FLAT = 2.0**-40
 # Entries of the table of a kernel: rows of the lane values (the lower end's, the upper end's follows each), sides,
 # halves and branches, and for each searched branch where its results go, and those of its mirror (-1 for nowhere).
 START, TOGGLE, SIDES, HALVES, BRANCHES, OWN, MIRROR = 0, 1, 2, 3, 4, 5, 7
-# Entries of the table of a search: its number; the search that it adds to, itself or another whose angle passes pi
-# there; the power of 1/sigma by which the quantity grows at a toggle; what the mirror does to it; whether it has a
-# value exactly at a toggle.
-NUMBER, ONTO, ORDER, PARITY, AT_LIMIT = range(5)
+# Entries of the table of a search: its number; the search that it adds to, itself or another; the power of 1/sigma by
+# which the quantity grows at a toggle; what the mirror does to it; whether it has a value exactly at a toggle; whether
+# it is for the places where an angle passes pi.
+NUMBER, ONTO, ORDER, PARITY, AT_LIMIT, JUMPS = range(6)
 # Entries of the table of one half of the range in one search: rows of its first sample and of that of the half that
 # continues it beyond both ends, number of the half, -1 where a zero at a sample counts for the cell on its other side
 # (else 1), half the number of cells, the sign with which the half beyond continues the function (1 or -1).

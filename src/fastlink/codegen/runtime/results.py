@@ -18,6 +18,7 @@ from fastlink.codegen.runtime.cells import (
     HALF,
     HALVES,
     IMAGE,
+    JUMPS,
     KIND,
     LANE,
     LANES,
@@ -107,6 +108,8 @@ def mirror_image(theta: Any, twice_axis: Any) -> Any:
 def extrema_at_zeros(s: Any, count: int, table: Any, search: Any) -> None:
     """Find of what kind the extremum at each zero is: 1 for a maximum, -1 for a minimum; 0 and pi where an angle jumps.
 
+    A zero of another slope is of no kind.
+
     Parameters
     ----------
     s, count : array, int
@@ -121,6 +124,9 @@ def extrema_at_zeros(s: Any, count: int, table: Any, search: Any) -> None:
             lower_side = half - (half >> (sides - 1)) * sides == 0
             rises = (s[FA, i] > 0.0) | (s[FB, i] < 0.0)
             s[KIND, i] = 1.0 if rises == lower_side else -1.0
+    elif search[JUMPS] == 0:
+        for i in lanes(padded(count)):
+            s[KIND, i] = 0.0
     else:
         for i in lanes(padded(count)):
             # An angle near 0 passes 0, which is no extremum; it is pi and -pi where it jumps.
@@ -196,7 +202,7 @@ def store_extrema(s: Any, count: int, table: Any, search: Any, lists: Any, best:
     """
     sides, branches = table[SIDES], table[BRANCHES]
     onto, parity = search[ONTO], float(search[PARITY])
-    jumps = onto != search[NUMBER]
+    jumps = search[JUMPS] > 0
     for i in range(count):
         value, theta, kind, bound = s[VALUE, i], s[THETA, i], s[KIND, i], s[BOUND, i]
         if kind != kind:

@@ -120,6 +120,7 @@ planar_4r.graded = GradedRange(
         *(f"v{k}{of}" for k in range(1, 5) for of in ("", "_dot", "_ddot")),
     ),
     wraps_at={"theta2": "AB_y", "theta4": "DB_y", "joint_angle_2": "AB_v", "joint_angle_4": "DB_y"},
+    divisors={"curvature": ("curve_rate", 5)},  # (P' x P'')/|P'|^3
 )
 
 
