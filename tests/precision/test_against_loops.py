@@ -9,8 +9,8 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from tests.support.against_loops import HEADER, Tally, campaign, count
-from tests.support.neighbourhoods import DRAWN
+from tests.support.against_loops import HEADER, Tally, campaign, compare, count
+from tests.support.neighbourhoods import DRAWN, ULP
 
 #: Designs of each mechanism, of all its inputs together, in the long form: half an hour of one core each.
 MANY = 1_000_000
@@ -26,6 +26,31 @@ def test_some_designs(mechanism, drive):
     assert tally.failures == {}
     # more than a few values of each design, where it assembles or does not
     assert tally.counts["values"] > 5 * FEW
+
+
+def kites_with_a_pivot_on_the_circle_of_F(rng, n, first, second, s, fold):
+    """Return near kites, crank nearly in MN: the last bits of the lengths decide on which side F passes M or N."""
+    moved = 1.0 + rng.integers(-8, 9, (2, n)) * ULP
+    lengths = {"a": first, "b": second} | (
+        {"c": first * moved[0], "d": second * moved[1]}
+        if first > second
+        else {"d": first * moved[0], "c": second * moved[1]}
+    )
+    away = 10.0 ** rng.uniform(-30.0, -10.0, n)
+    design = {name: np.broadcast_to(values, n) for name, values in lengths.items()}
+    design |= {"s": s * design["d"], "sigma": fold - np.sign(fold - 1.0) * away}
+    return design | {"completion": np.ones(n), "omega": np.ones(n), "branch": rng.integers(1.0, 3.0, n)}
+
+
+@pytest.mark.parametrize(
+    "kite",
+    [(559.1867775730996, 0.0681443389688298, -1.0, 0.0), (0.3069707532162749, 32.7295150031468, 2.0, np.pi)],
+)
+def test_the_sign_of_a_crossing_is_in_the_bound(kite):
+    tally, rng = Tally("focal", "sigma"), np.random.default_rng(4)
+    compare(tally, kites_with_a_pivot_on_the_circle_of_F(rng, 150, *kite), rng, extremes=False)
+    assert tally.failures == {}
+    assert tally.counts["values"] > 2 * tally.counts["flagged"] > 0
 
 
 @pytest.mark.stress

@@ -36,7 +36,7 @@ from fastlink.numerics.elementary import (
     sqrt,
 )
 from fastlink.numerics.logarithm import arsinh, log, log1p, log_quotient
-from fastlink.numerics.vectors import zero_where
+from fastlink.numerics.vectors import sign, zero_where
 from fastlink.symbolic import gaps
 from fastlink.symbolic.bound import Bound, Lost, multiplied, united
 from fastlink.symbolic.error_laws import (
@@ -87,7 +87,7 @@ class Rules:
 
     def __init__(self, named: Callable[[str], Bound]) -> None:
         self.named = named
-        self.graph = ExpressionGraph({*WORDS, *BOUNDED_ALONE, arsinh, ldexp, zero_where})
+        self.graph = ExpressionGraph({*WORDS, *BOUNDED_ALONE, arsinh, ldexp, sign, zero_where})
         self.exact = Bound(0.0, self.graph.zero)
         self._bounds: dict[Node, Bound] = {}
 
@@ -261,6 +261,8 @@ class Rules:
         a = self.settled(x)
         if function is ldexp:
             return replace(a, one=False)
+        if function is sign:
+            return self._of_sign(x, a)
         if function is abs:
             return replace(a, positive=True)
         if function is sqrt:
@@ -297,6 +299,15 @@ class Rules:
         rest = self.graph.select(condition, a.rest, b.rest)
         both = (a.scale and b.scale, a.one and b.one, a.positive and b.positive)
         return Bound(max(a.relative, b.relative), rest, lost, *both)
+
+    def _of_sign(self, x: Node, bound: Bound) -> Bound:
+        """Return the bound of a sign, which is the opposite one where the error exceeds the value."""
+        graph, scale = self.graph, replace(self.exact, scale=True)
+        if bound.rest is graph.zero:
+            return scale
+        error = self.error(x, bound)
+        known = graph.node("|", graph.node("<", error, self.size(x)), graph.node("==", error, graph.zero))
+        return replace(scale, scale=False, rest=graph.select(known, graph.zero, graph.number(2.0)))
 
     def _of_direction(self, node: Node) -> Bound:
         y, x = node.args

@@ -148,7 +148,10 @@ def _conic(A: Any, B: Any, N: Any, t: Any, first: Any = None) -> InscribedConic:
     half, product = 0.5 * (of_MB * B + of_AN * (A + N)), of_AN * (A * N)
     # half^2 - product, without its cancelling where t is 1 and A next to N
     apart = 0.5 * (of_MB * B + of_AN * (A - N))
-    root = np.sqrt(apart * apart + of_AN * of_MB * N * (B - A))
+    rest = of_AN * of_MB * N * (B - A)
+    # which cancels instead near the parabola of a parallelogram, whose centre stays where it is
+    cancels = 4.0 * (np.abs(half) ** 2 + np.abs(product) / size) < np.abs(apart) ** 2 + np.abs(rest)
+    root = np.sqrt(np.where(cancels, half * half - product / size, apart * apart + rest))
     # the greater root first, as it does not cancel
     one = half + np.where((half * np.conj(root)).real < 0.0, -root, root)
     with np.errstate(
