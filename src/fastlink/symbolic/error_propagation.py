@@ -262,7 +262,7 @@ class Rules:
         if function is ldexp:
             return replace(a, one=False)
         if function is sign:
-            return self._of_sign(x, a)
+            return gaps.bound_of_sign(self, x)
         if function is abs:
             return replace(a, positive=True)
         if function is sqrt:
@@ -299,15 +299,6 @@ class Rules:
         rest = self.graph.select(condition, a.rest, b.rest)
         both = (a.scale and b.scale, a.one and b.one, a.positive and b.positive)
         return Bound(max(a.relative, b.relative), rest, lost, *both)
-
-    def _of_sign(self, x: Node, bound: Bound) -> Bound:
-        """Return the bound of a sign, which is the opposite one where the error exceeds the value."""
-        graph, scale = self.graph, replace(self.exact, scale=True)
-        if bound.rest is graph.zero:
-            return scale
-        error = self.error(x, bound)
-        known = graph.node("|", graph.node("<", error, self.size(x)), graph.node("==", error, graph.zero))
-        return replace(scale, scale=False, rest=graph.select(known, graph.zero, graph.number(2.0)))
 
     def _of_direction(self, node: Node) -> Bound:
         y, x = node.args

@@ -1,7 +1,7 @@
 """Error bounds where a gap counts as zero: a sum of lengths within their rounding, which decides what a linkage is.
 
 What is left out is the error of the zero. It is propagated like any other, to the bounds of all that follows; where
-it may change the choice between two values, the bound covers both.
+it may change the choice between two values, the bound covers both. So it does where an error may change a sign.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ from fastlink.symbolic.expression import COMPARISONS, Node
 if TYPE_CHECKING:
     from fastlink.symbolic.error_propagation import Rules
 
-__all__ = ["bound_of_doubtful_choice", "bound_of_zeroed"]
+__all__ = ["bound_of_doubtful_choice", "bound_of_sign", "bound_of_zeroed"]
 
 
 #: A millionth more than what is left out, for the rounding of the bound on its way.
@@ -50,6 +50,17 @@ def bound_of_doubtful_choice(rules: Rules, node: Node) -> Bound:
     errors = [rules.error(x, a), rules.error(y, b), graph.select(condition, a.rest, b.rest)]
     rest = graph.read(of_choice, [_doubt(rules, condition), x, y, *errors])
     return Bound(relative, rest, positive=a.positive and b.positive)
+
+
+def bound_of_sign(rules: Rules, x: Node) -> Bound:
+    """Return the bound of the sign of a value, which is the other one where the error exceeds the value."""
+    graph, bound = rules.graph, rules.settled(x)
+    sign = replace(rules.exact, scale=True)
+    if bound.rest is graph.zero:
+        return sign
+    error = rules.error(x, bound)
+    known = graph.node("|", graph.node("<", error, rules.size(x)), graph.node("==", error, graph.zero))
+    return replace(sign, scale=False, rest=graph.select(known, graph.zero, graph.number(2.0)))
 
 
 def _doubt(rules: Rules, condition: Node) -> Node:
