@@ -259,12 +259,10 @@ class Rules:
             return replace(self.exact, scale=True, positive=True)
         x = node.args[0]
         a = self.settled(x)
-        if function is ldexp:
-            return replace(a, one=False)
         if function is sign:
             return gaps.bound_of_sign(self, x)
-        if function is abs:
-            return replace(a, positive=True)
+        if function in (abs, ldexp):
+            return replace(a, positive=True) if function is abs else replace(a, one=False)
         if function is sqrt:
             law = of_root if a.positive else of_root_or_none if a.gap else of_root_of_sum
             rest = a.rest if a.rest is graph.zero else graph.read(law, [x, node, a.rest])
