@@ -8,6 +8,7 @@ from benchmarks import (
     check,
     extrema,
     facts,
+    files,
     focal,
     leave_out,
     minkowski,
@@ -45,7 +46,7 @@ def full(folder, log):
     ]
     for part in PARTS:
         others += part.measure(log=log)
-    return rows, found, others + output.measure(folder, log)
+    return rows, found, others + output.measure(folder, log) + output.measure(folder, log, files.PARTS)
 
 
 def main():

@@ -120,7 +120,7 @@ def memory(folder, curves_side=295, map_side=126):
     return facts
 
 
-def measure(folder=None, log=lambda text: None):
+def measure(folder=None, log=lambda text: None, parts=(disk, maps, memory), **options):
     """Return the facts about output; in a folder of its own, which is removed."""
     with tempfile.TemporaryDirectory(dir=folder or Path.cwd(), prefix="fastlink-benchmark-") as place:
         free = shutil.disk_usage(place).free
@@ -128,7 +128,7 @@ def measure(folder=None, log=lambda text: None):
             log(f"output skipped: {place} has {free / 1e9:.1f} GB free, {NEED / 1e9:.1f} GB are needed")
             return []
         facts = []
-        for part in (disk, maps, memory):
+        for part in parts:
             log(part.__name__)
-            facts += part(place)
+            facts += part(place, **options)
         return facts

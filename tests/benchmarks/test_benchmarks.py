@@ -21,6 +21,7 @@ from benchmarks import (
     engine,
     extrema,
     facts,
+    files,
     heyoka_baseline,
     jax_baseline,
     numba_baseline,
@@ -146,6 +147,12 @@ def test_output_is_measured_and_leaves_nothing(tmp_path):
     found = [value for _, value, _, _ in output.disk(tmp_path, side=4, repeats=1)]
     found += output.map_overhead(tmp_path, side=3, theta1=36, repeats=1)
     assert all(math.isfinite(value) and value > 0 for value in found)
+    assert not list(tmp_path.iterdir())
+
+
+def test_files_are_measured_and_none_is_left(tmp_path):
+    found = files.checksums(tmp_path, rows=400, repeats=1) + files.layouts(tmp_path, side=2, repeats=1)
+    assert all(math.isfinite(value) and value > 0 for _, value, _, _ in found)
     assert not list(tmp_path.iterdir())
 
 

@@ -73,27 +73,35 @@ class Files:
         self.regions["journal"] = {
             "head": np.arange(head),
             "records": np.arange(head, len(self.contents["journal"])),
+            "end": np.arange(len(self.contents["journal"])),
         }
         shutil.rmtree(folder)
 
     def damaged(self, kind: Kind, rng: Any) -> dict[str, bytes]:
         """Return the bytes of all files, one of which has one bit changed, or has lost its end."""
-        content = bytearray(self.contents[kind.file])
+        content, place = bytearray(self.contents[kind.file]), rng.choice(self.regions[kind.file][kind.region])
         if kind.region == "end":
-            del content[int(rng.integers(len(content))) :]
+            del content[place:]
         else:
-            content[rng.choice(self.regions[kind.file][kind.region])] ^= 1 << int(rng.integers(8))
+            content[place] ^= 1 << int(rng.integers(8))
         return {**self.contents, kind.file: bytes(content)}
 
 
 def _of_hdf5(path: Path, nbytes: int) -> dict[str, Any]:
-    """Return the bytes of the values of a file, and all others."""
+    """Return the bytes of the values of a file, and those before their end that are of labels; all bytes to there."""
     of_values = np.zeros(nbytes, bool)
     with h5py.File(path) as file:
         for name in str(file["checksums"].attrs["variables"]).split():
             start = file[name].id.get_offset()
             of_values[start : start + file[name].nbytes] = True
-    return {"values": np.flatnonzero(of_values), "labels": np.flatnonzero(~of_values)}
+    end = (
+        np.flatnonzero(of_values)[-1] + 1 if path.suffix == ".part" else nbytes
+    )  # room for labels to come follows
+    return {
+        "values": np.flatnonzero(of_values),
+        "labels": np.flatnonzero(~of_values[:end]),
+        "end": np.arange(end),
+    }
 
 
 def checked(folder: Path, contents: dict[str, bytes]) -> str:

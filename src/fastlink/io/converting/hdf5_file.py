@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import io
+import os
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
 
+import h5py
 import numpy as np
 
 from fastlink.io.checksums import OF_REST, of_file
@@ -14,7 +17,7 @@ from fastlink.io.converting.output import OutputFile
 from fastlink.io.converting.source import Source
 from fastlink.io.dataset import FORMAT_VERSION
 from fastlink.io.writing import partial_file
-from fastlink.io.writing.skeleton import create_checksums, label, lay_labels, opened
+from fastlink.io.writing.skeleton import create_checksums, label, lay_labels
 from fastlink.io.writing.writer import Writer
 from fastlink.space.dataset import FORMAT
 
@@ -22,6 +25,48 @@ __all__ = ["write_compressed", "write_plain"]
 
 #: Bytes of the values of a chunk, the unit of compression.
 CHUNK_BYTES = 1 << 20
+
+
+class _UntilItFails(io.FileIO):
+    """A file for HDF5 to write; an error of the disk is kept for `check`, and what is written after it is dropped.
+
+    HDF5 tries again what it could not write when the file is closed and when the process ends, and may then end it by a
+    violation of memory.
+
+    Parameters
+    ----------
+    fd : int
+        The open file, which stays open.
+    """
+
+    def __init__(self, fd: int) -> None:
+        super().__init__(fd, "r+b", closefd=False)
+        self._error: OSError | None = None
+
+    def check(self) -> None:
+        """Raise the error that there was."""
+        if self._error is not None:
+            raise self._error
+
+    def write(self, data: Any) -> int:
+        """Write every byte, unless an earlier write has failed."""
+        position, content = self.tell(), memoryview(data).cast("B")
+        self._tried(partial_file.write_all, self.fileno(), content, position)
+        self.seek(position + len(content))
+        return len(content)
+
+    def truncate(self, size: int | None = None) -> int:
+        """Give the file a size, unless an earlier write has failed."""
+        nbytes = self.tell() if size is None else size
+        self._tried(os.ftruncate, self.fileno(), nbytes)
+        return nbytes
+
+    def _tried(self, call: Callable[..., Any], *arguments: Any) -> None:
+        if self._error is None:
+            try:
+                call(*arguments)
+            except OSError as error:
+                self._error = error
 
 
 def write_plain(path: Path, source: Source, attrs: Mapping[str, Any], overwrite: bool, show: Any) -> None:
@@ -45,7 +90,8 @@ def write_compressed(
 ) -> None:
     """Write a file with compressed chunks, and one checksum of all its bytes."""
     with OutputFile(path, overwrite, lambda fresh: lay_labels(fresh, source.coords, attrs)) as out:
-        with opened(out.fd, out.part, "r+") as file:
+        target = _UntilItFails(out.fd)
+        with h5py.File(target, "r+") as file:
             filters = compression.of_hdf5()
             for variable in source.variables:
                 chunks = chunks_of(variable, CHUNK_BYTES)
@@ -54,11 +100,13 @@ def write_compressed(
                 label(file, dataset, source.coords, variable)
                 for index, _, values in source.blocks(variable, chunks):
                     dataset[index] = values
+                    target.check()
                     show(values.nbytes)
             for name, value in {**source.remarks(), FORMAT: FORMAT_VERSION}.items():
                 file.attrs[name] = value
             place = create_checksums(file, [])[OF_REST]
             file["checksums"].create_dataset("values", (0,), "u4")
+        target.check()
         rest = np.array([of_file(out.fd, {}, (place, place + 4))], "u4")
         partial_file.write_all(out.fd, rest.view(np.uint8).data, place)
         out.publish()

@@ -183,11 +183,16 @@ class Journal:
         """
         fresh = self._path.with_name(self._path.name + ".new")
         fresh.unlink(missing_ok=True)  # never through a link
-        with open(fresh, "xb") as file:
-            file.write(self._head + first)
-            file.flush()
-            os.fsync(file.fileno())
-        os.replace(fresh, self._path)
+        try:
+            with open(fresh, "xb") as file:
+                file.write(self._head + first)
+                file.flush()
+                os.fsync(file.fileno())
+            os.replace(fresh, self._path)
+        except OSError:
+            with contextlib.suppress(OSError):
+                fresh.unlink(missing_ok=True)
+            raise
         return os.open(self._path, os.O_RDWR | os.O_APPEND | getattr(os, "O_BINARY", 0))
 
 

@@ -151,15 +151,6 @@ def held_folder(folder: Path) -> int | None:
     return fd
 
 
-def make_sure_of_room(path: Path, nbytes: int) -> None:
-    """Fail if HDF5 will have no room for the labels, which might crash the process."""
-    fd = create(path)
-    try:
-        reserve(fd, nbytes)
-    finally:
-        os.close(fd)
-
-
 def reserve(fd: int, extra: int) -> None:
     """Reserve room for a whole file and some more, so that a full disk shows at once."""
     if not hasattr(os, "posix_fallocate"):

@@ -25,7 +25,7 @@ from fastlink.io.checksums import (
 from fastlink.io.dataset import Variable, plain_attrs
 from fastlink.io.parts import WHOLE
 from fastlink.io.place import SLACK
-from fastlink.io.writing.partial_file import create, make_sure_of_room, released, reserve, write_all
+from fastlink.io.writing.partial_file import create, released, reserve, write_all
 
 PAGE_BYTES = 4096
 #: What a file that cannot be read or written raises, through HDF5 too.
@@ -70,8 +70,11 @@ def lay_out(
 
 def lay_labels(path: Path, coords: xr.Dataset, attrs: Mapping[str, Any]) -> None:
     """Create the file with its coordinates and global attributes alone."""
-    make_sure_of_room(path, coords.nbytes + SLACK)
-    _to_netcdf(path, coords.assign_attrs(plain_attrs(attrs)), "w")
+    with scratch() as other:
+        with open(other, "r+b") as file:
+            reserve(file.fileno(), coords.nbytes + SLACK)
+        _to_netcdf(other, coords.assign_attrs(plain_attrs(attrs)), "w")
+        _copy_to_new(other, path, {})
 
 
 def create_checksums(file: Any, variables: Sequence[Variable]) -> dict[str, int]:
@@ -137,9 +140,13 @@ def laid_in_memory(
     """Create the file that `lay_out` lays out, by way of memory; return the variables' offsets."""
     with scratch() as other:
         offsets = lay_out(other)
-        with os.fdopen(create(path), "r+b", buffering=0) as file:
-            copy_labels(other, file.fileno(), places_of_values(offsets, variables))
+        _copy_to_new(other, path, places_of_values(offsets, variables))
     return offsets
+
+
+def _copy_to_new(source: Path, path: Path, values: Mapping[int, int]) -> None:
+    with os.fdopen(create(path), "r+b", buffering=0) as file:
+        copy_labels(source, file.fileno(), values)
 
 
 def places_of_values(offsets: Mapping[str, int], variables: Sequence[Variable]) -> dict[int, int]:

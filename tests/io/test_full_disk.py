@@ -1,0 +1,267 @@
+"""Disks that are full: file systems of a few megabytes, filled up by another program while something is written.
+
+They are mounted for the tests, which the system allows to some only.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import subprocess
+import sys
+import warnings
+
+import numpy as np
+import pytest
+from numpy.testing import assert_array_equal
+from tests.support.map_files import left_in
+from tests.support.refusals import refused
+
+import fastlink as fl
+from fastlink.io.converting.source import Source
+from fastlink.io.writing import journal
+from fastlink.io.writing.writer import Writer
+
+pytestmark = pytest.mark.filterwarnings("default:NOT TESTED")
+COUPLERS = np.linspace(1.0, 1.4, 120)
+
+
+def sweep(to, **options):
+    """Make a map of some 500 kB."""
+    space = fl.grid(a1=0.4, a2=COUPLERS, a3=[0.7, 0.8], a4=1.0, omega1=2.0)
+    given = {"theta1": 90, "block": 16, "threads": 1, "verify": 0, "to": to, **options}
+    return fl.sweep("planar_4r", space, ["omega4_max", "theta4"], **given)
+
+
+class Disk:
+    """A file system of 4 MiB."""
+
+    def __init__(self, folder):
+        self.folder = folder
+        folder.mkdir()
+        command = ["mount", "-t", "tmpfs", "-o", "size=4m", "none", str(folder)]
+        done = subprocess.run(command, check=False, capture_output=True, text=True)
+        if done.returncode:
+            raise PermissionError(done.stderr.strip())
+
+    def fill(self, left=0):
+        """Let another program take all of it but so many bytes."""
+        status = os.statvfs(self.folder)
+        with open(self.folder / "other", "ab", buffering=0) as file, contextlib.suppress(OSError):
+            file.write(bytes(max(0, status.f_bavail * status.f_frsize - left)))
+
+    def make_room(self):
+        """Take away what the other program wrote."""
+        (self.folder / "other").unlink(missing_ok=True)
+
+
+@pytest.fixture
+def disk(tmp_path):
+    """A small disk, or a loud skip."""
+    try:
+        made = Disk(tmp_path / "disk")
+    except OSError as error:
+        warnings.warn(f"NOT TESTED: full disks, none can be mounted here ({error})", stacklevel=1)
+        pytest.skip(f"no disk can be mounted: {error}")
+    yield made
+    subprocess.run(["umount", "--lazy", str(made.folder)], check=True)
+
+
+@pytest.fixture(scope="module")
+def expected():
+    with sweep(None) as found:
+        return found.load()
+
+
+@pytest.fixture(scope="module")
+def source(tmp_path_factory):
+    """A folder on a good disk with the map and both its parts."""
+    folder = tmp_path_factory.mktemp("source")
+    sweep(folder / "m.h5").close()
+    for k in (1, 2):
+        sweep(folder / f"p{k}.h5", part=(k, 2)).close()
+    return folder
+
+
+def assert_whole(path, expected):
+    assert fl.check(path)
+    with fl.open(path) as found:
+        for name in expected:
+            assert_array_equal(found[name], expected[name], err_msg=name)
+
+
+def test_a_disk_without_room_is_refused_before_anything_is_computed(disk, expected):
+    path = disk.folder / "m.h5"
+    for left in (0, 300_000, 1_400_000):  # the last would hold the values, but not what else is reserved
+        disk.fill(left)
+        with refused("are free", "make room"):
+            sweep(path)
+        assert left_in(disk.folder) == ["other"]
+        disk.make_room()
+    sweep(path).close()
+    assert_whole(path, expected)
+
+
+def fill_after(patch, disk, blocks):
+    """Let the disk be full once so many blocks are noted."""
+    record, seen = Writer.record, []
+
+    def filled(self, start, stop):
+        record(self, start, stop)
+        seen.append(start)
+        if len(seen) == blocks:
+            self._journal._commit()
+        if len(seen) == max(blocks, 1):
+            disk.fill()
+
+    patch.setattr(journal, "STEP_SECONDS", 60.0)
+    patch.setattr(Writer, "record", filled)
+
+
+@pytest.mark.parametrize("blocks", [1, 9])
+def test_a_disk_that_fills_up_during_a_sweep_loses_nothing(disk, monkeypatch, expected, blocks):
+    """On a system that cannot reserve room."""
+    path = disk.folder / "m.h5"
+    with monkeypatch.context() as patch:
+        fill_after(patch, disk, blocks)
+        patch.delattr(os, "posix_fallocate")
+        with pytest.raises(fl.InputError) as caught:
+            sweep(path)
+    assert "No space left on device" in str(caught.value)
+    assert "make room" in str(caught.value)
+    assert "are kept in" in caught.value.__notes__[0]
+    assert not path.exists()
+    with refused("to", "make room"):  # there is no more than before
+        sweep(path)
+    disk.make_room()
+    with sweep(path) as found:
+        assert found.attrs["designs_of_earlier_runs"] >= 16 * blocks
+    assert_whole(path, expected)
+    assert left_in(disk.folder) == ["m.h5"]
+
+
+def test_a_sweep_whose_room_is_reserved_ends_on_a_disk_that_is_full_since(disk, monkeypatch, expected):
+    path = disk.folder / "m.h5"
+    with monkeypatch.context() as patch:
+        fill_after(patch, disk, 3)
+        sweep(path).close()
+    assert_whole(path, expected)
+    assert left_in(disk.folder) == ["m.h5", "other"]
+
+
+def test_a_sweep_that_cannot_begin_its_journal_leaves_nothing(disk, monkeypatch, expected):
+    path = disk.folder / "m.h5"
+    with monkeypatch.context() as patch:
+        fill_after(patch, disk, 0)
+        with refused("to", "make room"):
+            sweep(path)
+    assert left_in(disk.folder) == ["other"]
+    disk.make_room()
+    sweep(path).close()
+    assert_whole(path, expected)
+
+
+def test_a_disk_that_fills_up_during_a_join(disk, monkeypatch, source, expected):
+    path, parts = disk.folder / "m.h5", [source / "p1.h5", source / "p2.h5"]
+    write = Writer.write_pieces
+
+    def filled(self, name, pieces):
+        disk.fill()
+        write(self, name, pieces)
+
+    with monkeypatch.context() as patch:
+        patch.setattr(Writer, "write_pieces", filled)
+        patch.delattr(os, "posix_fallocate")
+        with refused("to", "make room"):
+            fl.join(parts, to=path)
+    assert not path.exists()
+    disk.make_room()
+    fl.join(parts, to=path).close()
+    assert_whole(path, expected)
+    assert left_in(disk.folder) == ["m.h5"]
+
+
+CONVERSIONS = {
+    "o.h5": {},
+    "z.h5": {"compress": "gzip:1"},
+    "o.zarr": {},
+    "o.csv": {"select": {"theta1": "#0:20"}},
+    "o.parquet": {},
+}
+
+
+@pytest.mark.parametrize(("name", "options"), CONVERSIONS.items(), ids=CONVERSIONS)
+def test_a_disk_that_fills_up_during_a_conversion(disk, monkeypatch, source, name, options):
+    path, read = disk.folder / name, Source.read
+    fl.convert(source / "m.h5", path, quantities=["omega4_max"])
+    before = sorted((str(file), file.read_bytes()) for file in disk.folder.rglob("*") if file.is_file())
+
+    def filled(self, variable, index):
+        disk.fill()
+        return read(self, variable, index)
+
+    with monkeypatch.context() as patch:
+        patch.setattr(Source, "read", filled)
+        patch.delattr(os, "posix_fallocate")
+        with refused("to", "make room"):
+            fl.convert(source / "m.h5", path, overwrite=True, **options)
+    disk.make_room()
+    after = sorted((str(file), file.read_bytes()) for file in disk.folder.rglob("*") if file.is_file())
+    assert after == before
+    fl.convert(source / "m.h5", path, overwrite=True, **options)
+    if name.endswith((".h5", ".zarr")):
+        with fl.open(path) as found, fl.open(source / "m.h5") as whole:
+            assert_array_equal(found.theta4, whole.theta4)
+    assert left_in(disk.folder) == [name]
+
+
+COMPRESSED = """
+import os, sys
+import fastlink as fl
+from fastlink.io.converting.source import Source
+from tests.io.test_full_disk import Disk
+read, disk = Source.read, Disk.__new__(Disk)
+disk.folder = __import__("pathlib").Path(sys.argv[1]).parent
+def filled(self, variable, index):
+    disk.fill()
+    return read(self, variable, index)
+Source.read = filled
+try:
+    fl.convert(sys.argv[2], sys.argv[1], compress="gzip:1")
+except fl.InputError:
+    print("refused")
+"""
+
+
+def test_a_process_whose_compressed_file_had_no_room_ends_well(disk, source):
+    """HDF5 tries to write again as the process ends, and once ended it by a violation of memory."""
+    done = subprocess.run(
+        [sys.executable, "-c", COMPRESSED, str(disk.folder / "z.h5"), str(source / "m.h5")],
+        check=False,
+        capture_output=True,
+        text=True,
+    )
+    assert (done.returncode, done.stdout, done.stderr) == (0, "refused\n", "")
+
+
+def test_the_best_designs_on_a_full_disk(disk, source):
+    from typer.testing import CliRunner
+
+    from fastlink.cli.app import app
+
+    disk.fill()
+    command = [
+        "best",
+        str(source / "m.h5"),
+        "--minimise",
+        "omega4_max",
+        "--to",
+        str(disk.folder / "best.csv"),
+    ]
+    done = CliRunner().invoke(app, command)
+    assert done.exit_code == 2
+    assert "are free" in done.output
+    assert "make room" in done.output
+    assert left_in(disk.folder) == ["other"]
+    disk.make_room()
+    assert CliRunner().invoke(app, command).exit_code == 0
