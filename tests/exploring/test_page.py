@@ -203,3 +203,142 @@ def test_the_page_asks_nothing_of_any_other_machine(browser, page):
     assert {one.partition("://")[2].partition("/")[0] for one in asked} == {
         page.url.partition("://")[2].partition("/")[0]
     }
+
+
+def drag(tab, start, end):
+    """Drag a region from one place of the picture to another."""
+    point(tab, *start)
+    tab.mouse.down()
+    point(tab, *(0.5 * (a + b) for a, b in zip(start, end, strict=True)))
+    point(tab, *end)
+    tab.mouse.up()
+
+
+def listed(tab):
+    """Return the places of the best designs of the region."""
+    return state(tab, "region.best.map(one => one.at)")
+
+
+def test_a_region_shows_its_best_designs_and_can_be_seen_alone(tab, path):
+    drag(tab, (0.21, 0.32), (0.78, 0.9))
+    settled(tab, "region !== null && !element('region').hidden")
+    window = state(tab, "windowOf(state.brush)")
+    assert window == {"a2": [3, 11], "a3": [4, 11]}
+    assert state(tab, "region.count") == 9 * 8
+    with fl.open(path) as maps:
+        inside = maps.isel(a1=1, branch=0, a2=slice(3, 12), a3=slice(4, 12))
+        for order, largest in (("", False), ("1", True)):
+            tab.locator("#choose-order").select_option(order)
+            settled(tab, f"region.largest === {str(largest).lower()} && region.best.length === 12")
+            true = inside.fastlink.top(12, "omega4_max", largest=largest).omega4_max.values
+            found = [float(maps.omega4_max.isel(at)) for at in listed(tab)]
+            np.testing.assert_array_equal(found, true)
+        rows = state(
+            tab, "Object.fromEntries(region.fields.map((of, k) => [of.name, region.rows[k].length]))"
+        )
+        assert rows == dict.fromkeys(("a2", "a3", "omega4_max", "transmission_angle_min"), 72)
+    tab.locator("#zoom").click()
+    settled(tab, "view.values.length === 72 && !loading && region === null")
+    tab.locator("#controls button", has_text="Whole picture").click()
+    settled(tab, "view.values.length === 195 && !loading")
+
+
+def test_a_region_by_the_keyboard(tab):
+    over = tab.locator("#over")
+    over.focus()
+    for key in ("ArrowLeft", "b", "Shift+ArrowRight", "ArrowUp", "b"):
+        tab.keyboard.press(key)
+    settled(tab, "region !== null")
+    assert state(tab, "windowOf(state.brush)") == {"a2": [6, 14], "a3": [6, 7]}
+    assert "a_2" in tab.locator("#said").inner_text() or "region" in tab.locator("#said").inner_text()
+    tab.keyboard.press("Escape")
+    settled(tab, "region === null && element('region').hidden")
+
+
+@pytest.mark.parametrize("count", [1, 2])
+def test_chosen_designs_are_a_study_that_gives_the_same_values(tab, path, tmp_path, count):
+    places = [{"a1": 1, "a2": 9, "a3": 6, "branch": 0}, {"a1": 0, "a2": 4, "a3": 8, "branch": 0}][:count]
+    tab.evaluate("async places => { for (const at of places) await lock(at); }", places)
+    for name, text in state(tab, "studyOf(state.locks)").items():
+        (tmp_path / name).write_text(text)
+    with (
+        fl.run_study(tmp_path / "study.toml", to=tmp_path / "again.h5", verify=0) as again,
+        fl.open(path) as maps,
+    ):
+        for k, at in enumerate(places):
+            one = again.isel(branch=0, **({"design": k} if count > 1 else {}))
+            for name in maps.data_vars:
+                assert float(one[name]) == float(
+                    maps[name].isel({d: p for d, p in at.items() if d in maps[name].dims})
+                )
+
+
+@pytest.fixture(scope="module")
+def written(path, tmp_path_factory):
+    """The page of the map as a file."""
+    file = tmp_path_factory.mktemp("pages") / "page.html"
+    fl.explore(path, to=file, browser=False).close()
+    return file
+
+
+def test_a_page_without_a_server_shows_the_same(browser, tab, written):
+    script = """async () => {
+        const found = {};
+        for (const [a1, name] of [[0, "omega4_max"], [2, "omega4_max"], [1, "grashof_class"]]) {
+            change({name, at: {...state.at, a1}});
+            while (loading) await new Promise(done => setTimeout(done, 5));
+            found[`${name} ${a1}`] = [Array.from(view.values, String), view.scale];
+        }
+        Object.assign(state, {name: "omega4_max", brush: [0.1, 0.9, 0.2, 0.7]});
+        change({});
+        while (loading) await new Promise(done => setTimeout(done, 5));
+        await drawRegion();
+        const short = one => typeof one === "number" ? String(Math.fround(one)) : one;
+        const named = row => Object.entries(row).map(([name, value]) => `${name} ${short(value)}`).sort();
+        found.best = region.best.map(one => [one.at, named(one.row)]);
+        found.rows = region.rows.map(row => row.map(short));
+        found.places = design.motion.places(0.3, 1);
+        return found;
+    }"""
+    with opened(browser, written.as_uri(), offline=True) as alone:
+        assert alone.evaluate(script) == tab.evaluate(script)
+        assert "http" not in alone.evaluate(
+            "performance.getEntriesByType('resource').map(one => one.name).join()"
+        )
+
+
+def test_a_map_of_sampled_designs_is_points(browser, tmp_path):
+    space = fl.sobol(64, seed=1, a1=(0.2, 0.5), a2=(0.9, 1.4), a3=(0.6, 1.2), a4=1.0, omega1=10.0)
+    maps = fl.sweep("planar_4r", space, ["omega4_max"], extrema="sampled", theta1=24, branch=1, verify=0)
+    file = tmp_path / "page.html"
+    maps.fastlink.explore(to=file, browser=False)
+    for served in (True, False):
+        page = fl.explore(maps, browser=False) if served else None
+        with opened(browser, page.url if page else file.as_uri()) as tab:
+            assert state(tab, "view.values.length") == 64
+            place = state(tab, "placeOf({design: 17})")
+            box = tab.locator("#over").bounding_box()
+            tab.mouse.move(box["x"] + place[0], box["y"] + place[1])
+            settled(tab, "design.at.design === 17")
+            inputs = state(tab, "design.motion.inputs")
+            assert {name: inputs[name] for name in ("a1", "a2", "a3", "a4")} == {
+                name: float(maps[name].values.flat[17 if maps[name].ndim else 0])
+                for name in ("a1", "a2", "a3", "a4")
+            }
+            drag(tab, (0.0, 0.0), (1.0, 1.0))
+            settled(tab, "region !== null && region.count === 64 && region.best.length === 12")
+            assert [one["design"] for one in listed(tab)] == np.argsort(maps.omega4_max.values.ravel())[
+                :12
+            ].tolist()
+        if page:
+            page.close()
+
+
+def test_a_map_of_one_axis_is_a_line(browser):
+    space = fl.grid(a1=0.4, a2=1.1, a3=0.8, a4=1.0, omega1=10.0)
+    maps = fl.sweep("planar_4r", space, ["omega4"], theta1=36, verify=0)
+    with fl.explore(maps, browser=False) as page, opened(browser, page.url) as tab:
+        assert (state(tab, "state.x"), state(tab, "state.y")) == ("theta1", "")
+        point(tab, 0.5, 0.5)
+        settled(tab, "design.at.theta1 === 18")
+        assert values(tab)["theta1"] == "180°"

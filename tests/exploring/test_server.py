@@ -9,8 +9,11 @@ from urllib.parse import quote
 
 import numpy as np
 import pytest
+import xarray as xr
 
 import fastlink as fl
+from fastlink.exploring import page_file
+from fastlink.exploring.values import Values
 from tests.support.refusals import refused
 
 
@@ -113,7 +116,12 @@ def test_a_row_holds_all_values_of_a_design(page, path):
 
 @pytest.mark.parametrize(
     ("options", "key", "remedy"),
-    [({"port": -1}, "port", "from 0 to 65535"), ({"browser": 1}, "browser", "True or False")],
+    [
+        ({"to": "page.pdf"}, "to", "page.html"),
+        ({"to": "no/page.html"}, "to", "create it"),
+        ({"port": -1}, "port", "from 0 to 65535"),
+        ({"browser": 1}, "browser", "True or False"),
+    ],
 )
 def test_wrong_options_are_refused(path, options, key, remedy):
     with refused(key, remedy):
@@ -124,3 +132,28 @@ def test_a_port_that_is_taken_is_refused(page, path):
     taken = int(page.url.partition("?")[0].rstrip("/").rpartition(":")[2])
     with refused("port", "leave it out"):
         fl.explore(path, port=taken, browser=False)
+
+
+def test_a_page_does_not_carry_more_than_a_browser_holds(path, tmp_path, monkeypatch):
+    monkeypatch.setattr(page_file, "MOST_BYTES", 1000)
+    with refused("to", "fastlink.convert"):
+        fl.explore(path, to=tmp_path / "page.html", browser=False)
+    assert not list(tmp_path.iterdir())
+
+
+def test_a_compressed_map_reads_the_same(path, tmp_path):
+    fl.convert(path, tmp_path / "small.h5", compress="gzip:4")
+    with fl.open(path) as one, fl.open(tmp_path / "small.h5") as other:
+        at, axes = {"a1": 0, "branch": 1}, ("a2", "a3")
+        mine, theirs = (Values(maps).picture("omega4_max", axes, at, {})[0] for maps in (one, other))
+        np.testing.assert_array_equal(mine, theirs)
+
+
+def test_a_large_picture_is_read_at_the_resolution_of_a_screen():
+    maps = xr.Dataset({"x": (("a", "b"), np.arange(3000.0 * 4).reshape(3000, 4), {"units": "1"})})
+    values, steps = Values(maps).picture("x", ("b", "a"), {}, {})
+    assert steps == {"a": 5, "b": 1}
+    np.testing.assert_array_equal(values, maps.x.values[::5].T)
+    values, steps = Values(maps).picture("x", ("a", "b"), {}, {"a": (10, 20)})
+    assert steps == {"a": 1, "b": 1}
+    np.testing.assert_array_equal(values, maps.x.values[10:21])

@@ -373,9 +373,10 @@ DOORS: list[Door] = [
     ),
     Door(
         "explore",
-        "fl.explore($maps, port=$port, browser=$browser).close()",
+        "fl.explore($maps, to=$to, port=$port, browser=$browser).close()",
         _slots(
             maps=("dataset", "MAPS", "MAPS", DATASETS[-1]),
+            to=("path", "None", "a.html"),
             port=("count", "0", "1"),
             browser=("flag", "False"),
         ),

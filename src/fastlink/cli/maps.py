@@ -261,6 +261,13 @@ def plot(
 @command
 def explore(
     file: MapFile,
+    to: Annotated[
+        Path | None,
+        typer.Option(
+            "--to", metavar="PAGE.html", help="Write one page that needs no Python, and serve nothing."
+        ),
+    ] = None,
+    *,
     port: Annotated[
         int, typer.Option("--port", metavar="N", help="Where the page is served; 0 for a free port.")
     ] = 0,
@@ -276,6 +283,9 @@ def explore(
 
     from fastlink.exploring.explore import explore as serve
 
-    with serve(file, port=port, browser=browser) as page:
+    with serve(file, to=to, port=port, browser=browser) as page:
+        if to is not None:
+            typer.echo(str(to))
+            return
         typer.echo(f"{page.url}\nCtrl-C ends it")
         threading.Event().wait()

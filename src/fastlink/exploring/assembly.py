@@ -9,7 +9,19 @@ from typing import Any
 __all__ = ["page_of"]
 
 #: The scripts, each after those that it needs.
-SCRIPTS = ("base", "motion", "linkage", "map", "source", "designs", "pointing", "main", "end")
+SCRIPTS = (
+    "base",
+    "motion",
+    "linkage",
+    "map",
+    "source",
+    "embedded",
+    "region",
+    "designs",
+    "pointing",
+    "main",
+    "end",
+)
 
 
 def page_of(content: dict[str, Any], nonce: str = "") -> str:

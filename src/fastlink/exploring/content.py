@@ -15,6 +15,7 @@ from fastlink.exploring.translation import script_of
 from fastlink.facts.names import innermost
 from fastlink.maps.flags import flags_of
 from fastlink.mechanisms import catalogue as find_catalogue
+from fastlink.plan.query import parse_request
 from fastlink.plan.validate import constants_of, selected_variants
 from fastlink.plot.colours import LINES
 from fastlink.space.degrees import DEGREES
@@ -55,7 +56,12 @@ def content_of(values: Values) -> dict[str, Any]:
             if one.ndim == 0 and one.dtype.kind in "iuf"
         ],
         "variables": [
-            {"name": name, "dims": [str(dim) for dim in maps[name].dims], **_labels(maps[name])}
+            {
+                "name": name,
+                "dims": [str(dim) for dim in maps[name].dims],
+                "requested": _is_request(maps, name),
+                **_labels(maps[name]),
+            }
             for name in names
         ],
         "colours": colour_tables(),
@@ -76,6 +82,21 @@ def _labels(array: xr.DataArray) -> dict[str, Any]:
     }
 
 
+def _catalogue_of(maps: xr.Dataset) -> Catalogue:
+    """Return the mechanism of a map, as driven by its input, or refuse it."""
+    driven = maps.attrs.get("input")
+    return find_catalogue(str(maps.attrs.get("mechanism")), None if driven is None else str(driven))
+
+
+def _is_request(maps: xr.Dataset, name: str) -> bool:
+    """Tell whether a variable is one that a study can ask for."""
+    try:
+        parse_request(name, _catalogue_of(maps))
+    except InputError:
+        return False
+    return True
+
+
 def _dimension(maps: xr.Dataset, dim: str) -> dict[str, Any]:
     """Return a dimension with its coordinates; without any, places; names where these are no growing numbers."""
     length = int(maps.sizes[dim])
@@ -94,9 +115,9 @@ def _dimension(maps: xr.Dataset, dim: str) -> dict[str, Any]:
 
 def _mechanism(maps: xr.Dataset) -> dict[str, Any] | None:
     """Return what moves beside the picture, None of a map whose mechanism cannot be drawn."""
-    name, driven = str(maps.attrs.get("mechanism")), maps.attrs.get("input")
+    name = str(maps.attrs.get("mechanism"))
     try:
-        catalogue = find_catalogue(name, None if driven is None else str(driven))
+        catalogue = _catalogue_of(maps)
         picture = picture_of(name, catalogue)
     except InputError:
         return None
@@ -131,6 +152,13 @@ def _mechanism(maps: xr.Dataset) -> dict[str, Any] | None:
         "position": {"name": position.name, "symbol": position.symbol, "units": position.units,
                      "meaning": position.meaning},
         "turns": motion.turns,
+        "study": {
+            "links": [] if links is None else list(links.values),
+            "model": "" if links is None else links.model,
+            "count": int(maps.attrs.get(f"{catalogue.position.name}_count", 0)),
+            "extrema": str(maps.attrs.get("extrema", "")),
+            "input": "" if catalogue is find_catalogue(name) else catalogue.position.name,
+        },
         "curves": [_curve(catalogue, one) for one in curves if one in found],
         **_shape(picture, points),
     }  # fmt: skip

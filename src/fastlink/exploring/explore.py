@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from contextlib import ExitStack
+from pathlib import Path
 from typing import Any
 
 from fastlink.doors import door
@@ -16,26 +18,16 @@ LAST_PORT = 65535
 
 
 class Page:
-    """A map that is shown in a browser, until it is closed.
+    """A map that is shown in a browser: served until it is closed, or written as a file.
 
     Attributes
     ----------
     url : str
-        The address of the page on this machine, with the token without which it is refused.
+        The address: on this machine, with the token without which it is refused, or that of the file.
     """
 
-    def __init__(self, maps: Any, port: int) -> None:
-        from contextlib import ExitStack
-
-        from fastlink.exploring.server import Server
-        from fastlink.exploring.values import Values
-
-        with ExitStack() as stack:
-            dataset = stack.enter_context(as_map(maps))
-            self._server = Server(Values(dataset), port)
-            stack.callback(self._server.close)
-            self._stack = stack.pop_all()
-        self.url = self._server.url
+    def __init__(self, url: str, stack: ExitStack) -> None:
+        self.url, self._stack = url, stack
 
     def close(self) -> None:
         """Stop serving."""
@@ -54,9 +46,29 @@ class Page:
         return f'<a href="{self.url}" target="_blank" rel="noreferrer">Explore this map</a>'
 
 
+def _served(maps: Any, port: int) -> Page:
+    from fastlink.exploring.server import Server
+    from fastlink.exploring.values import Values
+
+    with ExitStack() as stack:
+        server = Server(Values(stack.enter_context(as_map(maps))), port)
+        stack.callback(server.close)
+        return Page(server.url, stack.pop_all())
+
+
+def _written(maps: Any, to: Any) -> Page:
+    from fastlink.exploring.page_file import check_page, write_page
+    from fastlink.exploring.values import Values
+
+    path = check_page(to)
+    with as_map(maps) as dataset:
+        write_page(Values(dataset), path)
+    return Page(path.absolute().as_uri(), ExitStack())
+
+
 @door
-def explore(maps: Any, *, port: int = 0, browser: bool = True) -> Page:
-    """Show a map in a browser, served on this machine alone, by a page that needs no network.
+def explore(maps: Any, *, to: str | Path | None = None, port: int = 0, browser: bool = True) -> Page:
+    """Show a map in a browser, served on this machine alone, or write it as a page.
 
     The map as a picture, with a slider for each input that it does not show; the values under the cursor, and beside
     them the mechanism of that design, moving. The address has a random token, and nothing but this map is served.
@@ -66,6 +78,9 @@ def explore(maps: Any, *, port: int = 0, browser: bool = True) -> Page:
     maps : xarray.Dataset or path
         From `fastlink.sweep`, `fastlink.run_study` or `fastlink.open`, or the file of a map; read where it is looked
         at, so that it may be larger than memory.
+    to : path, optional
+        Write one page that carries the whole map and needs neither Python nor a network, such as ``page.html``, in
+        place of serving it: for maps up to some 10 MB. An existing one is replaced.
     port : int, default 0
         Where it is served; 0 for a port that is free.
     browser : bool, default True
@@ -79,7 +94,8 @@ def explore(maps: Any, *, port: int = 0, browser: bool = True) -> Page:
     Raises
     ------
     InputError
-        Not a map, the port is taken, or matplotlib is missing, whose colours are used.
+        Not a map; a page cannot be written there, or would be too large; the port is taken; or matplotlib is missing,
+        whose colours are used.
 
     Examples
     --------
@@ -95,7 +111,10 @@ def explore(maps: Any, *, port: int = 0, browser: bool = True) -> Page:
     except ModuleNotFoundError:
         raise InputError("matplotlib is not installed", where=("explore",), remedy=INSTALL) from None
     check_switch(("browser",), browser)
-    page = Page(maps, check_whole(("port",), port, 0, LAST_PORT))
+    check_whole(("port",), port, 0, LAST_PORT)
+    if to is not None:
+        return _written(maps, to)
+    page = _served(maps, port)
     if browser:
         import webbrowser
 

@@ -23,6 +23,8 @@ __all__ = ["HOST", "Server"]
 
 #: The address that no other machine reaches; the most letters of a request.
 HOST, LONGEST = "127.0.0.1", 16_384
+#: Seconds after which a connection without requests is closed.
+IDLE = 300.0
 POLICY = (
     "default-src 'none'; script-src 'nonce-{}'; style-src 'unsafe-inline'; connect-src 'self'; img-src data:; "
     "base-uri 'none'; form-action 'none'; frame-ancestors {}"
@@ -75,12 +77,16 @@ class Server:
 
     def answers(self) -> dict[str, Callable[[dict[str, Any]], bytes]]:
         """Return what can be asked for, besides the page."""
-        return {"/picture": self._picture, "/column": self._column, "/row": self._row}
+        return {
+            "/picture": self._picture,
+            "/column": self._column,
+            "/row": self._row,
+            "/region": self._region,
+        }
 
     def _picture(self, query: dict[str, Any]) -> bytes:
-        window = {dim: (int(low), int(high)) for dim, (low, high) in query["window"].items()}
         name = str(query["name"])
-        values, steps = self.values.picture(name, tuple(query["axes"]), _places(query), window)
+        values, steps = self.values.picture(name, tuple(query["axes"]), _places(query), _window(query))
         return _framed({"steps": steps, "scale": self.values.scale(name)}, values)
 
     def _column(self, query: dict[str, Any]) -> bytes:
@@ -88,13 +94,22 @@ class Server:
         return _framed({"scale": self.values.scale(name)}, self.values.column(name, _places(query)))
 
     def _row(self, query: dict[str, Any]) -> bytes:
-        return _as_json(self.values.row(_places(query)))
+        return json.dumps(_numbers(self.values.row(_places(query)))).encode()
+
+    def _region(self, query: dict[str, Any]) -> bytes:
+        name, axes, largest = str(query["name"]), tuple(query["axes"]), bool(query["largest"])
+        found = self.values.region(name, axes, _places(query), _window(query), largest=largest)
+        best = [{**one, "row": _numbers(one["row"])} for one in found["best"]]
+        return json.dumps({**found, "best": best}).encode()
 
     def _handler(self) -> type[BaseHTTPRequestHandler]:
         server = self
 
         class Handler(BaseHTTPRequestHandler):
             protocol_version = "HTTP/1.1"
+            # one answer, one packet: its head does not wait for the browser's word
+            wbufsize, disable_nagle_algorithm = 1 << 16, True
+            timeout = IDLE
             server_version, sys_version = "fastlink", ""
 
             def do_GET(self) -> None:
@@ -146,10 +161,16 @@ def _places(query: dict[str, Any]) -> dict[str, int]:
     return {str(dim): operator.index(place) for dim, place in query["at"].items()}
 
 
-def _as_json(found: dict[str, Any]) -> bytes:
-    """Return values as JSON, which has no words for NaN and infinities: these are texts that JavaScript reads."""
+def _window(query: dict[str, Any]) -> dict[str, tuple[int, int]]:
+    return {
+        str(dim): (operator.index(low), operator.index(high)) for dim, (low, high) in query["window"].items()
+    }
+
+
+def _numbers(found: dict[str, Any]) -> dict[str, Any]:
+    """Return values for JSON, which has no words for NaN and infinities: these are texts that JavaScript reads."""
     words = {"nan": "NaN", "inf": "Infinity", "-inf": "-Infinity"}
-    return json.dumps({name: words.get(str(value), value) for name, value in found.items()}).encode()
+    return {name: words.get(str(value), value) for name, value in found.items()}
 
 
 def _framed(head: dict[str, Any], values: Any) -> bytes:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import os
 import threading
 from collections import OrderedDict
@@ -14,6 +15,7 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from fastlink.exploring.colours import scale_of
+from fastlink.maps.best import least
 from fastlink.maps.flags import flags_of
 from fastlink.space.dataset import STATUS
 from fastlink.space.design_space import DESIGN
@@ -24,6 +26,8 @@ __all__ = ["MOST_CELLS", "Values"]
 MOST_CELLS, SAMPLED, MOST_DESIGNS = 720, 1 << 18, 100_000
 #: Pictures that are kept for the next step.
 KEPT = 32
+#: Designs of a region that are drawn, and those that are listed as the best.
+MOST_ROWS, MOST_BEST = 1500, 12
 
 
 class Values:
@@ -56,7 +60,10 @@ class Values:
         return -(-int(self.maps.sizes.get(DESIGN, 1)) // MOST_DESIGNS)
 
     def part(self, name: str, places: Mapping[str, int | slice]) -> NDArray[Any]:
-        """Return a part of a variable; of a file without compression straight from its bytes, 10 times as fast."""
+        """Return a part of a variable or coordinate.
+
+        Of a file without compression it is taken straight from the bytes, which is 10 times as fast as by HDF5.
+        """
         variable = self.maps[name].variable
         index = tuple(places.get(str(dim), slice(None)) for dim in variable.dims)
         with self.lock:
@@ -107,16 +114,7 @@ class Values:
         places: dict[str, int | slice] = {
             str(dim): at[str(dim)] for dim in self.maps[name].dims if dim != DESIGN
         }
-        places[DESIGN] = slice(None, None, self.step)
-        if name in self.maps.coords:
-            values = (
-                self.maps[name]
-                .variable[{k: v for k, v in places.items() if k in self.maps[name].dims}]
-                .values
-            )
-        else:
-            values = self.part(name, places)
-        return np.asarray(values, dtype=np.float32)
+        return self.part(name, {**places, DESIGN: slice(None, None, self.step)}).astype(np.float32)
 
     def row(self, at: Mapping[str, int]) -> dict[str, Any]:
         """Return all values of one place, those of inputs along ``design`` too."""
@@ -125,14 +123,67 @@ class Values:
             dims = [str(dim) for dim in self.maps[name].dims]
             if name in at or not set(dims) <= at.keys() or not dims:
                 continue
-            places = {dim: at[dim] for dim in dims}
-            value = (
-                self.part(name, places)
-                if name in self.maps.data_vars
-                else self.maps[name].variable[places].values
-            )
+            value = self.part(name, {dim: at[dim] for dim in dims})
             found[name] = value.item() if value.dtype.kind in "iuf" else str(value)
         return found
+
+    def region(
+        self,
+        name: str,
+        axes: tuple[str, ...],
+        at: Mapping[str, int],
+        window: Mapping[str, tuple[int, int]],
+        *,
+        largest: bool,
+    ) -> dict[str, Any]:
+        """Return some designs of a region of a picture with all variables, and the best of all of them.
+
+        Parameters
+        ----------
+        name : str
+            The variable by which they are ranked; it has all axes.
+        axes, at, window
+            As for `picture`.
+        largest : bool
+            Whether the greatest are the best.
+        """
+        ranges = {dim: range(window[dim][0], window[dim][1] + 1) for dim in axes}
+        shape = tuple(map(len, ranges.values()))
+        most = MOST_ROWS if len(axes) == 1 else math.isqrt(MOST_ROWS)
+        some = {dim: one[:: -(-len(one) // most)] for dim, one in ranges.items()}
+        grid = np.meshgrid(*some.values(), indexing="ij")
+        values = {
+            one: self._along(one, at, some).ravel().tolist()
+            for one in self.names
+            if {str(dim) for dim in self.maps[one].dims} <= {*at, *axes}
+        }
+        flat = self._along(name, at, ranges).ravel().astype(float)
+        finite = np.flatnonzero(np.isfinite(flat))
+        ranked = -flat[finite] if largest else flat[finite]
+        first = least(ranked, MOST_BEST)
+        chosen = finite[first[np.lexsort((first, ranked[first]))]]
+        numbers = (np.unravel_index(one, shape) for one in chosen)
+        places = [
+            {**at, **{dim: ranges[dim][int(k)] for dim, k in zip(axes, one, strict=True)}} for one in numbers
+        ]
+        return {
+            "count": flat.size,
+            "values": {
+                key: [v if math.isfinite(v) else None for v in found] for key, found in values.items()
+            },
+            "axes": {dim: along.ravel().tolist() for dim, along in zip(axes, grid, strict=True)},
+            "best": [{"at": place, "row": self.row(place)} for place in places],
+        }
+
+    def _along(self, name: str, at: Mapping[str, int], ranges: Mapping[str, range]) -> NDArray[Any]:
+        """Return the values of a variable over ranges of places, in their order."""
+        dims = [str(dim) for dim in self.maps[name].dims]
+        slices = {dim: slice(one.start, one.stop, one.step) for dim, one in ranges.items()}
+        found = self.part(name, {dim: slices.get(dim, at.get(dim, 0)) for dim in dims})
+        own = [dim for dim in dims if dim in ranges]
+        found = found.transpose([own.index(dim) for dim in ranges if dim in own])
+        whole = found[tuple(slice(None) if dim in own else None for dim in ranges)]
+        return np.broadcast_to(whole, tuple(map(len, ranges.values())))
 
     def scale(self, name: str) -> dict[str, Any]:
         """Return how the values of a variable become colours, from a sample of all of them."""
@@ -141,7 +192,7 @@ class Values:
             sizes = {str(dim): length for dim, length in array.sizes.items()}
             steps = _steps(sizes, SAMPLED)
             places: dict[str, int | slice] = {dim: slice(None, None, step) for dim, step in steps.items()}
-            sample = self.part(name, places) if name in self.maps.data_vars else array.values
+            sample = self.part(name, places)
             self.scales[name] = scale_of(array, sample, self._regular(array, sample.shape, places))
         return self.scales[name]
 

@@ -17,6 +17,7 @@ from fastlink.options import check_choice
 from fastlink.space.dataset import STATUS
 
 if TYPE_CHECKING:
+    from fastlink.exploring.explore import Page
     from fastlink.plot.accessor import MapPlots
 
 __all__ = ["MapAccessor", "VariableAccessor"]
@@ -123,6 +124,13 @@ class MapAccessor:
         from fastlink.plot.accessor import MapPlots  # pictures stand above maps; this is their door
 
         return MapPlots(self._maps)
+
+    @door
+    def explore(self, *, to: Any = None, port: int = 0, browser: bool = True) -> Page:
+        """Show this map in a browser, see `fastlink.explore`."""
+        from fastlink.exploring.explore import explore
+
+        return explore(self._maps, to=to, port=port, browser=browser)
 
     @property
     def units(self) -> dict[str, str]:

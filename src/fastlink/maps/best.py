@@ -21,7 +21,7 @@ from fastlink.maps.front import nondominated, undominated
 from fastlink.maps.rows import Rows
 from fastlink.options import check_choice, check_switch, check_whole
 
-__all__ = ["Objective", "best", "objective", "ranked"]
+__all__ = ["Objective", "best", "least", "objective", "ranked"]
 
 DEFAULT_TOP = 10
 NOT_A_NUMBER, INFINITE = "not a number", "infinite"
@@ -196,7 +196,7 @@ def ranked(
     chosen, kept = np.empty(0, dtype=np.int64), np.empty(0)
     for places, points in reading:
         chosen, kept = np.concatenate((chosen, places)), np.concatenate((kept, points[:, 0]))
-        again = _least(kept, top)
+        again = least(kept, top)
         chosen, kept = chosen[again], kept[again]
     found = rows.taken(maps, chosen[np.lexsort((chosen, kept))])
     word = "least" if one.sign > 0 else "greatest"
@@ -205,7 +205,7 @@ def ranked(
     return found
 
 
-def _least(values: NDArray[np.float64], n: int) -> NDArray[np.int64]:
+def least(values: NDArray[np.float64], n: int) -> NDArray[np.int64]:
     """Return the places of the n least values by growing place; of equal values the first."""
     if len(values) <= n:
         return np.arange(len(values))

@@ -24,6 +24,7 @@ function drawLocked() {
   }));
   place.replaceChildren(make("div", {className: "bar"}, make("h2", {textContent: "Locked designs"}),
     button("CSV", () => download("designs.csv", csvOf(state.locks)), {id: "to-csv"}),
+    button("Study", () => saveStudy(state.locks), {id: "to-study", title: "A study of these designs, to be run by fastlink"}),
     button("Remove all", () => { state.locks = []; locksChanged(); })), cards, make("div", {className: "scroll"}, comparison(number)));
   drawCards();
 }
@@ -70,3 +71,30 @@ function download(name, text) {
   make("a", {href: address, download: name}).click();
   setTimeout(() => URL.revokeObjectURL(address), 10000);
 }
+
+// A study of some designs: one with its numbers, several with a table beside it.
+function saveStudy(entries) {
+  const files = studyOf(entries);
+  Object.entries(files).forEach(([name, text], k) => setTimeout(() => download(name, text), 400 * k));
+}
+function studyOf(entries) {
+  const {study, position} = mechanism, every = entries.map(one => inputsOf(one.at, one.row)), names = Object.keys(every[0]);
+  const same = name => every.every(one => one[name] === every[0][name]), several = names.some(name => !same(name));
+  const ofLinks = names.filter(name => study.links.includes(name) && same(name)), lines = [];
+  const quantities = content.variables.filter(of => of.requested).map(of => JSON.stringify(of.name));
+  lines.push(`# Chosen in ${content.file || "a map"}`, `mechanism = "${mechanism.name}"`, `quantities = [${quantities.join(", ")}]`, "", "[design]");
+  if (several) lines.push('table = "study.csv"');
+  else for (const name of names) if (!ofLinks.includes(name)) lines.push(`${name} = ${tomlOf(every[0][name])}`);
+  if (ofLinks.length) lines.push("", "[links]", `model = "${study.model}"`, ...ofLinks.map(name => `${name} = ${tomlOf(every[0][name])}`));
+  lines.push("", "[cycle]", `branch = [${[...new Set(entries.flatMap(one => branchesOf(one.at)))].sort().join(", ")}]`);
+  if (study.input) lines.push(`input = "${study.input}"`);
+  if (dims[position.name]?.values) lines.push(`${position.name} = {values = [${positionsOf(dims[position.name]).map(tomlOf).join(", ")}]}`);
+  else if (study.count) lines.push(`angles = ${study.count}`);
+  if (study.extrema === "sampled") lines.push('extrema = "sampled"');
+  const files = {"study.toml": [...lines, ""].join("\n")};
+  const along = names.filter(name => !ofLinks.includes(name));
+  if (several) files["study.csv"] = [along.join(","), ...every.map(one => along.map(name => tomlOf(one[name])).join(",")), ""].join("\n");
+  return files;
+}
+const positionsOf = of => of.units === "degree" ? of.values.map(one => one * Math.PI / 180) : of.values;
+const tomlOf = x => Number.isInteger(x) && Math.abs(x) < 1e15 ? `${x}.0` : String(x);

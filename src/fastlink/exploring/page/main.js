@@ -2,9 +2,9 @@
 "use strict";
 const START = {name: "", x: "", y: "", at: {}, cursor: null, held: false, degrees: false, fit: false, curve: "", window: {},
   limits: {}, locks: [], brush: null, by: "", largest: false, playing: true, share: 0.17};
-const LINKED = ["name", "x", "y", "at", "cursor", "held", "degrees", "fit", "curve", "window", "limits"];
+const LINKED = ["name", "x", "y", "at", "cursor", "held", "degrees", "fit", "curve", "window", "limits", "brush", "by", "largest"];
 const state = {...START};
-const source = served;
+const source = content.served ? served : embedded;
 
 function defaults() {
   const first = content.variables.find(one => !one.flags) ?? content.variables[0];
@@ -98,9 +98,10 @@ async function load() {
   try {
     do {
       again = false;
-      await (isSample ? loadSample() : loadGrid());
+      await Promise.all([isSample ? loadSample() : loadGrid(), findDesign()]);
       drawMap();
-      await loadDesign();
+      drawDesign();
+      if (state.brush) await drawRegion();
     } while (again);
     element("file").classList.remove("problem");
     element("file").textContent = mechanism?.title ?? content.title;
@@ -157,6 +158,14 @@ async function designAt(at) {
   return {at, row, motion, scene: motion.ranges.length ? scene(motion) : null};
 }
 async function loadDesign() {
+  await findDesign();
+  drawDesign();
+}
+function drawDesign() {
+  drawValues();
+  drawMotion();
+}
+async function findDesign() {
   const at = state.cursor ?? {...state.at};
   const key = JSON.stringify(at);
   if (design?.key !== key) {
@@ -165,8 +174,6 @@ async function loadDesign() {
     const driven = mechanism && dims[mechanism.position.name];
     if (driven?.values && variables[state.name].dims.includes(driven.name)) design.given = driven.values[at[driven.name]] * (driven.units === "degree" ? Math.PI / 180 : 1);
   }
-  drawValues();
-  drawMotion();
 }
 function placeTexts(at) {
   return content.dims.filter(of => of.name in at && of.length > 1 && of.name !== "design").map(of => [of, coordinate(of, at[of.name])]);
@@ -260,6 +267,7 @@ async function begin() {
   listen();
   await load();
   drawLocked();
+  await drawRegion();
   requestAnimationFrame(tick);
   document.body.dataset.ready = "yes";
 }

@@ -26,13 +26,18 @@ function shareIn(event) {
 }
 function listen() {
   const over = element("over");
-  let from = null;
-  over.onpointerdown = event => { from = shareIn(event); over.setPointerCapture(event.pointerId); over.focus(); };
+  let from = null, dragged = false;
+  over.onpointerdown = event => { from = shareIn(event); dragged = false; over.setPointerCapture(event.pointerId); over.focus(); };
   over.onpointermove = event => {
-    if (!from && !state.held) pointTo(pickAt(...placeIn(event)));
+    if (from) {
+      const to = shareIn(event);
+      dragged ||= Math.hypot((to[0] - from[0]) * view.box.width, (to[1] - from[1]) * view.box.height) > 6;
+      if (dragged) { state.brush = brushed(from, to); drawOver(); }
+    } else if (!state.held) pointTo(pickAt(...placeIn(event)));
   };
   over.onpointerup = event => {
-    if (from) pointTo(pickAt(...placeIn(event)), !state.held);
+    if (dragged) { remember(); drawRegion(); }
+    else if (from) pointTo(pickAt(...placeIn(event)), !state.held);
     from = null;
   };
   over.ondblclick = event => { pointTo(pickAt(...placeIn(event)), true); lock(state.cursor); };
@@ -51,15 +56,27 @@ function listen() {
     setTimeout(() => { element("copy").textContent = "Copy link to this view"; }, 1500);
   };
   let resizing = null;
-  window.onresize = () => { clearTimeout(resizing); resizing = setTimeout(() => { drawMap(); drawMotion(); }, 80); };
+  window.onresize = () => { clearTimeout(resizing); resizing = setTimeout(() => { drawMap(); drawMotion(); drawParallel(); }, 80); };
 }
+function brushed(from, to) {
+  const y = state.y || isSample;
+  return [Math.min(from[0], to[0]), Math.max(from[0], to[0]), y ? Math.min(from[1], to[1]) : 0, y ? Math.max(from[1], to[1]) : 1];
+}
+let corner = null;
 function keyed(event) {
   const moves = {ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, 1], ArrowDown: [0, -1]};
   const at = state.cursor ?? {...state.at};
+  const shares = () => {
+    const [left, top] = placeOf(at) ?? [view.box.left, view.box.top];
+    return [(left - view.box.left) / view.box.width, 1 - (top - view.box.top) / view.box.height];
+  };
   if (event.key in moves) moveBy(at, ...moves[event.key].map(one => one * (event.shiftKey ? 10 : 1)));
   else if (event.key === "Enter") lock(at);
+  else if (event.key === "b" && corner) { state.brush = brushed(corner, shares()); corner = null; drawOver(); drawRegion(); remember(); }
+  else if (event.key === "b") { corner = shares(); said("region begun; move to its other corner and press b"); }
+  else if (event.key === "z") zoom();
   else if (event.key === "0") change({window: {}, limits: {}});
-  else if (event.key === "Escape") { state.held = false; drawOver(); }
+  else if (event.key === "Escape") { Object.assign(state, {brush: null, held: false}); corner = null; drawOver(); drawRegion(); remember(); }
   else if (event.key === " ") play(!state.playing);
   else return;
   event.preventDefault();

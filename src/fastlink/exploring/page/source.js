@@ -18,5 +18,9 @@ const served = {
   picture: async query => framed(await asked("picture", query)),
   column: async query => framed(await asked("column", query)),
   row: async query => numbered(await (await asked("row", query)).json()),
-  region: async query => (await asked("region", query)).json(),
+  region: async query => {
+    const found = await (await asked("region", query)).json();
+    for (const name in found.values) found.values[name] = found.values[name].map(one => one === null ? NaN : one);
+    return {...found, best: found.best.map(one => ({...one, row: numbered(one.row)}))};
+  },
 };
