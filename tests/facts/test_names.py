@@ -18,6 +18,7 @@ from fastlink.facts.names import (
     Below,
     Derivative,
     ErrorBound,
+    GradientStatus,
     ListOfExtrema,
     Quantity,
     Reduced,
@@ -66,7 +67,9 @@ def trees(catalogue):
     pointwise = st.recursive(
         st.one_of(leaves),
         lambda of: st.one_of(
-            st.builds(Derivative, of, variables), st.builds(ErrorBound, of), st.builds(Trust, of)
+            st.builds(Derivative, of, variables, st.booleans()),
+            st.builds(ErrorBound, of),
+            st.builds(Trust, of),
         ),
         max_leaves=4,
     )
@@ -77,7 +80,10 @@ def trees(catalogue):
     parts = [("value", ""), ("value", at), ("count", ""), ("kind", ""), ("error", "")]
     reduced = st.builds(lambda of, way: Reduced(of, *way), pointwise, st.sampled_from(positions))
     lists = st.builds(lambda of, way: ListOfExtrema(of, *way), pointwise, st.sampled_from(parts))
-    return st.one_of(pointwise, reduced, lists, st.builds(ErrorBound, reduced))
+    gradients = st.builds(Derivative, reduced, variables)
+    of_cycle = (st.builds(ErrorBound, reduced), gradients, st.builds(ErrorBound, gradients))
+    status = st.builds(GradientStatus, reduced.filter(lambda tree: not tree.position))
+    return st.one_of(pointwise, reduced, lists, *of_cycle, status)
 
 
 @pytest.mark.parametrize(("mechanism", "drive"), DRIVES)
@@ -114,6 +120,12 @@ def test_every_listed_name_is_read(mechanism, drive):
         ("omega4_max_error", ErrorBound(Reduced(Quantity("omega4"), "max"))),
         ("omega4_error_max_error", ErrorBound(Reduced(ErrorBound(Quantity("omega4")), "max"))),
         ("theta1_at_omega4_max_error", ErrorBound(Reduced(Quantity("omega4"), "max", "theta1"))),
+        ("d_omega4_max_d_a2", Derivative(Reduced(Quantity("omega4"), "max"), "a2")),
+        ("d_theta1_at_omega4_max_d_a2", Derivative(Reduced(Quantity("omega4"), "max", "theta1"), "a2")),
+        ("d_omega4_max_d_a2_error", ErrorBound(Derivative(Reduced(Quantity("omega4"), "max"), "a2"))),
+        ("d_d_omega4_d_a1_max_d_a2", Derivative(Reduced(Derivative(Quantity("omega4"), "a1"), "max"), "a2")),
+        ("omega4_max_gradient_status", GradientStatus(Reduced(Quantity("omega4"), "max"))),
+        ("d_omega4_d_a2__moving", Derivative(Quantity("omega4"), "a2", moving=True)),
         ("omega4_extrema_error", ListOfExtrema(Quantity("omega4"), "error")),
         ("omega4_extrema_kind", ListOfExtrema(Quantity("omega4"), "kind")),
         ("theta1_at_omega4_extrema", ListOfExtrema(Quantity("omega4"), "value", "theta1")),
@@ -182,7 +194,7 @@ def declare(catalogue, name, **labels):
 
 #: Made of b, a public quantity, and a, an input.
 OF_B = ["b_error", "b_trust", "b_max", "b_mean", "b_extrema", "b_extrema_count", "b_extrema_kind"]
-OF_B += ["b_max_error", "b_extrema_error"]
+OF_B += ["b_max_error", "b_extrema_error", "b_max_gradient_status"]
 MADE = [*OF_B, "d_b_d_a", "d_b_d_theta", "d_b_error_d_a", "b_error_max", "theta_at_b_max", "b__below_gravity"]
 
 
@@ -256,7 +268,9 @@ def test_names_that_only_look_like_others_are_not_refused(toy):
     assert parse("AB_error", toy) == Quantity("AB_error")
 
 
-@pytest.mark.parametrize("how", ["error", "trust", "low", "kind", "count", "extrema", "two_words", "no name"])
+@pytest.mark.parametrize(
+    "how", ["error", "trust", "low", "kind", "count", "extrema", "status", "two_words", "no name"]
+)
 def test_a_reduction_cannot_be_called_what_an_ending_means_already(how):
     with pytest.raises(CatalogueError, match="a reduction cannot be called"):
         register_reduction(how, has_position=False)
@@ -275,6 +289,8 @@ AFFIXES = {
     "_extrema_count",
     "_extrema_kind",
     "_extrema_error",
+    "_gradient_status",
+    "__moving",
 }
 AFFIXES |= {f"_{how}" for how in REDUCTIONS}
 #: What takes text apart; `replace` is for text that people read.

@@ -52,6 +52,7 @@ SAMPLED = {"extrema": "sampled"}
 MOTION = ["A_x", "theta4", "omega4", "alpha2"]
 REDUCED = ["omega4_max", "omega4_min", "theta1_at_omega4_max", "T41_mean", "alpha4_rms", "T41_fluctuation"]
 FORCES = ["F32_x", "T41", "shaking_moment"]
+GRADIENTS = ["d_omega4_max_d_a2", "d_theta4_min_d_a1", "d_theta1_at_omega4_max_d_a3"]
 FAMILIES: dict[str, Family] = {
     # Lanes are angles: the last vector of angles overlaps the one before.
     "curves": Family("planar_4r", MOTION, 37),
@@ -79,6 +80,10 @@ FAMILIES: dict[str, Family] = {
     "derivatives": Family("planar_4r", ["d_omega4_d_a1", "d_T41_d_m2", "d_omega4_d_theta1"], 37),
     "error bounds of extremes": Family(
         "planar_4r", ["omega4_max_error", "theta4_min_error", "F41_min_error", "omega4_extrema_error"], 5
+    ),
+    "derivatives of extremes": Family("planar_4r", [*GRADIENTS, "theta4_min_gradient_status"]),
+    "derivatives of reductions": Family(
+        "planar_4r", ["d_omega4_rms_d_a2", GRADIENTS[0], "omega4_mean_gradient_status"], 9, SAMPLED
     ),
     "error bounds": Family("planar_4r", ["omega4_error", "omega4_trust", "T41_error"], 5),
     "reduced rapidity": Family("minkowski_4r", ["psi_max", "psi_rms"], 9, SAMPLED),

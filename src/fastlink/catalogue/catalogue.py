@@ -108,7 +108,7 @@ class Catalogue(Declarations):
         if isinstance(tree.of, (ErrorBound, Trust)):
             what = f"quantity {str(tree)!r}: {of} is an error bound, which has no derivative"
             raise NoDerivative(what, remedy="leave it out")
-        return selection.derivation(tree.by).fact(of)
+        return selection.derivation(tree.by, tree.moving).fact(of)
 
     def _selection(self, variants: tuple[str, ...], given: Iterable[str]) -> Selection:
         """Return the mechanism with these variants and given facts."""
@@ -163,7 +163,8 @@ class Catalogue(Declarations):
 
     def is_quantity(self, name: str) -> bool:
         """Tell whether a name is a public fact, or a derivative or error bound of one."""
-        return self.is_public(plain_part(self.parse(name)))
+        tree = self.parse(name)
+        return self.is_public(plain_part(tree)) and not (isinstance(tree, Derivative) and tree.moving)
 
     def has_reductions(self, name: str) -> bool:
         """Tell whether a name is a quantity that changes over the cycle."""

@@ -32,24 +32,25 @@ class Selection:
 
     def __init__(self, catalogue: Catalogue, variants: tuple[str, ...], given: Collection[str]) -> None:
         self.catalogue, self.variants, self.given = catalogue, variants, given
-        self._derivations: dict[str, Derivation] = {}
+        self._derivations: dict[tuple[str, bool], Derivation] = {}
 
     def find(self, name: str) -> Fact | System | None:
         """Return the fact or system that determines a name, None if it is given."""
         return None if name in self.given else self.catalogue.resolve(name, self.variants, self.given)
 
-    def derivation(self, by: str) -> Derivation:
+    def derivation(self, by: str, moving: bool = False) -> Derivation:
         """Return the derivatives with respect to a variable, those by an input at one input position.
 
-        In the graded range a place moves with the lengths, as its ends do; what is differentiated by an input are the
-        facts of a given position instead, which have the same values.
+        In the graded range a place moves with the lengths, as its ends do. Unless a derivative is `moving`, too,
+        the facts of a given position are differentiated by an input instead, which have the same values.
         """
-        if by not in self._derivations:
+        if (by, moving) not in self._derivations:
             variable, graded = self.catalogue.variables[by], self.catalogue.graded
             held = graded is not None and by != self.catalogue.position.name and graded.name in self.variants
-            at = self._without(graded.name) if graded is not None and held else self
-            self._derivations[by] = Derivation(variable, at.find, lambda name: at._declared(name, by))
-        return self._derivations[by]
+            at = self._without(graded.name) if graded is not None and held and not moving else self
+            own = variable, at.find, lambda name: at._declared(name, by)
+            self._derivations[by, moving] = Derivation(*own, moving)
+        return self._derivations[by, moving]
 
     def _without(self, variant: str) -> Selection:
         """Return the mechanism with the other variants."""

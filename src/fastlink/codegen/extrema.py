@@ -6,17 +6,25 @@ zero, their refinement (lanes are cells), and the quantities there. See `fastlin
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
-from fastlink.codegen.extrema_schedule import ExtremaSchedule
-from fastlink.codegen.runtime import bounds, cells, octaves, resting, results, roots, sampling, subdivision
-from fastlink.codegen.runtime.cells import LANES, MOST_LANES, STATE_ROWS
-from fastlink.codegen.source import Source, Text, paste_fact
+from fastlink.codegen.extrema_places import PlacesWriter
+from fastlink.codegen.runtime import (
+    bounds,
+    cells,
+    octaves,
+    resting,
+    results,
+    roots,
+    sampling,
+    subdivision,
+    winners,
+)  # fmt: skip
+from fastlink.codegen.runtime.cells import LANES
+from fastlink.codegen.source import Source, paste_fact
 
 if TYPE_CHECKING:
-    from fastlink.facts.fact import Fact
     from fastlink.plan.program import ExtremaProgram, ExtremumSearch, Output
 
 __all__ = ["write_extrema"]
@@ -25,12 +33,8 @@ __all__ = ["write_extrema"]
 MOST_STEPS = 200
 
 
-class _ExtremaWriter(ExtremaSchedule):
+class _ExtremaWriter(PlacesWriter):
     """One kernel while it is written."""
-
-    def __init__(self, program: ExtremaProgram) -> None:
-        super().__init__(program)
-        self.text = Text()
 
     def write(self) -> Source:
         """Return the kernel."""
@@ -41,6 +45,8 @@ class _ExtremaWriter(ExtremaSchedule):
             self.write_designs()
             self.write_samples()
             text.call(results.clear, "lists, best")
+            if self.program.has_gradients:
+                text.call(winners.forget_winners, "winners, gradients")
             text.add(f"counts[{cells.DESIGNS}] = n_here")
             for number in range(len(searches)):
                 self.write_search(number)
@@ -48,6 +54,8 @@ class _ExtremaWriter(ExtremaSchedule):
                 self.write_ends(searches.index(search))
             for row in self.doubts:
                 text.call(results.doubt, f"w, {row}, n_here, lists, best")
+            for number in range(len(searches)):
+                self.write_gradients(number)
             for output in self.program.outputs:
                 self.write_result(output)
         kernel, text.lines = text.lines, text.functions
@@ -68,6 +76,8 @@ class _ExtremaWriter(ExtremaSchedule):
             onto, flags = self.number_of(search.quantity), [int(search.at_limit), int(search.jumps)]
             tables[f"search_{k}"] = [k, onto, search.order, search.parity, *flags]
             tables[f"rows_{k}"] = [self.row(name) for name in self.item_needs(search)] or [0]
+            if search.gradients:
+                tables[f"places_{k}"] = [self.row(name) for name in self.gradient_needs(search)] or [0]
             for half in range(self.halves):
                 first, beyond = self.sample_row(k, half), self.sample_row(k, self.half_beyond(half))
                 sign, along = self.sign_of(search, half), self.continued(search)
@@ -137,19 +147,6 @@ class _ExtremaWriter(ExtremaSchedule):
             now, here, before = (f"samples[{row} + {j}, i]" for j in ("j", "j1", "j2"))
             text.add(f"{now} = {value}")
             text.add(f"marks[{row} + j1, i] = mark({before}, {here}, {value}, {self.sign_of(search, k)}.0)")
-
-    def write_position(self, position: str, upper: str) -> None:
-        """Write the distances of a position from the near and the far end, over the width."""
-        near, far, _ = self.program.graded.coordinates
-        self.text.add(f"square = {position} * {position}")
-        self.text.add("rest = 1.0 / (1.0 + square)")
-        self.text.add(f"{near} = rest if {upper} else square * rest")
-        self.text.add(f"{far} = square * rest if {upper} else rest")
-
-    def paste(self, step: Fact, suffix: str = "") -> None:
-        """Append a fact, reading the copies of one branch."""
-        values = [self.copy_for(name, suffix) for name in step.depends_on]
-        paste_fact(step, values, self.suffix_for(step.name, suffix), self.text)
 
     def write_search(self, number: int) -> None:
         """Write the search for the cells that hold a zero of one function, their refinement, and the extrema there."""
@@ -236,6 +233,8 @@ class _ExtremaWriter(ExtremaSchedule):
             text.call(bounds.bound_zeros, f"state, filled, search_{number}, {int(search.magnitude)}")
         elif self.program.has_bounds:
             text.call(bounds.bound_ends, "state, filled, w, table")
+        if self.program.has_gradients:
+            text.call(winners.note_winners, f"state, filled, table, search_{number}, winners")
         text.call(results.store_extrema, f"state, filled, table, search_{number}, lists, best")
 
     def write_value(self, number: int) -> None:
@@ -258,64 +257,15 @@ class _ExtremaWriter(ExtremaSchedule):
             text.call(roots.place_ends, "state, filled, 1.0")
             self.write_extrema(number, results.end_values, "state, filled, w, table")
 
-    def write_evaluations(self, number: int, search: ExtremumSearch) -> None:
-        """Write functions of their own: the sampled function at the positions of items, and the quantity there."""
-        quantity, position = search.quantity, self.program.catalogue.position.name
-        with self.evaluation(f"slope_{number}", "place", f"each step of the search of {quantity}"):
-            self.write_values(search, self.slope_names(search), {cells.F: self.scaled(search)})
-        with self.evaluation(f"value_{number}", "extreme", f"once, of {quantity}"):
-            stores = {cells.VALUE: quantity, cells.THETA: position}
-            if self.program.mirrored:
-                self.text.use("codegen.runtime.results", "mirror_image")
-                stores[cells.IMAGE] = f"mirror_image({position}, {2.0 * self.program.graded.axis})"
-            names = [quantity, position]
-            if search.bounded_by:
-                names += search.bounded_by
-                bound, slope_bound, bend, slope = search.bounded_by
-                stores |= {cells.BOUND: bound, cells.SLOPE_BOUND: slope_bound}
-                stores |= {cells.BEND: f"abs({bend})", cells.SLOPE: f"abs({slope})"}
-            self.write_values(search, names, stores)
-
-    @contextmanager
-    def evaluation(self, name: str, per: str, times: str) -> Iterator[None]:
-        """Append the head of a function of the state, and its loop over the vectors of items."""
-        text = self.text
-        text.add("@outlined")
-        with text.block(f"def {name}(state, vectors, n_vectors):"), text.block("for v in range(n_vectors):"):
-            text.add("at = vectors[v]")
-            with text.block(f"for i in lanes({MOST_LANES}):", per, times):
-                yield
-        text.lines += ["", ""]
-
-    def write_values(self, search: ExtremumSearch, names: Sequence[str], stores: Mapping[int, str]) -> None:
-        """Write the computation of values at the positions of items, and their stores into rows of the state."""
-        text = self.text
-        text.add(f"upper = state[{cells.UPPER}, at + i] > 0.0")
-        self.write_position(f"state[{cells.X}, at + i]", "upper")
-        self.write_half(f"state[{cells.HALF}, at + i]")
-        steps, item_needs = self.needed_for(names), self.item_needs(search)
-        for name in self.design_needs(steps):
-            text.add(f"{name} = state[{STATE_ROWS + item_needs.index(name)}, at + i]")
-        for step in steps:
-            self.paste(step)
-        for row, value in stores.items():
-            text.add(f"state[{row}, at + i] = {value}")
-
-    def write_half(self, half: str) -> None:
-        """Write branch and side of a half: halves are numbered branch by branch, both sides of each."""
-        side, (first, *others) = self.program.graded.coordinates[2], self.program.searched_branches
-        sides = self.program.sides
-        above = f"1.0 if ({half} == 0.0) | ({half} == 2.0) else -1.0"
-        self.text.add(f"{side} = {above if sides == 2 else '1.0'}")
-        former = f"{first}.0 if {half} <= {sides - 1.0} else " if others else ""
-        self.text.add(f"branch = {former}{[first, *others][-1]}.0")
-
     def write_result(self, output: Output) -> None:
         """Write the copy of one result of a search."""
         request = output.request
-        base = self.number_of(request.quantity) * len(self.program.branches) * LANES
+        number = self.number_of(request.quantity)
+        base = number * len(self.program.branches) * LANES
         target = f"out_{output.name}, i0, n_here, {base}"
-        if request.reduction is not None:
+        if request.is_of_gradient:
+            self.write_gradient_result(output, number)
+        elif request.reduction is not None:
             row = {1: results.GREATEST, -1: results.LEAST}[request.reduction.sign] + int(request.is_position)
             store = results.store_bound if request.is_error else results.store_best
             self.text.call(store, f"{target}, best, {row}")

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 from fastlink.codegen.runtime import cells, results
 from fastlink.codegen.runtime.cells import ITEM_ROWS, LANES, MOST_LANES, STATE_ROWS
 from fastlink.codegen.runtime.octaves import OCTAVES
+from fastlink.codegen.runtime.winners import WINNER_ROWS
 from fastlink.codegen.schedule import needed_steps
 from fastlink.codegen.source import Array
 from fastlink.facts.fact import Fact
@@ -55,6 +56,27 @@ class ExtremaSchedule:
         names = [*self.slope_names(search), search.quantity, self.program.catalogue.position.name]
         return self.design_needs(self.needed_for([*names, *search.bounded_by]))
 
+    def gradient_names(self, search: ExtremumSearch) -> list[str]:
+        """Return the derivatives by inputs that are evaluated at the extremes of a search."""
+        return list(dict.fromkeys(name for gradient in search.gradients for name in gradient.names))
+
+    def gradient_needs(self, search: ExtremumSearch) -> list[str]:
+        """Return the design values that a place carries whose derivatives by inputs are evaluated."""
+        names = self.gradient_names(search)
+        own = [name for name in names if self.program.axes[name] <= {"design"}]
+        return list(dict.fromkeys([*self.design_needs(self.needed_for(names)), *own]))
+
+    @property
+    def gradient_row(self) -> int:
+        """The first row of the state that holds derivatives by inputs."""
+        searches = self.program.searches
+        needs = (max(len(self.item_needs(s)), len(self.gradient_needs(s))) for s in searches)
+        return STATE_ROWS + max(needs)
+
+    def gradient_base(self, sign: int) -> int:
+        """Return the first row of the derivatives of the greatest or least values among the results."""
+        return self.most_gradients * (sign < 0)
+
     def slope_names(self, *searches: ExtremumSearch) -> list[str]:
         """Return the values that the sampled functions are products of."""
         magnitudes = (search.quantity for search in searches if search.magnitude)
@@ -89,7 +111,7 @@ class ExtremaSchedule:
         return (
             Array("w", "float64", (len(self.rows), LANES)),
             Array("samples", "float64", (samples, LANES)),
-            Array("state", "float64", (STATE_ROWS + max(map(len, map(self.item_needs, searches))), LANES)),
+            Array("state", "float64", (self.state_rows, LANES)),
             Array("marks", "int8", (samples, LANES)),
             *self.item_lists(),
             Array("ends", "float64", (ITEM_ROWS, 3 * room + MOST_LANES)),
@@ -99,6 +121,28 @@ class ExtremaSchedule:
             Array("counts", "int64", (cells.COUNTS,)),
             Array("best", "float64", (results.BEST_ROWS + 2 * self.program.has_bounds, columns)),
             Array("lists", "float64", (results.LIST_ROWS + self.program.has_bounds, columns, kept)),
+            *self.places(columns),
+        )
+
+    @property
+    def most_gradients(self) -> int:
+        """The greatest number of derivatives by inputs of one search."""
+        return max(len(search.gradients) for search in self.program.searches)
+
+    @property
+    def state_rows(self) -> int:
+        """The number of rows of the state."""
+        if self.program.has_gradients:
+            return self.gradient_row + self.most_gradients
+        return STATE_ROWS + max(map(len, map(self.item_needs, self.program.searches)))
+
+    def places(self, columns: int) -> tuple[Array, ...]:
+        """Return the places of greatest and least values, and the derivatives there, where these are requested."""
+        if not self.program.has_gradients:
+            return ()
+        return (
+            Array("winners", "float64", (2 * WINNER_ROWS, columns)),
+            Array("gradients", "float64", (2 * self.most_gradients, columns)),
         )
 
     def item_lists(self) -> tuple[Array, ...]:

@@ -13,9 +13,10 @@ from typing import TYPE_CHECKING
 
 from fastlink.codegen.runtime.cells import LANES
 from fastlink.codegen.runtime.linear_solve import solve_lanes
-from fastlink.codegen.schedule import Schedule, Step
+from fastlink.codegen.schedule import CycleValue, Schedule, Step
 from fastlink.codegen.source import N_ANGLES, Array, Source, Text, paste_fact, paste_system
 from fastlink.facts.fact import System
+from fastlink.plan.gradients import status_text
 
 if TYPE_CHECKING:
     from fastlink.plan.program import Program
@@ -107,6 +108,9 @@ class _PointwiseWriter(Schedule):
                 text.add(f"{self.row(name)} = {name}  # {name}")
             for value in self.accumulated:
                 initial = {name: value.reduction.accumulators[key][0] for key, name in value.slots.items()}
+                initial |= {
+                    name: value.reduction.gradient[key][0] for key, name in value.gradient_slots.items()
+                }
                 for name, number in (initial | dict.fromkeys(value.position_slots, "nan")).items():
                     if name not in self.rows:
                         text.add(f"{self.row(name)} = {number}  # {name}")
@@ -179,8 +183,17 @@ class _PointwiseWriter(Schedule):
                 for key, name in new.items():
                     text.add(f"{self.row(name)} = {value.reduction.accumulators[key][1].format(**known)}")
                 written.update((better, *new.values()))
+            if value.gradient_slots:
+                self.write_gradient_updates(value, better)
             for name in value.position_slots:
                 text.add(f"{self.row(name)} = select({better}, {self.position}, {self.row(name)})")
+
+    def write_gradient_updates(self, value: CycleValue, better: str) -> None:
+        """Write the updates of the accumulators of a derivative by an input."""
+        for key, name in value.gradient_slots.items():
+            rows = {other: self.row(slot) for other, slot in value.gradient_slots.items()}
+            known = {"value": value.name, "better": better, "slope": value.slope, **value.slots, **rows}
+            self.text.add(f"{self.row(name)} = {value.reduction.gradient[key][1].format(**known)}")
 
     def write_curves(self) -> None:
         """Write the loop over designs where lanes are input positions: curves go straight into the results."""
@@ -243,17 +256,21 @@ class _PointwiseWriter(Schedule):
     def write_cycle_results(self) -> None:
         """Write the results of the reductions, from the accumulators or from what a function has made of the curve."""
         for value in self.cycle_values:
-            rows = {key: self.row(name) for key, name in value.slots.items()}
+            rows = {key: self.row(name) for key, name in (value.slots | value.gradient_slots).items()}
+            at_toggle = "nan" if value.slope else value.reduction.at_toggle.format(**rows)
             if value.reduction.whole:
                 result = self.row(value.whole_slot)
             elif value.position_slots:
                 result = self.row(*value.position_slots)
             else:
-                result = value.reduction.finish.format(**rows)
+                finish = value.reduction.gradient_finish if value.slope else value.reduction.finish
+                result = finish.format(**rows)
+            if value.output.request.is_status:
+                result, at_toggle = status_text(value.reduction, result, bool(value.output.toggles))
             if value.output.toggles:
                 self.text.use("numerics.elementary", "select", "sqrt")
                 meets = " | ".join(f"({self.row(name)} > 0.0)" for name in value.output.toggles)
-                result = f"select({meets}, {value.reduction.at_toggle.format(**rows)}, {result})"
+                result = f"select({meets}, {at_toggle}, {result})"
             for k in self.branches_of(value):
                 self.text.add(f"out_{value.output.name}[i0 + i, {k}] = {result}")
 

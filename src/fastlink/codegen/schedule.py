@@ -42,11 +42,14 @@ class CycleValue:
         The reduction that it is.
     suffix : str
         The ending of the copy's name.
+    slope : str
+        The copy of the derivative by an input, of a result that is that of the reduction; else empty.
     """
 
     output: Output
     reduction: Reduction
     suffix: str
+    slope: str = ""
 
     @property
     def name(self) -> str:
@@ -60,6 +63,12 @@ class CycleValue:
             key: f"{self.output.request.quantity if pair == COUNT else self._own}__{key}{self.suffix}"
             for key, pair in self.reduction.accumulators.items()
         }
+
+    @property
+    def gradient_slots(self) -> dict[str, str]:
+        """The further accumulators of the derivative by an input, where that is the result."""
+        keys = self.reduction.gradient if self.slope else ()
+        return {key: f"{self.output.name}__{key}{self.suffix}" for key in keys}
 
     @property
     def position_slots(self) -> list[str]:
@@ -93,10 +102,15 @@ class Schedule:
         self.curves = [output for output in program.outputs if position in output.axes]
         self.per_design = [output for output in program.outputs if not output.axes]
         self.cycle_values = [
-            CycleValue(output, reduction, suffix)
+            CycleValue(
+                output,
+                reduction,
+                suffix,
+                self.copy_for(output.request.bounded, k) if output.request.by else "",
+            )
             for output in program.outputs
             if (reduction := output.request.reduction) is not None
-            for suffix, _ in self.suffixes(output.request.quantity)
+            for suffix, k in self.suffixes(output.request.quantity)
         ]
         #: The facts of the design that tell where an integral over the turn meets a toggle.
         self.toggles = list(dict.fromkeys(name for o in program.outputs for name in o.toggles))
@@ -105,7 +119,10 @@ class Schedule:
         self.whole_curves = list(dict.fromkeys(v.name for v in self.cycle_values if v.reduction.whole))
         #: The quantities of results that need the loop over input positions.
         reduced = [value.output for value in self.cycle_values]
-        self.varying = list(dict.fromkeys(output.request.quantity for output in (*self.curves, *reduced)))
+        slopes = (output.request.bounded for output in reduced if output.request.by)
+        self.varying = list(
+            dict.fromkeys([*(output.request.quantity for output in (*self.curves, *reduced)), *slopes])
+        )
 
     def axes(self, step: Step) -> frozenset[str]:
         """Return the axes on which the values of a step depend."""

@@ -20,12 +20,14 @@ from fastlink.io.dataset import (
     of_code,
     plain_attrs,
 )
+from fastlink.plan.gradients import STATUS_FLAGS, units_of
 from fastlink.plan.plan import Plan
 from fastlink.plan.program import Output
 from fastlink.plan.query import Request
 from fastlink.space.dataset import CURVES, MAPS
 from fastlink.space.design_space import BRANCH, EXTREMUM, DesignSpace
 from fastlink.space.values import frozen
+from fastlink.symbolic.derivative import in_a_sentence
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -87,11 +89,29 @@ def request_labels(catalogue: Catalogue, request: Request) -> dict[str, Any]:
     if request.listed:
         attrs = _of_list(request.listed, fact, position)
     attrs["references"] = fact.source
+    if request.is_of_gradient:
+        attrs |= _of_gradient(catalogue, request, attrs)
     if request.is_error:
         attrs["long_name"] = f"{attrs['long_name']}: error bound"
         attrs["symbol"] = f"err {attrs['symbol']}"
         attrs["references"] = catalogue.public_fact(request.bounded).source
     return attrs
+
+
+def _of_gradient(catalogue: Catalogue, request: Request, attrs: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the attributes of a derivative of a result over the cycle by an input, or of the status of all."""
+    if request.is_status:
+        meaning = f"Status of the derivatives by the inputs of: {attrs['long_name']}"
+        return {"long_name": meaning, "symbol": f"status of grad {attrs['symbol']}"}
+    by = catalogue.variables[request.by]
+    return {
+        "units": units_of(request, catalogue),
+        "long_name": f"Derivative with respect to {in_a_sentence(by.meaning)} of: {attrs['long_name']}",
+        "symbol": f"d {attrs['symbol']}/d {by.symbol}",
+        "references": catalogue.public_fact(
+            request.bounded if not request.is_position else request.quantity
+        ).source,
+    }
 
 
 @lru_cache(maxsize=1024)
@@ -101,6 +121,9 @@ def _labels(plan: Plan, output: Output) -> dict[str, Any]:
     attrs = request_labels(plan.catalogue, output.request)
     if output.request.can_be_refined:
         attrs["extrema"] = "refined" if output.refined else "sampled"
+    if output.request.is_status:
+        del attrs["units"]
+        attrs |= _flags(STATUS_FLAGS, output.dtype)
     if fact.flags and output.request.is_of_quantity:
         del attrs["units"]
         attrs |= _flags(fact.flags, output.dtype)

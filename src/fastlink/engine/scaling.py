@@ -167,18 +167,20 @@ def _powers(plan: Plan, given: tuple[str, ...], name: str) -> list[float] | None
     if catalogue.known_inputs(plan.variants)[name].choices:
         return None
     tables = (catalogue.position.name, *catalogue.tables, *catalogue.table_low_parts)
-    quantities = [output.request.quantity for output in plan.outputs]
+    quantities = [output.request.bounded for output in plan.outputs]
     bounds = any(output.request.is_error for output in plan.outputs)
     if bounds or any(isinstance(catalogue.parse(quantity), (ErrorBound, Trust)) for quantity in quantities):
         return None  # an error bound knows nothing of the rounding of one more product
     steps = catalogue.dependencies(quantities, (*given, *tables, "branch"), plan.variants)
     degrees = homogeneity_degrees(steps, name)
-    powers = [_power(output, degrees.get(output.request.quantity)) for output in plan.outputs]
+    powers = [_power(output, degrees.get(output.request.bounded), name) for output in plan.outputs]
     return None if None in powers else [power for power in powers if power is not None]
 
 
-def _power(output: Output, degree: float | None) -> float | None:
+def _power(output: Output, degree: float | None, name: str) -> float | None:
     request = output.request
+    if degree is not None and request.by and request.is_position:
+        return -1.0 if request.by == name else 0.0
     if degree is None or not request.has_its_units:
         return None if degree is None else 0.0
     return degree if request.reduction is None else request.reduction.degree_of(degree)

@@ -18,6 +18,7 @@ from fastlink.catalogue.sizes import (
     sized,
     sizes_of,
 )
+from fastlink.plan.gradients import units_of
 from fastlink.space.column import Column
 
 if TYPE_CHECKING:
@@ -136,9 +137,8 @@ def _dimensional(plan: Plan, names: tuple[str, ...]) -> tuple[str, ...]:
 
 def _sized(catalogue: Catalogue, output: Output) -> Sized:
     request = output.request
-    if not request.has_its_units:
+    if not request.has_its_units and not request.by:
         return PURE
-    units = catalogue.public_fact(request.quantity).units
-    if request.reduction is not None:
-        units = request.reduction.units_of(units)
-    return replace(sized(catalogue, request.bounded, units), is_extreme=request.is_error)
+    return replace(
+        sized(catalogue, request.bounded, units_of(request, catalogue)), is_extreme=request.is_error
+    )

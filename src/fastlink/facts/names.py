@@ -9,10 +9,12 @@
 ``NAME_extrema``, ``POSITION_at_NAME_extrema``,
 ``NAME_extrema_count``, ``NAME_extrema_kind``  `ListOfExtrema`: all extremes, where they are, how many, which
 ``NAME_max_error``, ``NAME_extrema_error``     `ErrorBound` of `Reduced`, and those in a `ListOfExtrema`
+``d_NAME_max_d_INPUT``, ...                    `Derivative` of `Reduced`, a value or a position, by an input
+``NAME_max_gradient_status``                   `GradientStatus` of `Reduced`: whether these derivatives exist
 =============================================  =====================================================================
 
-NAME is itself such a name; a property of the cycle (the last four rows) is outermost. A name is read by
-the first of these rules that holds:
+NAME is itself such a name but in the last six rows, properties of the cycle. Internally ``d_NAME_d_PARAM__moving`` is
+taken at a place that moves with the limits of motion. A name is read by the first of these rules that holds:
 
 1. ``d_NAME_d_PARAM`` is a derivative where PARAM is an input or the position; the last ``_d_`` counts.
    No declared name but that of a declared derivative contains ``_d_``.
@@ -33,9 +35,9 @@ from typing import Any, Protocol
 from fastlink.facts.fact import CatalogueError
 
 __all__ = [
-    "Below", "Derivative", "ErrorBound", "Known", "ListOfExtrema", "Made", "Name", "Quantity", "Reduced",
-    "Trust", "as_derivative", "bounded_of", "derivative_name", "error_name", "forget_reduction", "form_of",
-    "innermost", "parse", "plain_part", "reading_of", "register_reduction", "root_of",
+    "Below", "Derivative", "ErrorBound", "GradientStatus", "Known", "ListOfExtrema", "Made", "Name", "Quantity",
+    "Reduced", "Trust", "as_derivative", "bounded_of", "derivative_name", "error_name", "forget_reduction",
+    "form_of", "innermost", "parse", "plain_part", "reading_of", "register_reduction", "root_of",
 ]  # fmt: skip
 
 #: The reductions over the cycle by the ending of names, and whether each has a position: see `register_reduction`.
@@ -48,9 +50,13 @@ _PARTS = {
     "_extrema_error": "error",
 }
 _ENDINGS = {part: ending for ending, part in _PARTS.items()}
-_ERROR, _TRUST = "_error", "_trust"
+_ERROR, _TRUST, _STATUS, _MOVING = "_error", "_trust", "_gradient_status", "__moving"
 _BEFORE, _BY, _AT, _BELOW = "d_", "_d_", "_at_", "__below_"
-_RESERVED = frozenset({"error", "trust", "low", "extrema", "count", "kind"})
+_RESERVED = frozenset({"error", "trust", "low", "extrema", "count", "kind", "status"})
+
+
+def _at(position: str) -> str:
+    return f"{position}{_AT}" if position else ""
 
 
 @dataclass(frozen=True)
@@ -77,12 +83,13 @@ class Made(Name):
 
 @dataclass(frozen=True)
 class Derivative(Made):
-    """The derivative of a quantity with respect to the input or the position `by`."""
+    """The derivative with respect to the input or position `by`; `moving`: at fixed distances from the limits."""
 
     by: str
+    moving: bool = False
 
     def __str__(self) -> str:
-        return f"{_BEFORE}{self.of}{_BY}{self.by}"
+        return f"{_BEFORE}{self.of}{_BY}{self.by}{_MOVING if self.moving else ''}"
 
 
 @dataclass(frozen=True)
@@ -99,6 +106,14 @@ class Trust(Made):
 
     def __str__(self) -> str:
         return f"{self.of}{_TRUST}"
+
+
+@dataclass(frozen=True)
+class GradientStatus(Made):
+    """The status of the derivatives of a reduction by the inputs: smooth, one-sided, none."""
+
+    def __str__(self) -> str:
+        return f"{self.of}{_STATUS}"
 
 
 @dataclass(frozen=True)
@@ -133,7 +148,7 @@ class ListOfExtrema(Made):
         return f"{_at(self.position)}{self.of}{_ENDINGS[self.part]}"
 
 
-def derivative_name(name: str, by: str) -> str:
+def derivative_name(name: str, by: str, moving: bool = False) -> str:
     """Return the name of the derivative of `name` with respect to `by`.
 
     Examples
@@ -141,12 +156,12 @@ def derivative_name(name: str, by: str) -> str:
     >>> derivative_name("omega4", "a1")
     'd_omega4_d_a1'
     """
-    return str(Derivative(Quantity(name), by))
+    return str(Derivative(Quantity(name), by, moving))
 
 
 def error_name(name: str) -> str:
     """Return the name of the error bound of `name`."""
-    return str(ErrorBound(Quantity(name)))
+    return f"{name}{_ERROR}"
 
 
 class Known(Protocol):
@@ -173,7 +188,7 @@ def parse(name: str, known: Known) -> Name:
     >>> from fastlink.mechanisms import catalogue
     >>> planar_4r = catalogue("planar_4r")
     >>> parse("theta1_at_d_omega4_d_a1_max", planar_4r)
-    Reduced(of=Derivative(of=Quantity(name='omega4'), by='a1'), how='max', position='theta1')
+    Reduced(of=Derivative(of=Quantity(name='omega4'), by='a1', moving=False), how='max', position='theta1')
     >>> str(_)
     'theta1_at_d_omega4_d_a1_max'
     """
@@ -192,9 +207,7 @@ def as_derivative(name: str) -> tuple[str, str] | None:
 
 def plain_part(tree: Name) -> str:
     """Return the name inside derivatives and bounds, which varies where they do."""
-    while isinstance(tree, (Derivative, ErrorBound, Trust)):
-        tree = tree.of
-    return str(tree)
+    return plain_part(tree.of) if isinstance(tree, (Derivative, ErrorBound, Trust)) else str(tree)
 
 
 def root_of(tree: Name) -> str:
@@ -252,13 +265,13 @@ def reading_of(name: str, known: Known) -> Name | None:
     return tree
 
 
-def _at(position: str) -> str:
-    return f"{position}{_AT}" if position else ""
-
-
 def _derivative(name: str, known: Known) -> Name | None:
-    parts = as_derivative(name)
-    return Derivative(_within(parts[0], known), parts[1]) if parts and parts[1] in known.variables else None
+    parts = as_derivative(plain := name.removesuffix(_MOVING))
+    if not parts or parts[1] not in known.variables:
+        return None
+    # each part is read once: names may be long
+    of = _declared(parts[0], known) or _over_cycle(parts[0], known) or _of_position(parts[0], known)
+    return Derivative(of or Quantity(parts[0]), parts[1], plain != name)
 
 
 def _declared(name: str, known: Known) -> Name | None:
@@ -284,8 +297,8 @@ def _of_position(name: str, known: Known) -> Name | None:
 
 
 def bounded_of(tree: Name) -> Name:
-    """Return the name that an error bound of a property of the cycle bounds; any other name itself."""
-    if isinstance(tree, ErrorBound) and isinstance(tree.of, (Reduced, ListOfExtrema)):
+    """Return the property of the cycle of which a name is the error bound or status; any other name itself."""
+    if isinstance(tree, (ErrorBound, GradientStatus)) and isinstance(tree.of, (Reduced, ListOfExtrema)):
         return tree.of
     return tree
 
@@ -294,10 +307,13 @@ def _of_cycle(name: str, known: Known) -> Name | None:
     """Return the tree of a name whose ending means a property of the cycle, or the error bound of one, else None."""
     if tree := _over_cycle(name, known):
         return tree
-    inner = name.removesuffix(_ERROR)
-    # a declared name that ends as a reduction is its declaration
-    of = _over_cycle(inner, known) if inner != name and not known.declares(inner) else None
-    return ErrorBound(of) if of else None
+    for ending, made in ((_ERROR, ErrorBound), (_STATUS, GradientStatus)):
+        inner = name.removesuffix(ending)
+        # a declared name that ends as a reduction is its declaration
+        of = _over_cycle(inner, known) if inner != name and not known.declares(inner) else None
+        if of and (made is ErrorBound or (isinstance(of, Reduced) and not of.position)):
+            return made(of)
+    return None
 
 
 def _over_cycle(name: str, known: Known) -> Name | None:

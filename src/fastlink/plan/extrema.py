@@ -10,7 +10,7 @@ from fastlink.catalogue.catalogue import Catalogue, CatalogueError, Fact, System
 from fastlink.facts.names import derivative_name, error_name
 from fastlink.numerics.compiler import syntax
 from fastlink.numerics.vectors import magnitude
-from fastlink.plan.program import ExtremaProgram, ExtremumSearch, Output
+from fastlink.plan.program import ExtremaProgram, ExtremumSearch, Gradient, Output
 from fastlink.symbolic.asymptotics import asymptotics
 from fastlink.symbolic.derivative import NoDerivative
 
@@ -97,6 +97,7 @@ def _further_searches(
             onto=s.quantity,
             jumps=True,
             bounded_by=(),
+            gradients=(),
         )
         for s in searches
         if s.quantity in bounded and s.quantity in graded.wraps_at
@@ -108,6 +109,7 @@ def _further_searches(
             divisors=s.divisors[:1],  # the square's derivative, which has no kink
             divided=False,
             onto=s.quantity,
+            gradients=(),
         )
         for s in searches
         if s.quantity in bounded and s.divisors
@@ -127,36 +129,20 @@ def extrema_programs(
     """Group searches by what may share samples without changing any bit: fineness and symmetry."""
     graded = catalogue.graded
     assert graded is not None
+    searches = [_asked(catalogue, search, outputs, given=given, variants=variants) for search in searches]
     bounded = {output.request.quantity for output in outputs if output.request.can_be_refined}
-    position, with_errors = (
-        catalogue.position.name,
-        {o.request.quantity for o in outputs if o.request.is_error},
-    )
-    searches = [
-        replace(
-            s,
-            bounded_by=(
-                error_name(s.quantity),
-                error_name(s.slope),
-                derivative_name(s.slope, position),
-                s.slope,
-            ),
-        )
-        if s.quantity in with_errors
-        else s
-        for s in searches
-    ]
     groups: dict[tuple[int, bool], list[ExtremumSearch]] = {}
     for search in (*searches, *_further_searches(catalogue, searches, bounded)):
         groups.setdefault((search.cells, search.parity != 0), []).append(search)
     programs = []
     for group in groups.values():
         names = [
-            position,
+            catalogue.position.name,
             graded.bounded_factor,
             *(name for end in graded.ends for name in end),
         ]
         names += [name for s in group for name in (s.slope, s.quantity, *s.bounded_by)]
+        names += [name for s in group for gradient in s.gradients for name in gradient.names]
         names += [error_name(end[2]) for end in graded.ends if any(s.bounded_by for s in group)]
         steps = _steps(catalogue, names, given, variants)
         read = {name for step in steps for name in step.depends_on}
@@ -174,3 +160,48 @@ def extrema_programs(
             )
         )
     return programs
+
+
+def _asked(
+    catalogue: Catalogue,
+    search: ExtremumSearch,
+    outputs: Sequence[Output],
+    *,
+    given: Sequence[str],
+    variants: Sequence[str],
+) -> ExtremumSearch:
+    """Return a search with the error bounds and derivatives that are requested of its extremes."""
+    own = [output for output in outputs if output.request.quantity == search.quantity]
+    gradients = _gradients(catalogue, search, own, given=given, variants=variants)
+    if not any(output.request.is_error for output in own):
+        return replace(search, gradients=gradients)
+    bend = derivative_name(search.slope, catalogue.position.name)
+    bounds = error_name(search.quantity), error_name(search.slope), bend, search.slope
+    return replace(search, bounded_by=bounds, gradients=gradients)
+
+
+def _gradients(
+    catalogue: Catalogue,
+    search: ExtremumSearch,
+    outputs: Sequence[Output],
+    *,
+    given: Sequence[str],
+    variants: Sequence[str],
+) -> tuple[Gradient, ...]:
+    """Return the requested derivatives of the extremes of a quantity, of the values before those of the places."""
+    own = [output.request for output in outputs if output.request.by]
+    position, found = catalogue.position.name, []
+    for place, by in dict.fromkeys((r.is_position, r.by) for r in sorted(own, key=lambda r: r.is_position)):
+        of = position if place else search.quantity
+        held = (
+            (derivative_name(search.slope, by), derivative_name(search.slope, position))
+            if place
+            else (derivative_name(of, by),)
+        )
+        moving = derivative_name(of, by, moving=True)
+        try:
+            _steps(catalogue, (moving,), given, variants)
+        except NoDerivative:
+            moving = ""  # limits of motion do not depend on it
+        found.append(Gradient(by, place, held, moving))
+    return tuple(found)

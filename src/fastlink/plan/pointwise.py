@@ -10,6 +10,7 @@ from collections.abc import Iterable, Sequence
 from typing import Any
 
 from fastlink.catalogue.catalogue import Catalogue, System
+from fastlink.plan.gradients import check_sampled
 from fastlink.plan.program import Lanes, Output, Program
 from fastlink.plan.query import Request, parse_request
 from fastlink.plan.toggles import toggles_of
@@ -62,10 +63,12 @@ def make_program(
     position = catalogue.position.name
     tables = (position, *catalogue.tables, *catalogue.table_low_parts)
     leaves = (*given, *tables, "branch")
+    check_sampled(requests, catalogue)
     met = {r.name: toggles_of(catalogue, r, given, variants) if whole_turn else () for r in requests}
     needed = [request.quantity for request in requests] + [
         name for toggles in met.values() for name in toggles
     ]
+    needed += [request.bounded for request in requests if request.by]
     steps = tuple(catalogue.dependencies(dict.fromkeys(needed), leaves, variants))
     read = {need for step in steps for need in step.depends_on}
     read_tables = tuple(name for name in tables if name in read)
@@ -126,4 +129,5 @@ def output_of(
     elif not request.listed and request.reduction is None:
         axes = (BRANCH, catalogue.position.name)
     is_code = (bool(fact.flags) and request.is_of_quantity) or request.listed in ("count", "kind")
+    is_code = is_code or request.is_status
     return Output(request, axes, "int8" if is_code else "float64", refined, toggles)

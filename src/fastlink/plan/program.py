@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
     from fastlink.facts.fact import GradedRange
 
-__all__ = ["ExtremaProgram", "ExtremumSearch", "Lanes", "Output", "Program"]
+__all__ = ["ExtremaProgram", "ExtremumSearch", "Gradient", "Lanes", "Output", "Program"]
 
 Lanes = Literal["designs", "angles"]
 
@@ -122,6 +122,8 @@ class ExtremumSearch:
     bounded_by : tuple of str
         Where error bounds of the extremes are requested: those of quantity and slope, the slope's derivative, and the
         slope.
+    gradients : tuple of Gradient
+        The derivatives of the extremes by inputs that are requested, of the values before those of the places.
     """
 
     quantity: str
@@ -139,6 +141,35 @@ class ExtremumSearch:
     onto: str = ""
     jumps: bool = False
     bounded_by: tuple[str, ...] = ()
+    gradients: tuple[Gradient, ...] = ()
+
+
+@dataclass(frozen=True)
+class Gradient:
+    """The derivative of an extreme, or of its place, by an input.
+
+    Attributes
+    ----------
+    by : str
+        The input.
+    is_position : bool
+        Whether it is that of the place.
+    held : tuple of str
+        The derivative of the quantity at one input position; for the place those of the slope by the input and by the
+        position, whose quotient times -1 it is.
+    moving : str
+        The derivative at a place that moves with the limits of motion, empty where nothing moves.
+    """
+
+    by: str
+    is_position: bool
+    held: tuple[str, ...]
+    moving: str
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """All facts that it needs."""
+        return (*self.held, self.moving) if self.moving else self.held
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -168,6 +199,11 @@ class ExtremaProgram(Program):
     def has_bounds(self) -> bool:
         """Whether error bounds of extremes are requested."""
         return any(search.bounded_by for search in self.searches)
+
+    @property
+    def has_gradients(self) -> bool:
+        """Whether derivatives of extremes by inputs, or their status, are requested."""
+        return any(output.request.is_of_gradient for output in self.outputs)
 
     @property
     def mirrored(self) -> bool:

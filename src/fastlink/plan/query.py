@@ -9,7 +9,18 @@ from typing import TYPE_CHECKING, Literal
 
 from fastlink._text import short_repr
 from fastlink.errors import InputError, Problems
-from fastlink.facts.names import ErrorBound, ListOfExtrema, Quantity, Reduced, bounded_of, error_name
+from fastlink.facts.names import (
+    Derivative,
+    ErrorBound,
+    ListOfExtrema,
+    Name,
+    Quantity,
+    Reduced,
+    bounded_of,
+    derivative_name,
+    error_name,
+)
+from fastlink.plan.gradients import gradient_refusal, reduced_of
 from fastlink.plan.reductions import REDUCTIONS, Reduction
 from fastlink.plan.suggestions import unknown_quantity
 
@@ -41,6 +52,10 @@ class Request:
         The part of a list of extrema that it is, if it is one.
     is_error : bool
         Whether it is the error bound of an extremum or of each of a list instead of the value.
+    by : str
+        The input by which it is the derivative of the reduction or its position; empty if it is none.
+    is_status : bool
+        Whether it is the status of the derivatives of the reduction by the inputs instead of the value.
     """
 
     name: str
@@ -49,16 +64,24 @@ class Request:
     is_position: bool = False
     listed: str = ""
     is_error: bool = False
+    by: str = ""
+    is_status: bool = False
+
+    @property
+    def is_of_gradient(self) -> bool:
+        """Whether it is a derivative of a reduction by an input, or their status."""
+        return bool(self.by) or self.is_status
 
     @property
     def is_of_quantity(self) -> bool:
         """Whether a value has the meaning and the values of its quantity: no mean of a code is one, no position."""
-        return not self.is_position and (self.reduction is None or self.reduction.sign != 0)
+        of_value = self.reduction is None or self.reduction.sign != 0
+        return not self.is_position and not self.is_of_gradient and of_value
 
     @property
     def has_its_units(self) -> bool:
         """Whether it is in the units of its quantity, or those of its reduction: no position, number or kind."""
-        return not self.is_position and self.listed in ("", "value", "error")
+        return not (self.is_position or self.is_status) and self.listed in ("", "value", "error")
 
     @property
     def value(self) -> str:
@@ -68,7 +91,9 @@ class Request:
 
     @property
     def bounded(self) -> str:
-        """The quantity, or its error bound where the request is the error bound of extremes."""
+        """The quantity, or its error bound or derivative, where the request is that of extremes."""
+        if self.by and not self.is_position:
+            return derivative_name(self.quantity, self.by)
         return error_name(self.quantity) if self.is_error else self.quantity
 
     @property
@@ -88,6 +113,8 @@ def parse_request(name: str, catalogue: Catalogue) -> Request:
     if catalogue.is_quantity(name):
         return Request(name, name)
     tree = catalogue.parse(name)
+    if request := _of_gradient(name, tree, catalogue):
+        return request
     of = bounded_of(tree)
     if isinstance(of, (Reduced, ListOfExtrema)) and catalogue.has_reductions(quantity := str(of.of)):
         listed = "" if isinstance(of, Reduced) else "position" if of.position else of.part
@@ -97,6 +124,17 @@ def parse_request(name: str, catalogue: Catalogue) -> Request:
             return Request(name, quantity, REDUCTIONS[of.how], bool(of.position), is_error=is_error)
         return Request(name, quantity, listed=listed, is_error=is_error)
     raise unknown_quantity(name, catalogue)
+
+
+def _of_gradient(name: str, tree: Name, catalogue: Catalogue) -> Request | None:
+    """Return the request for a derivative of a reduction by an input, or for the status of these."""
+    of = reduced_of(tree)
+    if not isinstance(of, Reduced) or not catalogue.has_reductions(quantity := str(of.of)):
+        return None
+    if refusal := gradient_refusal(name, tree, of, catalogue):
+        raise refusal
+    by = tree.by if isinstance(tree, Derivative) else ""
+    return Request(name, quantity, REDUCTIONS[of.how], bool(of.position), by=by, is_status=not by)
 
 
 def _no_error(name: str, of: Reduced | ListOfExtrema, catalogue: Catalogue) -> InputError | None:

@@ -25,7 +25,7 @@ COUNT = ("0.0", "{count} + select({value} == {value}, 1.0, 0.0)")
 TRIED, FACTOR = (0.375, -1.25, 3.5, -0.0625, 2.0), 4.0
 TOLERANCE = 1e-12
 #: What kernel text calls the quantity, and whether it replaces an extreme.
-RESERVED = {"value", "better"}
+RESERVED = {"value", "better", "slope"}
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -68,6 +68,11 @@ class Reduction:
     whole : str
         ``MODULE.FUNCTION`` of ``fastlink.codegen.runtime``: takes the whole curve at once, of equal steps over a turn,
         instead of `accumulators` and `finish`. A curve with a gap gives NaN.
+    gradient, gradient_finish : mapping of str to (str, str), str
+        Further accumulators, and kernel text over all of them, of the derivative of the result by an input. Their
+        updates may read ``{slope}``, that of the quantity at the input position. Without them it has no derivative.
+    has_kink : bool
+        Whether it has no derivative where it is zero, as a root.
 
     Raises
     ------
@@ -87,9 +92,12 @@ class Reduction:
     at_toggle: str = "nan"
     whole: str = ""
     keywords: tuple[str, ...] = ()
+    gradient: Mapping[str, tuple[str, str]] = field(default_factory=dict)
+    gradient_finish: str = ""
+    has_kink: bool = False
 
     def __post_init__(self) -> None:
-        if bad := RESERVED.intersection(self.accumulators):
+        if bad := RESERVED.intersection((*self.accumulators, *self.gradient)):
             raise CatalogueError(f"reduction {self.suffix}: call the accumulator {bad.pop()!r} otherwise")
         if bool(self.whole) == bool(self.accumulators and self.finish):
             raise CatalogueError(
@@ -104,9 +112,17 @@ class Reduction:
 
     def _check_text(self) -> None:
         names = set(self.accumulators)
-        updates = [text for pair in self.accumulators.values() for text in pair]
         finals = ((text, names) for text in (self.finish, self.at_toggle))
-        for text, known in (*((text, names | {"value", "better"}) for text in updates), *finals):
+        updates = [
+            (text, names | {"value", "better"}) for pair in self.accumulators.values() for text in pair
+        ]
+        all_names = names | set(self.gradient)
+        slopes = [
+            (text, all_names | {"value", "better", "slope"})
+            for pair in self.gradient.values()
+            for text in pair
+        ]
+        for text, known in (*updates, *finals, *slopes, (self.gradient_finish, all_names)):
             read = {name for _, name, _, _ in Formatter().parse(text) if name is not None}
             if unknown := read - known:
                 raise CatalogueError(f"reduction {self.suffix}: {text!r} reads {', '.join(sorted(unknown))}")
@@ -199,6 +215,8 @@ def _extreme(sign: int, suffix: str, phrase: str, reference: Callable[..., Any],
         finish=f"select({has_value}, {{best}}, nan)",
         sign=sign,
         keywords=tuple(keywords.split()),
+        gradient={"slope_there": ("nan", "select({better}, {slope}, {slope_there})")},
+        gradient_finish="{slope_there}",
     )
 
 
@@ -243,6 +261,9 @@ register(
         toggle_order=1,
         at_toggle="select({total} == 0.0, sqrt({total} / {count}), inf)",
         keywords=("effective", "quadratic"),
+        gradient={"product": ("0.0", "{product} + select({value} == {value}, {value} * {slope}, 0.0)")},
+        gradient_finish="{product} / ({count} * sqrt({total} / {count}))",
+        has_kink=True,
     )
 )
 register(
@@ -258,6 +279,8 @@ register(
         toggle_order=2,
         at_toggle="select({total} == 0.0, {total} / {count}, nan)",
         keywords=("average", "avg", "averaged"),
+        gradient={"slopes": ("0.0", "{slopes} + select({value} == {value}, {slope}, 0.0)")},
+        gradient_finish="{slopes} / {count}",
     )
 )
 register(

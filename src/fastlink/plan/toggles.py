@@ -20,13 +20,14 @@ def toggles_of(
 
     A quantity grows as sigma^-n, sigma as the root of the distance from the toggle. Its mean exists for n < 2, that of
     its square for n < 1: see `fastlink.plan.reductions.Reduction.toggle_order`. Without a graded range there are none.
+    What an integral changes as its limits move is not that of samples: its derivatives by inputs meet them all.
     """
     reduction = request.reduction
     if catalogue.graded is None or reduction is None or reduction.toggle_order is None:
         return ()
     if request.quantity in catalogue.graded.not_differentiable:  # of samples, as its extremes
         return ()
-    if reduction.toggle_order > 0:
+    if reduction.toggle_order > 0 and not request.is_of_gradient:
         order = order_at_toggles(catalogue, request.quantity, given, variants)
         if order is None or order < reduction.toggle_order:
             return ()

@@ -17,7 +17,7 @@ from fastlink.catalogue.catalogue import Catalogue
 from fastlink.catalogue.search import index_of_inputs
 from fastlink.doors import door
 from fastlink.errors import InputError, Setting
-from fastlink.facts.names import Derivative, ErrorBound, ListOfExtrema, Reduced, Trust
+from fastlink.facts.names import Derivative, ErrorBound, GradientStatus, ListOfExtrema, Reduced, Trust
 from fastlink.facts.names import Quantity as Plain
 from fastlink.mechanisms import NAMES
 from fastlink.mechanisms import catalogue as find_catalogue
@@ -168,6 +168,7 @@ class QuantityList(list[Quantity]):
         bounds = [
             f"`{ErrorBound(Reduced(NAME, each.suffix))}`" for each in REDUCTIONS.values() if each.has_position
         ]
+        extreme = Reduced(NAME, "max")
         lists = (
             f"`{ListOfExtrema(NAME)}` lists all extremes over the reachable range by growing {position.name}, along "
             f"the dimension `extremum`, together with `{ListOfExtrema(NAME, position=position.name)}`, "
@@ -178,6 +179,8 @@ class QuantityList(list[Quantity]):
             f"Any NAME with the dimension `{position.name}` has {joined(reductions)}, and {joined(positions)} (the "
             f"{position.name}{unit} there), with the dimensions ({DESIGN}, {BRANCH}). "
             f"{lists if catalogue.graded is not None else ''}"
+            f"`{Derivative(extreme, 'PARAM')}` is the derivative of such a number by an input, "
+            f"`{GradientStatus(extreme)}` tells what it is worth. "
             "Configurations that do not assemble are NaN and do not count. "
             f"`{Derivative(NAME, 'PARAM')}` is the derivative of NAME with respect to an input or to "
             f"`{position.name}`, and is itself such a NAME. "

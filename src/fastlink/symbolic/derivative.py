@@ -22,7 +22,7 @@ from fastlink.symbolic.expression import ExpressionGraph, Node, is_power_of_two
 from fastlink.symbolic.generate import generate_function
 from fastlink.symbolic.postorder import postorder
 
-__all__ = ["Derivation", "NoDerivative", "in_a_sentence", "with_derivative_labels"]
+__all__ = ["Derivation", "NoDerivative", "in_a_sentence", "units_per", "with_derivative_labels"]
 
 
 class NoDerivative(InputError):
@@ -34,7 +34,7 @@ def with_derivative_labels(fact: Fact, by: Input) -> Fact:
     return replace(
         fact,
         name=derivative_name(fact.name, by.name),
-        units=_per(fact.units, by.units),
+        units=units_per(fact.units, by.units),
         low=None,
         symbol=f"d {fact.symbol}/d {by.symbol}",
         meaning=f"Derivative of {in_a_sentence(fact.meaning)} with respect to {by.meaning}",
@@ -53,12 +53,12 @@ def in_a_sentence(meaning: str) -> str:
     return meaning if meaning[1:2].isupper() else meaning[:1].lower() + meaning[1:]
 
 
-def _per(units: str, by: str) -> str:
+def units_per(units: str, by: str) -> str:
     """Return UDUNITS text of a quotient.
 
     Examples
     --------
-    >>> _per("rad s-1", "m"), _per("N m", "m"), _per("1", "kg m2"), _per("rad", "rad")
+    >>> units_per("rad s-1", "m"), units_per("N m", "m"), units_per("1", "kg m2"), units_per("rad", "rad")
     ('rad s-1 m-1', 'N', 'kg-1 m-2', '1')
     """
     powers: dict[str, int] = {}
@@ -133,6 +133,8 @@ class Derivation:
         Returns the fact or system that determines a name, None for a given value.
     declared : callable
         Returns the derivative of a name where one is declared, else None.
+    moving : bool
+        Whether places move with their range, which the names of the derivatives say.
     """
 
     def __init__(
@@ -140,8 +142,9 @@ class Derivation:
         by: Input,
         find: Callable[[str], Fact | System | None],
         declared: Callable[[str], Fact | None],
+        moving: bool = False,
     ) -> None:
-        self.by, self.find, self.declared = by, find, declared
+        self.by, self.find, self.declared, self.moving = by, find, declared, moving
         self.graph = ExpressionGraph(RULES)
         self._values: dict[str, tuple[Node, Node]] = {}
         self._slopes: dict[str, Node] = {}
@@ -156,7 +159,7 @@ class Derivation:
             The fact does not depend on the input, or a linear system determines it.
         """
         if name not in self._facts:
-            self._facts[name] = self._fact(name, derivative_name(name, self.by.name))
+            self._facts[name] = self._fact(name, derivative_name(name, self.by.name, self.moving))
         return self._facts[name]
 
     def _fact(self, name: str, derivative: str) -> Fact:
@@ -200,7 +203,7 @@ class Derivation:
             self._values[name] = root, value
         bare = root.args[0] if root.kind == "neg" else root
         simple = bare.kind in ("name", "number")
-        return root if simple else graph.name(derivative_name(name, self.by.name))
+        return root if simple else graph.name(derivative_name(name, self.by.name, self.moving))
 
     def _differentiate(self, root: Node) -> Node:
         """Return the derivative of a value."""
@@ -283,9 +286,7 @@ class Derivation:
 
     def _written(self, step: Fact, root: Node, value: Node) -> Fact:
         own = {} if value.kind in ("name", "number", "neg") else {value: step.name}
-        function, depends_on = generate_function(
-            derivative_name(step.name, self.by.name), self.graph, root, own
-        )
-        return replace(
-            with_derivative_labels(step, self.by), function=function, depends_on=depends_on, flags={}
-        )
+        name = derivative_name(step.name, self.by.name, self.moving)
+        function, depends_on = generate_function(name, self.graph, root, own)
+        labelled = with_derivative_labels(step, self.by)
+        return replace(labelled, name=name, function=function, depends_on=depends_on, flags={})

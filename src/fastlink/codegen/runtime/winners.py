@@ -1,0 +1,229 @@
+"""Where the greatest and the least value of a search are, for their derivatives by the inputs if these are requested.
+
+Two places for each design, branch and search: of the greatest value, and of the least one with its sign changed.
+Derivatives are evaluated there, once for each, at the input position that was found; at a limit of motion beside it, at
+2^-60 of the scale, with the place kept at that distance from the limit.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+from fastlink.codegen.runtime.cells import (
+    BRANCHES,
+    FA,
+    HALF,
+    IMAGE,
+    JUMPS,
+    KIND,
+    LANE,
+    LANES,
+    MIRROR,
+    NUMBER,
+    ONTO,
+    OWN,
+    PARITY,
+    SIDES,
+    START,
+    THETA,
+    TOGGLE,
+    UPPER,
+    VALUE,
+    XB,
+    X,
+    append_item,
+    set_bracket,
+)
+from fastlink.codegen.runtime.results import FOLDED
+from fastlink.numerics.compiler import outlined
+from fastlink.numerics.elementary import INFINITY, NOT_A_NUMBER, PI, TWO_PI
+from fastlink.numerics.gradient_status import (
+    AT_CHANGE_POINT,
+    AT_LIMIT,
+    CONSTANT,
+    INFINITE,
+    JUMP,
+    KINK,
+    NOTHING,
+    SMOOTH,
+    TIED,
+)
+
+__all__ = [
+    *("CODE", "WINNER_ROWS", "collect_winners", "forget_winners", "judge_winners", "note_winners"),
+    *("settle_jumps", "store_gradient", "store_status", "take_gradients"),
+]
+
+# Rows of a place: the value (of a least one with its sign changed), the input position, the place in the range, whether
+# it is of a mirror image, its kind; the next best value elsewhere; the code of what derivatives there are worth.
+BEST, PLACE, AT_X, IN_HALF, IN_UPPER, MIRRORED, OF_KIND, SECOND, CODE = range(9)
+WINNER_ROWS = 9
+#: Entries of the table of derivatives that are evaluated together: the search, whether of least values, whether at
+#: limits of motion; the first row of the state that holds them, how many they are, how many of these are of values, the
+#: first row of the results that holds them, what the mirror does to the quantity.
+SEARCH, LEAST, LIMITS, FIRST_ROW, TOTAL, VALUES, BASE, SIGN = range(8)
+#: The kinds of a jump by a full turn, and of a place where a quotient is divided by almost nothing and has its extreme
+#: beside it; an end of the range has kind 0.
+TURN, NEARLY_POLE = 2.0, 3.0
+# Input positions that are nearer are one place; values that differ by less tie.
+SAME, TIE = 2.0**-20, 2.0**-40
+
+
+@outlined
+def forget_winners(winners: Any, gradients: Any) -> None:
+    """Forget the places of the designs before, and the derivatives there."""
+    for least in range(2):
+        row = least * WINNER_ROWS
+        for column in range(winners.shape[1]):
+            winners[row + BEST, column] = -INFINITY
+            winners[row + SECOND, column] = -INFINITY
+            winners[row + PLACE, column] = NOT_A_NUMBER
+            winners[row + OF_KIND, column] = NOT_A_NUMBER
+    for r in range(gradients.shape[0]):
+        for column in range(gradients.shape[1]):
+            gradients[r, column] = NOT_A_NUMBER
+
+
+@outlined
+def note_winners(s: Any, count: int, table: Any, search: Any, winners: Any) -> None:
+    """Keep the places of the extrema at items that are the greatest or least so far, see `results.store_extrema`."""
+    sides, branches = table[SIDES], table[BRANCHES]
+    jumps, beside = search[JUMPS] > 0, search[ONTO] != search[NUMBER]
+    for i in range(count):
+        if s[KIND, i] != s[KIND, i]:
+            continue
+        branch = int(s[HALF, i]) >> (sides - 1)
+        for mirror in range(2):
+            target = table[MIRROR + branch] if mirror == 1 else table[OWN + branch]
+            if target < 0:
+                continue
+            column = (search[ONTO] * branches + target) * LANES + int(s[LANE, i])
+            theta = s[IMAGE, i] if mirror == 1 else s[THETA, i]
+            value = float(search[PARITY]) * s[VALUE, i] if mirror == 1 else s[VALUE, i]
+            for least in range(2):
+                high = PI if jumps else (-value if least == 1 else value)
+                row = least * WINNER_ROWS
+                apart = abs(theta - winners[row + PLACE, column])
+                same = (apart < SAME) | (abs(apart - TWO_PI) < SAME)
+                if high > winners[row + BEST, column]:
+                    if not same:
+                        winners[row + SECOND, column] = winners[row + BEST, column]
+                    winners[row + BEST, column] = high
+                    winners[row + PLACE, column] = theta
+                    winners[row + AT_X, column] = s[X, i]
+                    winners[row + IN_HALF, column] = s[HALF, i]
+                    winners[row + IN_UPPER, column] = s[UPPER, i]
+                    winners[row + MIRRORED, column] = float(mirror)
+                    winners[row + OF_KIND, column] = (
+                        TURN if jumps else (NEARLY_POLE if beside else s[KIND, i])
+                    )
+                elif high > winners[row + SECOND, column] and not same:
+                    winners[row + SECOND, column] = high
+
+
+@outlined
+def judge_winners(winners: Any, w: Any, count: int, table: Any, search: Any, magnitude: int) -> None:
+    """Find what the derivatives of the greatest and least values of a search are worth, see `plan.gradients`.
+
+    Parameters
+    ----------
+    winners, w : array
+        The places, and the lane values.
+    count : int
+        The number of designs.
+    table, search : array of int
+        Tables of the kernel and of the search, see `cells`.
+    magnitude : int
+        1 for the magnitude of a vector, else 0.
+    """
+    for least in range(2):
+        row = least * WINNER_ROWS
+        for branch in range(table[BRANCHES]):
+            for i in range(count):
+                column = (search[NUMBER] * table[BRANCHES] + branch) * LANES + i
+                best, kind = winners[row + BEST, column], winners[row + OF_KIND, column]
+                code = NOTHING
+                if kind == TURN:
+                    code = JUMP
+                elif kind == kind and abs(best) == INFINITY:
+                    code = INFINITE
+                elif kind == kind:
+                    upper = int(winners[row + IN_UPPER, column])
+                    first, toggle = abs(w[table[START] + upper, i]), w[table[TOGGLE] + upper, i] > 0.0
+                    beside = (kind == 0.0) | (winners[row + AT_X, column] < FOLDED * first)
+                    code = AT_LIMIT if kind == 0.0 else SMOOTH
+                    code = TIED if winners[row + SECOND, column] >= best - TIE * abs(best) else code
+                    code = KINK if (kind == NEARLY_POLE) | ((magnitude > 0) & (best == 0.0)) else code
+                    code = CONSTANT if (kind == 0.0) & (not toggle) else code
+                    code = AT_CHANGE_POINT if (first > 0.0) & (not toggle) & beside else code
+                winners[row + CODE, column] = float(code)
+
+
+@outlined
+def collect_winners(winners: Any, w: Any, count: int, table: Any, pick: Any, ends: Any) -> int:
+    """Make items of the places of greatest or least values at limits of motion, or of all others; return how many.
+
+    Parameters
+    ----------
+    winners, w : array
+        The places, and the lane values.
+    count : int
+        The number of designs.
+    table, pick : array of int
+        Table of the kernel, and that of the derivatives.
+    ends : array
+        The items.
+    """
+    total, row = 0, pick[LEAST] * WINNER_ROWS
+    for branch in range(table[BRANCHES]):
+        for i in range(count):
+            column = (pick[SEARCH] * table[BRANCHES] + branch) * LANES + i
+            code = winners[row + CODE, column]
+            if (code == SMOOTH) | (code == TIED) | (code == AT_LIMIT) | (code == CONSTANT):
+                upper = int(winners[row + IN_UPPER, column])
+                at_limit = winners[row + OF_KIND, column] == 0.0 and code != CONSTANT
+                if at_limit == (pick[LIMITS] > 0):
+                    x, first = winners[row + AT_X, column], abs(w[table[START] + upper, i])
+                    x = first if at_limit and x < first else x
+                    set_bracket(ends, total, x, winners[row + MIRRORED, column], float(column), 0.0)
+                    total = append_item(ends, total, i, int(winners[row + IN_HALF, column]), upper == 1)
+    return total
+
+
+@outlined
+def take_gradients(s: Any, count: int, pick: Any, gradients: Any) -> None:
+    """Store the derivatives at items; the mirror turns the sign of those of places, and perhaps of values."""
+    for i in range(count):
+        column, mirrored = int(s[XB, i]), s[FA, i] > 0.0
+        for j in range(pick[TOTAL]):
+            sign = float(pick[SIGN]) if j < pick[VALUES] else -1.0
+            found = s[pick[FIRST_ROW] + j, i]
+            gradients[pick[BASE] + j, column] = sign * found if mirrored else found
+
+
+@outlined
+def settle_jumps(winners: Any, count: int, table: Any, pick: Any, gradients: Any) -> None:
+    """Store zeros as the derivatives of values that are pi because an angle jumps by a full turn."""
+    row = pick[LEAST] * WINNER_ROWS
+    for branch in range(table[BRANCHES]):
+        for i in range(count):
+            column = (pick[SEARCH] * table[BRANCHES] + branch) * LANES + i
+            if winners[row + CODE, column] == JUMP:
+                for j in range(pick[VALUES]):
+                    gradients[pick[BASE] + j, column] = 0.0
+
+
+@outlined
+def store_gradient(result: Any, first: int, count: int, base: int, gradients: Any, row: int) -> None:
+    """Copy the derivative of a greatest or least value, or of its place."""
+    for i in range(count):
+        for branch in range(result.shape[1]):
+            result[first + i, branch] = gradients[row, base + branch * LANES + i]
+
+
+@outlined
+def store_status(result: Any, first: int, count: int, base: int, winners: Any, row: int) -> None:
+    """Copy what the derivatives of a greatest or least value are worth, from the row of its code."""
+    for i in range(count):
+        for branch in range(result.shape[1]):
+            result[first + i, branch] = int(winners[row, base + branch * LANES + i])

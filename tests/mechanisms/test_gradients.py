@@ -1,0 +1,211 @@
+"""Derivatives of extremes by the inputs are those of the extremes, as differences with 50 digits tell."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from tests.support.extrema_errors import designs_of, searched
+from tests.support.gradients import compared
+from tests.support.refusals import refused
+from tests.support.registry import ENTRIES
+
+import fastlink as fl
+from fastlink.codegen.kernel import kernel_of
+from fastlink.mechanisms import catalogue
+from fastlink.numerics.gradient_status import (
+    AT_CHANGE_POINT,
+    AT_LIMIT,
+    CONSTANT,
+    INFINITE,
+    JUMP,
+    KINK,
+    MOVING,
+    NOTHING,
+    OF_SAMPLES,
+    SMOOTH,
+    TIED,
+)
+from fastlink.plan.plan import make_plan
+
+LENGTHS = ("a1", "a2", "a3", "a4")
+DRIVEN = [e for e in ENTRIES if e.moves and e.catalogue.graded and e.solver == "eliminated" and not e.about]
+#: Values with and without limits of motion, finite there and not; inputs that move the limits.
+SOME = {
+    "theta1": (("omega4", "B_y", "theta2"), ("a1", "a3")),
+    "theta": (("slider_acceleration", "transmission_angle"), ("r", "l")),
+    "sigma": (("F_y",), ("a", "d")),
+    "phi": (("F_y",), ("a", "d")),
+    "joint_angle_2": (("transmission_angle",), ("a1", "a4")),
+}
+
+
+def some(entry, designs):
+    """Return quantities and inputs of an entry."""
+    quantities, inputs = SOME.get(entry.input, ((), ()))
+    has = [name for name in quantities if name in entry.names] or searched(entry, designs)[-1:]
+    return has, [name for name in inputs if name in designs] or list(designs)[:2]
+
+
+FIRST = {"theta1", "theta", "phi", "joint_angle_2"}
+CASES = [
+    pytest.param(entry, id=str(entry), marks=() if entry.input in FIRST else pytest.mark.stress)
+    for entry in DRIVEN
+]
+
+
+@pytest.mark.parametrize("entry", CASES)
+def test_derivatives_of_extremes_are_their_differences(entry):
+    designs = designs_of(entry, "random", 11, 3)
+    quantities, inputs = some(entry, designs)
+    found = list(compared(entry, designs, quantities, inputs[:1], places=False))
+    assert len(found) >= 2
+    assert [one for one in found if not one.holds] == []
+
+
+@pytest.mark.parametrize("entry", CASES[:1])
+def test_derivatives_of_places_are_their_differences(entry):
+    designs = designs_of(entry, "random", 12, 3)
+    found = list(compared(entry, designs, ["omega2", "B_y"], ["a2"], places=True))
+    assert len(found) >= 4
+    assert [one for one in found if not one.holds] == []
+
+
+@pytest.mark.stress
+@pytest.mark.parametrize("entry", [pytest.param(entry, id=str(entry)) for entry in DRIVEN])
+def test_derivatives_of_extremes_of_many_designs(entry):
+    for seed in range(20):
+        designs = designs_of(entry, "random", seed, 25)
+        names = np.random.default_rng(seed).permutation(searched(entry, designs))[:2]
+        inputs = [name for name in designs if name in entry.catalogue.variables]
+        by = str(np.random.default_rng(seed).choice(some(entry, designs)[1] if seed % 2 else inputs[:4]))
+        found = list(compared(entry, designs, [str(name) for name in names], [by], places=False))
+        assert [one for one in found if not one.holds] == []
+
+
+def swept(names, lengths=(0.4, 1.2, 0.8, 1.0), omega1=1.0, point=(), **options):
+    design = dict(zip(LENGTHS, lengths, strict=True)) | {"omega1": omega1} | dict(point)
+    return fl.sweep("planar_4r", fl.grid(**design), names, progress=False, allow_invalid=True, **options)
+
+
+@pytest.mark.parametrize(
+    ("name", "lengths", "codes"),
+    [
+        ("omega4_max", (0.4, 1.2, 0.8, 1.0), (SMOOTH, SMOOTH)),
+        ("omega4_max", (1.0, 0.6, 0.7, 1.2), (INFINITE, INFINITE)),
+        ("B_y_min", (1.0, 0.6, 0.7, 1.2), (TIED, AT_LIMIT)),
+        ("theta4_max", (1.0, 0.6, 0.7, 1.2), (JUMP, JUMP)),
+        ("omega4_max", (5.0, 1.0, 1.0, 1.0), (NOTHING, NOTHING)),
+        ("omega4_mean", (0.4, 1.2, 0.8, 1.0), (SMOOTH, SMOOTH)),
+        ("theta4_mean", (1.0, 0.6, 0.7, 1.2), (MOVING, MOVING)),
+        ("omega4_rms", (5.0, 1.0, 1.0, 1.0), (NOTHING, NOTHING)),
+        ("loop_residual_max", (0.4, 1.2, 0.8, 1.0), (OF_SAMPLES, OF_SAMPLES)),
+    ],
+)
+def test_the_status_tells_what_derivatives_are_worth(name, lengths, codes):
+    status = swept([f"{name}_gradient_status"], lengths)[f"{name}_gradient_status"]
+    assert tuple(status.values.tolist()) == codes
+    assert len(status.attrs["flag_meanings"].split()) == status.attrs["flag_values"].size
+
+
+def test_what_stands_still_has_constant_rates_and_kinks_at_zero():
+    speed = swept(["P_speed_max_gradient_status", "d_P_speed_max_d_a1"], point={"P_u": 0.0, "P_v": 0.0})
+    assert (speed["P_speed_max_gradient_status"] == CONSTANT).all()
+    assert (speed["d_P_speed_max_d_a1"] == 1.0).all()
+    still = swept(["omega4_rms_gradient_status", "d_omega4_rms_d_a1"], omega1=0.0)
+    assert (still["omega4_rms_gradient_status"] == KINK).all()
+    assert np.isnan(still["d_omega4_rms_d_a1"]).all()
+
+
+def test_a_change_point_has_no_derivative_at_its_fold():
+    found = swept(["transmission_angle_min", "transmission_angle_min_gradient_status"], (4.0, 9.0, 12.0, 7.0))
+    assert (found["transmission_angle_min_gradient_status"] == AT_CHANGE_POINT).all()
+
+
+def test_derivatives_change_no_value_and_stand_alone():
+    values = ["omega4_max", "theta1_at_omega4_max", "omega4_extrema", "theta4_min"]
+    gradients = [
+        "d_omega4_max_d_a1",
+        "d_theta4_min_d_a4",
+        "d_theta1_at_omega4_max_d_a1",
+        "omega4_max_gradient_status",
+    ]
+    plain, both, alone = swept(values), swept(values + gradients), swept(gradients)
+    for name in plain.data_vars:
+        np.testing.assert_array_equal(plain[name], both[name])
+    for name in gradients:
+        np.testing.assert_array_equal(alone[name], both[name])
+
+
+def test_a_kernel_without_derivatives_keeps_no_places():
+    planar, names = catalogue("planar_4r"), ("omega4_max", "alpha4_extrema", "omega4_rms")
+    plan = make_plan(planar, names, given=(*LENGTHS, "omega1"))
+    assert not any("winners" in kernel_of(program).text for program in plan.programs)
+
+
+def test_means_and_samples_change_as_differences_of_theirs():
+    """A central difference over 2^-16 is off by 2^-32 of the third derivative, and by rounding errors over 2^-16."""
+    h = 2.0**-16
+    for names, options in (
+        (("omega4_mean", "alpha4_rms"), {}),
+        (("omega4_max", "B_y_min"), {"extrema": "sampled"}),
+    ):
+        found = swept([f"d_{name}_d_a2" for name in names], **options)
+        up, down = (swept(names, (0.4, 1.2 + step, 0.8, 1.0), **options) for step in (h, -h))
+        for name in names:
+            difference = (up[name] - down[name]) / (2.0 * h)
+            np.testing.assert_allclose(found[f"d_{name}_d_a2"], difference, atol=1e-8, rtol=1e-8)
+
+
+def test_mechanisms_without_a_graded_range_have_derivatives_of_samples():
+    """The step is so small that the same sample is the greatest."""
+    design = {"a": 1.0, "b": 2.0, "g": 2.2, "h": 1.5}
+    h = 2.0**-20
+
+    def extreme(name, **moved):
+        space = fl.grid(**design | moved)
+        return fl.sweep("minkowski_4r", space, [name], progress=False, allow_invalid=True)[name]
+
+    found = extreme("d_A_y_max_d_a")
+    difference = (extreme("A_y_max", a=1.0 + h) - extreme("A_y_max", a=1.0 - h)) / (2.0 * h)
+    np.testing.assert_allclose(found, difference, rtol=1e-7)
+    assert (extreme("A_y_max_gradient_status") == OF_SAMPLES).all()
+
+
+def test_labels_units_and_axes_that_scale():
+    names = ["d_omega4_max_d_a2", "d_theta1_at_omega4_max_d_a2", "omega4_max_gradient_status"]
+    one = swept(names)
+    assert one["d_omega4_max_d_a2"].attrs["units"] == "rad s-1 m-1"
+    assert one["d_theta1_at_omega4_max_d_a2"].attrs["units"] == "rad m-1"
+    assert one["d_omega4_max_d_a2"].attrs["symbol"] == "d max omega_4/d a_2"
+    assert "units" not in one["omega4_max_gradient_status"].attrs
+    axis = swept(names, omega1=[1.0, 2.0])
+    assert axis.attrs["scaling_axis"] == "omega1"
+    for name, power in zip(names, (1, 0, 0), strict=True):
+        np.testing.assert_array_equal(axis[name][0], one[name])
+        np.testing.assert_array_equal(axis[name][1], 2**power * one[name])
+    far = swept(names, tuple(2.0**-700 * length for length in (0.4, 1.2, 0.8, 1.0)))
+    for name, power in zip(names, (700, 700, 0), strict=True):
+        np.testing.assert_array_equal(far[name], 2.0**power * one[name])
+
+
+def test_verification_leaves_derivatives_of_extremes_out():
+    assert (
+        swept(["omega4_max", "d_omega4_max_d_a2"], verify=1).attrs["verify_left_out"] == "d_omega4_max_d_a2"
+    )
+
+
+@pytest.mark.parametrize(
+    ("name", "options", "remedy"),
+    [
+        ("d_omega4_max_d_theta1", {}, "such as d_omega4_max_d_"),
+        ("d_omega4_max_d_a2_error", {}, "ask for omega4_max_error"),
+        ("d_d_omega4_max_d_a1_d_a2", {}, "ask for d_omega4_max_d_a1"),
+        ("d_omega4_fluctuation_d_a2", {}, "leave it out"),
+        ("d_theta1_at_omega4_max_d_a2", {"extrema": "sampled"}, "leave it out"),
+        ("d_circuit_max_d_a2", {}, "leave it out"),
+        ("d_omega4_error_max_d_a2", {}, "leave it out"),
+    ],
+)
+def test_what_has_no_derivative_is_refused_with_the_reason(name, options, remedy):
+    with refused("quantity ", remedy):
+        swept([name], **options)
