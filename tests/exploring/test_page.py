@@ -10,7 +10,7 @@ import pytest
 
 import fastlink as fl
 from fastlink.maps.flags import flags_of
-from tests.support.browser import PATIENCE, opened
+from tests.support.browser import PATIENCE, new_tab, opened
 
 pytestmark = [pytest.mark.browser, pytest.mark.filterwarnings("default:NOT TESTED")]
 
@@ -39,10 +39,15 @@ def page(path):
         yield served
 
 
-@pytest.fixture
-def tab(browser, page):
-    with opened(browser, page.url) as found:
+@pytest.fixture(scope="module")
+def show(browser):
+    with new_tab(browser) as found:
         yield found
+
+
+@pytest.fixture
+def tab(show, page):
+    return show(page.url)
 
 
 def state(tab, expression="state"):

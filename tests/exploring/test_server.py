@@ -157,3 +157,24 @@ def test_a_large_picture_is_read_at_the_resolution_of_a_screen():
     values, steps = Values(maps).picture("x", ("a", "b"), {}, {"a": (10, 20)})
     assert steps == {"a": 1, "b": 1}
     np.testing.assert_array_equal(values, maps.x.values[10:21])
+
+
+@pytest.mark.parametrize(
+    "changed",
+    [
+        lambda maps: maps.isel(a2=slice(None, None, -1)),
+        lambda maps: maps.assign(omega4_max=2.0 * maps.omega4_max),
+        lambda maps: maps.sortby("a2", ascending=False),
+        lambda maps: maps.isel(a1=slice(1, None)),
+    ],
+)
+def test_a_map_that_was_changed_is_shown_as_it_is_now(path, changed):
+    """Not as the file has it from which it was opened."""
+    with fl.open(path) as maps:
+        other = changed(maps)
+        with fl.explore(other, browser=False) as page:
+            _, values = picture(
+                page, name="omega4_max", axes=["a2", "a3"], at={"a1": 0, "branch": 0}, window={}
+            )
+        expected = other.omega4_max.isel(a1=0, branch=0).values
+        np.testing.assert_array_equal(values.reshape(expected.shape), expected.astype("f4"))

@@ -41,22 +41,26 @@ def told(mechanism, design):
     return content_of(Values(fl.sweep(mechanism, fl.grid(**design), ["status"], verify=0)))["mechanism"]
 
 
-def run_motion(browser, mechanism, given, task):
+@pytest.fixture(scope="module")
+def blank(browser):
+    """A tab without a page."""
+    tab = browser.new_page()
+    yield tab
+    tab.close()
+
+
+def run_motion(blank, mechanism, given, task):
     """Return what an expression gives in which `Motion`, `mechanism` and `given` are those of the page."""
     text = files("fastlink").joinpath("exploring", "page", "motion.js").read_text(encoding="utf-8")
     text = text.replace("/*FACTS*/", mechanism["script"])
     task = f"([told, given]) => {{ const content = {{mechanism: told}}; {text}; return {task}; }}"
-    tab = browser.new_page()
-    try:
-        return tab.evaluate(task, [mechanism | {"script": ""}, given])
-    finally:
-        tab.close()
+    return blank.evaluate(task, [mechanism | {"script": ""}, given])
 
 
 @pytest.mark.parametrize(("mechanism", "design"), DESIGNS)
 @pytest.mark.browser
 @pytest.mark.filterwarnings("default:NOT TESTED")
-def test_a_page_moves_a_mechanism_as_a_picture_does(browser, mechanism, design):
+def test_a_page_moves_a_mechanism_as_a_picture_does(blank, mechanism, design):
     known = catalogue(mechanism)
     motion = Motion(mechanism, known, picture_of(mechanism, known), design, tuple(known.branches), None)
     page = told(mechanism, design)
@@ -64,7 +68,7 @@ def test_a_page_moves_a_mechanism_as_a_picture_does(browser, mechanism, design):
     positions = low + (high - low) * np.array([0.03, 0.2, 0.41, 0.5, 0.77, 0.96])
     names = [one["name"] for one in page["curves"] if one["name"] not in ROUNDINGS]
     found = run_motion(
-        browser,
+        blank,
         page,
         {"design": design, "positions": positions.tolist(), "names": names},
         """(() => {

@@ -12,7 +12,7 @@ from typing import Any
 
 import pytest
 
-__all__ = ["CHROMIUM", "PATIENCE", "chromium", "opened"]
+__all__ = ["CHROMIUM", "PATIENCE", "chromium", "new_tab", "opened"]
 
 #: What the browser is called, and the variable that names another.
 NAMES, CHROMIUM = ("chromium", "chromium-browser", "google-chrome", "chrome"), "FASTLINK_CHROMIUM"
@@ -32,7 +32,7 @@ def chromium() -> Iterator[Any]:
     from playwright.sync_api import sync_playwright
 
     with sync_playwright() as playwright:
-        browser = playwright.chromium.launch(executable_path=found, args=["--no-sandbox"])
+        browser = playwright.chromium.launch(executable_path=found, args=["--no-sandbox", "--disable-gpu"])
         try:
             yield browser
         finally:
@@ -42,6 +42,13 @@ def chromium() -> Iterator[Any]:
 @contextlib.contextmanager
 def opened(browser: Any, address: str, **options: Any) -> Iterator[Any]:
     """Yield a tab that shows a page of `fastlink.explore`, and let no error in it pass."""
+    with new_tab(browser, **options) as show:
+        yield show(address)
+
+
+@contextlib.contextmanager
+def new_tab(browser: Any, **options: Any) -> Iterator[Any]:
+    """Yield a function that shows a page in a tab, from its start, and returns the tab; let no error in it pass."""
     context = browser.new_context(
         **{"viewport": {"width": 1280, "height": 860}, "reduced_motion": "reduce", **options}
     )
@@ -49,10 +56,15 @@ def opened(browser: Any, address: str, **options: Any) -> Iterator[Any]:
     tab, errors = context.new_page(), list[str]()
     tab.on("pageerror", lambda error: errors.append(str(error)))
     tab.on("console", lambda message: errors.append(message.text) if message.type == "error" else None)
-    try:
+
+    def show(address: str) -> Any:
+        tab.goto("about:blank")  # the same address with another view would be the same page
         tab.goto(address)
         tab.wait_for_selector("body[data-ready=yes]")
-        yield tab
+        return tab
+
+    try:
+        yield show
         assert not errors, errors
     finally:
         context.close()

@@ -44,7 +44,7 @@ def content_of(values: Values) -> dict[str, Any]:
         str(name) for name, one in maps.coords.items() if one.dims == (DESIGN,) and one.dtype.kind in "iuf"
     ]
     return {
-        "file": Path(str(values.path)).name if values.path else "",
+        "file": Path(str(values.path or maps.encoding.get("source", ""))).name,
         "title": str(maps.attrs.get("title", "")),
         "version": str(maps.attrs.get("fastlink_version", "")),
         "dims": [_dimension(maps, dim) for dim in dims],

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from contextlib import ExitStack
+from os import PathLike
 from pathlib import Path
 from typing import Any
 
@@ -51,9 +52,14 @@ def _served(maps: Any, port: int) -> Page:
     from fastlink.exploring.values import Values
 
     with ExitStack() as stack:
-        server = Server(Values(stack.enter_context(as_map(maps))), port)
+        server = Server(Values(stack.enter_context(as_map(maps)), _file_of(maps)), port)
         stack.callback(server.close)
         return Page(server.url, stack.pop_all())
+
+
+def _file_of(maps: Any) -> Path | None:
+    """Return the file that a caller names, None of a Dataset."""
+    return Path(maps) if isinstance(maps, (str, PathLike)) else None
 
 
 def _written(maps: Any, to: Any) -> Page:
@@ -62,7 +68,7 @@ def _written(maps: Any, to: Any) -> Page:
 
     path = check_page(to)
     with as_map(maps) as dataset:
-        write_page(Values(dataset), path)
+        write_page(Values(dataset, _file_of(maps)), path)
     return Page(path.absolute().as_uri(), ExitStack())
 
 
@@ -77,7 +83,7 @@ def explore(maps: Any, *, to: str | Path | None = None, port: int = 0, browser: 
     ----------
     maps : xarray.Dataset or path
         From `fastlink.sweep`, `fastlink.run_study` or `fastlink.open`, or the file of a map; read where it is looked
-        at, so that it may be larger than memory.
+        at, so that it may be larger than memory. Great maps are read fastest by their path.
     to : path, optional
         Write one page that carries the whole map and needs neither Python nor a network, such as ``page.html``, in
         place of serving it: for maps up to some 10 MB. An existing one is replaced.

@@ -27,7 +27,7 @@ HOST, LONGEST = "127.0.0.1", 16_384
 IDLE = 300.0
 POLICY = (
     "default-src 'none'; script-src 'nonce-{}'; style-src 'unsafe-inline'; connect-src 'self'; img-src data:; "
-    "base-uri 'none'; form-action 'none'; frame-ancestors {}"
+    "base-uri 'none'; form-action 'none'; frame-ancestors 'none'"
 )
 
 
@@ -120,9 +120,7 @@ class Server:
                 self.send_header("Cache-Control", "no-store")
                 self.send_header("Referrer-Policy", "no-referrer")
                 self.send_header("X-Content-Type-Options", "nosniff")
-                self.send_header(
-                    "Content-Security-Policy", POLICY.format(server.nonce, "'self' http://localhost:*")
-                )
+                self.send_header("Content-Security-Policy", POLICY.format(server.nonce))
                 self.end_headers()
                 self.wfile.write(body)
 

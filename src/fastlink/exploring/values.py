@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import math
-import os
 import threading
 from collections import OrderedDict
 from collections.abc import Mapping
+from pathlib import Path
 from typing import Any
 
 import h5py
@@ -15,6 +15,7 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from fastlink.exploring.colours import scale_of
+from fastlink.io.reader import is_hdf5
 from fastlink.maps.best import least
 from fastlink.maps.flags import flags_of
 from fastlink.space.dataset import STATUS
@@ -37,11 +38,12 @@ class Values:
     ----------
     maps : xarray.Dataset
         The map, read where it is used.
+    path : Path, optional
+        The file that this map is, all of it and unchanged: a Dataset also remembers the file from which it was made.
     """
 
-    def __init__(self, maps: xr.Dataset) -> None:
-        self.maps = maps
-        self.path = maps.encoding.get("source")
+    def __init__(self, maps: xr.Dataset, path: Path | None = None) -> None:
+        self.maps, self.path = maps, path
         self.lock = threading.Lock()
         self.mapped: dict[str, Any] = {}
         self.scales: dict[str, dict[str, Any]] = {}
@@ -100,14 +102,17 @@ class Values:
             else:
                 places[dim] = at[dim]
         key = name, axes, tuple(str(one) for one in places.items())
-        if key not in self.kept:
+        found = self.kept.get(key)
+        if found is None:
             values = self.part(name, places).astype(np.float32)
             own = [dim for dim in dims if dim in axes]
             order = [own.index(axis) for axis in axes if axis in own]
-            self.kept[key] = np.ascontiguousarray(values.transpose(order))
-            while len(self.kept) > KEPT:
-                self.kept.popitem(last=False)
-        return self.kept[key], steps
+            found = np.ascontiguousarray(values.transpose(order))
+            with self.lock:
+                self.kept[key] = found
+                while len(self.kept) > KEPT:
+                    self.kept.popitem(last=False)
+        return found, steps
 
     def column(self, name: str, at: Mapping[str, int]) -> NDArray[np.float32]:
         """Return the values of a variable or coordinate of the designs of a sample."""
@@ -226,9 +231,9 @@ def _steps(sizes: Mapping[str, int], most: int) -> dict[str, int]:
     return steps
 
 
-def _mapped(path: Any, name: str, variable: xr.Variable) -> Any:
+def _mapped(path: Path | None, name: str, variable: xr.Variable) -> Any:
     """Return the values of a variable as they lie in its file, None where they do not lie there as they are."""
-    if not isinstance(path, (str, os.PathLike)) or not os.path.isfile(path):
+    if path is None or not path.is_file() or not is_hdf5(path):
         return None
     with h5py.File(path, "r") as file:
         stored = file.get(name)

@@ -193,6 +193,7 @@ function drawLegend(of) {
   const entries = Object.entries(of.flags ?? {}).filter(([code]) => present.has(code)).map(([code, meaning]) =>
     [view.scale.colours[code], meaning]);
   if (absent && view.axes.length > 1) entries.push([css(ABSENT), "no value: does not assemble, or has none"]);
+  if (isSample && content.step > 1) entries.push(["transparent", `one of ${content.step} designs is drawn`]);
   if (infinite) entries.push([css(INFINITE), "grows without bound"]);
   place.replaceChildren(...entries.map(([colour, text]) => {
     const swatch = make("span", {className: "swatch"});

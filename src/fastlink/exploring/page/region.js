@@ -62,7 +62,7 @@ async function drawRegion() {
   order.value = state.largest ? "1" : "";
   order.onchange = () => { state.largest = Boolean(order.value); remember(); drawRegion(); };
   const table = make("div", {className: "scroll"}, bestTable());
-  place.replaceChildren(make("div", {className: "bar"}, make("h2", {textContent: `Region of ${region.count.toLocaleString("en")} designs`}),
+  place.replaceChildren(make("div", {className: "bar"}, make("h2", {textContent: `Region of ${region.count.toLocaleString("en")} designs${isSample && content.step > 1 ? " that are drawn" : ""}`}),
     make("label", {}, "best by the ", order, " ", select), button("Lock the first three", async () => { for (const one of region.best.slice(0, 3)) await lock(one.at); }),
     button("Save these", () => download("designs.csv", csvOf(region.best)), {id: "best-csv", title: "The best designs as CSV"}),
     button("Show the region alone", zoom, {id: "zoom"}), button("Forget the region", () => { state.brush = null; drawOver(); drawRegion(); remember(); })),
