@@ -14,7 +14,8 @@ STEP = 0.06
 #: Half a step off 0: there branches may meet.
 GRID = (np.arange(110) + 0.5) * STEP
 HALVINGS = 50
-CHUNK = 2000
+#: So many designs are scanned at once, and so many changes refined: what fits into the cache of the processor.
+CHUNK, CELLS = 250, 2000
 
 
 def quadratic_of_output(lengths, theta):
@@ -58,18 +59,22 @@ def scan(lengths, quadratic, test):
     starts = np.empty(n, dtype=bool)
     changes = np.full((n, 3), np.nan)
     for begin in range(0, n, CHUNK):
-        some = lengths[:, begin : begin + CHUNK]
-        held = test(quadratic(some[:, :, None], GRID))
+        held = test(quadratic(lengths[:, begin : begin + CHUNK, None], GRID))
         starts[begin : begin + CHUNK] = held[:, 0]
         design, cell = np.nonzero(held[:, 1:] != held[:, :-1])
-        low, high, before = GRID[cell], GRID[cell + 1], held[design, cell]
-        for _ in range(HALVINGS):
-            middle = 0.5 * (low + high)
-            same = test(quadratic(some[:, design], middle)) == before
-            low, high = np.where(same, middle, low), np.where(same, high, middle)
         # cells come in order: the place of a change among those of its design
         place = np.arange(design.size) - np.searchsorted(design, design)
-        changes[begin + design, place] = 0.5 * (low + high)
+        changes[begin + design, place] = cell
+    design, place = np.nonzero(~np.isnan(changes))
+    for begin in range(0, design.size, CELLS):
+        here = design[begin : begin + CELLS], place[begin : begin + CELLS]
+        some, cell = lengths[:, here[0]], changes[here].astype(int)
+        low, high, before = GRID[cell], GRID[cell + 1], starts[here[0]] ^ (here[1] % 2 == 1)
+        for _ in range(HALVINGS):
+            middle = 0.5 * (low + high)
+            same = test(quadratic(some, middle)) == before
+            low, high = np.where(same, middle, low), np.where(same, high, middle)
+        changes[here] = 0.5 * (low + high)
     return starts, changes
 
 

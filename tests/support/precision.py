@@ -6,7 +6,6 @@ from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
-import xarray as xr
 
 import fastlink as fl
 from fastlink.facts.fact import parameters
@@ -68,17 +67,17 @@ def _swept(entry: Entry, names: tuple[str, ...], inputs: dict[str, np.ndarray]) 
         threads=1,
         extrema="sampled",
     )
-    rows = np.arange(len(next(iter(inputs.values()))))
-    each = {"design": xr.DataArray(rows, dims="row")}
-    each |= {
-        name: xr.DataArray(inputs[name], dims="row") for name in ("branch", entry.input) if name in inputs
-    }
+    rows = len(next(iter(inputs.values())))
+    places = {"design": np.arange(rows)}  # of each configuration along each dimension
+    for name in ("branch", entry.input):
+        if name in inputs:
+            labels = np.atleast_1d(found[name].values)
+            places[name] = np.searchsorted(labels, inputs[name])
+            np.testing.assert_array_equal(labels[places[name]], inputs[name])
     results = {}
     for name in names:
         values = found[name]
-        values = values.isel(design=each["design"]) if "design" in values.dims else values
-        values = values.sel({dim: each[dim] for dim in values.dims if dim in each and dim != "design"})
-        results[name] = np.broadcast_to(values.values, rows.shape)
+        results[name] = np.broadcast_to(values.values[tuple(places[dim] for dim in values.dims)], (rows,))
     return results
 
 
