@@ -549,3 +549,34 @@ def test_levels_are_those_of_the_libraries():
             assert str(parsed) == text
             assert parsed.of_hdf5()
             assert parsed.of_zarr()
+
+
+@pytest.mark.parametrize(
+    ("name", "options"),
+    [("o.h5", {}), ("z.h5", {"compress": "gzip"}), ("o.zarr", {}), ("o.csv", {}), ("o.parquet", {})],
+)
+def test_inputs_of_many_designs_are_read_block_by_block(tmp_path, monkeypatch, name, options):
+    """To the result that a few have."""
+    space = fl.sobol(40, seed=1, a1=(0.3, 0.5), a2=(1.0, 1.3), a3=0.8, a4=1.0)
+    maps = fl.sweep("planar_4r", space, ["transmission_angle_min"], to=tmp_path / "maps.h5", verify=0)
+    few, many = tmp_path / name, tmp_path / f"many-{name}"
+    options |= {"select": {"design": "#3:30"}}
+    fl.convert(maps, few, **options)
+    monkeypatch.setattr("fastlink.io.converting.source.FEW_BYTES", 0)
+    monkeypatch.setattr("fastlink.io.converting.source.BLOCK_BYTES", 64)
+    fl.convert(maps, many, **options)
+    maps.close()
+    if name.endswith((".csv", ".parquet")):
+        read = fl.table(few), fl.table(many)
+        assert str(read[0]) == str(read[1]).replace("many-", "")
+        if name.endswith(".csv"):
+            assert few.read_bytes() == many.read_bytes()
+        return
+    with fl.open(few) as one, fl.open(many) as other:
+        assert list(other.a1.dims) == ["design"]
+        xr.testing.assert_identical(one.drop_attrs(deep=False), other.drop_attrs(deep=False))
+        assert {k: v for k, v in one.attrs.items() if k != "history"} == {
+            k: v for k, v in other.attrs.items() if k != "history"
+        }
+    if name.endswith(".h5"):
+        assert fl.check(many)

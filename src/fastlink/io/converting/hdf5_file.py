@@ -71,8 +71,8 @@ class _UntilItFails(io.FileIO):
 
 def write_plain(path: Path, source: Source, attrs: Mapping[str, Any], overwrite: bool, show: Any) -> None:
     """Write a file with contiguous variables and their checksums."""
-    with Writer(path, source.coords, source.variables, attrs, overwrite=overwrite) as writer:
-        for variable in source.variables:
+    with Writer(path, source.coords, source.all, attrs, overwrite=overwrite) as writer:
+        for variable in source.all:
             for _, first, values in source.blocks(variable):
                 writer.write(variable.name, first, values.reshape(-1))
                 show(values.nbytes)
@@ -93,11 +93,11 @@ def write_compressed(
         target = _UntilItFails(out.fd)
         with h5py.File(target, "r+") as file:
             filters = compression.of_hdf5()
-            for variable in source.variables:
+            for variable in source.all:
                 chunks = chunks_of(variable, CHUNK_BYTES)
                 how = {"chunks": chunks, "shuffle": True, **filters} if chunks else {}
                 dataset = file.create_dataset(variable.name, variable.shape, variable.dtype, **how)
-                label(file, dataset, source.coords, variable)
+                label(file, dataset, source.coords, variable, source.columns)
                 for index, _, values in source.blocks(variable, chunks):
                     dataset[index] = values
                     target.check()

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -20,6 +21,8 @@ __all__ = ["BLOCK_BYTES", "Index", "Source"]
 
 #: Bytes of values that are read at once.
 BLOCK_BYTES = 1 << 24
+#: Coordinates along others that have more bytes are read block by block, like results.
+FEW_BYTES = 1 << 20
 #: A part of an array: a number or a slice by dimension.
 Index = tuple[int | slice, ...]
 
@@ -41,7 +44,9 @@ class Source:
     Attributes
     ----------
     coords : xarray.Dataset
-        Coordinates of the result.
+        Coordinates of the result, besides the columns.
+    columns : list of Variable
+        Coordinates with a value for each design, where these are many.
     variables : list of Variable
         Its variables, with the attributes of the map.
     overflows : dict of str to int
@@ -59,7 +64,13 @@ class Source:
         coords = coords.drop_vars(list(coords.data_vars)).isel(
             {dim: indexer for dim, indexer in selection.indexers.items() if dim in coords.dims}
         )
-        self.coords = coords.drop_encoding().load()
+        long = [
+            str(name)
+            for name, one in coords.coords.items()
+            if _is_column(one) and one.dims[0] in coords.coords
+        ]
+        self.columns = [replace(self._variable(name, None), is_coordinate=True) for name in long]
+        self.coords = coords.drop_vars(long).drop_encoding().load()
         self.coords.attrs = {}  # those of the result are other ones
         self.variables = [self._variable(name, dtype) for name in names]
         self.overflows: dict[str, int] = {}
@@ -72,7 +83,12 @@ class Source:
     @property
     def nbytes(self) -> int:
         """Bytes of all values of the result."""
-        return sum(variable.nbytes for variable in self.variables)
+        return sum(variable.nbytes for variable in self.all)
+
+    @property
+    def all(self) -> list[Variable]:
+        """All that is read block by block: the columns, then the variables."""
+        return [*self.columns, *self.variables]
 
     def _variable(self, name: str, dtype: np.dtype[Any] | None) -> Variable:
         array = self._maps[name]
@@ -114,6 +130,16 @@ class Source:
             if beyond:
                 self.overflows[variable.name] = self.overflows.get(variable.name, 0) + beyond
         return result
+
+
+def _is_column(coord: xr.DataArray) -> bool:
+    """Tell whether a coordinate is read block by block."""
+    return (
+        coord.ndim == 1
+        and coord.name not in coord.dims
+        and coord.dtype.kind in "iuf"
+        and coord.nbytes > FEW_BYTES
+    )
 
 
 def _is_bound(variable: Variable) -> bool:

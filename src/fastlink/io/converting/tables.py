@@ -12,7 +12,6 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-import xarray as xr
 from numpy.typing import NDArray
 
 from fastlink.errors import InputError
@@ -59,17 +58,19 @@ class _Rows:
 
     Attributes
     ----------
-    coords : list of str
-        The columns of inputs: those along the dimensions first, then constants.
+    coords : dict of str
+        The columns of inputs, arrays or what is read block by block: those along the dimensions first, then constants.
     """
 
     def __init__(self, source: Source, cell_bytes: int) -> None:
         widest = max(source.variables, key=lambda variable: len(variable.dims))
         self.source, self.dims, self.shape = source, widest.dims, widest.shape
-        inputs = {str(name): coord for name, coord in source.coords.coords.items()}
+        inputs: dict[str, Any] = {str(name): coord for name, coord in source.coords.coords.items()}
+        inputs |= {column.name: column for column in source.columns}
         order = [*self.dims, *(name for name in inputs if name not in self.dims)]
         inside = [name for name in order if name in inputs and set(inputs[name].dims) <= set(self.dims)]
-        self.coords = sorted(inside, key=lambda name: inputs[name].ndim == 0)
+        inside.sort(key=lambda name: not inputs[name].dims)
+        self.coords = {name: inputs[name] for name in inside}
         self.most = max(1, BLOCK_BYTES // (cell_bytes * (len(self.coords) + len(source.variables))))
 
     @property
@@ -77,8 +78,8 @@ class _Rows:
         """The names of all columns."""
         return [*self.coords, *(variable.name for variable in self.source.variables)]
 
-    def blocks(self) -> Iterator[tuple[tuple[int, ...], list[tuple[xr.Variable, NDArray[Any]]]]]:
-        """Yield the shape of a block, and of each column its labels and values, which spread over that shape."""
+    def blocks(self) -> Iterator[tuple[tuple[int, ...], list[NDArray[Any]]]]:
+        """Yield the shape of a block, and the values of each column, which spread over that shape."""
         for index, _ in pieces(self.shape, self.most):
             box = {
                 dim: slice(part, part + 1) if isinstance(part, int) else part
@@ -89,14 +90,13 @@ class _Rows:
                 for dim, size in zip(self.dims, self.shape, strict=True)
             )
             columns = []
-            for name in self.coords:
-                coord = self.source.coords[name].variable
-                part = coord.isel({dim: box[dim] for dim in coord.dims if dim in box})
-                columns.append((coord, self._spread(part.values, part.dims)))
-            for variable in self.source.variables:
-                whole: Index = tuple(box.get(dim, slice(None)) for dim in variable.dims)
-                values = self.source.read(variable, whole)
-                columns.append((xr.Variable((), 0, variable.attrs), self._spread(values, variable.dims)))
+            for one in (*self.coords.values(), *self.source.variables):
+                if isinstance(one, Variable):
+                    whole: Index = tuple(box.get(dim, slice(None)) for dim in one.dims)
+                    values = self.source.read(one, whole)
+                else:
+                    values = one.variable.isel({dim: box[dim] for dim in one.dims if dim in box}).values
+                columns.append(self._spread(values, one.dims))
             yield shape, columns
 
     def _spread(self, values: NDArray[Any], dims: tuple[Any, ...]) -> NDArray[Any]:
@@ -114,7 +114,7 @@ def write_csv(path: Path, source: Source, attrs: Mapping[str, Any], overwrite: b
         with os.fdopen(os.dup(out.fd), "w", encoding="utf-8", newline="") as file:
             file.write(",".join(map(_quoted, rows.names)) + "\n")
             for shape, columns in rows.blocks():
-                texts = [np.broadcast_to(_texts(values), shape).ravel().tolist() for _, values in columns]
+                texts = [np.broadcast_to(_texts(values), shape).ravel().tolist() for values in columns]
                 file.write("\n".join(map(",".join, zip(*texts, strict=True))) + "\n")
                 show(_nbytes(shape, source))
         out.publish()
@@ -134,12 +134,12 @@ def write_parquet(
     from pyarrow import parquet
 
     rows = _Rows(source, NUMBER_BYTES)
-    types = {name: source.coords[name].dtype for name in rows.coords}
-    types |= {variable.name: variable.dtype for variable in source.variables}
-    labels = {name: source.coords[name].attrs for name in rows.coords}
-    labels |= {variable.name: variable.attrs for variable in source.variables}
+    fields = rows.coords | {variable.name: variable for variable in source.variables}
     schema = pa.schema(
-        [pa.field(name, _arrow(pa, types[name]), metadata=_metadata(labels[name])) for name in rows.names],
+        [
+            pa.field(name, _arrow(pa, one.dtype), metadata=_metadata(one.attrs))
+            for name, one in fields.items()
+        ],
         metadata={METADATA: json.dumps(as_json(attrs))},
     )
     options: dict[str, Any] = {}
@@ -153,7 +153,7 @@ def write_parquet(
             for shape, columns in rows.blocks():
                 arrays = [
                     pa.array(np.broadcast_to(values, shape).ravel(), field.type)
-                    for (_, values), field in zip(columns, schema, strict=True)
+                    for values, field in zip(columns, schema, strict=True)
                 ]
                 writer.write_batch(pa.record_batch(arrays, schema=schema), row_group_size=math.prod(shape))
                 show(_nbytes(shape, source))

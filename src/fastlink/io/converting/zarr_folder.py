@@ -43,9 +43,10 @@ def write_zarr(
             encoding={name: {"_FillValue": None} for name in labels.coords},
         )
         group = zarr.open_group(str(out.part), mode="r+", zarr_format=ZARR_FORMAT)
-        for variable in source.variables:
+        for variable in source.all:
             described: dict[str, Any] = {"_ARRAY_DIMENSIONS": list(variable.dims), **as_json(variable.attrs)}
-            if along := auxiliary(source.coords, variable):
+            along = auxiliary(source.coords, variable, source.columns)
+            if along and not variable.is_coordinate:
                 described["coordinates"] = along
             chunks = chunks_of(variable, CHUNK_BYTES)
             array = group.create_array(
