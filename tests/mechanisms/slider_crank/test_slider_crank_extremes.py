@@ -23,19 +23,20 @@ def extremes(names):
     return [f"{name}_{end}" for name in names for end in ("max", "min")]
 
 
-def dense(name, one, branch, angles=20001):
-    """Return the values over a fine turn."""
+def dense(names, one, branch, angles=20001):
+    """Return the values over a fine turn by name."""
     theta = np.linspace(0.0, TURN, angles)
-    return fl.evaluate("slider_crank", [name], **one, theta=theta, branch=branch)[name]
+    return fl.evaluate("slider_crank", names, **one, theta=theta, branch=branch)
 
 
-def zoomed(name, one, branch, theta, width, sign):
-    """Return the greatest (or least) value near an angle, by ever finer samples."""
+def zoomed(name, one, branch, theta, width):
+    """Return the greatest value near the first angle and the least near the second, by ever finer samples."""
+    signs = np.array([[1.0], [-1.0]])
     for _ in range(5):
-        near = theta + np.linspace(-width, width, 201)
-        values = sign * fl.evaluate("slider_crank", [name], **one, theta=near, branch=branch)[name]
-        theta, width = near[np.argmax(values)], width / 50
-    return sign * np.max(values)
+        near = np.reshape(theta, (2, 1)) + np.linspace(-width, width, 201)
+        values = signs * fl.evaluate("slider_crank", [name], **one, theta=near, branch=branch)[name]
+        theta, width = near[[0, 1], np.argmax(values, axis=1)], width / 50
+    return (signs[:, 0] * np.max(values, axis=1)).tolist()
 
 
 def designs_of(kind, n, seed=3):
@@ -54,23 +55,20 @@ def test_extremes_of_a_full_turn_are_those_of_a_fine_search(kind, count):
     for i in np.flatnonzero(found.status.values == 0)[:count]:
         one = {name: float(values[i]) for name, values in designs.items()}
         for k, branch in enumerate((1, 2)):
-            for name in names:
-                values = dense(name, one, branch)
-                for end, pick, sign in (("max", np.max, 1.0), ("min", np.min, -1.0)):
-                    here = float(found[f"{name}_{end}"].values[i, k])
-                    place = float(found[f"theta_at_{name}_{end}"].values[i, k])
-                    if name == "theta2" and branch == 2:  # which passes pi
-                        continue
+            curves = dense(names, one, branch)
+            for name, values in curves.items():
+                if name == "theta2" and branch == 2:  # which passes pi
+                    continue
+                places = [float(found[f"theta_at_{name}_{end}"].values[i, k]) for end in ("max", "min")]
+                outermost = zoomed(name, one, branch, places, 1e-6)
+                size = np.max(abs(values))
+                for end, pick, sign, near in zip(
+                    ("max", "min"), (np.max, np.min), (1.0, -1.0), outermost, strict=True
+                ):
+                    here, where = float(found[f"{name}_{end}"].values[i, k]), (name, end, one, branch)
                     # No sample is beyond the extreme, and it is one, but by roundings of the samples.
-                    size = np.max(abs(values))
-                    assert sign * (here - pick(values)) >= -64 * UNIT_ROUNDING * size, (
-                        name,
-                        end,
-                        one,
-                        branch,
-                    )
-                    near = zoomed(name, one, branch, place, 1e-6, sign)
-                    assert abs(here - near) <= 64 * UNIT_ROUNDING * size, (name, end, one, branch)
+                    assert sign * (here - pick(values)) >= -64 * UNIT_ROUNDING * size, where
+                    assert abs(here - near) <= 64 * UNIT_ROUNDING * size, where
                     tested += 1
     assert tested > 30 * count
 
