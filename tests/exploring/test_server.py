@@ -3,6 +3,9 @@
 from __future__ import annotations
 
 import json
+import signal
+import subprocess
+import sys
 import urllib.error
 import urllib.request
 from urllib.parse import quote
@@ -178,3 +181,16 @@ def test_a_map_that_was_changed_is_shown_as_it_is_now(path, changed):
             )
         expected = other.omega4_max.isel(a1=0, branch=0).values
         np.testing.assert_array_equal(values.reshape(expected.shape), expected.astype("f4"))
+
+
+def test_the_command_serves_until_it_is_interrupted(path):
+    command = [sys.executable, "-m", "fastlink.cli", "explore", str(path), "--no-browser"]
+    with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as running:
+        try:
+            address = running.stdout.readline().strip()
+            with urllib.request.urlopen(address, timeout=60) as reply:
+                assert b"lengths.h5" in reply.read()
+            running.send_signal(signal.SIGINT)
+            assert running.wait(timeout=60) == 0
+        finally:
+            running.kill()

@@ -279,6 +279,7 @@ def explore(
 
     The page is served to this machine alone, to whoever has its address with the random token in it.
     """
+    import contextlib
     import threading
 
     from fastlink.exploring.explore import explore as serve
@@ -288,4 +289,5 @@ def explore(
             typer.echo(str(to))
             return
         typer.echo(f"{page.url}\nCtrl-C ends it")
-        threading.Event().wait()
+        with contextlib.suppress(KeyboardInterrupt):
+            threading.Event().wait()

@@ -111,7 +111,7 @@ function drawBars(pen, places, branch, small, named) {
 // Curves of one quantity over the input: those of the designs given, each with its motion, number and colour.
 function drawCurves(canvas, height, of, entries, position) {
   const {pen, width} = prepared(canvas, height);
-  const box = {left: 62, right: width - 14, top: 16, bottom: height - 36};
+  const box = {left: 62, right: width - 14, top: 8, bottom: height - 36};
   const every = entries.flatMap(({motion}) => motion.branches.map(branch => ({motion, branch, curves: motion.curve(of.name, branch)})));
   const values = every.flatMap(({curves}) => curves.flat().map(point => point[1])).filter(Number.isFinite).sort((a, b) => a - b);
   if (!values.length) { write(pen, "no finite values", width / 2, height / 2); return; }
@@ -122,7 +122,7 @@ function drawCurves(canvas, height, of, entries, position) {
     [low, high] = [Math.max(low, inner[0] - 0.6 * span), Math.min(high, inner[1] + 0.6 * span)];
   }
   if (high - low < 1e-12 * Math.max(Math.abs(low), Math.abs(high)) || high === low) { low -= Math.abs(low) || 1; high += Math.abs(high) || 1; }
-  const pad = 0.09 * (high - low), main = entries[0].motion;
+  const pad = 0.2 * (high - low), main = entries[0].motion;
   [low, high] = [low - pad, high + pad];
   const from = Math.min(...entries.map(one => one.motion.ranges[0]?.[0] ?? Infinity));
   const to = Math.max(...entries.map(one => one.motion.ranges.at(-1)?.[1] ?? -Infinity));
@@ -158,7 +158,7 @@ function drawCurves(canvas, height, of, entries, position) {
       const top = clamp(y(value), box.top, box.bottom);
       line(pen, [[x(at) - 5, top - sign * 9], [x(at) + 5, top - sign * 9], [x(at), top - sign * 2], [x(at) - 5, top - sign * 9]],
         {strokeStyle: modeColour(branch), fillStyle: modeColour(branch), lineWidth: 1});
-      write(pen, shown(value, of, 4), clamp(x(at), box.left + 30, box.right - 34), clamp(top - sign * 17, 7, box.bottom - 8), {fillStyle: INK, halo: true});
+      write(pen, shown(value, of, 4), clamp(x(at), box.left + 30, box.right - 34), clamp(top - sign * 17, 9, box.bottom - 8), {fillStyle: INK, halo: true});
     }
     const now = valueOf(motion.at(position, branch), of.name);
     if (Number.isFinite(now) && now >= low && now <= high) {

@@ -152,10 +152,13 @@ function branchesOf(at) {
 }
 let design = null;  // {at, row, motion, scene}
 async function designAt(at) {
-  const row = await source.row({at});
-  if (!mechanism) return {at, row};
+  const asked = source.row({at}), early = mechanism && !isSample ? motionOf(at, null) : null;  // while the row is on its way
+  const row = await asked;
+  return {at, row, ...(early ?? (mechanism ? motionOf(at, row) : {}))};
+}
+function motionOf(at, row) {
   const motion = new Motion(inputsOf(at, row), branchesOf(at));
-  return {at, row, motion, scene: motion.ranges.length ? scene(motion) : null};
+  return {motion, scene: motion.ranges.length ? scene(motion) : null};
 }
 async function loadDesign() {
   await findDesign();

@@ -1,6 +1,6 @@
 // The picture of a variable over one or two dimensions, or of designs that were sampled.
 "use strict";
-const MARGIN = {left: 66, right: 96, top: 10, bottom: 46};
+const MARGIN = {left: 66, right: 96, top: 14, bottom: 46};
 const dims = Object.fromEntries(content.dims.map(one => [one.name, one]));
 const variables = Object.fromEntries(content.variables.map(one => [one.name, one]));
 const columns = Object.fromEntries([...content.columns, ...content.variables].map(one => [one.name, one]));
@@ -174,6 +174,9 @@ function drawColourBar(pen, box, of, width) {
     pen.fillStyle = css(paint(at(1 - (k + 0.5) / box.height)));
     pen.fillRect(left, box.top + k, wide, 1.5);
   }
+  for (const [end, y, side] of [[scale.high, box.top, -1], [scale.low, box.top + box.height, 1]])
+    if (["both", side < 0 ? "max" : "min"].includes(scale.extend))  // values lie beyond this end
+      line(pen, [[left, y], [left + wide / 2, y + 8 * side], [left + wide, y]], {strokeStyle: css(paint(end)), fillStyle: css(paint(end)), lineWidth: 1});
   const by = factor(of.units);
   const marks = scale.kind === "log" ? logTicks(scale.low * by, scale.high * by) : scale.kind === "counts"
     ? Array.from({length: scale.high - scale.low}, (_, k) => scale.low + 0.5 + k) : ticks(scale.low * by, scale.high * by, 7);
