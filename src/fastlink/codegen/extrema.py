@@ -13,6 +13,7 @@ from fastlink.codegen.extrema_places import PlacesWriter
 from fastlink.codegen.runtime import (
     bounds,
     cells,
+    ends,
     octaves,
     resting,
     results,
@@ -222,8 +223,8 @@ class _ExtremaWriter(PlacesWriter):
         """Write the quantity's evaluation at items of a search, what is extreme there, and its storing."""
         text, search = self.text, self.program.searches[number]
         self.write_value(number)
-        if classify is results.end_values and search.at_limit:
-            text.call(roots.place_lost, f"state, filled, w, table, {results.FARTHER}", "n_lost")
+        if classify is ends.end_values and search.at_limit:
+            text.call(ends.place_lost, f"state, filled, w, table, {ends.FARTHER}", "n_lost")
             with text.block("if n_lost > 0:"):
                 self.write_value(number)
         text.call(classify, f"{state}, search_{number}")
@@ -245,17 +246,19 @@ class _ExtremaWriter(PlacesWriter):
     def write_ends(self, number: int) -> None:
         """Write the values at the ends of the range, where these may be extreme."""
         text, search = self.text, self.program.searches[number]
-        text.call(results.collect_ends, f"w, n_here, table, search_{number}, best, ends", "n_ends")
+        text.call(ends.collect_ends, f"w, n_here, table, search_{number}, best, ends", "n_ends")
         for part in self.parts_that_may_rest(number):
             text.call(resting.collect_rest, f"samples, {part}, n_here, ends, n_ends", "n_ends")
         with text.block(f"for start in range(0, n_ends, {LANES}):"):
             text.call(cells.gather, f"ends, start, n_ends, w, rows_{number}, state", "filled")
             if search.order > 0:
-                text.call(roots.place_ends, f"state, filled, {results.FARTHER}")
-                self.write_value(number)
-                text.call(results.keep_beside, "state, filled")
-            text.call(roots.place_ends, "state, filled, 1.0")
-            self.write_extrema(number, results.end_values, "state, filled, w, table")
+                text.call(ends.tries, "state, filled, w, table", "n_tries")
+                with text.block("for k in range(n_tries):"):
+                    text.call(ends.place_beside, "state, filled, k")
+                    self.write_value(number)
+                    text.call(ends.keep_beside, "state, filled, w, table, k")
+            text.call(ends.place_ends, "state, filled, 1.0")
+            self.write_extrema(number, ends.end_values, "state, filled, w, table")
 
     def write_result(self, output: Output) -> None:
         """Write the copy of one result of a search."""

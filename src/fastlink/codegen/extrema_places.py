@@ -12,7 +12,7 @@ from contextlib import contextmanager
 from typing import TYPE_CHECKING
 
 from fastlink.codegen.extrema_schedule import ExtremaSchedule
-from fastlink.codegen.runtime import cells, roots, winners
+from fastlink.codegen.runtime import cells, ends, roots, winners
 from fastlink.codegen.runtime.cells import LANES, MOST_LANES, STATE_ROWS
 from fastlink.codegen.source import Text, paste_fact
 
@@ -118,7 +118,7 @@ class PlacesWriter(ExtremaSchedule):
                 text.call(winners.collect_winners, f"winners, w, n_here, table, {pick}, ends", "n_ends")
                 with text.block(f"for start in range(0, n_ends, {LANES}):"):
                     text.call(cells.gather, f"ends, start, n_ends, w, places_{number}, state", "filled")
-                    text.call(roots.place_ends, "state, filled, 1.0")
+                    text.call(ends.place_ends, "state, filled, 1.0")
                     text.call(roots.every_vector, "vectors, filled", "n_open")
                     text.add(f"{function}_{number}(state, vectors, n_open)")
                     text.call(winners.take_gradients, f"state, filled, {pick}, gradients")

@@ -10,13 +10,11 @@ from typing import Any
 
 from fastlink.codegen.runtime.bounds import of_better
 from fastlink.codegen.runtime.cells import (
-    AT_LIMIT,
     BOUND,
     BRANCHES,
     FA,
     FB,
     HALF,
-    HALVES,
     IMAGE,
     JUMPS,
     KIND,
@@ -25,7 +23,6 @@ from fastlink.codegen.runtime.cells import (
     MIRROR,
     NUMBER,
     ONTO,
-    ORDER,
     OWN,
     PARITY,
     SIDES,
@@ -34,18 +31,14 @@ from fastlink.codegen.runtime.cells import (
     TOGGLE,
     UPPER,
     VALUE,
-    F,
     X,
-    append_item,
     padded,
-    set_bracket,
 )
 from fastlink.numerics.compiler import inlined, lanes, outlined
 from fastlink.numerics.elementary import ANGLE_ROUNDING, INFINITY, NOT_A_NUMBER, PI, TWO_PI
 
 __all__ = [
-    *("clear", "collect_ends", "doubt", "drop_folds", "end_values", "extrema_at_zeros"),
-    *("keep_beside", "mirror_image"),
+    *("clear", "doubt", "drop_folds", "extrema_at_zeros", "mirror_image"),
     *("store_best", "store_bound", "store_counts", "store_extrema", "store_list"),
 ]
 
@@ -57,11 +50,6 @@ LIST_ROW_OF = {"position": LIST_THETA, "value": LIST_VALUE, "kind": LIST_KIND, "
 # are requested, those of both.
 GREATEST, AT_GREATEST, LEAST, AT_LEAST, COUNT, GREATEST_BOUND, LEAST_BOUND = range(7)
 BEST_ROWS = 5
-# How much farther from a fold than the first sample, 2^-60 of the scale, a quantity is evaluated too; and how much
-# smaller it is there at least if it has a pole at the fold.
-FARTHER, GROWS = 2.0**30, 2.0**20
-# How little a quantity changes from there to a toggle if it is finite.
-STEADY = 2.0**-16
 # Zeros of a slope within so many distances of the first sample from a fold are the fold itself, which is listed no more
 # than a toggle: towards a pole the sampled function falls with a power of the distance, and looks like zero there.
 FOLDED = 2.0**8
@@ -153,41 +141,6 @@ def drop_folds(s: Any, count: int, w: Any, table: Any) -> None:
 
 
 @outlined
-def keep_beside(s: Any, count: int) -> None:
-    """Keep the values of a quantity at positions beside the ends of the range."""
-    for i in lanes(padded(count)):
-        s[F, i] = s[VALUE, i]
-
-
-@outlined
-def end_values(s: Any, count: int, w: Any, table: Any, search: Any) -> None:
-    """Make values at ends of the range infinite where they grow towards a toggle or fold; an end is of no kind.
-
-    At a toggle a quantity grows by its order, unless what grows has the factor 0, as the forces of links without mass:
-    then it is the same at both positions. At a fold forces grow as 1/x or more where all bars are in line; a value that
-    is nothing but rounding does not grow with the distance of both positions.
-
-    Parameters
-    ----------
-    s, count, table, search
-        As for `extrema_at_zeros`.
-    w : array
-        Lane values.
-    """
-    for i in range(count):
-        s[KIND, i] = 0.0
-        toggle = w[table[TOGGLE] + int(s[UPPER, i]), int(s[LANE, i])]
-        value, beside = s[VALUE, i], s[F, i]
-        grows = False
-        if toggle > 0.0:
-            grows = value != 0.0 and not abs(value - beside) <= STEADY * abs(beside)
-        elif toggle == 0.0 and s[X, i] > 0.0 and beside != 0.0:
-            grows = abs(value) > GROWS * abs(beside)
-        if search[ORDER] > 0 and grows:
-            s[VALUE, i] = value * INFINITY
-
-
-@outlined
 def store_extrema(s: Any, count: int, table: Any, search: Any, lists: Any, best: Any) -> None:
     """Sort the extrema at items into the results of their design, each for its own branch, then for the mirror's.
 
@@ -239,29 +192,6 @@ def store_extrema(s: Any, count: int, table: Any, search: Any, lists: Any, best:
             if least < best[LEAST, column]:
                 best[LEAST, column] = least
                 best[AT_LEAST, column] = theta
-
-
-@outlined
-def collect_ends(w: Any, count: int, table: Any, search: Any, best: Any, ends: Any) -> int:
-    """Make items of the ends of the range where they may be extreme: at toggles, and where there is no extremum.
-
-    An end counts where the first sample is; for a quantity with a value at the end itself, there, unless the position
-    of the first sample is negative: nothing has a value at the end itself then.
-    """
-    total = 0
-    for i in range(count):
-        empty = False
-        for branch in range(table[BRANCHES]):
-            column = (search[NUMBER] * table[BRANCHES] + branch) * LANES + i
-            empty = empty or best[GREATEST, column] == -INFINITY
-        for half in range(table[HALVES]):
-            for upper in range(2):
-                first = w[table[START] + upper, i]
-                if first != 0.0 or empty:
-                    x = 0.0 if search[AT_LIMIT] > 0 and first >= 0.0 else abs(first)
-                    set_bracket(ends, total, x, 0.0, x, 0.0)
-                    total = append_item(ends, total, i, half, upper == 1)
-    return total
 
 
 @outlined

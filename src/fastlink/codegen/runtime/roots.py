@@ -18,11 +18,9 @@ from fastlink.codegen.runtime.cells import (
     MOST_LANES,
     OPEN,
     ROOTS,
-    START,
     STEPS,
     TOLERANCE,
     UPPER,
-    VALUE,
     X1,
     X2,
     XA,
@@ -38,7 +36,7 @@ from fastlink.numerics.compiler import inlined, lanes, outlined
 
 __all__ = [
     *("advance_roots", "advance_valleys", "begin_roots", "begin_valleys"),
-    *("every_vector", "place_ends", "place_lost", "split"),
+    *("every_vector", "split"),
 ]
 
 # 2 units in the last place of a position, and 2^-56 of the cell where the zero is at 0.
@@ -100,28 +98,6 @@ def every_vector(vectors: Any, count: int) -> int:
     for k in range(n):
         vectors[k] = k << 3
     return n
-
-
-@outlined
-def place_ends(s: Any, count: int, times: float) -> None:
-    """Put items at the ends of the range at so many times their positions."""
-    for i in lanes(padded(count)):
-        s[X, i] = times * s[XA, i]
-
-
-@outlined
-def place_lost(s: Any, count: int, w: Any, table: Any, times: float) -> int:
-    """Put items that have no value at a fold itself beside it; return how many they are.
-
-    At so many times the first sample's position; the value there stands for the limit, whose error nothing bounds.
-    """
-    lost = 0
-    for i in range(count):
-        first = abs(w[table[START] + int(s[UPPER, i]), int(s[LANE, i])])
-        if s[VALUE, i] != s[VALUE, i] and s[X, i] == 0.0 and first > 0.0:
-            s[X, i] = times * first
-            lost = lost + 1
-    return lost
 
 
 @outlined
