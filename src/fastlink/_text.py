@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import builtins
+import html
 import itertools
 import numbers
 import re
@@ -16,6 +17,7 @@ __all__ = [
     "counted",
     "duration",
     "folded",
+    "html_table",
     "scaled",
     "short_number",
     "short_repr",
@@ -58,6 +60,19 @@ def aligned(
         line[:right] = map(str.ljust, line[:right], widths[:right])
         line[right:] = map(str.rjust, line[right:], widths[right:])
     return "\n".join(f"{indent}{'  '.join(line)}".rstrip() for line in lines)
+
+
+def html_table(header: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
+    """Return a table as a notebook shows it.
+
+    Examples
+    --------
+    >>> html_table(("name",), [("a < b",)])
+    '<table><tr><th>name</th></tr><tr><td>a &lt; b</td></tr></table>'
+    """
+    head = "".join(f"<th>{html.escape(name)}</th>" for name in header)
+    lines = ["".join(f"<td>{html.escape(cell)}</td>" for cell in row) for row in rows]
+    return f"<table><tr>{head}</tr>{''.join(f'<tr>{line}</tr>' for line in lines)}</table>"
 
 
 def folded(header: Sequence[str], rows: Iterable[Sequence[str]], widths: Sequence[int | None]) -> str:

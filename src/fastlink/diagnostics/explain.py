@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import html
 import textwrap
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
@@ -119,6 +120,12 @@ class Explanation:
         return self.text()
 
     __repr__ = __str__
+
+    def _repr_html_(self) -> str:
+        """Return what it needs as a notebook shows it; the kernels are folded up."""
+        title, forecast = html.escape(self.title), html.escape(str(self.forecast or ""))
+        whole = f"<details><summary>what is computed</summary><pre>{html.escape(self.text())}</pre></details>"
+        return f"<div><b>{title}</b><pre>{forecast}</pre>{whole}</div>"
 
 
 @door(hint=A_STUDY)

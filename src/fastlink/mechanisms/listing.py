@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-import html
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from fastlink._text import folded
+from fastlink._text import folded, html_table
 from fastlink.doors import door
 from fastlink.mechanisms import NAMES, catalogue, inputs_of
 
@@ -54,9 +53,7 @@ class MechanismList(list[Mechanism]):
 
     def _repr_html_(self) -> str:
         """Return the table as a notebook shows it."""
-        head = "".join(f"<th>{name}</th>" for name in HEADER)
-        rows = ("".join(f"<td>{html.escape(cell)}</td>" for cell in _cells(one)) for one in self)
-        return f"<table><tr>{head}</tr>{''.join(f'<tr>{row}</tr>' for row in rows)}</table>"
+        return html_table(HEADER, map(_cells, self))
 
 
 @door

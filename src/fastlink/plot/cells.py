@@ -41,9 +41,9 @@ if TYPE_CHECKING:
 __all__ = ["draw_maps"]
 
 CONTOURS = 8
-BESIDE, BELOW, NARROW = 32, 60, 40  # letters in a line of a legend
+BESIDE, BELOW, NARROW = 32, 60, 40  # letters in a line of a legend, and of a label
 COLUMNS = 3  # of a grid
-LARGE, SMALL = (5.2, 5.0), (3.5, 3.1)  # panels, in inches
+LARGE, SMALL = (5.2, 5.0), (2.75, 2.5)  # panels, in inches
 
 
 def draw_maps(figure: Any, shown: Selection) -> None:
@@ -104,6 +104,7 @@ def _axes(figure: Any, shown: Selection, rows: list[list[Panel]], is_code: bool)
     figure.set_size_inches(legend + width * columns, height * len(rows) + 0.9 * (len(rows) > 1))
     grid = figure.subplots(len(rows), columns, sharex=True, sharey=True, squeeze=False)
     variable, free = shown.variable, shown.free
+    letters = BELOW if shown.split is None else NARROW
     taken = []
     for i, row in enumerate(rows):
         for j, axis in enumerate(grid[i]):
@@ -113,17 +114,18 @@ def _axes(figure: Any, shown: Selection, rows: list[list[Panel]], is_code: bool)
                 continue
             taken.append(axis)
             if i == len(rows) - 1 or j >= len(rows[i + 1]):
-                axis.set_xlabel(label_of(variable[free[0]]))
+                axis.set_xlabel(textwrap.fill(label_of(variable[free[0]]), letters))
                 if free[0] in shown.names:
                     name_places(axis.xaxis, shown.names[free[0]], turned=True)
             if j == 0:
-                axis.set_ylabel(label_of(variable[free[1]]))
+                axis.set_ylabel(textwrap.fill(label_of(variable[free[1]]), letters))
                 if free[1] in shown.names:
                     name_places(axis.yaxis, shown.names[free[1]], turned=False)
             if shown.split is not None:
-                axis.xaxis.label.set_fontsize(8.5)
-                axis.yaxis.label.set_fontsize(8.5)
+                axis.xaxis.label.set_fontsize(8)
+                axis.yaxis.label.set_fontsize(8)
                 axis.title.set_fontsize(9.5)
+                axis.tick_params(labelsize=8)
     return taken
 
 
@@ -217,10 +219,12 @@ def _add_legend(axes: Sequence[Any], handles: Sequence[Any], beside: bool) -> No
     for handle in handles:
         handle.set_label(textwrap.fill(handle.get_label(), letters))
     look: dict[str, Any] = {"handles": handles, "frameon": False, "loc": "upper left", "borderaxespad": 0.0}
-    if beside:
+    if beside and rows > 1:
+        axes[0].get_figure().legend(**look | {"loc": "outside right upper"}, fontsize=9)
+    elif beside:
         axes[columns - 1].legend(**look, bbox_to_anchor=(1.02, 1.0))
     elif small:
-        axes[(rows - 1) * columns].legend(**look, bbox_to_anchor=(0.0, -0.24), fontsize=8.5)
+        axes[(rows - 1) * columns].legend(**look, bbox_to_anchor=(0.0, -0.27), fontsize=8.5)
     else:
         together = 3 if sum(len(handle.get_label()) for handle in handles) < BELOW else 1
         axes[0].legend(**look, bbox_to_anchor=(0.0, -0.13), ncols=together)

@@ -5,14 +5,13 @@
 
 from __future__ import annotations
 
-import html
 import itertools
 import textwrap
 from collections.abc import Iterable, Sequence
 from dataclasses import astuple, fields
 from typing import Any, SupportsIndex, overload
 
-from fastlink._text import folded, joined
+from fastlink._text import folded, html_table, joined
 from fastlink.catalogue.catalogue import Catalogue
 from fastlink.catalogue.search import index_of_inputs
 from fastlink.doors import door
@@ -115,11 +114,8 @@ class QuantityList(list[Quantity]):
 
     def _repr_html_(self) -> str:
         """Return the quantities as a notebook shows them."""
-        header = ("mechanism", *COLUMNS)
         rows = [(row.mechanism, *cells) for row, cells in zip(self, self._cells(), strict=True)]
-        lines = ["".join(f"<td>{html.escape(cell)}</td>" for cell in row) for row in rows]
-        head = "".join(f"<th>{name}</th>" for name in header)
-        return f"<table><tr>{head}</tr>{''.join(f'<tr>{line}</tr>' for line in lines)}</table>"
+        return html_table(("mechanism", *COLUMNS), rows)
 
     def markdown(self) -> str:
         """Return the list as Markdown, as it stands in the documentation."""

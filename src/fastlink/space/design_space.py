@@ -15,6 +15,7 @@ from fastlink.doors import door
 from fastlink.errors import InputError, Problem, suggest
 from fastlink.options import check_whole
 from fastlink.space.column import Column, Counted, part_of, read_into
+from fastlink.space.listing import Listed
 from fastlink.space.values import (
     Floats,
     axis_of,
@@ -32,8 +33,8 @@ DESIGN, BRANCH, EXTREMUM = "design", "branch", "extremum"
 MAKERS = "grid, table, sobol and latin_hypercube make design spaces"
 
 
-@dataclass(frozen=True, eq=False)
-class DesignSpace:
+@dataclass(frozen=True, eq=False, repr=False)
+class DesignSpace(Listed):
     """A set of designs: the values of swept inputs, and the constant inputs.
 
     Made by `grid`, `table`, `sobol` and `latin_hypercube`. Designs are numbered 0, 1, ... in C order over the
