@@ -306,6 +306,16 @@ def test_best_lists_designs(folder):
     assert "a1 = 0.4 m" in same
 
 
+def test_best_refuses_a_place_before_it_looks_for_the_best(folder, monkeypatch):
+    called("run", "study.toml", "--quiet")
+    monkeypatch.setattr("fastlink.maps.best.ranked", lambda *given, **options: pytest.fail("it was computed"))
+    Path("best.csv").write_text("mine")
+    line = ("best", "study.h5", "--minimise", "omega4_max", "--to")
+    assert_refusal(fl.InputError(*refused(*line, "best.csv")), "--to", "--overwrite")
+    assert_refusal(fl.InputError(*refused(*line, "best.xls")), "--to", ".csv")
+    assert Path("best.csv").read_text() == "mine"
+
+
 def test_best_designs_are_written_to_be_swept_again(folder):
     called("run", "study.toml", "--quiet")
     line = ("best", "study.h5", "--minimise", "omega4_max", "--top", 3, "--to", "best.csv")

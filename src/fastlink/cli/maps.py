@@ -102,6 +102,7 @@ def best(
     overwrite: Overwrite = False,
 ) -> None:
     """List the best designs of a map, by several objectives the Pareto front."""
+    from fastlink.io.converting.convert import check_conversion
     from fastlink.io.converting.convert import convert as convert_map
     from fastlink.io.reader import open_map
     from fastlink.maps.best import best as find
@@ -115,6 +116,8 @@ def best(
         "top": top,
     }
     with open_map(file) as maps:
+        if to is not None:
+            check_conversion(maps, to, overwrite)
         found = find(maps, **options).load()
     if to is not None:
         convert_map(found, to, overwrite=overwrite)

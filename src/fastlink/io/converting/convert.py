@@ -27,7 +27,7 @@ from fastlink.io.writing.target import check_left, check_target
 from fastlink.options import check_path, check_switch
 from fastlink.space.dataset import STATUS
 
-__all__ = ["convert"]
+__all__ = ["check_conversion", "convert"]
 
 #: The format of a file by the ending of its name.
 FORMATS = {
@@ -210,6 +210,11 @@ def _quantities(maps: xr.Dataset, quantities: Any) -> list[str]:
             problems.add(f"{name} is named twice", where, "write it once")
     problems.stop()
     return [name for name in known if name in quantities or name == STATUS]
+
+
+def check_conversion(maps: xr.Dataset, to: Any, overwrite: bool) -> None:
+    """Refuse a result that could not be written, before what it holds is computed from a map."""
+    _target(to, _format(to), maps, 0, overwrite)
 
 
 def _target(to: Any, form: str, maps: xr.Dataset, nbytes: int, overwrite: bool) -> Path:

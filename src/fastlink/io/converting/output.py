@@ -29,7 +29,32 @@ def failure(path: Path, error: Exception) -> InputError:
     return refused(f"{path} cannot be written ({reason(error)})", "choose another place")
 
 
-class OutputFile:
+class _Output:
+    """An output that gets its name when it is whole, and is removed where it does not."""
+
+    def __init__(self, path: Path, overwrite: bool) -> None:
+        self.path, self.part, self._overwrite = path, part_of(path), overwrite
+        self._published = False
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        if not self._published:
+            self._discard()
+        self._release()
+        _explain(self.path, error)
+
+    def _discard(self) -> None:
+        raise NotImplementedError
+
+    def _release(self) -> None:
+        """Give back what is held until the end."""
+
+
+class OutputFile(_Output):
     """A file that gets its name when it is whole; a context manager.
 
     Parameters
@@ -50,8 +75,7 @@ class OutputFile:
     """
 
     def __init__(self, path: Path, overwrite: bool, lay: Callable[[Path], None]) -> None:
-        self.path, self.part, self._overwrite = path, part_of(path), overwrite
-        self._published = False
+        super().__init__(path, overwrite)
         with _refusing(path):
             self.fd, _ = partial_file.begun(self.part, lay)
 
@@ -62,18 +86,11 @@ class OutputFile:
             partial_file.publish(self.fd, self.part, self.path, self._overwrite)
             self._published = True
 
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
-        if not self._published:
-            partial_file.discard(self.fd, self.part)
-        _explain(self.path, error)
+    def _discard(self) -> None:
+        partial_file.discard(self.fd, self.part)
 
 
-class OutputFolder:
+class OutputFolder(_Output):
     """A folder that gets its name when it is whole; a context manager.
 
     Parameters
@@ -85,8 +102,7 @@ class OutputFolder:
     """
 
     def __init__(self, path: Path, overwrite: bool) -> None:
-        self.path, self.part, self._overwrite = path, part_of(path), overwrite
-        self._published = False
+        super().__init__(path, overwrite)
         with _refusing(path):
             if os.path.lexists(self.part):
                 self._remove_left()
@@ -125,16 +141,11 @@ class OutputFolder:
             self._published = True
             partial_file.synchronise_folder(self.path.parent)
 
-    def __enter__(self) -> Self:
-        return self
+    def _discard(self) -> None:
+        shutil.rmtree(self.part, ignore_errors=True)
 
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
-        if not self._published:
-            shutil.rmtree(self.part, ignore_errors=True)
+    def _release(self) -> None:
         _close(self._lock)
-        _explain(self.path, error)
 
 
 def _is_empty(folder: Path) -> bool:
