@@ -266,6 +266,7 @@ DOORS: list[Door] = [
         "function",
     ),
     Door("Function.__call__", "SPEED($x)", _slots(x=("matrix", "[1.2, 0.8]")), ""),
+    Door("Function.gradient", "SPEED.gradient($x)", _slots(x=("matrix", "[1.2, 0.8]")), ""),
     Door(
         "quantities",
         "fl.quantities($mechanism, internal=$internal, input=$input)",

@@ -83,6 +83,8 @@ class _ExtremaWriter(PlacesWriter):
                 first, beyond = self.sample_row(k, half), self.sample_row(k, self.half_beyond(half))
                 sign, along = self.sign_of(search, half), self.continued(search)
                 tables[f"part_{k}_{half}"] = [first, beyond, half, sign, self.cells, along]
+        if self.program.has_gradients:
+            tables["signs"] = [int(sign in self.gradient_signs) for sign in (1, -1)]
         for name, numbers in tables.items():
             self.text.add(f"{name} = array({numbers})")
 
@@ -235,7 +237,7 @@ class _ExtremaWriter(PlacesWriter):
         elif self.program.has_bounds:
             text.call(bounds.bound_ends, "state, filled, w, table")
         if self.program.has_gradients:
-            text.call(winners.note_winners, f"state, filled, table, search_{number}, winners")
+            text.call(winners.note_winners, f"state, filled, table, search_{number}, winners, signs")
         text.call(results.store_extrema, f"state, filled, table, search_{number}, lists, best")
 
     def write_value(self, number: int) -> None:

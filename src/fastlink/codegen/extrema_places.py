@@ -125,6 +125,11 @@ class PlacesWriter(ExtremaSchedule):
             if any(other.jumps and other.onto == search.quantity for other in self.program.searches):
                 text.call(winners.settle_jumps, f"winners, n_here, table, {pick}, gradients")
 
+    @property
+    def gradient_signs(self) -> set[int]:
+        """The signs of the extremes whose derivatives or status are requested."""
+        return {_sign(output) for output in self.program.outputs if output.request.is_of_gradient}
+
     def pick(self, number: int, sign: int, at_limit: int) -> list[int]:
         """Return the table of derivatives that are evaluated together, see `runtime.winners`."""
         search = self.program.searches[number]

@@ -18,6 +18,7 @@ from fastlink.doors import door
 from fastlink.engine.binding import VECTOR, BoundKernel, FunctionKernel, aligned
 from fastlink.engine.checks import check
 from fastlink.engine.fixed_inputs import axes_of, constants, refuse_choices, wrong_inputs
+from fastlink.engine.gradient import WithGradient
 from fastlink.engine.resolve import ResolvedSweep, resolve
 from fastlink.engine.sizes import BlockUnits, dimensional_of, sized_outputs
 from fastlink.errors import InputError, Problems
@@ -154,7 +155,7 @@ def function(
     )
     refuse_choices(resolved, varying)
     function_again: Any = function
-    recipe = partial(function_again, mechanism, names, list(wanted), **options, **fixed)
+    recipe = partial(function_again, mechanism, names, **options, **fixed)
     return Function(resolved, names, resolved.one_branch, recipe)
 
 
@@ -162,7 +163,7 @@ def function(
 _OPTIONS = tuple(name for name in signature(function).parameters if name != "fixed")
 
 
-class Function:
+class Function(WithGradient):
     """Compiled quantities of a mechanism as a function of arrays.
 
     Attributes
@@ -174,7 +175,11 @@ class Function:
     """
 
     def __init__(
-        self, resolved: ResolvedSweep, inputs: Sequence[str], one_branch: bool, recipe: Callable[[], Function]
+        self,
+        resolved: ResolvedSweep,
+        inputs: Sequence[str],
+        one_branch: bool,
+        recipe: Callable[..., Function],
     ) -> None:
         plan, lengths = resolved.plan, resolved.lengths
         self.inputs = tuple(inputs)
@@ -202,11 +207,7 @@ class Function:
     @door(name="function", hint="x is one array, with a row for each input")
     def __call__(self, x: ArrayLike) -> NDArray[np.float64]:
         """Return the outputs (outputs, ...) of designs (inputs, ...)."""
-        plain = type(x) is np.ndarray and x.dtype == np.float64
-        given: Any = x if plain else numbers_of("function", "x", x, MOST_DIMS)
-        if given.shape[:1] != (len(self.inputs),):
-            remedy = f"its first axis has {len(self.inputs)} rows: {', '.join(self.inputs)}"
-            raise InputError(f"has the shape {given.shape}", where=("function", "x"), remedy=remedy)
+        given = self._rows(x)
         try:
             kernels = self._of_thread.kernels
         except AttributeError:
@@ -228,8 +229,8 @@ class Function:
                 result[k, bad] = np.nan
         return result.reshape(len(self.outputs), *given.shape[1:], *self.shape)
 
-    def __reduce__(self) -> tuple[Callable[[], Function], tuple[()]]:
-        return self._recipe, ()
+    def __reduce__(self) -> tuple[Callable[..., Function], tuple[list[str]]]:
+        return self._recipe, (list(self.outputs),)
 
     def __repr__(self) -> str:
         mechanism = self._resolved.mechanism
@@ -237,10 +238,7 @@ class Function:
 
     @cached_property
     def jitted(self) -> Any:
-        """The same function of (inputs,) or (inputs, n) for callers in ``@njit`` code.
-
-        It calls the kernels by address; nothing of them is compiled again. See docs/performance.md.
-        """
+        """The same function of (inputs,) or (inputs, n) for callers in ``@njit`` code, see docs/performance.md."""
         from fastlink.engine.jitted import JITTED_BLOCK, Apart, jitted_of
 
         apart = Apart(self, self._dimensional, not self._ordinary)
@@ -250,6 +248,16 @@ class Function:
             (self, "jitted"),
         )  # its addresses are of this process
         return jitted
+
+    def _rows(self, x: ArrayLike) -> NDArray[np.float64]:
+        """Return the argument as an array with a row for each input."""
+        plain = type(x) is np.ndarray and x.dtype == np.float64
+        numbers: Any = x if plain else numbers_of("function", "x", x, MOST_DIMS)
+        given: NDArray[np.float64] = numbers
+        if given.shape[:1] != (len(self.inputs),):
+            remedy = f"its first axis has {len(self.inputs)} rows: {', '.join(self.inputs)}"
+            raise InputError(f"has the shape {given.shape}", where=("function", "x"), remedy=remedy)
+        return given
 
     def _bind(self, block: int) -> list[FunctionKernel]:
         """Return the kernels with buffers for a block of designs; constants are set."""

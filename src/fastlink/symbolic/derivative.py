@@ -22,11 +22,22 @@ from fastlink.symbolic.expression import ExpressionGraph, Node, is_power_of_two
 from fastlink.symbolic.generate import generate_function
 from fastlink.symbolic.postorder import postorder
 
-__all__ = ["Derivation", "NoDerivative", "in_a_sentence", "units_per", "with_derivative_labels"]
+__all__ = [
+    "Derivation",
+    "NoDependence",
+    "NoDerivative",
+    "in_a_sentence",
+    "units_per",
+    "with_derivative_labels",
+]
 
 
 class NoDerivative(InputError):
     """The requested derivative is zero everywhere, or not offered."""
+
+
+class NoDependence(NoDerivative):
+    """The requested derivative is zero everywhere."""
 
 
 def with_derivative_labels(fact: Fact, by: Input) -> Fact:
@@ -165,7 +176,7 @@ class Derivation:
     def _fact(self, name: str, derivative: str) -> Fact:
         if self.slope(name) is self.graph.zero:
             what = f"quantity {derivative!r}: {name} does not depend on {self.by.name} with what is given"
-            raise NoDerivative(what, remedy="leave it out")
+            raise NoDependence(what, remedy="leave it out")
         declared, step = self.declared(name), self.find(name)
         if declared is not None:
             return replace(declared, name=derivative)

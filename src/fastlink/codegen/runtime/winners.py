@@ -35,7 +35,7 @@ from fastlink.codegen.runtime.cells import (
     set_bracket,
 )
 from fastlink.codegen.runtime.results import FOLDED
-from fastlink.numerics.compiler import outlined
+from fastlink.numerics.compiler import lanes, outlined
 from fastlink.numerics.elementary import INFINITY, NOT_A_NUMBER, PI, TWO_PI
 from fastlink.numerics.gradient_status import (
     AT_CHANGE_POINT,
@@ -74,19 +74,22 @@ def forget_winners(winners: Any, gradients: Any) -> None:
     """Forget the places of the designs before, and the derivatives there."""
     for least in range(2):
         row = least * WINNER_ROWS
-        for column in range(winners.shape[1]):
-            winners[row + BEST, column] = -INFINITY
-            winners[row + SECOND, column] = -INFINITY
-            winners[row + PLACE, column] = NOT_A_NUMBER
-            winners[row + OF_KIND, column] = NOT_A_NUMBER
+        for i in lanes(winners.shape[1]):
+            winners[row + BEST, i] = -INFINITY
+            winners[row + SECOND, i] = -INFINITY
+            winners[row + PLACE, i] = NOT_A_NUMBER
+            winners[row + OF_KIND, i] = NOT_A_NUMBER
     for r in range(gradients.shape[0]):
-        for column in range(gradients.shape[1]):
-            gradients[r, column] = NOT_A_NUMBER
+        for i in lanes(gradients.shape[1]):
+            gradients[r, i] = NOT_A_NUMBER
 
 
 @outlined
-def note_winners(s: Any, count: int, table: Any, search: Any, winners: Any) -> None:
-    """Keep the places of the extrema at items that are the greatest or least so far, see `results.store_extrema`."""
+def note_winners(s: Any, count: int, table: Any, search: Any, winners: Any, signs: Any) -> None:
+    """Keep the places of the extrema at items that are the greatest or least so far, see `results.store_extrema`.
+
+    `signs` tells whether greatest values are requested (1, else 0), and whether least ones are.
+    """
     sides, branches = table[SIDES], table[BRANCHES]
     jumps, beside = search[JUMPS] > 0, search[ONTO] != search[NUMBER]
     for i in range(count):
@@ -100,7 +103,7 @@ def note_winners(s: Any, count: int, table: Any, search: Any, winners: Any) -> N
             column = (search[ONTO] * branches + target) * LANES + int(s[LANE, i])
             theta = s[IMAGE, i] if mirror == 1 else s[THETA, i]
             value = float(search[PARITY]) * s[VALUE, i] if mirror == 1 else s[VALUE, i]
-            for least in range(2):
+            for least in range(1 - signs[0], 1 + signs[1]):
                 high = PI if jumps else (-value if least == 1 else value)
                 row = least * WINNER_ROWS
                 apart = abs(theta - winners[row + PLACE, column])
