@@ -25,7 +25,7 @@ __all__ = ["WithGradient"]
 
 
 class WithGradient:
-    """What a function of arrays has for the derivatives of its outputs by its inputs."""
+    """A function of arrays that has the derivatives of its outputs by its inputs."""
 
     inputs: tuple[str, ...]
     outputs: tuple[str, ...]
