@@ -16,7 +16,7 @@ from fastlink.errors import InputError, Setting
 from fastlink.facts.fact import Fact, Input, System
 from fastlink.facts.names import derivative_name
 from fastlink.numerics import compensated, vectors
-from fastlink.numerics.elementary import atan2, cosine, sine, sqrt
+from fastlink.numerics.elementary import NOT_A_NUMBER, atan2, cosine, sine, sqrt
 from fastlink.numerics.logarithm import log, log1p, log_quotient
 from fastlink.symbolic.expression import ExpressionGraph, Node, is_power_of_two
 from fastlink.symbolic.generate import generate_function
@@ -288,9 +288,9 @@ class Derivation:
             negative = graph.node("<", args[0], graph.zero)
             return graph.select(negative, graph.neg(slopes[0]), slopes[0])
         condition, *values = args
-        # Where the value is NaN, so is the derivative.
+        # Where the value is no number, neither is the derivative; what is infinite is NaN.
         parts = [
-            x if x.kind == "number" and x.value != x.value else d
+            graph.number(NOT_A_NUMBER) if x.kind == "number" and x.value - x.value != 0.0 else d
             for x, d in zip(values, slopes[1:], strict=True)
         ]
         return graph.select(condition, *parts)

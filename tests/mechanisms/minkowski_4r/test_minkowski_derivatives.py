@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+import pytest
 
 import fastlink as fl
 
@@ -14,3 +15,18 @@ def test_the_derivative_of_psi_by_theta_is_the_transmission_ratio():
     )
     np.testing.assert_array_equal(found["d_psi_d_theta"], found["dpsi_dtheta"])
     np.testing.assert_array_equal(found["d_dpsi_dtheta_d_theta"], found["d2psi_dtheta2"])
+
+
+@pytest.mark.parametrize("by", "abgh")
+def test_what_is_infinite_has_no_derivative(by):
+    """Of branch 1 of this kite CB is past-pointing along the axis, and the root of the quadratic is infinite."""
+    kite = {"a": 2.9233144391063974, "h": 2.9233144391063974, "b": 0.923320238192247, "g": 0.923320238192247}
+    slope = f"d_half_angle_root_d_{by}"
+    names = ["half_angle_root", slope, f"{slope}_trust"]
+    root, value, trust = (
+        fl.evaluate("minkowski_4r", names, branch=1, theta=-1.1524972054802625, **kite)[name]
+        for name in names
+    )
+    assert np.isinf(root)
+    assert np.isnan(value)
+    assert trust == 2.0
