@@ -14,6 +14,7 @@ from fastlink.codegen.runtime import (
     bounds,
     cells,
     ends,
+    noise,
     octaves,
     resting,
     results,
@@ -45,7 +46,7 @@ class _ExtremaWriter(PlacesWriter):
         with text.blocks_of_designs():
             self.write_designs()
             self.write_samples()
-            text.call(results.clear, "lists, best")
+            text.call(results.clear, f"lists, best, {self.kept}")
             if self.program.has_gradients:
                 text.call(winners.forget_winners, "winners, gradients")
             text.add(f"counts[{cells.DESIGNS}] = n_here")
@@ -53,6 +54,8 @@ class _ExtremaWriter(PlacesWriter):
                 self.write_search(number)
             for search in filter(self.needs_ends, searches):
                 self.write_ends(searches.index(search))
+            if self.kept:
+                text.call(noise.thin, f"lists, best, {self.kept}")
             for row in self.doubts:
                 text.call(results.doubt, f"w, {row}, n_here, lists, best")
             for number in range(len(searches)):
@@ -224,7 +227,12 @@ class _ExtremaWriter(PlacesWriter):
     def write_extrema(self, number: int, classify: Callable[..., Any], state: str) -> None:
         """Write the quantity's evaluation at items of a search, what is extreme there, and its storing."""
         text, search = self.text, self.program.searches[number]
+        listed = bool(self.kept) and classify is results.extrema_at_zeros
+        if listed:
+            self.write_noise(number)
         self.write_value(number)
+        if listed:
+            text.call(noise.settle_noise, "state, filled")
         if classify is ends.end_values and search.at_limit:
             text.call(ends.place_lost, f"state, filled, w, table, {ends.FARTHER}", "n_lost")
             with text.block("if n_lost > 0:"):
@@ -244,6 +252,15 @@ class _ExtremaWriter(PlacesWriter):
         """Write the quantity's evaluation at items of a search."""
         self.text.call(roots.every_vector, "vectors, filled", "n_open")
         self.text.add(f"value_{number}(state, vectors, n_open)")
+
+    def write_noise(self, number: int) -> None:
+        """Write the quantity's evaluation beside items that are next to a fold."""
+        text = self.text
+        text.call(noise.count_folded, "state, filled, w, table", "n_near")
+        with text.block("if n_near > 0:"), text.block(f"for trial in range({noise.TRIALS}):"):
+            text.call(noise.place_beside_fold, "state, filled, trial")
+            self.write_value(number)
+            text.call(noise.keep_beside_fold, "state, filled")
 
     def write_ends(self, number: int) -> None:
         """Write the values at the ends of the range, where these may be extreme."""
@@ -277,7 +294,8 @@ class _ExtremaWriter(PlacesWriter):
         elif request.listed == "count":
             self.text.call(results.store_counts, f"{target}, best")
         else:
-            self.text.call(results.store_list, f"{target}, lists, {results.LIST_ROW_OF[request.listed]}")
+            row = results.LIST_ROW_OF[request.listed]
+            self.text.call(results.store_list, f"{target}, lists, {row}")
 
 
 def write_extrema(program: ExtremaProgram) -> Source:

@@ -106,8 +106,7 @@ class ExtremaSchedule:
         searches, samples = self.program.searches, self.sample_row(len(self.program.searches), 0)
         columns = len(searches) * len(self.program.branches) * LANES
         room = LANES * self.halves
-        has_lists = any(output.request.listed for output in self.program.outputs)
-        kept = max(search.most for search in searches) if has_lists else 0
+        kept = self.kept + results.MORE if self.kept else 0
         return (
             Array("w", "float64", (len(self.rows), LANES)),
             Array("samples", "float64", (samples, LANES)),
@@ -144,6 +143,12 @@ class ExtremaSchedule:
             Array("winners", "float64", (2 * WINNER_ROWS, columns)),
             Array("gradients", "float64", (2 * self.most_gradients, columns)),
         )
+
+    @property
+    def kept(self) -> int:
+        """The length of the lists that are returned, 0 where none is."""
+        has_lists = any(output.request.listed for output in self.program.outputs)
+        return max(search.most for search in self.program.searches) if has_lists else 0
 
     def item_lists(self) -> tuple[Array, ...]:
         """Return the lists of items, with as much room for each lane; a smooth function fills little of it.

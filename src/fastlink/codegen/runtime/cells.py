@@ -36,6 +36,8 @@ VALUE, THETA, IMAGE, KIND = range(ITEM_ROWS + 9, ITEM_ROWS + 13)
 # Where error bounds are requested, in rows that the iteration has left: those of the value and of the slope at the
 # position, and the sizes of the slope and of the second derivative.
 BOUND, SLOPE, SLOPE_BOUND, BEND = X1, F1, X2, F2
+# What rounding does to the value, in rows of the bracket: first the position and what values beside are, at folds.
+SAVED, NOISE, LOWEST, HIGHEST = XA, XB, XC, FC
 # Of a cell that is divided: the fine samples' positions, negative beyond an end of the range, and values there.
 PARTS = 8
 FINE_SAMPLES = PARTS + 3

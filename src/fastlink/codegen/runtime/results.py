@@ -21,6 +21,7 @@ from fastlink.codegen.runtime.cells import (
     LANE,
     LANES,
     MIRROR,
+    NOISE,
     NUMBER,
     ONTO,
     OWN,
@@ -42,9 +43,12 @@ __all__ = [
     *("store_best", "store_bound", "store_counts", "store_extrema", "store_list"),
 ]
 
-# Rows of the lists: an extremum's position, value and kind; where error bounds are requested, that of the value.
-LIST_THETA, LIST_VALUE, LIST_KIND, LIST_BOUND = range(4)
-LIST_ROWS = 3
+# Rows of the lists: an extremum's position, value and kind, and what rounding does to the value at a fold; where error
+# bounds are requested, that of the value.
+LIST_THETA, LIST_VALUE, LIST_KIND, LIST_NOISE, LIST_BOUND = range(5)
+LIST_ROWS = 4
+#: So many more entries than are returned are kept until those that are rounding have left.
+MORE = 27
 LIST_ROW_OF = {"position": LIST_THETA, "value": LIST_VALUE, "kind": LIST_KIND, "error": LIST_BOUND}
 # Rows of the best: greatest and least value with their positions, and how many extrema there are; where error bounds
 # are requested, those of both.
@@ -56,11 +60,11 @@ FOLDED = 2.0**8
 
 
 @outlined
-def clear(lists: Any, best: Any) -> None:
-    """Forget the extrema of the designs before."""
+def clear(lists: Any, best: Any, kept: int) -> None:
+    """Forget the extrema of the designs before, in lists those that are returned."""
     for r in range(lists.shape[0]):
         for column in range(lists.shape[1]):
-            for k in range(lists.shape[2]):
+            for k in range(kept):
                 lists[r, column, k] = 0.0 if r == LIST_KIND else NOT_A_NUMBER
     for i in lanes(best.shape[1]):
         best[GREATEST, i] = -INFINITY
@@ -178,6 +182,7 @@ def store_extrema(s: Any, count: int, table: Any, search: Any, lists: Any, best:
                         lists[LIST_THETA, column, k] = theta
                         lists[LIST_VALUE, column, k] = value
                         lists[LIST_KIND, column, k] = kind
+                        lists[LIST_NOISE, column, k] = s[NOISE, i]
                         if lists.shape[0] > LIST_BOUND:
                             lists[LIST_BOUND, column, k] = bound
                 best[COUNT, column] += 1.0
@@ -224,7 +229,7 @@ def store_list(result: Any, first: int, count: int, base: int, lists: Any, row: 
     for i in range(count):
         for branch in range(result.shape[1]):
             for k in range(result.shape[2]):
-                value = lists[row, base + branch * LANES + i, k] if k < lists.shape[2] else beyond
+                value = lists[row, base + branch * LANES + i, k] if k < lists.shape[2] - MORE else beyond
                 result[first + i, branch, k] = value
 
 
