@@ -49,7 +49,8 @@ class Selection:
             held = graded is not None and by != self.catalogue.position.name and graded.name in self.variants
             at = self._without(graded.name) if graded is not None and held and not moving else self
             own = variable, at.find, lambda name: at._declared(name, by)
-            self._derivations[by, moving] = Derivation(*own, moving)
+            guards = [self.catalogue.is_public] if by != self.catalogue.position.name and not moving else []
+            self._derivations[by, moving] = Derivation(*own, moving, *guards)
         return self._derivations[by, moving]
 
     def _without(self, variant: str) -> Selection:

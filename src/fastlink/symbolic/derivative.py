@@ -18,6 +18,7 @@ from fastlink.facts.names import derivative_name
 from fastlink.numerics import compensated, vectors
 from fastlink.numerics.elementary import NOT_A_NUMBER, atan2, cosine, sine, sqrt
 from fastlink.numerics.logarithm import log, log1p, log_quotient
+from fastlink.symbolic.existence import Existence
 from fastlink.symbolic.expression import ExpressionGraph, Node, is_power_of_two
 from fastlink.symbolic.generate import generate_function
 from fastlink.symbolic.postorder import postorder
@@ -146,6 +147,8 @@ class Derivation:
         Returns the derivative of a name where one is declared, else None.
     moving : bool
         Whether places move with their range, which the names of the derivatives say.
+    guards : callable
+        As of `Existence`.
     """
 
     def __init__(
@@ -154,12 +157,15 @@ class Derivation:
         find: Callable[[str], Fact | System | None],
         declared: Callable[[str], Fact | None],
         moving: bool = False,
+        guards: Callable[[str], bool] = lambda name: False,
     ) -> None:
         self.by, self.find, self.declared, self.moving = by, find, declared, moving
         self.graph = ExpressionGraph(RULES)
         self._values: dict[str, tuple[Node, Node]] = {}
         self._slopes: dict[str, Node] = {}
         self._facts: dict[str, Fact] = {}
+        self._originals: dict[str, str] = {}
+        self._existence = Existence(self.graph, self._expression, guards)
 
     def fact(self, name: str) -> Fact:
         """Return the derivative of a fact.
@@ -178,10 +184,17 @@ class Derivation:
             what = f"quantity {derivative!r}: {name} does not depend on {self.by.name} with what is given"
             raise NoDependence(what, remedy="leave it out")
         declared, step = self.declared(name), self.find(name)
-        if declared is not None:
-            return replace(declared, name=derivative)
-        assert isinstance(step, Fact)
-        return self._written(step, *self._values[name])
+        if declared is None:
+            assert isinstance(step, Fact)
+            root, value = self._values[name]
+            return self._written(step, self._existence.guarded(name, root, value), value)
+        labelled, root = replace(declared, name=derivative), self.graph.read_fact(declared, declared.name)
+        value = self.graph.read_fact(step, name) if isinstance(step, Fact) else root
+        guarded = self._existence.guarded(name, root, value)
+        if guarded is root:
+            return labelled
+        function, depends_on = generate_function(derivative, self.graph, guarded, {})
+        return replace(labelled, function=function, depends_on=depends_on, flags={})
 
     def slope(self, name: str) -> Node:
         """Return the derivative of a name as a number, a name, or minus a name."""
@@ -213,8 +226,21 @@ class Derivation:
             root = self._differentiate(value)
             self._values[name] = root, value
         bare = root.args[0] if root.kind == "neg" else root
-        simple = bare.kind in ("name", "number")
-        return root if simple else graph.name(derivative_name(name, self.by.name, self.moving))
+        if bare.kind in ("name", "number"):
+            return root
+        derivative = derivative_name(name, self.by.name, self.moving)
+        self._originals[derivative] = name
+        return graph.name(derivative)
+
+    def _expression(self, name: str) -> Node | None:
+        """Return the expression that a name stands for, None for what is given."""
+        original = self._originals.get(name)
+        if original in self._values:
+            return self._values[original][0]
+        step = self.find(name) if original is None else self.declared(original)
+        if not isinstance(step, Fact):
+            return None
+        return self.graph.read_fact(step, name if original is None else step.name)
 
     def _differentiate(self, root: Node) -> Node:
         """Return the derivative of a value."""
