@@ -156,6 +156,7 @@ def test_files_are_measured_and_none_is_left(tmp_path):
     assert not list(tmp_path.iterdir())
 
 
+@pytest.mark.stress
 def test_processes_are_measured(tmp_path):
     found = facts.start(repeats=1)
     found += output.memory(tmp_path, curves_side=2, map_side=2)

@@ -68,7 +68,9 @@ def test_every_figure_of_the_papers_has_an_entry():
 BLOCKS = [block for block in pages.blocks_of(PAGE) if block[0][1] == "run"]
 
 
-@pytest.mark.parametrize("block", BLOCKS, ids=[Path(block[0][2]).stem for block in BLOCKS])
+@pytest.mark.parametrize(
+    "block", [BLOCKS[0], *(pytest.param(b, marks=pytest.mark.stress) for b in BLOCKS[1:])]
+)
 def test_the_maps_of_the_gallery_in_short(block, folder):
     """Each study runs, of few designs, and the last picture of its map is drawn."""
     run, *_, last = block
