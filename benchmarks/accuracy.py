@@ -16,7 +16,8 @@ from fastlink.catalogue.tables import angle_tables
 from fastlink.codegen.kernel import MachineCode, llvm_text
 from fastlink.codegen.machine import compile_object
 from fastlink.diagnostics.methods import USUAL, Method, curves_by_numpy, methods_for
-from fastlink.diagnostics.pareto import accuracy_table, draw
+from fastlink.diagnostics.pareto import accuracy_table
+from fastlink.diagnostics.picture import draw
 from fastlink.diagnostics.work_precision import measure
 from fastlink.facts.names import derivative_name
 from fastlink.study.study import read_study

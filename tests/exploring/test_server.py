@@ -184,7 +184,10 @@ def test_a_map_that_was_changed_is_shown_as_it_is_now(path, changed):
 
 
 def test_the_command_serves_until_it_is_interrupted(path):
-    command = [sys.executable, "-m", "fastlink.cli", "explore", str(path), "--no-browser"]
+    # a shell's background ignores the signal, and what it starts does too
+    heeds = "import signal; signal.signal(signal.SIGINT, signal.default_int_handler)"
+    runs = "from fastlink.cli import main; main()"
+    command = [sys.executable, "-c", f"{heeds}; {runs}", "explore", str(path), "--no-browser"]
     with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as running:
         try:
             address = running.stdout.readline().strip()

@@ -9,7 +9,6 @@ import h5py
 import numpy as np
 import pytest
 from numpy.testing import assert_array_equal
-from tests.io.test_check import small_blocks
 from tests.io.test_faults import failing_after
 from tests.support.map_files import left_in
 from tests.support.refusals import refused
@@ -24,8 +23,6 @@ from fastlink.io import checksums
 from fastlink.io.placement import Placement
 from fastlink.io.writing import journal
 from fastlink.plot.selection import select
-
-__all__ = ["small_blocks"]
 
 LENGTHS = {"a1": 0.4, "a2": np.linspace(1.0, 1.4, 13), "a3": np.linspace(0.6, 1.0, 7), "a4": 1.0}
 SPEEDS = {"omega1": np.array([1.0, 5.0, 25.0])}

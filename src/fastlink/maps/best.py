@@ -125,10 +125,11 @@ def _objectives(maps: xr.Dataset, minimise: Any, maximise: Any) -> list[Objectiv
     """Return the objectives that a caller names, or refuse them."""
     problems, found = Problems(), list[Objective]()
     for where, given, sign in (("minimise", minimise, 1.0), ("maximise", maximise, -1.0)):
-        for name in [given] if isinstance(given, str) or not isinstance(given, Iterable) else given:
+        one = isinstance(given, str) or not isinstance(given, Iterable) or getattr(given, "ndim", 1) == 0
+        for name in [given] if one else given:
             with problems.at():
                 found.append(objective(maps, where, name, sign))
-                if sum(one.array.name == name for one in found) > 1:
+                if sum(known.array.name == name for known in found) > 1:
                     raise InputError(f"{name!r} is named twice", where=(where,), remedy="name it once")
     problems.stop()
     if not found:

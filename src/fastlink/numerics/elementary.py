@@ -45,7 +45,12 @@ def select(condition: Any, if_true: Any, if_false: Any) -> Any:
     """Return `if_true` where the condition holds, else `if_false`; both are evaluated."""
     if isinstance(condition, np.ndarray):
         return np.where(condition, if_true, if_false)
-    if hasattr(condition, "choose") and not isinstance(condition, np.bool_):  # numbers without a value
+    if isinstance(condition, np.bool_):
+        chosen = if_true if condition else if_false
+        return (
+            np.float64(chosen) if type(chosen) is float else chosen
+        )  # by which a quotient by zero is no exception
+    if hasattr(condition, "choose"):  # numbers without a value
         return condition.choose(if_true, if_false)
     return if_true if condition else if_false
 
