@@ -8,6 +8,7 @@ import inspect
 import os
 import pkgutil
 import re
+import shlex
 import shutil
 import subprocess
 import sys
@@ -72,14 +73,13 @@ def test_the_examples_of_the_documents(document, tmp_path, monkeypatch):
 
 def run_commands(lines):
     """Run command lines in this process and folder."""
-    for line in lines.splitlines():
-        (program, *arguments), _, target = (
-            part.split() if i != 1 else part for i, part in enumerate(line.partition(" > "))
-        )
+    for line in lines.strip().splitlines():
+        called, _, target = line.partition("#")[0].partition(" > ")
+        program, *arguments = shlex.split(called)
         done = CliRunner().invoke(app, arguments)
         assert (program, done.exit_code) == ("fastlink", 0), f"{line}: {done.output}"
-        for name in target:
-            Path(name).write_text(done.stdout)
+        if target:
+            Path(target.strip()).write_text(done.stdout)
 
 
 @pytest.mark.parametrize("document", DOCUMENTS, ids=lambda path: path.name)
@@ -135,11 +135,10 @@ def test_the_main_job_of_the_readme(tmp_path):
     assert list(tmp_path.glob("*.png"))
 
 
-def test_the_command_lines_of_the_readme(tmp_path):
+def test_the_command_lines_of_the_readme(folder):
     (lines,) = [block for block in code_blocks(README, "sh") if "fastlink new" in block]
-    for line in lines.strip().splitlines():
-        command(line.partition("#")[0], tmp_path)
-    assert (tmp_path / "study.h5").exists()
+    run_commands(lines)
+    assert (folder / "study.h5").exists()
 
 
 def test_ci_calls_the_readmes_test_command():

@@ -48,6 +48,7 @@ def results():
     return quick()
 
 
+@pytest.mark.stress
 def test_every_case_is_timed(results):
     rows, _, _ = results
     assert [row["case"] for row in rows][: len(CASES)] == list(CASES)
@@ -57,11 +58,13 @@ def test_every_case_is_timed(results):
         assert all(math.isfinite(value) and value > 0 for value in numbers.values())
 
 
+@pytest.mark.stress
 def test_every_fact_is_a_positive_number(results):
     _, _, found = results
     assert all(math.isfinite(value) and (value > 0 or isinstance(value, int)) for _, value, _, _ in found)
 
 
+@pytest.mark.stress
 def test_refined_extremes_are_right_and_none_is_missed(results):
     _, _, found = results
     values = {what: value for what, value, _, aim in found if aim in ("0", "<= 1e-14")}
@@ -116,11 +119,13 @@ def test_c_finds_the_same_extremes(family):
         np.testing.assert_array_equal(theirs, refined)
 
 
+@pytest.mark.stress
 def test_errors_are_a_few_roundings(results):
     rows, _, _ = results
     assert all(row["error"] <= MULTIPLE for row in rows if "dense" not in row["case"])
 
 
+@pytest.mark.stress
 def test_c_is_timed(results):
     if not c_kernel.available():
         pytest.skip("the C limit kernels need gcc, which is not here")
@@ -163,6 +168,7 @@ def test_processes_are_measured(tmp_path):
     assert all(math.isfinite(value) and value > 0 for _, value, _, _ in found)
 
 
+@pytest.mark.stress
 def test_times_to_an_answer_are_measured(results):
     _, answered, _ = results
     (row,) = answered
@@ -277,6 +283,7 @@ def test_without_a_record_nothing_is_checked(capsys):
     assert "no record" in capsys.readouterr().out
 
 
+@pytest.mark.stress
 def test_groups_measure_what_is_recorded(monkeypatch, results):
     """At tiny sizes: the names of a record are those that `--check` measures."""
     rows, answered, found = results
@@ -313,6 +320,7 @@ def test_what_was_measured_is_what_is_shown():
     assert short_repr == text
 
 
+@pytest.mark.stress
 def test_the_page_is_changed_between_its_markers_only(tmp_path, monkeypatch, results):
     page = tmp_path / "performance.md"
     page.write_text(f"before\n{report.BEGIN}\n{report.END}\nafter\n")

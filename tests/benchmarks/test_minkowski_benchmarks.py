@@ -28,6 +28,7 @@ def test_numpy_has_the_same_roots():
     np.testing.assert_allclose(by_eq3, psi, rtol=0, atol=1e-10)
 
 
+@pytest.mark.stress
 def test_c_has_the_same_bits():
     if not c_kernel.available():
         pytest.skip("the C limit kernels need gcc, which is not here")

@@ -141,7 +141,7 @@ def test_where_the_rod_passes_pi_its_direction_reaches_both():
     np.testing.assert_allclose(found.theta2_min.values[0, 0], np.arcsin((e - r) / l), rtol=16 * UNIT_ROUNDING)
 
 
-@pytest.mark.parametrize("kind", ["inline", "gap 1e-4", "stiff 1e3"])
+@pytest.mark.parametrize("kind", [pytest.param("inline", marks=pytest.mark.stress), "gap 1e-4", "stiff 1e3"])
 def test_all_is_verified_with_50_digits(kind, folder):
     designs = designs_of(kind, 60)
     turning = designs["l"] > designs["r"] + abs(designs["e"])
