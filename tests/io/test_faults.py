@@ -253,8 +253,12 @@ def test_an_interrupt_in_the_finish_waits_for_its_end(tmp_path, monkeypatch):
         set_attrs(*arguments)
 
     monkeypatch.setattr(writer, "set_attrs", interrupted)
-    with pytest.raises(KeyboardInterrupt):
-        sweep(path)
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)  # which a shell's background ignores
+    try:
+        with pytest.raises(KeyboardInterrupt):
+            sweep(path)
+    finally:
+        signal.signal(signal.SIGINT, before)
     assert left_in(tmp_path) == ["m.h5"]
     open_map(path).close()
 
