@@ -147,20 +147,31 @@ class Cloud:
         for _, values in reading:
             yield drawable(values) * factors
 
-    def cells(self, *names: str) -> tuple[Any, Any]:
-        """Return the number of rows in each cell of one column, or of the second and the first; sums of a third."""
-        columns = [self.names[name] for name in names]
-        over, third = columns[:2], columns[2:]
-        shape = (CELLS,) * len(over)
-        counts, sums = np.zeros(CELLS ** len(over)), np.zeros(CELLS ** len(over))
+    def cells(self, wanted: Sequence[Sequence[str]]) -> list[tuple[Any, Any]]:
+        """Return the rows in each cell of one column, or of the second and the first; sums of a third; all in one pass.
+
+        Parameters
+        ----------
+        wanted : sequence of sequences of str
+            One to three columns for each of the results.
+        """
+        columns = [[self.names[name] for name in names] for names in wanted]
+        shapes = [(CELLS,) * len(over[:2]) for over in columns]
+        found = [(np.zeros(CELLS ** len(shape)), np.zeros(CELLS ** len(shape))) for shape in shapes]
+        used = sorted({k for over in columns for k in over[:2]})
         for values in [self.points] if self.points is not None else self._blocks(self._reading()):
-            found = [self.columns[k].places(values[:, k]) for k in over]
-            inside = np.logical_and.reduce([one for _, one in found])
-            flat = np.ravel_multi_index([places[inside] for places, _ in reversed(found)], shape)
-            counts += np.bincount(flat, minlength=counts.size)
-            for k in third:
-                sums += np.bincount(flat, values[inside, k], minlength=counts.size)
-        return counts.reshape(shape), sums.reshape(shape)
+            places = {k: self.columns[k].places(values[:, k]) for k in used}
+            for over, shape, (counts, sums) in zip(columns, shapes, found, strict=True):
+                own = [places[k] for k in over[:2]]
+                inside = np.logical_and.reduce([one for _, one in own])
+                flat = np.ravel_multi_index([cell[inside] for cell, _ in reversed(own)], shape)
+                counts += np.bincount(flat, minlength=counts.size)
+                for k in over[2:]:
+                    sums += np.bincount(flat, values[inside, k], minlength=counts.size)
+        return [
+            (counts.reshape(shape), sums.reshape(shape))
+            for shape, (counts, sums) in zip(shapes, found, strict=True)
+        ]
 
     def below(self, name: str) -> tuple[Any, Any]:
         """Return values of a column, growing, and how many rows have at most that."""

@@ -34,7 +34,8 @@ def draw_scatter(cloud: Cloud, front: Any = None) -> Any:
     axis = figure.subplots()
     names = list(cloud.names)
     x, y, *third = cloud.columns
-    image = _fill(axis, cloud, names, faint=front is not None)
+    counted = _counted(cloud, [names] if cloud.points is None else [])
+    image = _fill(axis, cloud, names, counted, faint=front is not None)
     axis.set_xlabel(textwrap.fill(x.label(), LETTERS + 14))
     axis.set_ylabel(textwrap.fill(y.label(), LETTERS))
     if front is not None:
@@ -61,14 +62,16 @@ def draw_corner(cloud: Cloud, front: Any = None) -> Any:
     figure = NotebookFigure(figsize=(size, 0.92 * size))
     grid = figure.subplots(count, count, squeeze=False)
     names = list(cloud.names)
+    pairs = [(names[j], names[i]) for i in range(count) for j in range(i)] if cloud.points is None else []
+    counted = _counted(cloud, [*((name,) for name in names), *pairs])
     for i, j in itertools.product(range(count), repeat=2):
         axis = grid[i][j]
         if j > i:
             axis.set_visible(False)
         elif i == j:
-            _histogram(axis, cloud, names[i])
+            _histogram(axis, cloud.columns[i], counted[names[i],][0])
         else:
-            _fill(axis, cloud, [names[j], names[i]], faint=front is not None)
+            _fill(axis, cloud, (names[j], names[i]), counted, faint=front is not None)
             if front is not None:
                 _mark(axis, front[:, [j, i]].T, joined=False)
         _name_sides(axis, cloud.columns, i, j)
@@ -82,6 +85,14 @@ def draw_corner(cloud: Cloud, front: Any = None) -> Any:
     return figure
 
 
+Cells = dict[tuple[str, ...], tuple[Any, Any]]
+
+
+def _counted(cloud: Cloud, wanted: Sequence[Sequence[str]]) -> Cells:
+    """Return the rows in cells of some columns, and sums, by the names of these."""
+    return dict(zip(map(tuple, wanted), cloud.cells(wanted), strict=True))
+
+
 def _name_sides(axis: Any, columns: Sequence[Column], i: int, j: int) -> None:
     """Label a panel of a corner at the outer sides."""
     axis.tick_params(labelsize=7.5, labelbottom=i == len(columns) - 1, labelleft=j == 0 < i)
@@ -93,12 +104,12 @@ def _name_sides(axis: Any, columns: Sequence[Column], i: int, j: int) -> None:
         axis.set_ylabel(columns[i].label(name=False), fontsize=9)
 
 
-def _fill(axis: Any, cloud: Cloud, names: Sequence[str], faint: bool) -> Any:
+def _fill(axis: Any, cloud: Cloud, names: Sequence[str], counted: Cells, faint: bool) -> Any:
     """Draw points, or cells where rows are many; return what a colour bar belongs to."""
     x, y, *third = (cloud.columns[cloud.names[name]] for name in names)
     _scales(axis, x, y)
     if cloud.points is None:
-        counts, sums = cloud.cells(*names)
+        counts, sums = counted[tuple(names)]
         cells = np.ma.masked_equal(counts, 0.0)
         look: dict[str, Any] = {
             "norm": LogNorm(1.0, max(2.0, counts.max())),
@@ -165,10 +176,8 @@ def _code_legend(axis: Any, column: Column, values: Any) -> None:
     axis.legend(handles=handles, loc="upper left", bbox_to_anchor=(1.01, 1.0), frameon=False, fontsize=9)
 
 
-def _histogram(axis: Any, cloud: Cloud, name: str) -> None:
+def _histogram(axis: Any, column: Column, counts: Any) -> None:
     """Draw how many rows have which value."""
-    column = cloud.columns[cloud.names[name]]
-    counts, _ = cloud.cells(name)
     few = counts.reshape(-1, 4).sum(axis=1)
     axis.stairs(few, column.edges()[::4], fill=True, color=LINES[0], alpha=0.75)
     if column.logarithmic:
