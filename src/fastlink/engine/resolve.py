@@ -6,7 +6,7 @@ import hashlib
 import os
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from functools import lru_cache, partial
+from functools import cached_property, lru_cache, partial
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -106,7 +106,7 @@ class ResolvedSweep:
         lengths = self.lengths
         return [(tuple(lengths[axis] for axis in o.axes), o.dtype) for o in self.plan.outputs]
 
-    @property
+    @cached_property
     def fingerprint(self) -> str:
         """A hash of all that the numbers depend on: kernels, designs, input positions; the same on any machine."""
         digest = _of_kernels(self.kernels)

@@ -126,7 +126,7 @@ class Stationary:
         """Return facts of designs at signed x from the lower ends, or upper where `high`."""
         values: dict[str, Any] = {name: column[designs] for name, column in self.inputs.items()}
         values |= zip(self.graded.coordinates, _leaves(x, high), strict=True)
-        with np.errstate(all="ignore"), as_given(not self.facts.zeroes):
+        with as_given(not self.facts.zeroes):
             facts = read_facts(self.catalogue, names, values, self.variants)
         return [np.broadcast_to(facts[name], x.shape) for name in names]
 

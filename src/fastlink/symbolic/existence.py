@@ -37,6 +37,7 @@ class Existence:
     ) -> None:
         self._graph, self._read, self._guards = graph, read, guards
         self._of_names: dict[str, frozenset[Node]] = {}
+        self._within: dict[Node, tuple[list[str], frozenset[Node]]] = {}
 
     def guarded(self, name: str, root: Node, value: Node) -> Node:
         """Return a derivative that is none where the name is no finite number.
@@ -52,31 +53,30 @@ class Existence:
 
     def causes(self, root: Node) -> frozenset[Node]:
         """Return the operations beneath a value, those of the names in it too, by which it may be no number."""
-        for name in postorder(_names(root), self._parts, self._of_names):
-            expression = self._read(name)
+        texts: dict[str, Node | None] = {}
+
+        def parts(name: str) -> list[str]:
+            expression = texts[name] = self._read(name)
+            return [] if expression is None else self._walked(expression)[0]
+
+        for name in postorder(self._walked(root)[0], parts, self._of_names):
+            expression = texts[name]
             self._of_names[name] = frozenset() if expression is None else self._beneath(expression)
         return self._beneath(root)
 
-    def _parts(self, name: str) -> list[str]:
-        expression = self._read(name)
-        return [] if expression is None else _names(expression)
-
     def _beneath(self, root: Node) -> frozenset[Node]:
-        found = {cause for node in _nodes(root) if (cause := _cause(node)) is not None}
-        return frozenset(found).union(*(self._of_names[name] for name in _names(root)))
+        names, own = self._walked(root)
+        return own.union(*(self._of_names[name] for name in names))
 
-
-def _nodes(root: Node) -> list[Node]:
-    """Return all nodes of an expression."""
-    seen: dict[Node, None] = {}
-    for node in postorder([root], lambda node: node.args, seen):
-        seen[node] = None
-    return list(seen)
-
-
-def _names(root: Node) -> list[str]:
-    """Return the names in an expression."""
-    return [node.value for node in _nodes(root) if node.kind == "name"]
+    def _walked(self, root: Node) -> tuple[list[str], frozenset[Node]]:
+        """Return the names in an expression, and its own operations by which it may be no number."""
+        if root not in self._within:
+            seen: dict[Node, None] = {}
+            for node in postorder([root], lambda node: node.args, seen):
+                seen[node] = None
+            causes = frozenset(cause for node in seen if (cause := _cause(node)) is not None)
+            self._within[root] = [node.value for node in seen if node.kind == "name"], causes
+        return self._within[root]
 
 
 def _cause(node: Node) -> Node | None:
