@@ -8,13 +8,12 @@ from pathlib import Path
 from typing import Any
 
 from fastlink.doors import door
-from fastlink.errors import InputError
 from fastlink.io.reader import as_map
 from fastlink.options import check_switch, check_whole
+from fastlink.plot.picture import require_matplotlib
 
 __all__ = ["Page", "explore"]
 
-INSTALL = "python -m pip install 'fastlink-linkages[explore]'"
 LAST_PORT = 65535
 
 
@@ -112,10 +111,7 @@ def explore(maps: Any, *, to: str | Path | None = None, port: int = 0, browser: 
     ...     page.url[:17]
     'http://127.0.0.1:'
     """
-    try:
-        import matplotlib  # noqa: F401
-    except ModuleNotFoundError:
-        raise InputError("matplotlib is not installed", where=("explore",), remedy=INSTALL) from None
+    require_matplotlib("explore", extra="explore")
     check_switch(("browser",), browser)
     check_whole(("port",), port, 0, LAST_PORT)
     if to is not None:

@@ -18,10 +18,10 @@ from fastlink.io.reader import as_dataset
 from fastlink.maps.conditions import Condition, conditions
 from fastlink.maps.flags import flags_of
 from fastlink.maps.front import nondominated, undominated
-from fastlink.maps.rows import Rows
+from fastlink.maps.rows import Rows, numeric
 from fastlink.options import check_choice, check_switch, check_whole
 
-__all__ = ["Objective", "best", "least", "objective", "ranked"]
+__all__ = ["Objective", "best", "least", "listed", "objective", "ranked"]
 
 DEFAULT_TOP = 10
 NOT_A_NUMBER, INFINITE = "not a number", "infinite"
@@ -125,8 +125,7 @@ def _objectives(maps: xr.Dataset, minimise: Any, maximise: Any) -> list[Objectiv
     """Return the objectives that a caller names, or refuse them."""
     problems, found = Problems(), list[Objective]()
     for where, given, sign in (("minimise", minimise, 1.0), ("maximise", maximise, -1.0)):
-        one = isinstance(given, str) or not isinstance(given, Iterable) or getattr(given, "ndim", 1) == 0
-        for name in [given] if one else given:
+        for name in listed(given):
             with problems.at():
                 found.append(objective(maps, where, name, sign))
                 if sum(known.array.name == name for known in found) > 1:
@@ -138,10 +137,15 @@ def _objectives(maps: xr.Dataset, minimise: Any, maximise: Any) -> list[Objectiv
     return found
 
 
+def listed(given: Any) -> list[Any]:
+    """Return the objectives that are given, one or several."""
+    one = isinstance(given, str) or not isinstance(given, Iterable) or getattr(given, "ndim", 1) == 0
+    return [given] if one else list(given)
+
+
 def objective(maps: xr.Dataset, where: str, name: Any, sign: float) -> Objective:
     """Return an objective by its name, or refuse it."""
-    numeric = [str(key) for key, array in maps.variables.items() if array.dtype.kind in "iuf" and array.ndim]
-    usable = [key for key in numeric if not flags_of(maps[key])]
+    usable = [key for key in numeric(maps) if not flags_of(maps[key])]
     own = [key for key in usable if key in maps.data_vars]
     if not isinstance(name, str):
         remedy = "write the name of a variable; a new one is maps.assign(NAME=...)"

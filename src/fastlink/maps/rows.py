@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from fastlink.io.ranges import pieces
 from fastlink.space.design_space import DESIGN
 
-__all__ = ["Block", "Rows"]
+__all__ = ["Block", "Rows", "numeric"]
 
 #: Rows that are read at once.
 MOST_ROWS = 1 << 20
@@ -120,3 +120,8 @@ class Rows:
             for row in order[start:stop]:
                 values[row] = array.variable[{dim: int(places[str(dim)][row]) for dim in array.dims}].values
         return values
+
+
+def numeric(maps: xr.Dataset) -> list[str]:
+    """Return the variables and coordinates that have numbers along dimensions."""
+    return [str(name) for name, array in maps.variables.items() if array.dtype.kind in "iuf" and array.ndim]

@@ -72,6 +72,7 @@ def reduced_of(tree: Name) -> Reduced | ListOfExtrema | None:
 def gradient_refusal(name: str, tree: Name, of: Reduced, catalogue: Catalogue) -> InputError | None:
     """Return the error that says why a property of the cycle has no such derivative, None where it has one."""
     what, quantity, position = f"quantity {name!r}: ", str(of.of), catalogue.position.name
+    first = next(iter(catalogue.inputs))
     if isinstance(tree, ErrorBound):
         what += (
             f"{tree.of} is taken at a place that is off itself, and no bound of what that does to it is known"
@@ -80,7 +81,7 @@ def gradient_refusal(name: str, tree: Name, of: Reduced, catalogue: Catalogue) -
     if isinstance(tree, Derivative) and isinstance(tree.of, Derivative):
         return InputError(f"{what}second derivatives of {of} are not offered", remedy=f"ask for {tree.of}")
     if isinstance(tree, Derivative) and tree.by == position:
-        by_input = Derivative(of, next(iter(catalogue.inputs)))
+        by_input = Derivative(of, first)
         what += f"{of} is one number of the cycle, which does not change with {position}"
         return InputError(what, remedy=f"ask for its derivative by an input, such as {by_input}")
     if not REDUCTIONS[of.how].gradient_finish:
@@ -88,10 +89,8 @@ def gradient_refusal(name: str, tree: Name, of: Reduced, catalogue: Catalogue) -
     fact = catalogue.public_fact(quantity)
     if fact.flags:
         return InputError(f"{what}{quantity} is a code, which has no derivative", remedy="leave it out")
-    if isinstance(tree, Derivative):
-        catalogue.public_fact(derivative_name(quantity, tree.by))
-    else:
-        catalogue.public_fact(derivative_name(quantity, next(iter(catalogue.inputs))))
+    by = tree.by if isinstance(tree, Derivative) else first
+    catalogue.public_fact(derivative_name(quantity, by))
     return None
 
 

@@ -4,28 +4,28 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from fastlink.errors import InputError
 from fastlink.io.place import check_place
-from fastlink.options import check_path
+from fastlink.options import check_path, check_switch
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-__all__ = ["check_picture", "require_matplotlib", "save"]
+__all__ = ["check_picture", "checked_request", "require_matplotlib", "save"]
 
 #: Endings of pictures: those that matplotlib writes in full quality.
 KINDS = ("png", "svg", "pdf")
-INSTALL = "python -m pip install 'fastlink-linkages[plot]'"
 
 
-def require_matplotlib(where: str) -> None:
-    """Check that matplotlib is installed."""
+def require_matplotlib(where: str, extra: str = "plot") -> None:
+    """Check that matplotlib is installed, which an extra brings along."""
     try:
         import matplotlib  # noqa: F401
     except ModuleNotFoundError:
-        raise InputError("matplotlib is not installed", where=(where,), remedy=INSTALL) from None
+        remedy = f"python -m pip install 'fastlink-linkages[{extra}]'"
+        raise InputError("matplotlib is not installed", where=(where,), remedy=remedy) from None
 
 
 def check_picture(
@@ -58,6 +58,13 @@ def check_picture(
     check_place(path, where, example)
     require_matplotlib(where)
     return path
+
+
+def checked_request(to: Any, degrees: Any) -> Path | None:
+    """Return the path of the picture of a map, if one is to be written, or refuse what its doors share."""
+    require_matplotlib("plot")
+    check_switch(("degrees",), degrees)
+    return None if to is None else check_picture(to, "to")
 
 
 def save(figure: Figure, path: Path, where: str) -> None:

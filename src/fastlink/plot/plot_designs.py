@@ -13,11 +13,12 @@ from fastlink._text import counted, joined, short_repr
 from fastlink.doors import door
 from fastlink.errors import InputError, Problems, Setting
 from fastlink.io.reader import as_map
-from fastlink.maps.best import best
+from fastlink.maps.best import best, listed
 from fastlink.maps.conditions import conditions
-from fastlink.options import check_choice, check_switch
+from fastlink.maps.rows import numeric
+from fastlink.options import check_choice
 from fastlink.plot.labels import constants_of, plain
-from fastlink.plot.picture import check_picture, require_matplotlib, save
+from fastlink.plot.picture import checked_request, save
 from fastlink.plot.selection import one_branch
 from fastlink.space.dataset import STATUS
 
@@ -90,29 +91,29 @@ def plot_designs(
     >>> figure.get_suptitle()
     '80 rows where status is rotates fully'
     """
-    path = _picture(to, degrees)
-    listed = [names] if isinstance(names, str) else list(names) if isinstance(names, (list, tuple)) else []
-    if not listed:
+    path = checked_request(to, degrees)
+    wanted = [names] if isinstance(names, str) else list(names) if isinstance(names, (list, tuple)) else []
+    if not wanted:
         remedy = "write names of variables, such as ['omega4_max', 'a1']"
         raise InputError(f"is {short_repr(names)}", where=("names",), remedy=remedy)
-    kind = _kind(kind, listed)
+    kind = _kind(kind, wanted)
     from fastlink.plot.scatter import draw_corner, draw_cumulative, draw_scatter
 
     with as_map(maps) as dataset:
         if branch is not None:
             dataset = one_branch(dataset, branch)
         problems = Problems()
-        for name in listed:
+        for name in wanted:
             with problems.at():
                 _check_name(dataset, name)
         with problems.at():
             conditions(dataset, where)
         problems.stop()
         if kind == "cumulative":
-            clouds = [_cloud(dataset, [name], where, degrees) for name in listed]
+            clouds = [_cloud(dataset, [name], where, degrees) for name in wanted]
             title = f"{max(cloud.considered for cloud in clouds):,} rows"
             return _finished(lambda: draw_cumulative(clouds), dataset, title + _of(where), path)
-        cloud = _cloud(dataset, listed, where, degrees)
+        cloud = _cloud(dataset, wanted, where, degrees)
         if kind == "scatter":
             _check_colour(cloud)
         drawer = draw_scatter if kind == "scatter" else draw_corner
@@ -164,16 +165,14 @@ def plot_front(
     the front of 9 of 80 rows by the least omega4_max and greatest a1 where status is
     rotates fully
     """
-    path = _picture(to, degrees)
+    path = checked_request(to, degrees)
     from fastlink.plot.scatter import draw_corner, draw_scatter
 
     with as_map(maps) as dataset:
         if branch is not None:
             dataset = one_branch(dataset, branch)
         found = best(dataset, minimise=minimise, maximise=maximise, where=where)
-        names = [
-            name for given in (minimise, maximise) for name in ([given] if isinstance(given, str) else given)
-        ]
+        names = [*listed(minimise), *listed(maximise)]
         low, high = KINDS["corner"]
         if not low <= len(names) <= high:
             remedy = f"write {low} to {high}, or list the best by fastlink.best"
@@ -184,12 +183,6 @@ def plot_front(
         drawer = draw_scatter if len(names) == low else draw_corner
         title = str(found.attrs["selection"]) + _of(where)
         return _finished(lambda: drawer(cloud, front), dataset, title, path)
-
-
-def _picture(to: Any, degrees: Any) -> Path | None:
-    require_matplotlib("plot")
-    check_switch(("degrees",), degrees)
-    return None if to is None else check_picture(to, "to")
 
 
 def _finished(draw: Callable[[], Any], dataset: xr.Dataset, title: str, path: Path | None) -> Figure:
@@ -233,7 +226,7 @@ def _check_colour(cloud: Cloud) -> None:
 
 def _check_name(maps: xr.Dataset, name: Any) -> None:
     """Refuse a name that has no numbers along a dimension."""
-    usable = [str(key) for key, array in maps.variables.items() if array.dtype.kind in "iuf" and array.ndim]
+    usable = numeric(maps)
     if isinstance(name, str) and name in maps.variables and name not in usable:
         remedy = "write the name of a variable, or of an input that is swept"
         raise InputError(f"{name} is not a number for each design", where=("names",), remedy=remedy)

@@ -13,8 +13,7 @@ from fastlink.errors import InputError, Setting
 from fastlink.io.reader import as_map
 from fastlink.maps.units import degrees as in_degrees
 from fastlink.maps.units import degrees_along
-from fastlink.options import check_switch
-from fastlink.plot.picture import check_picture, require_matplotlib, save
+from fastlink.plot.picture import checked_request, save
 from fastlink.plot.selection import select
 
 if TYPE_CHECKING:
@@ -81,12 +80,10 @@ def plot_map(
     >>> [axis.get_title() for axis in grid.axes[:2]]
     ['$a_{4}$ = 0.9 m', '$a_{4}$ = 1 m']
     """
-    require_matplotlib("plot")
+    path = checked_request(to, degrees)
     from fastlink.plot.draw import draw
     from fastlink.plot.figure import style
 
-    path = None if to is None else check_picture(to, "to")
-    check_switch(("degrees",), degrees)
     if at is not None and (not isinstance(at, Mapping) or hasattr(at, "data_vars")):
         remedy = ("write such as ", Setting("at", {"a4": 1.0}))
         raise InputError(f"is {short_repr(at)}", where=("at",), remedy=remedy)
