@@ -8,7 +8,6 @@ import inspect
 import os
 import pkgutil
 import re
-import shlex
 import shutil
 import subprocess
 import sys
@@ -18,19 +17,14 @@ from pathlib import Path
 import nbformat
 import pytest
 from nbclient import NotebookClient
-from typer.testing import CliRunner
 
 import fastlink
-from fastlink.cli import app
 from fastlink.mechanisms import NAMES, catalogue
+from tests.support.commands import code_blocks, run_command
 
 ROOT = Path(__file__).parents[1]
 README = (ROOT / "README.md").read_text()
 DOCUMENTS = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", *sorted((ROOT / "docs").rglob("*.md"))]
-
-
-def code_blocks(text, language):
-    return re.findall(rf"^```{language}\n(.*?)^```", text, flags=re.MULTILINE | re.DOTALL)
 
 
 def modules():
@@ -74,12 +68,7 @@ def test_the_examples_of_the_documents(document, tmp_path, monkeypatch):
 def run_commands(lines):
     """Run command lines in this process and folder."""
     for line in lines.strip().splitlines():
-        called, _, target = line.partition("#")[0].partition(" > ")
-        program, *arguments = shlex.split(called)
-        done = CliRunner().invoke(app, arguments)
-        assert (program, done.exit_code) == ("fastlink", 0), f"{line}: {done.output}"
-        if target:
-            Path(target.strip()).write_text(done.stdout)
+        run_command(line)
 
 
 @pytest.mark.parametrize("document", DOCUMENTS, ids=lambda path: path.name)

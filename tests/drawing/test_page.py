@@ -5,15 +5,14 @@ import shlex
 from pathlib import Path
 
 import pytest
-from typer.testing import CliRunner
+from tests.support.commands import code_blocks, run_command
 
-from fastlink.cli import app
 from fastlink.drawing.request import picture_of
 from fastlink.mechanisms import NAMES, catalogue
 
 DOCS = Path(__file__).parents[2] / "docs"
 PAGE = (DOCS / "drawing.md").read_text()
-COMMANDS = "".join(re.findall(r"^```sh\n(.*?)^```", PAGE, flags=re.MULTILINE | re.DOTALL)).splitlines()
+COMMANDS = "".join(code_blocks(PAGE, "sh")).splitlines()
 
 
 @pytest.fixture(scope="module")
@@ -24,12 +23,8 @@ def folder(tmp_path_factory):
 @pytest.mark.parametrize("line", COMMANDS)
 def test_the_commands_of_the_page(line, folder, monkeypatch):
     monkeypatch.chdir(folder)
-    (program, *arguments), _, redirected = shlex.split(line.partition(">")[0]), *line.partition(" > ")[1:]
-    assert program == "fastlink"
-    done = CliRunner().invoke(app, arguments)
-    assert done.exit_code == 0, done.output
-    if redirected:
-        Path(redirected).write_text(done.output)
+    arguments, done = run_command(line)
+    if ">" in line:
         return
     (place,) = [arguments[arguments.index(key) + 1] for key in ("--to", "--animate") if key in arguments]
     assert done.output.strip() == place

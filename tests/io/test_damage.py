@@ -177,10 +177,9 @@ def test_damage_is_noticed_or_mended(tmp_path, monkeypatch, small_blocks):
 
 
 @pytest.mark.stress
-def test_damage_is_noticed_or_mended_a_thousand_times(tmp_path, monkeypatch, small_blocks, capsys):
+def test_damage_is_noticed_or_mended_a_thousand_times(tmp_path, monkeypatch, small_blocks, tell):
     table, wrong = outcomes(tmp_path, monkeypatch, "long", seed=2)
-    with capsys.disabled():
-        print("\n" + report(table, wrong))
+    tell(report(table, wrong))
     assert_none_is_wrong(table, wrong)
     for name in ("values of a partial file", "a journal's head"):
         assert table[name, AGAIN], "nothing was damaged that counts"
