@@ -255,7 +255,9 @@ def test_a_region_by_the_keyboard(tab):
         tab.keyboard.press(key)
     settled(tab, "region !== null")
     assert state(tab, "windowOf(state.brush)") == {"a2": [6, 14], "a3": [6, 7]}
-    settled(tab, "element('said').textContent.includes('a_2')")  # where the last arrow led is said a moment later
+    settled(
+        tab, "element('said').textContent.includes('a_2')"
+    )  # where the last arrow led is said a moment later
     tab.keyboard.press("Escape")
     settled(tab, "region === null && element('region').hidden")
 

@@ -20,7 +20,9 @@ from fastlink.engine.options import Check, check_options, optional
 from fastlink.engine.resolve import resolve
 from fastlink.errors import InputError, KeyPath
 from fastlink.io.dataset import plain_attrs
-from fastlink.io.writing.target import check_target
+from fastlink.io.output import write_whole
+from fastlink.io.writing.skeleton import as_bytes
+from fastlink.io.writing.target import check_made_at_once
 from fastlink.options import MOST_SEED, check_path, check_switch, check_whole
 from fastlink.plot.picture import check_picture, save
 from fastlink.space.design_space import sampled
@@ -136,12 +138,12 @@ def accuracy(
     given = {"designs": designs, "outside": outside, "seed": seed, "to": to, "picture": picture}
     check_options(given | {"overwrite": overwrite, "announce": announce}, CHECKS)
     read = read_study(study)
-    target = None if to is None else check_target(to, 0, overwrite, read.sources)
+    target = None if to is None else check_made_at_once(to, 0, overwrite, read.sources)
     path = None if picture is None else check_picture(picture, "picture")
     offered = partial(methods_for, with_numpy=outside)
     measured = measure(read, offered, designs=designs, seed=seed, announce=announce)
     if target is not None:
-        measured.to_netcdf(target, engine="h5netcdf")
+        write_whole(target, as_bytes(measured), overwrite=overwrite)
     if path is not None:
         save(draw(measured), path, "picture")
     return measured

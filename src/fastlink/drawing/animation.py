@@ -8,6 +8,7 @@ import io
 import json
 import shutil
 import subprocess
+import tempfile
 from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -16,6 +17,7 @@ import numpy as np
 from PIL import Image
 
 from fastlink.errors import InputError
+from fastlink.io.output import write_whole
 
 if TYPE_CHECKING:
     from fastlink.drawing.board import Board
@@ -46,13 +48,9 @@ def animate(board: Board, path: Path, frames: int) -> None:
     else:
         positions = 0.5 * (low + high) - 0.5 * (high - low) * np.cos(2.0 * np.pi * share)
     pictures = _pictures(board, positions)
-    write = {".gif": _gif, ".mp4": _film, ".html": _page}[path.suffix.lower()]
+    written = {".gif": _gif, ".mp4": _film, ".html": _page}[path.suffix.lower()]
     labels = [motion.shown(one, board.request.degrees) for one in positions]
-    try:
-        write(pictures, path, f"{motion.mechanism}: {motion.input}", labels)
-    except OSError as error:
-        what = f"{path} cannot be written ({error.strerror or error})"
-        raise InputError(what, where=("animate",), remedy="choose another file") from error
+    write_whole(path, written(pictures, f"{motion.mechanism}: {motion.input}", labels), "animate")
 
 
 def _pictures(board: Board, positions: Any) -> list[Any]:
@@ -93,25 +91,32 @@ def _small(pictures: list[Any]) -> list[Any]:
     return found
 
 
-def _gif(pictures: list[Any], path: Path, title: str, labels: Sequence[str]) -> None:
+def _gif(pictures: list[Any], title: str, labels: Sequence[str]) -> bytes:
     first, *others = _small(pictures)
     step = max(20, round(1000.0 * SECONDS / len(pictures)))
-    first.save(path, format="GIF", save_all=True, append_images=others, duration=step, loop=0, disposal=1)
+    film = io.BytesIO()
+    first.save(film, format="GIF", save_all=True, append_images=others, duration=step, loop=0, disposal=1)
+    return film.getvalue()
 
 
-def _film(pictures: list[Any], path: Path, title: str, labels: Sequence[str]) -> None:
+def _film(pictures: list[Any], title: str, labels: Sequence[str]) -> bytes:
     width, height = pictures[0].size
     rate = f"{len(pictures) / SECONDS:.6f}"
     # coding takes sides of an even number of pixels
     given = ["-f", "rawvideo", "-pix_fmt", "rgb24", "-s", f"{width}x{height}", "-r", rate, "-i", "-"]
     wanted = ["-vf", "pad=ceil(iw/2)*2:ceil(ih/2)*2:color=white", "-pix_fmt", "yuv420p", "-f", "mp4"]
-    command = ["ffmpeg", "-y", "-loglevel", "error", *given, *wanted, str(path)]
     pixels = b"".join(picture.tobytes() for picture in pictures)
-    done = subprocess.run(command, input=pixels, capture_output=True, check=False)
-    if done.returncode:
-        lines = done.stderr.decode(errors="replace").strip().splitlines()
-        what = f"ffmpeg failed ({lines[-1] if lines else f'exit status {done.returncode}'})"
-        raise InputError(what, where=("animate",), remedy="write a .gif or an .html")
+    with (
+        tempfile.TemporaryDirectory() as folder
+    ):  # a file: ffmpeg goes back in it to note where the pictures are
+        film = Path(folder, "film.mp4")
+        command = ["ffmpeg", "-y", "-loglevel", "error", *given, *wanted, str(film)]
+        done = subprocess.run(command, input=pixels, capture_output=True, check=False)
+        if done.returncode:
+            lines = done.stderr.decode(errors="replace").strip().splitlines()
+            what = f"ffmpeg failed ({lines[-1] if lines else f'exit status {done.returncode}'})"
+            raise InputError(what, where=("animate",), remedy="write a .gif or an .html")
+        return film.read_bytes()
 
 
 PAGE = """<!DOCTYPE html>
@@ -140,7 +145,7 @@ show(0); run(!window.matchMedia("(prefers-reduced-motion: reduce)").matches);
 """
 
 
-def _page(pictures: list[Any], path: Path, title: str, labels: Sequence[str]) -> None:
+def _page(pictures: list[Any], title: str, labels: Sequence[str]) -> bytes:
     texts = []
     for picture in _small(pictures):
         page = io.BytesIO()
@@ -157,4 +162,4 @@ def _page(pictures: list[Any], path: Path, title: str, labels: Sequence[str]) ->
     text = PAGE
     for name, value in filled.items():
         text = text.replace(name, value)
-    path.write_text(text, encoding="utf-8")
+    return text.encode()

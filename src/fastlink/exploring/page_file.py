@@ -14,7 +14,8 @@ from fastlink.errors import InputError
 from fastlink.exploring.assembly import page_of
 from fastlink.exploring.content import content_of
 from fastlink.exploring.values import Values
-from fastlink.io.place import check_place, not_writable
+from fastlink.io.output import write_whole
+from fastlink.io.place import check_place
 from fastlink.options import check_path
 
 __all__ = ["check_page", "write_page"]
@@ -51,10 +52,7 @@ def write_page(values: Values, path: Path) -> None:
         "arrays": {name: _packed(values, name) for name in names},
         "scales": {name: values.scale(name) for name in names},
     }
-    try:
-        path.write_text(page_of(content), encoding="utf-8")
-    except OSError as error:
-        raise not_writable(path, error) from error
+    write_whole(path, page_of(content).encode())
 
 
 def _kind(values: Values, name: str) -> np.dtype[Any]:

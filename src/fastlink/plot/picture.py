@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import io
 from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from fastlink.errors import InputError
+from fastlink.io.output import write_whole
 from fastlink.io.place import check_place
 from fastlink.options import check_path, check_switch
 
@@ -69,8 +71,6 @@ def checked_request(to: Any, degrees: Any) -> Path | None:
 
 def save(figure: Figure, path: Path, where: str) -> None:
     """Write a picture; an existing one is replaced."""
-    try:
-        figure.savefig(path)
-    except OSError as error:
-        what = f"{path} cannot be written ({error.strerror})"
-        raise InputError(what, where=(where,), remedy="choose another file") from error
+    picture = io.BytesIO()
+    figure.savefig(picture, format=path.suffix.removeprefix("."))
+    write_whole(path, picture.getvalue(), where)

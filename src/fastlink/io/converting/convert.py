@@ -23,7 +23,7 @@ from fastlink.io.converting.source import Source
 from fastlink.io.place import exists_error, part_of, refused
 from fastlink.io.progress import progress_bar
 from fastlink.io.reader import COMPRESSION, as_map, is_zarr, require_package
-from fastlink.io.writing.target import check_left, check_target
+from fastlink.io.writing.target import check_made_at_once
 from fastlink.options import check_path, check_switch
 from fastlink.space.dataset import STATUS
 
@@ -221,13 +221,9 @@ def _target(to: Any, form: str, maps: xr.Dataset, nbytes: int, overwrite: bool) 
     """Return the path of the result, or refuse it."""
     source = maps.encoding.get("source")
     sources = [Path(source)] if isinstance(source, (str, os.PathLike)) and os.path.exists(source) else []
-    remedy = "finish it by the same run, rename or remove it, or choose another name"
     if form == "zarr":
         return _folder(to, sources, overwrite)
-    named = partial(check_path, example="out.nc")
-    path = check_target(to, nbytes, overwrite, sources, named)
-    check_left(path, "", remedy)
-    return path
+    return check_made_at_once(to, nbytes, overwrite, sources, partial(check_path, example="out.nc"))
 
 
 def _folder(to: Any, sources: Sequence[Path], overwrite: bool) -> Path:

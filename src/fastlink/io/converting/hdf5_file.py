@@ -13,9 +13,9 @@ import numpy as np
 
 from fastlink.io.checksums import OF_REST, of_file
 from fastlink.io.converting.compression import Compression, chunks_of
-from fastlink.io.converting.output import OutputFile
 from fastlink.io.converting.source import Source
 from fastlink.io.dataset import FORMAT_VERSION
+from fastlink.io.output import OutputFile
 from fastlink.io.writing import partial_file
 from fastlink.io.writing.skeleton import create_checksums, label, lay_labels
 from fastlink.io.writing.writer import Writer

@@ -17,9 +17,9 @@ from numpy.typing import NDArray
 from fastlink.errors import InputError
 from fastlink.io.converting.compression import Compression
 from fastlink.io.converting.labels import as_json
-from fastlink.io.converting.output import OutputFile
 from fastlink.io.converting.source import BLOCK_BYTES, Index, Source
 from fastlink.io.dataset import Variable
+from fastlink.io.output import OutputFile
 from fastlink.io.ranges import pieces
 from fastlink.io.writing import partial_file
 

@@ -8,9 +8,9 @@ from typing import Any
 
 from fastlink.io.converting.compression import Compression, chunks_of
 from fastlink.io.converting.labels import as_json
-from fastlink.io.converting.output import OutputFolder
 from fastlink.io.converting.source import Source
 from fastlink.io.dataset import FORMAT_VERSION
+from fastlink.io.output import OutputFolder
 from fastlink.io.writing.skeleton import auxiliary
 from fastlink.space.dataset import FORMAT
 

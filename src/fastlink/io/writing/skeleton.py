@@ -77,6 +77,13 @@ def lay_labels(path: Path, coords: xr.Dataset, attrs: Mapping[str, Any]) -> None
         _copy_to_new(other, path, {})
 
 
+def as_bytes(dataset: xr.Dataset) -> bytes:
+    """Return the HDF5 file of a small dataset, made in memory."""
+    with scratch() as file:
+        _to_netcdf(file, dataset, "w")
+        return file.read_bytes()
+
+
 def create_checksums(file: Any, variables: Sequence[Variable]) -> dict[str, int]:
     """Create the checksums of the values of some variables, and of all else; return their offsets."""
     group = file.create_group(CHECKSUMS)

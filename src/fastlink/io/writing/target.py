@@ -25,7 +25,7 @@ from fastlink.io.writing.partial_file import given_back, reopened
 from fastlink.options import check_output
 from fastlink.space.dataset import FORMAT
 
-__all__ = ["check_left", "check_target", "forget_journal", "forget_published"]
+__all__ = ["check_left", "check_made_at_once", "check_target", "forget_journal", "forget_published"]
 
 #: The remedy where a run left what another request would lose.
 RESTART: Remedy = (
@@ -75,6 +75,22 @@ def check_target(
         raise refused(f"{path} is a file that is read for it", "choose another name")
     if nbytes_needed + SLACK > free_bytes(target) + given_back(part):
         raise no_room(target, nbytes_needed)
+    return target
+
+
+def check_made_at_once(
+    path: str | Path,
+    nbytes_needed: int,
+    overwrite: bool,
+    sources: Sequence[Path] = (),
+    named: Callable[[KeyPath, Any], Path] = check_output,
+) -> Path:
+    """Return the absolute path of a file that no later run goes on with, or refuse it as `check_target` does.
+
+    Refused too where a run to that name has left its part of a map, which would be lost.
+    """
+    target = check_target(path, nbytes_needed, overwrite, sources, named)
+    check_left(target, "", "finish it by the same run, rename or remove it, or choose another name")
     return target
 
 

@@ -1,4 +1,4 @@
-"""The output of a conversion: a fresh name until it is whole, then the final one."""
+"""Outputs that are made at once: a fresh name until they are whole, then the final one."""
 
 from __future__ import annotations
 
@@ -7,33 +7,41 @@ import errno
 import os
 import shutil
 from collections.abc import Callable, Iterator
+from functools import partial
 from pathlib import Path
 from types import TracebackType
-from typing import Self
+from typing import Any, Self
 
 from fastlink.errors import InputError
-from fastlink.io.place import NO_ROOM, exists_error, part_of, reason, refused
+from fastlink.io.place import NO_ROOM, exists_error, not_writable, part_of, reason, refused
 from fastlink.io.reader import is_zarr
 from fastlink.io.renaming import exchange, exclusive_rename
 from fastlink.io.writing import partial_file
 from fastlink.io.writing.finishing import uninterrupted
 
-__all__ = ["OutputFile", "OutputFolder", "failure"]
+__all__ = ["OutputFile", "OutputFolder", "failure", "write_whole"]
+
+LESS = "compress or select more"
 
 
-def failure(path: Path, error: Exception) -> InputError:
-    """Return the error of an output that cannot be written, such as on a full disk."""
+def failure(path: Path, error: Exception, where: str = "to", less: str = LESS) -> InputError:
+    """Return the error of an output that cannot be written, such as on a full disk; `less` asks for a smaller one."""
     if getattr(error, "errno", None) in NO_ROOM or any(os.strerror(n) in str(error) for n in NO_ROOM):
         what = f"{path}: no room for the result ({reason(error)})"
-        return refused(what, "make room, choose another disk, or compress or select more")
-    return refused(f"{path} cannot be written ({reason(error)})", "choose another place")
+        return refused(
+            what,
+            f"make room, choose another disk, or {less}" if less else "make room, or choose another disk",
+            where,
+        )
+    return not_writable(path, error, where)
 
 
 class _Output:
     """An output that gets its name when it is whole, and is removed where it does not."""
 
-    def __init__(self, path: Path, overwrite: bool) -> None:
+    def __init__(self, path: Path, overwrite: bool, where: str = "to", less: str = LESS) -> None:
         self.path, self.part, self._overwrite = path, part_of(path), overwrite
+        self._failure = partial(failure, where=where, less=less)
         self._published = False
 
     def __enter__(self) -> Self:
@@ -45,7 +53,18 @@ class _Output:
         if not self._published:
             self._discard()
         self._release()
-        _explain(self.path, error)
+        if isinstance(error, FileExistsError):
+            raise exists_error(self.path) from error
+        if isinstance(error, (OSError, RuntimeError)):
+            raise self._failure(self.path, error) from error
+
+    @contextlib.contextmanager
+    def _refusing(self) -> Iterator[None]:
+        """Turn an error of the system into one that says what to do."""
+        try:
+            yield
+        except OSError as error:
+            raise self._failure(self.path, error) from error
 
     def _discard(self) -> None:
         raise NotImplementedError
@@ -65,6 +84,10 @@ class OutputFile(_Output):
         Replace an existing file.
     lay : callable
         Makes the file as it is to begin with, at the path that is given to it.
+    where : str
+        The option that names it.
+    less : str
+        What else to write where the disk is too small.
 
     Attributes
     ----------
@@ -74,9 +97,16 @@ class OutputFile(_Output):
         Its name until it is whole.
     """
 
-    def __init__(self, path: Path, overwrite: bool, lay: Callable[[Path], None]) -> None:
-        super().__init__(path, overwrite)
-        with _refusing(path):
+    def __init__(
+        self,
+        path: Path,
+        overwrite: bool,
+        lay: Callable[[Path], Any],
+        where: str = "to",
+        less: str = LESS,
+    ) -> None:
+        super().__init__(path, overwrite, where, less)
+        with self._refusing():
             self.fd, _ = partial_file.begun(self.part, lay)
 
     def publish(self) -> None:
@@ -103,7 +133,7 @@ class OutputFolder(_Output):
 
     def __init__(self, path: Path, overwrite: bool) -> None:
         super().__init__(path, overwrite)
-        with _refusing(path):
+        with self._refusing():
             if os.path.lexists(self.part):
                 self._remove_left()
             self.part.mkdir()
@@ -183,18 +213,25 @@ def _close(fd: int | None) -> None:
         os.close(fd)
 
 
-@contextlib.contextmanager
-def _refusing(path: Path) -> Iterator[None]:
-    """Turn an error of the system into one that says what to do."""
-    try:
-        yield
-    except OSError as error:
-        raise failure(path, error) from error
+def write_whole(path: Path, content: bytes, where: str = "to", *, overwrite: bool = True) -> None:
+    """Write a small file at once: the one that has its name stays until the new one is whole and on the disk.
 
+    Parameters
+    ----------
+    path : Path
+        The file; where it is a symbolic link, the file that it leads to.
+    content : bytes
+        All that is in it.
+    where : str
+        The option that names it.
+    overwrite : bool
+        Replace an existing file.
 
-def _explain(path: Path, error: BaseException | None) -> None:
-    """Raise the error of a result that could not be written in words; let others pass."""
-    if isinstance(error, FileExistsError):
-        raise exists_error(path) from error
-    if isinstance(error, (OSError, RuntimeError)):
-        raise failure(path, error) from error
+    Raises
+    ------
+    InputError
+        It cannot be written, such as on a full disk, or exists and is not to be replaced.
+    """
+    final = Path(os.path.realpath(path))
+    with OutputFile(final, overwrite, lambda fresh: fresh.write_bytes(content), where, less="") as out:
+        out.publish()
