@@ -457,3 +457,17 @@ def test_the_names_of_the_package_are_functions_whatever_was_imported():
     )
     done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True)
     assert done.stdout == "1\n"
+
+
+def test_best_refines(folder):
+    called("run", "study.toml", "--quiet")
+    line = ("best", "study.h5", "--minimise", "omega4_max", "--where", "a2=1.13:", "--top", 1)
+    about, names, *_, last = called(*line, "--refine", "--to", "finer.h5").stdout.splitlines()
+    assert "refined: 1 converged" in about
+    assert names.split()[-3:] == ["omega4_max_gain", "refinement", "active"]
+    with fl.open("study.h5") as maps, fl.open("finer.h5") as finer:
+        expected = fl.best(maps, minimise="omega4_max", where={"a2": (1.13, None)}, top=1, refine=True)
+        assert str(finer.active[0].item()) == str(expected.active[0].item())
+        assert float(finer.omega4_max[0]) == float(expected.omega4_max[0])
+    assert_refusal(fl.InputError(*refused(*line, "--changing", "a2")), "--changing", "--refine")
+    assert_refusal(fl.InputError(*refused(*line, "--refine", "--changing", "a1")), "--refine", "a2, a3")

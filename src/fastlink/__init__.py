@@ -29,13 +29,13 @@ if TYPE_CHECKING:
     from fastlink.io.converting.convert import convert as convert
     from fastlink.maps import finite as finite
     from fastlink.maps import open as open
-    from fastlink.maps.best import best as best
     from fastlink.mechanisms.listing import mechanisms as mechanisms
     from fastlink.plot.plot_designs import plot_designs as plot_designs
     from fastlink.plot.plot_designs import plot_front as plot_front
     from fastlink.plot.plot_map import plot_map as plot_map
     from fastlink.report.quantities import quantities as quantities
     from fastlink.report.summary import summary as summary
+    from fastlink.searching.best import best as best
     from fastlink.space.design_space import DesignSpace as DesignSpace
     from fastlink.space.links import round_bar as round_bar
     from fastlink.space.samplers import grid as grid

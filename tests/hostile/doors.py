@@ -327,7 +327,8 @@ DOORS: list[Door] = [
     ),
     Door(
         "best",
-        "fl.best($maps, minimise=$minimise, maximise=$maximise, where=$where, top=$top, infinite=$infinite)",
+        "fl.best($maps, minimise=$minimise, maximise=$maximise, where=$where, top=$top, infinite=$infinite, "
+        "refine=$refine)",
         _slots(
             maps=("dataset", "MAPS", "MAPS", DATASETS[-1]),
             minimise=("name", "'omega4_max'", "omega4_max"),
@@ -335,6 +336,7 @@ DOORS: list[Door] = [
             where=("mapping", "None", "1", "xr.Dataset()", "{'omega4_max': (0, 1, 2)}", "{'omega4_max': 1}"),
             top=("count", "2", "2", "2**64", "10**30", "10**400"),
             infinite=("flag", "False"),
+            refine=("flag", "False"),
         ),
         "",
     ),

@@ -92,6 +92,16 @@ def best(
     top: Annotated[
         int | None, typer.Option("--top", metavar="N", help="How many, by one objective; 10 if left out.")
     ] = None,
+    refine: Annotated[
+        bool,
+        typer.Option("--refine", help="Go on from them off the grid, by derivatives, within the conditions."),
+    ] = False,
+    changing: Annotated[
+        str | None,
+        typer.Option(
+            "--changing", metavar="A,B", help="Inputs that --refine may change; all swept ones if left out."
+        ),
+    ] = None,
     degrees: Annotated[bool, typer.Option("--degrees", help="Show angles in degrees.")] = False,
     to: Annotated[
         Path | None,
@@ -105,8 +115,8 @@ def best(
     from fastlink.io.converting.convert import check_conversion
     from fastlink.io.converting.convert import convert as convert_map
     from fastlink.io.reader import open_map
-    from fastlink.maps.best import best as find
-    from fastlink.report.designs import listed
+    from fastlink.report.designs import listed, refinement_columns
+    from fastlink.searching.best import best as find
 
     wanted = _conditions(where or [])
     options: dict[str, Any] = {
@@ -115,13 +125,17 @@ def best(
         "where": wanted or None,
         "top": top,
     }
+    if changing is not None and not refine:
+        raise InputError("is given without --refine", where=("changing",), remedy="add --refine")
+    options["refine"] = refine if changing is None else [name.strip() for name in changing.split(",")]
     with open_map(file) as maps:
         if to is not None:
             check_conversion(maps, to, overwrite)
         found = find(maps, **options).load()
     if to is not None:
         convert_map(found, to, overwrite=overwrite)
-    typer.echo(listed(found, [*(minimise or ()), *(maximise or ()), *wanted], degrees=degrees))
+    names = [*(minimise or ()), *(maximise or ()), *wanted]
+    typer.echo(listed(found, [*names, *refinement_columns(found)], degrees=degrees))
 
 
 def _conditions(texts: list[str]) -> dict[str, Any]:

@@ -72,6 +72,15 @@ class WithGradient:
                 result[k, j] = found
         return result
 
+    @property
+    def without_gradient(self) -> tuple[str, ...]:
+        """The outputs that have no derivatives: codes, lists, error bounds."""
+        try:
+            _names_of(self._resolved, self.inputs)
+        except InputError as error:
+            return tuple({self.outputs[int(one.where[1])]: None for one in error.problems})
+        return ()
+
     @cached_property
     def _derivatives(self) -> tuple[Function | None, list[tuple[int, int]]]:
         """The function that gives the derivatives that are not zero everywhere, and output and input of each."""

@@ -1,9 +1,9 @@
-"""Find the best designs of a map, by one objective or by several, block by block."""
+"""Choose the best rows of a map, by one objective or by several, block by block."""
 
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -12,18 +12,21 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from fastlink._text import joined, short_repr
-from fastlink.doors import door
 from fastlink.errors import InputError, Problems, Setting
-from fastlink.io.reader import as_dataset
 from fastlink.maps.conditions import Condition, conditions
 from fastlink.maps.flags import flags_of
 from fastlink.maps.front import nondominated, undominated
 from fastlink.maps.rows import Rows, numeric
 from fastlink.options import check_choice, check_switch, check_whole
 
-__all__ = ["Objective", "best", "least", "listed", "objective", "ranked"]
+__all__ = [
+    *("ACTIVE", "GAIN", "REFINEMENT", "Choice", "Objective", "choice_of", "chosen", "least", "listed"),
+    *("objective", "ranked"),
+]
 
 DEFAULT_TOP = 10
+#: What a refinement adds to a table of designs: how it ended, what holds each design back, what was gained.
+REFINEMENT, ACTIVE, GAIN = "refinement", "active", "gain"
 NOT_A_NUMBER, INFINITE = "not a number", "infinite"
 
 
@@ -38,87 +41,56 @@ class Objective:
         return f"{'least' if self.sign > 0 else 'greatest'} {self.array.name}"
 
 
-@door
-def best(
-    maps: Any,
-    *,
-    minimise: str | Sequence[str] = (),
-    maximise: str | Sequence[str] = (),
-    where: Any = None,
-    top: int | None = None,
-    infinite: bool = False,
-) -> xr.Dataset:
-    """Find the best designs of a map: by one objective the first few, by several the Pareto front.
+@dataclass(frozen=True)
+class Choice:
+    """Which rows of a map are the best.
 
-    The map is read block by block and may be larger than memory. The front is exact: all rows that no other row beats,
-    that is, which no other equals or betters in every objective and betters in one.
-
-    Parameters
+    Attributes
     ----------
-    maps : xarray.Dataset or path
-        From `fastlink.sweep`, `fastlink.run_study` or `fastlink.open`, or the file of a map.
-    minimise, maximise : str or sequence of str
-        The objectives: variables, or inputs that are swept. A row is a place along all dimensions that these and the
-        conditions have: a design, in an assembly mode, and at one input position where they have them.
-    where : mapping, str, list of str or xarray.DataArray, optional
-        For variables and inputs their least and greatest value, None for no limit, such as
-        ``{"transmission_angle_min": (0.6, None)}``, or in degrees ``{"transmission_angle_min_deg": (40, None)}``; the
-        meanings of a code, such as ``{"status": "rotates_fully"}``,
-        or ``"rotates_fully"`` alone; or a mask, such as ``maps.a1 < 0.5``.
-    top : int, default 10
-        How many rows, of one objective. The front has as many as it has.
-    infinite : bool, default False
-        Consider infinite objectives too.
-
-    Returns
-    -------
-    xarray.Dataset
-        Along ``design``, the best of the first objective first, equal ones in the order of the map: all inputs, the
-        assembly mode, all results of that row. Of rows that are equal in all objectives a front has the first one.
-        The attribute ``selection`` says how many rows were considered and left out. It can be swept again.
-
-    Raises
-    ------
-    InputError
-        An objective or condition is unknown, or there is no objective.
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> import fastlink as fl
-    >>> space = fl.grid(a1=np.linspace(0.1, 0.5, 9), a2=np.linspace(0.9, 1.3, 9), a3=0.8, a4=1.0, omega1=25.0)
-    >>> maps = fl.sweep("planar_4r", space, ["omega4_max", "transmission_angle_min"], branch=1)
-    >>> found = fl.best(maps, minimise="omega4_max", where={"a1": (0.2, None), "status": "rotates_fully"}, top=1)
-    >>> found.a1.values, found.a2.values, found.omega4_max.values.round(2)
-    (array([0.2]), array([0.9]), array([6.3]))
-    >>> front = fl.best(maps, minimise="omega4_max", maximise=["a1", "transmission_angle_min"])
-    >>> front.sizes["design"] < maps.omega4_max.size
-    True
+    objectives : list of Objective
+        One, by which rows are ranked, or several, of which the front is.
+    wanted : list of Condition
+        What the rows must meet.
+    top : int
+        How many rows, of one objective.
+    infinite : bool
+        Whether infinite objectives count.
     """
-    problems = Problems()
+
+    objectives: list[Objective]
+    wanted: list[Condition]
+    top: int = DEFAULT_TOP
+    infinite: bool = False
+
+
+def choice_of(
+    maps: xr.Dataset, minimise: Any, maximise: Any, where: Any, *, top: Any = None, infinite: Any = False
+) -> Choice:
+    """Return the choice of rows that a caller asks for, see `fastlink.best`, or refuse it."""
+    problems, wanted, sought = Problems(), list[Condition](), list[Objective]()
     with problems.at():
         check_switch(("infinite",), infinite)
-    with as_dataset(maps) as dataset:
-        wanted, sought = list[Condition](), list[Objective]()
-        with problems.at():
-            sought = _objectives(dataset, minimise, maximise)
-        with problems.at():
-            wanted = conditions(dataset, where)
-        with problems.at():
-            if top is not None:
-                check_whole(("top",), top, 1)
-                if len(sought) > 1:
-                    remedy = "leave it out, or name one objective"
-                    raise InputError(
-                        f"is {top}, and the front of several objectives is whole",
-                        where=("top",),
-                        remedy=remedy,
-                    )
-        problems.stop()
-        rows = Rows.of([*(one.array for one in sought), *(one.array for one in wanted)])
-        if len(sought) == 1:
-            return ranked(dataset, rows, sought[0], wanted, top=top or DEFAULT_TOP, infinite=infinite)
-        return _front(dataset, rows, sought, wanted, infinite=infinite)
+    with problems.at():
+        sought = _objectives(maps, minimise, maximise)
+    with problems.at():
+        wanted = conditions(maps, where)
+    with problems.at():
+        if top is not None:
+            check_whole(("top",), top, 1)
+            if len(sought) > 1:
+                what = f"is {top}, and the front of several objectives is whole"
+                raise InputError(what, where=("top",), remedy="leave it out, or name one objective")
+    problems.stop()
+    return Choice(sought, wanted, top or DEFAULT_TOP, bool(infinite))
+
+
+def chosen(maps: xr.Dataset, choice: Choice) -> xr.Dataset:
+    """Return the best rows of a map, see `fastlink.best`; it is read block by block."""
+    sought, wanted, infinite = choice.objectives, choice.wanted, choice.infinite
+    rows = Rows.of([*(one.array for one in sought), *(one.array for one in wanted)])
+    if len(sought) == 1:
+        return ranked(maps, rows, sought[0], wanted, top=choice.top, infinite=infinite)
+    return _front(maps, rows, sought, wanted, infinite=infinite)
 
 
 def _objectives(maps: xr.Dataset, minimise: Any, maximise: Any) -> list[Objective]:

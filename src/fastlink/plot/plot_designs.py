@@ -13,7 +13,7 @@ from fastlink._text import counted, joined, short_repr
 from fastlink.doors import door
 from fastlink.errors import InputError, Problems, Setting
 from fastlink.io.reader import as_map
-from fastlink.maps.best import best, listed
+from fastlink.maps.best import choice_of, chosen, listed
 from fastlink.maps.conditions import conditions
 from fastlink.maps.rows import numeric
 from fastlink.options import check_choice
@@ -171,7 +171,7 @@ def plot_front(
     with as_map(maps) as dataset:
         if branch is not None:
             dataset = one_branch(dataset, branch)
-        found = best(dataset, minimise=minimise, maximise=maximise, where=where)
+        found = chosen(dataset, choice_of(dataset, minimise, maximise, where))
         names = [*listed(minimise), *listed(maximise)]
         low, high = KINDS["corner"]
         if not low <= len(names) <= high:

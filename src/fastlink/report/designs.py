@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 from fastlink._text import aligned, short_number
+from fastlink.maps.best import GAIN, REFINEMENT
 from fastlink.maps.flags import flags_of
 from fastlink.maps.units import degrees as in_degrees
 from fastlink.space.degrees import angle_of
@@ -14,7 +15,7 @@ from fastlink.space.design_space import DESIGN
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["listed"]
+__all__ = ["listed", "refinement_columns"]
 
 #: Rows of a list that are shown.
 MOST_ROWS = 100
@@ -34,10 +35,14 @@ def listed(found: xr.Dataset, names: Sequence[str], *, degrees: bool = False) ->
     """
     about = str(found.attrs.get("selection", ""))
     maps = in_degrees(found) if degrees else found
-    inputs = [str(name) for name, array in maps.coords.items() if array.dims == (DESIGN,)]
+    along = [(str(name), array) for name, array in maps.coords.items() if array.dims == (DESIGN,)]
+    inputs = [name for name, array in along if array.dtype.kind in "iuf"]
+    texts = [name for name, array in along if name not in inputs]
     shown = [name if name in maps.variables else angle_of(name) for name in names]
     columns = [
-        _column(maps[name]) for name in dict.fromkeys([*inputs, *shown]) if maps[name].dims == (DESIGN,)
+        _column(maps[name])
+        for name in dict.fromkeys([*inputs, *shown, *texts])
+        if maps[name].dims == (DESIGN,)
     ]
     rows = list(zip(*columns, strict=True))
     hidden = len(rows) - 2 - MOST_ROWS
@@ -48,6 +53,14 @@ def listed(found: xr.Dataset, names: Sequence[str], *, degrees: bool = False) ->
     )
     below = f"\nthe same for all: {constants}" if constants else ""
     return f"{about}\n{aligned(rows[: 2 + MOST_ROWS], right=0)}{more}{below}"
+
+
+def refinement_columns(found: xr.Dataset) -> list[str]:
+    """Return the columns that a refinement has added: what was gained, and how it ended."""
+    names = [str(name) for name in found.data_vars]
+    return [name for name in names if name.endswith(f"_{GAIN}")] + [
+        name for name in names if name == REFINEMENT
+    ]
 
 
 def _column(array: xr.DataArray) -> list[str]:
