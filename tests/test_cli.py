@@ -462,7 +462,7 @@ def test_the_names_of_the_package_are_functions_whatever_was_imported():
 def test_best_refines(folder):
     called("run", "study.toml", "--quiet")
     line = ("best", "study.h5", "--minimise", "omega4_max", "--where", "a2=1.13:", "--top", 1)
-    about, names, *_, last = called(*line, "--refine", "--to", "finer.h5").stdout.splitlines()
+    about, names, *_ = called(*line, "--refine", "--to", "finer.h5").stdout.splitlines()
     assert "refined: 1 converged" in about
     assert names.split()[-3:] == ["omega4_max_gain", "refinement", "active"]
     with fl.open("study.h5") as maps, fl.open("finer.h5") as finer:
