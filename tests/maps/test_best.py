@@ -1,5 +1,7 @@
 """The best designs of a map: by one objective, and the front of several."""
 
+from decimal import Decimal
+
 import numpy as np
 import pytest
 import xarray as xr
@@ -157,6 +159,8 @@ def test_nothing_meets_the_conditions(maps):
         ("a9", "a4", {"minimise": "a1", "where": {"a9": (0, 1)}}),
         ("a1", "None", {"minimise": "a1", "where": {"a1": 0.5}}),
         ("a1", "None", {"minimise": "a1", "where": {"a1": ("x", None)}}),
+        ("a1", "write a number", {"minimise": "a1", "where": {"a1": (10**400, None)}}),
+        ("a1", "write a number", {"minimise": "a1", "where": {"a1": (None, Decimal("sNaN"))}}),
         ("a1", "exchange", {"minimise": "a1", "where": {"a1": (1.0, 0.5)}}),
         ("status", "rotates_fully", {"minimise": "a1", "where": {"status": (0, 1)}}),
         ("status", "rotates_fully", {"minimise": "a1", "where": {"status": 0}}),

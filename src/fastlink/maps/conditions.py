@@ -15,7 +15,7 @@ from fastlink.maps.flags import check_flags, flags_of
 from fastlink.options import check_choice
 from fastlink.space.dataset import STATUS
 from fastlink.space.degrees import RADIANS, angle_of, check_angle, radians, remark_on_angles
-from fastlink.space.values import is_number
+from fastlink.space.values import as_real
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -128,7 +128,7 @@ def _limit(name: str, end: Any, otherwise: float) -> float:
     """Return one end of a range, or refuse it."""
     if end is None:
         return otherwise
-    if is_number(end) and not math.isnan(number := float(end)):
+    if (number := as_real(end)) is not None:
         return number
     what, remedy = f"ends at {short_repr(end)}", "write a number, or None for no limit"
     raise InputError(what, where=("where", name), remedy=remedy)

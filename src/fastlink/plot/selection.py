@@ -15,7 +15,7 @@ from fastlink.maps.flags import flags_of
 from fastlink.options import check_choice, check_whole
 from fastlink.space.dataset import STATUS
 from fastlink.space.design_space import BRANCH
-from fastlink.space.values import is_number
+from fastlink.space.values import as_real
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -174,8 +174,8 @@ def _fixed(
 
 def nearest_place(dim: str, values: Any, value: Any) -> int:
     """Return the place of the nearest value along a dimension."""
-    wanted = _finite(value)
-    if wanted is None:
+    wanted = as_real(value)
+    if wanted is None or not math.isfinite(wanted):
         raise InputError(f"is {short_repr(value)}", where=("at", dim), remedy="write a finite number")
     if not _is_scale(values):
         what = f"has {'no values' if not values.size else 'coordinates that are not finite numbers'}"
@@ -186,17 +186,6 @@ def nearest_place(dim: str, values: Any, value: Any) -> int:
         remedy = f"write a number from {low:g} to {high:g}"
         raise InputError(f"is {wanted:g}, outside the result", where=("at", dim), remedy=remedy)
     return int(abs(values - wanted).argmin())
-
-
-def _finite(value: Any) -> float | None:
-    """Return a finite number as a float, None of anything else."""
-    if not is_number(value):
-        return None
-    try:
-        number = float(value)
-    except (OverflowError, ValueError):  # Decimal("sNaN")
-        return None
-    return number if math.isfinite(number) else None
 
 
 def _check_free(variable: xr.DataArray, name: str, free: list[str], split: tuple[str, Any] | None) -> None:

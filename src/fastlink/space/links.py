@@ -12,7 +12,7 @@ import numpy as np
 from fastlink._text import short_repr
 from fastlink.doors import door
 from fastlink.errors import InputError, Problems, suggest
-from fastlink.space.values import is_number
+from fastlink.space.values import as_real, is_number
 
 __all__ = ["MODELS", "Links", "round_bar", "taken_links"]
 
@@ -47,9 +47,11 @@ class Links:
                 remedy = f"write one number, or leave it out and give {name} in the design"
                 problems.add(f"is {short_repr(value)}", where, remedy)
             else:
-                numbers[name] = _as_float(value)
-                if not 0 <= numbers[name] < math.inf:
+                number = as_real(value)
+                if number is None or not 0 <= number < math.inf:
                     problems.add(f"is {short_repr(value)}", where, "write a finite number of at least 0")
+                else:
+                    numbers[name] = number
         problems.stop()
         object.__setattr__(self, "values", numbers)
 
@@ -68,13 +70,6 @@ def taken_links(given: dict[str, Any]) -> Links | None:
         if values:
             return Links(model, values)
     return None
-
-
-def _as_float(value: Any) -> float:
-    try:
-        return float(value)
-    except (OverflowError, ValueError):  # Decimal("sNaN") is a ValueError
-        return math.inf
 
 
 @door

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+import math
 import numbers
 import sys
 from collections.abc import Callable, Mapping
 from decimal import Decimal
-from typing import Any, TypeVar
+from typing import Any, SupportsFloat, TypeVar, cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -171,6 +172,17 @@ def is_number(cell: object) -> bool:
     """Tell whether an object is a real number; True and False are not."""
     # to NumPy a duration is a kind of integer
     return isinstance(cell, (numbers.Real, Decimal)) and not isinstance(cell, (bool, np.timedelta64))
+
+
+def as_real(value: object) -> float | None:
+    """Return a real number as a float, and None of anything else: of NaN and of what is beyond doubles too."""
+    if not is_number(value):
+        return None
+    try:
+        number = float(cast(SupportsFloat, value))
+    except (OverflowError, ValueError):  # Decimal("sNaN") is a ValueError
+        return None
+    return None if math.isnan(number) else number
 
 
 def constant(where: str, name: str, given: Any) -> float:

@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from numbers import Real
 from typing import Any
 
 import numpy as np
@@ -15,6 +14,7 @@ from numpy.typing import NDArray
 from fastlink._text import short_number, short_repr
 from fastlink.errors import InputError, Problems, Setting, remark, suggest
 from fastlink.space.degrees import RADIANS, angle_of, check_angle, degrees_name, radians, remark_on_angles
+from fastlink.space.values import as_real
 
 __all__ = ["Indexer", "Selection", "selected"]
 
@@ -178,13 +178,8 @@ def _form(name: Any, condition: Any, coordinate: xr.DataArray) -> _Numbers | _En
 
 
 def _real(value: Any, condition: Any) -> float:
-    if isinstance(value, Real) and not isinstance(value, (bool, np.bool_)):
-        try:
-            number = float(value)
-        except OverflowError:
-            number = math.nan
-        if not math.isnan(number):
-            return number
+    if (number := as_real(value)) is not None:
+        return number
     raise InputError(f"is {short_repr(condition)}", remedy=FORMS)
 
 
