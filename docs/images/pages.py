@@ -1,4 +1,4 @@
-"""The pictures of a page, by its own commands: ``python docs/images/pages.py gallery`` or ``drawing``.
+"""The pictures of a page, by its own commands: ``python -m docs.images.pages gallery`` or ``drawing``.
 
 The commands of the page run from the first to the last, in a folder where data/ is that of the repository; each
 picture that the page shows becomes small and stands in docs/images. A part of a name, as in ``gallery hayes``, makes
@@ -17,6 +17,7 @@ from contextlib import chdir
 from pathlib import Path
 
 from PIL import Image
+from tests.support.commands import code_blocks
 
 from fastlink.cli import app
 
@@ -28,7 +29,7 @@ OUTPUTS = ("--to", "--animate")
 
 def blocks_of(page: str) -> list[list[list[str]]]:
     """Return the blocks of a page, each a list of commands, each a list of arguments."""
-    blocks = re.findall(r"^```sh\n(.*?)^```", page, flags=re.MULTILINE | re.DOTALL)
+    blocks = code_blocks(page, "sh")
     return [[shlex.split(line, comments=True) for line in block.splitlines() if line] for block in blocks]
 
 

@@ -113,6 +113,8 @@ def driven(joint: int, kind: str, rng: np.random.Generator, n: int) -> dict[str,
     return turned | {
         f"joint_angle_{joint}": theta - np.pi,
         f"joint_omega_{joint}": rng.uniform(-2.0, 2.0, n),
+        "P_u": rng.uniform(-1.0, 2.0, n),
+        "P_v": rng.uniform(-1.0, 1.0, n),
     }
 
 

@@ -91,6 +91,7 @@ def driven(joint: int, rng: np.random.Generator, n: int) -> Inputs:
     """Return configurations of the planar 4R driven at another joint, which folds at half a turn."""
     inputs = dict(zip(configurations.LENGTHS, lengths(rng, n), strict=True))
     rate = {f"joint_omega_{joint}": rng.uniform(0.5, 2.0, n)}
+    rate |= {name: rng.uniform(-1.0, 2.0, n) for name in ("P_u", "P_v")}
     return inputs | rate | {f"joint_angle_{joint}": angles(rng, n, (-np.pi, np.pi, 0.0))}
 
 

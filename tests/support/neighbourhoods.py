@@ -154,9 +154,11 @@ def planar_4r(rng, n, joint=0):
     design = {f"a{i + 1}": a[i] for i in range(4)}
     if joint:
         crank, coupler, output, ground = (a[(joint - 1 + k) % 4] for k in range(4))
-        design[f"joint_omega_{joint}"] = factors(rng, n)
+        design |= {name: factors(rng, n) for name in (f"joint_omega_{joint}", "P_u", "P_v")}
         toggles = (np.pi - one for one in four_bar_toggles(crank, coupler, output, ground))
-        return scaled(rng, design, tuple(design)[:4]) | {f"joint_angle_{joint}": angles(rng, n, *toggles)}
+        return scaled(rng, design, (*tuple(design)[:4], "P_u", "P_v")) | {
+            f"joint_angle_{joint}": angles(rng, n, *toggles)
+        }
     toggles = four_bar_toggles(*a)
     size = a.max(axis=0)
     points = ["P_u", "P_v", *(f"G{i}_{axis}" for i in (1, 2, 3) for axis in "uv")]

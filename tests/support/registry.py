@@ -146,6 +146,14 @@ REACTIONS = (
     *("T41", "shaking_moment"),
 )
 
+#: Derivatives of places in the ground frame where another joint than O is driven.
+TURNED_BACK = {
+    f"d_{place}_{xy}_d_{by}": 8.0
+    for place in "ABP"
+    for xy in "xy"
+    for by in (*configurations.LENGTHS, "P_u", "P_v")
+}
+
 #: Where links turn nearly as one, the crank is loaded along itself; a difference of vectors does not know it.
 ACROSS = ("F41_x", "F41_y", "F21_x", "F21_y")
 
@@ -212,6 +220,8 @@ PLANAR_4R = (
             many=300,
             errors=CLOSURE,
             slopes=SLOPES,
+            # AB and P are turned back by products of vectors, two roundings more at each: the worst seen is 5.2.
+            long_chains=TURNED_BACK,
         )
         for joint in (1, 2, 3, 4)
     ),

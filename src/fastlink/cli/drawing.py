@@ -56,7 +56,7 @@ def draw(
         typer.Option(
             "--show",
             metavar="WORD",
-            help="Instead of the usual: path, circles, comb, forces, all; may be repeated.",
+            help="Instead of the usual: path, circles, comb, forces, torques, all; may be repeated.",
         ),
     ] = None,
     degrees: Annotated[bool, typer.Option("--degrees", help="Show angles in degrees.")] = False,

@@ -11,6 +11,7 @@ from matplotlib.lines import Line2D
 
 from fastlink._text import short_number
 from fastlink.drawing.curves import Curves
+from fastlink.drawing.loads import FORCES, LONGEST, ends_of_forces
 from fastlink.drawing.marks import add_scale
 from fastlink.drawing.overlays import mode_line
 from fastlink.drawing.request import Request
@@ -28,6 +29,10 @@ MARGIN, LINE, TITLE, BESIDE, CURVE = 0.25, 0.19, 0.3, 3.6, 1.25
 FLATTEST, TALLEST = 0.42, 1.1
 #: Of the size of what is drawn: the margin in a view, and in one of a plane without bounds.
 AROUND, WIDE_AROUND = 0.09, 0.3
+#: The same where the teeth of a comb stand on the path.
+COMB_AROUND = 0.22
+#: How much the margin and the arrows themselves add to a view in which forces are shown.
+GROWN = 1.4
 LETTER = 0.072  # of the legend, in inches
 CAPTION_LETTERS, TITLE_LETTERS = 15, 12  # in an inch
 POINTS = 72.0
@@ -215,8 +220,15 @@ def _view(request: Request) -> Any:
     low, high = every.min(axis=0), every.max(axis=0)
     if not bounded and request.moves:
         low, high = np.percentile(every, 4, axis=0), np.percentile(every, 96, axis=0)
+    if FORCES in request.show:
+        longest = LONGEST * GROWN * max((high - low).min(), FLATTEST * (high - low).max())
+        moves = request.moves or len(request.positions) > 1
+        ends = [ends_of_forces(one, request.positions, longest, moves=moves) for one in request.motions]
+        every = np.concatenate([*ends, [low, high]])
+        low, high = np.nanmin(every, axis=0), np.nanmax(every, axis=0)
     middle, size = 0.5 * (low + high), high - low
-    size = size + (AROUND if bounded else WIDE_AROUND) * 2.0 * size.max()
+    around = WIDE_AROUND if not bounded else COMB_AROUND if "comb" in request.show else AROUND
+    size = size + 2.0 * around * size.max()
     width = max(size[0], size[1] / TALLEST)
     height = max(size[1], width * FLATTEST)
     half = 0.5 * np.array([width, height])

@@ -66,7 +66,7 @@ def draw(
         Quantities whose curves over the input stand beside the linkage, the position marked.
     show : str or sequence of str, optional
         What is shown besides the linkage, in place of the usual: words such as ``path``, ``limits``, ``circles`` (on
-        which joints run), ``comb`` (the curvature of the path), ``forces``, ``cubic``; ``all``; an unknown word is
+        which joints run), ``comb`` (the curvature of the path), ``forces``, ``torques``, ``all``; an unknown word is
         answered with those of the mechanism.
     degrees : bool, default False
         Show angles in degrees; so they are if one is given in degrees.

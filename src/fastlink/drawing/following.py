@@ -42,7 +42,21 @@ def add_arms(sheet: Sheet, position: float, circle: Circle) -> list[Any]:
 
 def legend_of_loci(sheet: Sheet) -> list[Any]:
     """Return the legend of the loci that are shown."""
-    return [Line2D([], [], color=FAINT, linewidth=0.9, label=locus.meaning) for locus in _shown(sheet)]
+    alone = sheet.colour(0) if len(sheet.motion.branches) == 1 else FAINT
+    return [
+        Line2D([], [], color=alone if _is_of_mode(locus) else FAINT, linewidth=0.9, label=locus.meaning)
+        for locus in _shown(sheet)
+    ]
+
+
+def _function(locus: Locus) -> Any:
+    package, name = locus.function.split(".")
+    return getattr(import_module(f"fastlink.{package}"), name)
+
+
+def _is_of_mode(locus: Locus) -> bool:
+    """Tell whether the curve differs by assembly mode."""
+    return "branch" in signature(_function(locus)).parameters
 
 
 def _shown(sheet: Sheet) -> list[Locus]:
@@ -65,12 +79,11 @@ def add_following(sheet: Sheet, position: float) -> list[Any]:
 def _locus(sheet: Sheet, position: float, locus: Locus) -> list[Any]:
     """Draw the curve that a function of fastlink gives for a position, in each assembly mode if they differ."""
     motion = sheet.motion
-    package, name = locus.function.split(".")
-    function = getattr(import_module(f"fastlink.{package}"), name)
+    function = _function(locus)
     wanted = signature(function).parameters
     known = {key: value for key, value in {**motion.design, motion.input: position}.items() if key in wanted}
     further = motion.values(list(locus.given.values()), [position])
-    of_mode = "branch" in wanted
+    of_mode = _is_of_mode(locus)
     drawn: list[Any] = []
     for k in np.flatnonzero(motion.assembles(position)[:, 0])[: None if of_mode else 1].tolist():
         own: dict[str, Any] = {"branch": motion.branches[k]} if of_mode else {}

@@ -8,13 +8,16 @@ import numpy as np
 from matplotlib.patheffects import withTickedStroke
 from matplotlib.transforms import ScaledTranslation
 
-__all__ = ["INK", "add_ground", "add_guide", "add_joint", "add_scale", "add_slider"]
+__all__ = ["INK", "SLIDER", "add_ground", "add_guide", "add_joint", "add_scale", "add_slider", "add_turn"]
 
 INK = "0.15"
 POINT = 1.0 / 72.0
 #: Of a slider in points: half its length and half its height.
 SLIDER = (10.0, 6.0)
 HATCH: dict[str, Any] = {"spacing": 4.0, "length": 0.6}
+
+#: Of a curved arrow: the turn of the greatest and of the least, where it begins, its head in points.
+TURN, LEAST_TURN, TURN_START, HEAD = 1.5 * np.pi, 0.35 * np.pi, 0.25 * np.pi, 7.0
 
 
 def _line(axis: Any, x: Any, y: Any, at: Any, **style: Any) -> Any:
@@ -73,6 +76,23 @@ def add_guide(axis: Any, low: float, high: float, y: float, size: float = 1.0) -
         path_effects=effects,
         zorder=2.5,
     )
+
+
+def add_turn(axis: Any, at: Any, share: float, radius: float, colour: Any) -> tuple[list[Any], Any]:
+    """Draw a curved arrow about a place, the longer the greater the share; return it, and its line in points."""
+    sweep = np.sign(share) * max(abs(share) * TURN, LEAST_TURN)
+    turn = TURN_START + np.linspace(0.0, sweep, 41)
+    line = radius * np.stack([np.cos(turn), np.sin(turn)], axis=-1)
+    cut = -1 - int(np.ceil(0.9 * HEAD / np.hypot(*(line[1] - line[0]))))
+    shaft = _line(axis, line[: cut + 1, 0], line[: cut + 1, 1], at, color=colour, linewidth=1.4, zorder=6.5)
+    end, back = line[-1], line[-1] - line[cut]
+    back = HEAD * back / np.hypot(*back)
+    side = 0.38 * np.array([-back[1], back[0]])
+    there = ScaledTranslation(float(at[0]), float(at[1]), axis.transData)
+    corners = POINT * np.array([end, end - back + side, end - back - side])
+    style = {"facecolor": colour, "edgecolor": colour, "linewidth": 0.5, "zorder": 6.5}
+    (head,) = axis.fill(*corners.T, transform=axis.figure.dpi_scale_trans + there, **style)
+    return [shaft, head], line
 
 
 def add_scale(axis: Any, view: Any, width: float) -> None:

@@ -10,10 +10,12 @@ import numpy as np
 __all__ = ["Names", "samples_of"]
 
 #: In points: the size of a letter, the distance of a name from its point, the step along what must not be covered.
-LETTER, HEIGHT, AWAY, STEP = 5.6, 10.0, 12.0, 3.0
+LETTER, HEIGHT, AWAY, STEP = 5.6, 12.0, 12.0, 3.0
 ROUND = np.pi / 8.0 * np.arange(16)
 #: Where a name stands best if all places are free: above to the right.
 BEST, PREFERENCE, STAY = np.pi / 4.0, 0.15, 0.6
+#: How much farther away a name may stand where that is free, and what it costs.
+FURTHER, FARTHER = 6.0, 3.0
 NEAR, OUTSIDE = 1.7, 6.0
 
 
@@ -61,8 +63,13 @@ class Names:
     def place(self, key: str, text: str, anchor: Any, away: float = AWAY) -> Any:
         """Return where the middle of a name stands that belongs to a point."""
         wide = 0.5 * LETTER * len(text)
-        across = np.stack([(away + wide - LETTER) * np.cos(ROUND), away * np.sin(ROUND)], axis=-1)
-        return self._best(key, wide, np.asarray(anchor) + across / self.scale, ROUND)
+        rounds = [
+            np.stack([(one + wide - LETTER) * np.cos(ROUND), one * np.sin(ROUND)], axis=-1)
+            for one in (away, away + FURTHER)
+        ]
+        farther = np.repeat([0.0, FARTHER], len(ROUND))
+        middles = np.asarray(anchor) + np.concatenate(rounds) / self.scale
+        return self._best(key, wide, middles, np.tile(ROUND, 2), farther)
 
     def beside(self, key: str, text: str, start: Any, end: Any, away: float = AWAY) -> Any:
         """Return where the middle of a name stands that belongs to a bar."""
@@ -77,10 +84,10 @@ class Names:
         middles = start + shares[:, None] * along + (sides * off / self.scale)[:, None] * normal
         return self._best(key, wide, middles, BEST + 0.3 * np.arange(6))
 
-    def _best(self, key: str, wide: float, middles: Any, angles: Any) -> Any:
+    def _best(self, key: str, wide: float, middles: Any, angles: Any, farther: Any = 0.0) -> Any:
         """Return the freest of some places, and keep it free from now on."""
         half = np.array([wide + 2.0, 0.5 * HEIGHT + 1.0]) / self.scale
-        cost = PREFERENCE * (1.0 - np.cos(angles - BEST))
+        cost = PREFERENCE * (1.0 - np.cos(angles - BEST)) + farther
         if key in self.last:
             cost += STAY * (np.arange(len(middles)) != self.last[key])
         if len(self.cloud):

@@ -30,6 +30,12 @@ class Euclidean:
         """Return the length of vectors."""
         return np.hypot(vector[..., 0], vector[..., 1])
 
+    def curvature(self, slope: Any, bend: Any) -> Any:
+        """Return the vector of curvature of a curve by its first two derivatives: along the normal."""
+        across = np.stack([-slope[..., 1], slope[..., 0]], axis=-1)
+        size = np.hypot(slope[..., 0], slope[..., 1])
+        return ((across * bend).sum(axis=-1) / size**4)[..., None] * across
+
     def cone(self, apex: Any, reach: float) -> list[Any]:
         """Return the light lines through a point: none."""
         return []
@@ -48,6 +54,12 @@ class Minkowskian:
         """Return the length of spacelike vectors."""
         x, y = vector[..., 0], vector[..., 1]
         return np.sqrt(np.abs(x - y)) * np.sqrt(np.abs(x + y))
+
+    def curvature(self, slope: Any, bend: Any) -> Any:
+        """Return the vector of curvature: along the line that is normal in the sense of the metric."""
+        x, y = slope[..., 0], slope[..., 1]
+        turn, norm = x * bend[..., 1] - y * bend[..., 0], (x - y) * (x + y)
+        return (turn / (norm * np.abs(norm)))[..., None] * slope[..., ::-1]
 
     def cone(self, apex: Any, reach: float) -> list[Any]:
         """Return both light lines through a point."""

@@ -241,17 +241,18 @@ def _words(motion: Motion, show: Any) -> frozenset[str]:
         return frozenset(motion.picture.usual.split()) & set(known)
     words = _listed("show", show.split() if isinstance(show, str) else show)
     if ALL in words:
-        lacking = (
-            {"forces"} if any(not motion.has(f"{one.name}_x") for one in motion.picture.forces) else set()
-        )
+        loads = motion.picture.loads.items()
+        lacking = {
+            kind for kind, ones in loads if not all(motion.has(c) for one in ones for c in one.components)
+        }
         return frozenset(known) - lacking
     problems = Problems()
     for word in words:
         with problems.at():
             check_choice(("show",), word, known, f" to {motion.mechanism}")
     problems.stop()
-    if "forces" in words:
-        names = [f"{one.name}_x" for one in motion.picture.forces]
+    asked = [one for kind, ones in motion.picture.loads.items() if kind in words for one in ones]
+    if names := [one.components[0] for one in asked]:
         as_draw(lambda: evaluate(motion.mechanism, names, **_given(motion, 0.0)))
     return frozenset(words)
 

@@ -6,10 +6,10 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from matplotlib.lines import Line2D
 
 from fastlink.drawing.following import add_following
-from fastlink.drawing.marks import INK, add_ground, add_guide, add_joint, add_slider
+from fastlink.drawing.loads import Loads
+from fastlink.drawing.marks import INK, SLIDER, add_ground, add_guide, add_joint, add_slider
 from fastlink.drawing.overlays import MODES, add_overlays, mode_line
 from fastlink.drawing.places import Names, samples_of
 from fastlink.drawing.planes import PLANES
@@ -70,9 +70,9 @@ class Sheet:
         self.show, self.style = show, style
         self.plane = PLANES[motion.picture.metric]
         self.names = Names(scale, view)
-        #: Whether one scale of forces is for the whole motion; the greatest force that is shown.
+        #: Whether one scale of forces is for the whole motion.
         self.moves = False
-        self.force_unit = 1.0
+        self.loads = Loads(self)
         self.free: list[tuple[Any, float]] = []
 
     # -- what stands still -----------------------------------------------------------------------------------------
@@ -83,7 +83,7 @@ class Sheet:
         axis.set(xlim=view[:2], ylim=view[2:], aspect="equal", autoscale_on=False)
         axis.set_axis_off()
         handles = add_overlays(self, position)
-        handles += self._scale_forces(position) if "forces" in self.show else []
+        handles += self.loads.scale(position)
         places = self.motion.places([position])
         ground = [one for one in self.motion.points if one.kind == "ground"]
         for bar in self.motion.picture.bars:
@@ -99,8 +99,14 @@ class Sheet:
                 self.keep_free(at + corner * self.style.joint / 7.5 / self.scale, 2.0)
         for guide in self.motion.picture.guides:
             if guide.slider and guide.y is not None:
-                low, high = self._run(guide.slider)
-                add_guide(axis, low, high, self.motion.number(guide.y), self.style.joint / 7.5)
+                (low, high), y, size = (
+                    self._run(guide.slider),
+                    self.motion.number(guide.y),
+                    self.style.joint / 7.5,
+                )
+                add_guide(axis, low, high, y, size)
+                hatched = np.array([[low, y], [high, y]]) - [0.0, 1.3 * SLIDER[1] * size / self.scale]
+                self.keep_free(samples_of(hatched, self.scale), 0.7)
         return handles
 
     def _run(self, slider: str) -> tuple[float, float]:
@@ -143,9 +149,8 @@ class Sheet:
                 drawn += self._point(one.kind, at, colour)
         if not there.any():
             middle = 0.5 * (self.view[::2] + self.view[1::2])
-            drawn.append(self._text("does not assemble", middle, "0.4"))
-        if "forces" in self.show:
-            drawn += self._forces(position, places)
+            drawn.append(self.text("does not assemble", middle, "0.4"))
+        drawn += self.loads.draw(position, places)
         drawn += self._letters(points, places, common)
         if self.style.lengths:
             drawn += self._symbols(places, common)
@@ -172,6 +177,9 @@ class Sheet:
     def _point(self, kind: str, at: Any, colour: Any) -> list[Any]:
         if kind == "slider":
             slider = add_slider(self.axis, at, colour, self.style.joint / 7.5)
+            half = np.multiply(SLIDER, self.style.joint / 7.5) / self.scale
+            corners = at + half * np.array([(-1, -1), (1, -1), (1, 1), (-1, 1), (-1, -1)])
+            self.names.keep_free(samples_of(corners, self.scale))
             drawn = [slider, add_joint(self.axis, at, colour, 0.8 * self.style.joint)]
         elif kind in ("traced", "mark"):
             size = (0.5 if kind == "traced" else 0.4) * self.style.joint
@@ -234,43 +242,6 @@ class Sheet:
                 drawn += self.axis.plot(*line.T, color="white", linewidth=0.45 * width, **ends)
         return drawn
 
-    def _forces(self, position: float, places: Any) -> list[Any]:
-        """Draw forces as arrows, all by one scale."""
-        drawn: list[Any] = []
-        forces = self.motion.picture.forces
-        arrows = {name: vectors[:, 0] for name, vectors in self._vectors([position]).items()}
-        reach = 0.22 * min(np.ptp(self.view[:2]), np.ptp(self.view[2:])) / self.force_unit
-        for one in forces:
-            for k, vector in enumerate(arrows[one.name] * reach):
-                start = places[one.at][k]
-                if not np.isfinite([*vector, *start]).all():
-                    continue
-                colour = MODES[3] if len(self.motion.branches) == 1 else self.colour(k)
-                arrow = {"arrowstyle": "-|>", "color": colour, "linewidth": 1.4, "shrinkA": 0, "shrinkB": 0}
-                drawn.append(self.axis.annotate("", start + vector, start, arrowprops=arrow, zorder=6.5))
-                self.names.keep_free(samples_of([start, start + vector], self.scale))
-                symbol = self.motion.catalogue.public_fact(one.name).symbol.strip("|")
-                key = f"{one.name} {k}"
-                at = self.names.place(key, symbol.replace("_", ""), start + vector, 9.0)
-                drawn.append(self._text(mathematical(symbol), at, colour))
-        return drawn
-
-    def _scale_forces(self, position: float) -> list[Any]:
-        """Find the greatest force that is shown, and return its legend."""
-        shown = self.motion.spread(61, ends=False) if self.moves else [position]
-        sizes = np.stack([np.hypot(*np.moveaxis(one, -1, 0)) for one in self._vectors(shown).values()])
-        greatest = float(sizes[np.isfinite(sizes)].max(initial=0.0))
-        self.force_unit = greatest or 1.0
-        colour = MODES[3] if len(self.motion.branches) == 1 else INK
-        label = f"forces, the greatest {greatest:.3g} N"
-        return [Line2D([], [], color=colour, linewidth=1.4, marker=">", markersize=5, label=label)]
-
-    def _vectors(self, positions: Any) -> dict[str, Any]:
-        """Return each force over assembly modes, positions, and x and y."""
-        names = [one.name for one in self.motion.picture.forces]
-        values = self.motion.values([f"{name}_{xy}" for name in names for xy in "xy"], positions)
-        return {name: np.stack([values[f"{name}_{xy}"] for xy in "xy"], axis=-1) for name in names}
-
     def _letters(self, points: Any, places: Any, common: Any) -> list[Any]:
         """Write the names of points; those that stand in one place share it."""
         groups: list[tuple[Any, Any, list[str]]] = []
@@ -290,7 +261,7 @@ class Sheet:
             text = ", ".join(letters)
             middle = self.names.place(f"{text} {number}", text, at)
             shown = ", ".join(mathematical(one) for one in letters)
-            drawn.append(self._text(shown, middle, colour))
+            drawn.append(self.text(shown, middle, colour))
         return drawn
 
     def _is_in_view(self, at: Any) -> bool:
@@ -311,7 +282,7 @@ class Sheet:
                 colour = "0.5" if bar.is_ground else INK if is_common else self.colour(k)
                 symbol = self.symbol(length)
                 middle = self.names.beside(pair, symbol.replace("_", ""), a[k], b[k])
-                drawn.append(self._text(mathematical(symbol), middle, colour))
+                drawn.append(self.text(mathematical(symbol), middle, colour))
         return drawn
 
     def symbol(self, name: str) -> str:
@@ -320,7 +291,8 @@ class Sheet:
         inputs = known.known_inputs(known.variant_inputs)
         return inputs[name].symbol if name in inputs else known.facts[name].symbol
 
-    def _text(self, text: str, at: Any, colour: Any) -> Any:
+    def text(self, text: str, at: Any, colour: Any) -> Any:
+        """Write the name of something."""
         style = {"ha": "center", "va": "center", "fontsize": self.style.font, "zorder": 8, "gid": "name"}
         return self.axis.text(*at, text, color=colour, **style)
 

@@ -14,10 +14,11 @@ if TYPE_CHECKING:
 
 __all__ = ["constants_of", "label_of", "mathematical", "plain", "title_of", "units_text", "valued"]
 
-GREEK = re.compile(
-    "alpha|beta|gamma|delta|epsilon|zeta|eta|theta|kappa|lambda|mu|nu|xi|rho|sigma|tau|phi|chi|psi|omega"
-)
-SYMBOL = re.compile(r"^(\|?)([A-Za-z]+)(?:_\{?([A-Za-z0-9]+)\}?)?(\|?)$")
+GREEK = "alpha|beta|gamma|delta|epsilon|zeta|eta|theta|kappa|lambda|mu|nu|xi|rho|sigma|tau|phi|chi|psi|omega|Delta"
+#: A symbol with its index; one after the d of a derivative, with the orders; what may stand between symbols.
+SYMBOL = re.compile(rf"({GREEK}|[A-Za-z]+)(?:_\{{?([A-Za-z0-9]+)\}}?)?")
+SLOPE = re.compile(rf"d(\d?)(?:({GREEK}|[A-Za-z])(?:_([A-Za-z0-9]+))?(\d?))?")
+BETWEEN = re.compile(r"([/()|])")
 CONSTANTS_PER_LINE = 8
 TITLE_WIDTH = 64  # letters
 WORDS = frozenset({"max", "min", "rms", "at", "status"})
@@ -35,17 +36,39 @@ def mathematical(symbol: str) -> str:
     --------
     >>> mathematical("max omega_4"), mathematical("F_32x"), mathematical("theta_{max}")
     ('max $\\omega_{4}$', '$F_{32x}$', '$\\theta_{max}$')
+    >>> mathematical("1/rho_P"), mathematical("d2v_1/dt2"), mathematical("ch(psi_{max})")
+    ('$1/\\rho_{P}$', '$d^2v_{1}/dt^2$', '$\\mathrm{ch}(\\psi_{max})$')
     """
-    words = []
-    for word in symbol.split():
-        match = SYMBOL.match(word)
-        if match is None or word in WORDS:
-            words.append(plain(word))
-            continue
-        left, base, index, right = match.groups()
-        letter = f"\\{base}" if GREEK.fullmatch(base) else base if len(base) == 1 else f"\\mathrm{{{base}}}"
-        words.append(f"${left}{letter}{f'_{{{index}}}' if index else ''}{right}$")
-    return " ".join(words)
+    return " ".join(plain(word) if word in WORDS else _formula(word) for word in symbol.split())
+
+
+def _formula(word: str) -> str:
+    """Return a word of a symbol as a formula; as it is if it is not made of symbols and whole numbers."""
+    pieces = [_piece(piece) for piece in BETWEEN.split(word)]
+    whole = "".join(piece or "" for piece in pieces)
+    return plain(word) if None in pieces or not any(map(str.isalpha, whole)) else f"${whole}$"
+
+
+def _piece(piece: str) -> str | None:
+    """Return a symbol, a slope or a number as part of a formula, None of anything else."""
+    if piece.isdecimal() or not piece or BETWEEN.fullmatch(piece):
+        return piece
+    if (slope := SLOPE.fullmatch(piece)) and piece not in WORDS:
+        order, base, index, by = slope.groups()
+        return f"d{_raised(order)}{_letter(base, index)}{_raised(by)}" if base else f"d{_raised(order)}"
+    if symbol := SYMBOL.fullmatch(piece):
+        return _letter(*symbol.groups())
+    return None
+
+
+def _letter(base: str, index: str | None) -> str:
+    is_greek = re.fullmatch(GREEK, base)
+    letter = f"\\{base}" if is_greek else base if len(base) == 1 else f"\\mathrm{{{base}}}"
+    return letter + (f"_{{{index}}}" if index else "")
+
+
+def _raised(order: str) -> str:
+    return f"^{order}" if order else ""
 
 
 def units_text(units: str) -> str:

@@ -10,7 +10,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any, Literal, TypeAlias
 
-__all__ = ["Bar", "Circle", "Force", "Guide", "Locus", "Picture", "Point", "joint"]
+__all__ = ["Bar", "Circle", "Force", "Guide", "Locus", "Picture", "Point", "Torque", "joint"]
 
 #: The name of a fact, an input or the input position, or a constant.
 Value: TypeAlias = str | float
@@ -90,10 +90,28 @@ class Guide:
 
 @dataclass(frozen=True)
 class Force:
-    """A force at a point."""
+    """A force at a point, by its two components."""
 
     name: str
     at: str
+
+    @property
+    def components(self) -> tuple[str, ...]:
+        """The facts that are its components."""
+        return f"{self.name}_x", f"{self.name}_y"
+
+
+@dataclass(frozen=True)
+class Torque:
+    """A torque of the ground on a link, at a point; counterclockwise where it is positive."""
+
+    name: str
+    at: str
+
+    @property
+    def components(self) -> tuple[str, ...]:
+        """The fact that it is."""
+        return (self.name,)
 
 
 @dataclass(frozen=True)
@@ -130,12 +148,10 @@ class Picture:
 
     Attributes
     ----------
-    points, bars, circles, guides, forces, loci : tuple
+    points, bars, circles, guides, forces, torques, loci : tuple
         See there.
     traced : mapping of str to str
         The points whose paths are drawn, by the word that shows them.
-    curvature : mapping of str to str
-        Of a traced point, the fact that is the curvature of its path.
     metric : str
         What makes a circle of the plane, ``"euclidean"`` or ``"minkowskian"``.
     usual : str
@@ -149,9 +165,9 @@ class Picture:
     circles: tuple[Circle, ...] = ()
     guides: tuple[Guide, ...] = ()
     forces: tuple[Force, ...] = ()
+    torques: tuple[Torque, ...] = ()
     loci: tuple[Locus, ...] = ()
     traced: Mapping[str, str] = field(default_factory=dict)
-    curvature: Mapping[str, str] = field(default_factory=dict)
     metric: Literal["euclidean", "minkowskian"] = "euclidean"
     usual: str = "path limits"
     spans: Mapping[str, tuple[Value, Value]] = field(default_factory=dict)
@@ -161,14 +177,18 @@ class Picture:
         return next(one for one in self.points if one.name == name)
 
     @property
+    def loads(self) -> dict[str, tuple[Force | Torque, ...]]:
+        """The loads that are drawn as arrows, by the words that show them."""
+        return {"forces": self.forces, "torques": self.torques}
+
+    @property
     def words(self) -> tuple[str, ...]:
         """The words of what can be shown besides the linkage."""
         parts: tuple[Point | Circle | Guide | Locus, ...]
         parts = (*self.points, *self.circles, *self.guides, *self.loci)
         groups = [one.group for one in parts]
         own = {*filter(None, groups), "limits"}
-        own |= {*self.traced, "circuits"} if self.traced else set()
-        own |= {"comb"} if self.curvature else set()
-        own |= {"forces"} if self.forces else set()
+        own |= {*self.traced, "circuits", "comb"} if self.traced else set()
+        own |= {kind for kind, loads in self.loads.items() if loads}
         own |= {"cone"} if self.metric == "minkowskian" else set()
         return tuple(sorted(own))

@@ -7,8 +7,8 @@ is the same law under another name: what holds in `planar_4r` of joint i and len
 i + k - 1, with joint_angle_k + pi for theta1.
 
 Steps on the way are in the frame of link k - 1 and keep the names that they have in `planar_4r`. What belongs to
-the linkage whichever joint is driven (its class, the input-output equations) is adopted as it is. Quantities in
-the ground frame is not offered.
+the linkage whichever joint is driven (its class, the input-output equations) is adopted as it is. Of quantities in
+the ground frame the places of A, B and P are offered, see `places_by_joint`.
 """
 
 from __future__ import annotations
@@ -24,6 +24,7 @@ from fastlink.facts.names import Derivative, Quantity
 from fastlink.mechanisms._shared.other_input import ByOtherInput
 from fastlink.mechanisms._shared.reuse import facts_of, with_derivatives
 from fastlink.mechanisms.planar_4r.inputs import planar_4r
+from fastlink.mechanisms.planar_4r.places_by_joint import PLACES, POINT, declare_places
 from fastlink.numerics.elementary import TWO_PI, atan2, cos, select, sin, sqrt
 
 __all__ = ["driven_by", "driven_catalogues"]
@@ -102,8 +103,8 @@ def moved_name(name: str, joint: int) -> str:
         return str(Derivative(Quantity(moved_name(str(tree.of), joint)), moved_name(tree.by, joint)))
     if numbered := NUMBERED.fullmatch("joint_omega_1" if name == "omega1" else name):
         return f"{numbered[1]}{moved_number(int(numbered[2]), joint)}{numbered[3]}"
-    # the factors of the equations are kept; those of another cyclic order, which tell the status, stand beside them
-    return f"driven_{name}" if joint != 1 and name.startswith(("factor_", "sure_")) else name
+    # A and the factors of the equations keep their names; those of another cyclic order stand beside them
+    return f"driven_{name}" if joint != 1 and name.startswith(("factor_", "sure_", "A_")) else name
 
 
 def driven_by(joint: int) -> Catalogue:
@@ -114,12 +115,15 @@ def driven_by(joint: int) -> Catalogue:
     places = [fact for fact in planar_4r.variants[graded.name].values() if isinstance(fact, Fact)]
     of_places = {need for fact in places for need in fact.depends_on}.intersection(planar_4r.facts)
     of_ends = {graded.bounded_factor, *(name for end in graded.ends for name in end)}
-    offered = {*KEPT, *(moved_name(name, joint) for name in MOVED)}
-    for fact in with_derivatives(planar_4r, (*MOVED, *HALF_ANGLES, *of_places, *of_ends)).values():
+    moved = (*MOVED, *PLACES) if joint == 1 else MOVED
+    offered = {*KEPT, *(moved_name(name, joint) for name in moved)}
+    for fact in with_derivatives(planar_4r, (*moved, "A_x", *HALF_ANGLES, *of_places, *of_ends)).values():
         found = _moved(fact, joint)
         driven.facts |= dict.fromkeys(found.names, replace(found, internal=found.name not in offered))
     for fact in facts_of(planar_4r, KEPT, driven.facts):
         driven.facts |= dict.fromkeys(fact.names, fact)
+    if joint != 1:
+        declare_places(driven, joint)
     # Angles jump where they pass pi, where they have no derivative: their extremes are those over the given angles.
     angles = (f"joint_angle_{i}" for i in (1, 2, 3, 4))
     driven.graded = replace(graded, not_differentiable=(*graded.not_differentiable, *angles))
@@ -165,6 +169,7 @@ def _declared(joint: int) -> Catalogue:
         symbol=f"d theta_{joint}/dt (eqs. 1-6)",
         meaning="rate of the driven joint angle, constant",
     )
+    driven.inputs |= {name: planar_4r.inputs[name] for name in POINT}
     turned = {
         "cos_theta1": minus_cosine,
         "sin_theta1": minus_sine,

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from fastlink.mechanisms._shared.picture import Bar, Circle, Force, Picture, Point, joint
+from fastlink.mechanisms._shared.picture import Bar, Circle, Force, Picture, Point, Torque, joint
 
 __all__ = ["PICTURE"]
 
@@ -23,6 +23,6 @@ PICTURE = Picture(
     ),
     circles=(Circle("O", "a1"), Circle("D", "a3")),
     forces=(Force("F41", "O"), Force("F21", "A"), Force("F32", "B"), Force("F43", "D")),
+    torques=(Torque("T41", "O"),),
     traced={"path": "P"},
-    curvature={"P": "curvature"},
 )

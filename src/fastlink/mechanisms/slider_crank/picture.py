@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from fastlink.mechanisms._shared.picture import Bar, Circle, Force, Guide, Picture, Point, joint
+from fastlink.mechanisms._shared.picture import Bar, Circle, Force, Guide, Picture, Point, Torque, joint
 
 __all__ = ["PICTURE"]
 
@@ -13,4 +13,5 @@ PICTURE = Picture(
     guides=(Guide(y="e", slider="B"),),
     usual="limits",
     forces=(Force("F41", "O"), Force("F21", "A"), Force("F32", "B")),
+    torques=(Torque("T41", "O"),),
 )

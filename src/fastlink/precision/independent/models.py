@@ -8,7 +8,7 @@ from functools import partial
 from typing import TYPE_CHECKING, Any
 
 from fastlink.precision.independent import focal, hart, minkowski_4r, planar_4r, slider_crank
-from fastlink.precision.independent.series import Open, Singular
+from fastlink.precision.independent.series import Open, Singular, rotation
 
 if TYPE_CHECKING:
     from fastlink.catalogue.catalogue import Catalogue
@@ -93,7 +93,8 @@ class Model:
 
 
 def _joints(joint: int, ctx: Any, at: Mapping[str, Any], order: int, _: bool, found: dict[str, Any]) -> None:
-    planar_4r.joints(ctx, at, joint, order, found)
+    directions = planar_4r.joints(ctx, at, joint, order, found)
+    planar_4r.add_places(ctx, at, (rotation(ctx, directions[0]), rotation(ctx, directions[1])), found)
 
 
 def _planar_4r(joint: int) -> Model:
@@ -105,7 +106,8 @@ def _planar_4r(joint: int) -> Model:
             planar_4r.design,
             planar_4r.FORCES,
         )
-    orders = {name: order for name, order in planar_4r.JOINTS.items() if name != f"joint_angle_{joint}"}
+    known = planar_4r.JOINTS | planar_4r.PLACES
+    orders = {name: order for name, order in known.items() if name != f"joint_angle_{joint}"}
     return Model(
         orders,
         ("grashof_excess",),

@@ -11,13 +11,14 @@ from fastlink.precision.independent.bodies import Link, bar_data, cross, reactio
 from fastlink.precision.independent.four_bar import polygon, triangle_angle, wrapped
 from fastlink.precision.independent.series import Open, Series, rotation, unit_vector
 
-__all__ = ["DESIGN", "FIXED_FRAME", "JOINTS", "design", "fixed_frame", "joints"]
+__all__ = ["DESIGN", "FIXED_FRAME", "JOINTS", "PLACES", "add_places", "design", "fixed_frame", "joints"]
 
 #: Quantities by the order of the derivatives that they need.
 JOINTS = {f"joint_angle_{i}": 0 for i in (1, 2, 3, 4)} | {f"v{i}": 0 for i in (1, 2, 3, 4)}
 JOINTS |= {f"joint_omega_{i}": 1 for i in (1, 2, 3, 4)} | {f"joint_alpha_{i}": 2 for i in (1, 2, 3, 4)}
 JOINTS |= {"transmission_angle": 0}
-FIXED_FRAME = dict.fromkeys(("A_x", "A_y", "B_x", "B_y", "P_x", "P_y", "theta2", "theta4"), 0)
+PLACES = dict.fromkeys(("A_x", "A_y", "B_x", "B_y", "P_x", "P_y"), 0)
+FIXED_FRAME = PLACES | dict.fromkeys(("theta2", "theta4"), 0)
 FIXED_FRAME |= {"omega2": 1, "omega4": 1, "alpha2": 2, "alpha4": 2, "jerk2": 3, "jerk4": 3}
 FIXED_FRAME |= {"P_vx": 1, "P_vy": 1, "P_speed": 1, "P_ax": 2, "P_ay": 2, "curvature": 2}
 JOINT_FORCES = ("F41", "F21", "F32", "F43")
@@ -89,12 +90,7 @@ def fixed_frame(ctx: Any, at: Mapping[str, Any], order: int, forces: bool, value
     directions = joints(ctx, given, 1, order, values)
     crank, coupler, output, _ = (rotation(ctx, one) for one in directions)
     output = -output  # from D to B
-    places = {"A": at["a1"] * crank}
-    places["B"] = places["A"] + at["a2"] * coupler
-    if "P_u" in at and "P_v" in at:
-        places["P"] = places["A"] + ctx.mpc(at["P_u"], at["P_v"]) * coupler
-    for name, place in places.items():
-        values |= {f"{name}_x": place.terms[0].real, f"{name}_y": place.terms[0].imag}
+    places = add_places(ctx, at, (crank, coupler), values)
     angles = {2: directions[1], 4: directions[2] - ctx.pi}
     values |= {f"theta{k}": wrapped(ctx, angle.terms[0]) for k, angle in angles.items()}
     if "omega1" in at and order:
@@ -106,6 +102,20 @@ def fixed_frame(ctx: Any, at: Mapping[str, Any], order: int, forces: bool, value
         values |= _point(ctx, at, places["P"], order)
     if forces:
         values |= _forces(ctx, at, (crank, coupler, output), places, values)
+
+
+def add_places(
+    ctx: Any, at: Mapping[str, Any], turns: tuple[Series, Series], values: dict[str, Any]
+) -> dict[str, Series]:
+    """Add the places of A, B and P by the turns of crank and coupler; return them over the drive."""
+    crank, coupler = turns
+    places = {"A": at["a1"] * crank}
+    places["B"] = places["A"] + at["a2"] * coupler
+    if "P_u" in at and "P_v" in at:
+        places["P"] = places["A"] + ctx.mpc(at["P_u"], at["P_v"]) * coupler
+    for name, place in places.items():
+        values |= {f"{name}_x": place.terms[0].real, f"{name}_y": place.terms[0].imag}
+    return places
 
 
 def _point(ctx: Any, at: Mapping[str, Any], place: Series, order: int) -> dict[str, Any]:
