@@ -391,7 +391,7 @@ def test_without_matplotlib_the_message_has_the_remedy(maps, monkeypatch):
         ("max |F|", "max $|F|$"),
         ("G_1u", "$G_{1u}$"),
         ("mu", r"$\mu$"),
-        ("1/(2 a_1)", "$1/(2$ $a_{1})$"),
+        ("1/(2 a_1)", "1/(2 $a_{1})$"),
     ],
 )
 def test_symbols_are_set_as_mathematics(symbol, text):
