@@ -6,11 +6,21 @@ from collections.abc import Iterable, Iterator
 from dataclasses import replace
 from functools import cached_property
 
-from fastlink.catalogue.declare import Declarations
+from fastlink.catalogue.inputs import DesignInputs
 from fastlink.catalogue.selection import Selection, name_below, plain_and_above, replaced_by, variants_below
 from fastlink.errors import InputError, Model, Piece, Problem, suggest
 from fastlink.facts.fact import CatalogueError, Fact, GradedRange, Input, System, parameters
-from fastlink.facts.names import Derivative, ErrorBound, Made, Trust, as_derivative, innermost, plain_part
+from fastlink.facts.names import (
+    Change,
+    Derivative,
+    ErrorBound,
+    Made,
+    Trust,
+    as_derivative,
+    innermost,
+    plain_part,
+)
+from fastlink.symbolic.changes import TOLERANCES, Term, is_tolerance, with_change_labels
 from fastlink.symbolic.derivative import NoDerivative, with_derivative_labels
 from fastlink.symbolic.error_bound import trust_fact, with_error_labels
 from fastlink.symbolic.postorder import CircularError, postorder
@@ -18,7 +28,7 @@ from fastlink.symbolic.postorder import CircularError, postorder
 __all__ = ["Catalogue", "CatalogueError", "Fact", "GradedRange", "Input", "System", "parameters"]
 
 
-class Catalogue(Declarations):
+class Catalogue(DesignInputs):
     """The inputs and facts of one mechanism.
 
     Parameters
@@ -40,35 +50,6 @@ class Catalogue(Declarations):
         """The quantities: the facts that users may request by name."""
         return {name: fact for name, fact in self.facts.items() if not fact.internal}
 
-    def known_inputs(self, variants: Iterable[str] = ()) -> dict[str, Input]:
-        """Return every input that a design may give, with those of the selected variants."""
-        known = dict(self.inputs)
-        for variant in variants:
-            known.update(self.variant_inputs.get(variant, {}))
-        return known
-
-    def variants_selected_by(self, given: Iterable[str]) -> tuple[str, ...]:
-        """Return the variants that a design selects by giving these inputs.
-
-        An input selects the variant that is named after it (it replaces another input), and the variant to which it
-        belongs if some input of that variant has a default.
-        """
-        names = set(given)
-        return tuple(
-            variant
-            for variant, inputs in self.variant_inputs.items()
-            if variant in names
-            or (names & set(inputs) and any(i.default is not None for i in inputs.values()))
-        )
-
-    def mutually_exclusive_inputs(self, name: str) -> tuple[str, ...]:
-        """Return the inputs that cannot be given together with this one."""
-        replaced = [other for other in self.variants.get(name, {}) if other in self.inputs]
-        replacing = [key for key, facts in self.variants.items() if name in facts and name in self.inputs]
-        named = [key for key in replacing if key in self.variant_inputs.get(key, {})]
-        siblings = [key for other in replaced for key in self.mutually_exclusive_inputs(other) if key != name]
-        return (*replaced, *named, *siblings)
-
     def resolve(
         self, name: str, variants: Iterable[str] = (), given: Iterable[str] = ()
     ) -> Fact | System | None:
@@ -81,8 +62,10 @@ class Catalogue(Declarations):
         """
         selected = tuple(variants)
         tree = self.parse(name)
-        if isinstance(tree, (Derivative, ErrorBound, Trust)):
+        if isinstance(tree, (Derivative, ErrorBound, Trust, Change)):
             return self._derived(tree, self._selection(selected, given))
+        if TOLERANCES in selected and (fact := self._selection(selected, given).tolerance(name)):
+            return fact
         plain, above = plain_and_above(tree)
         if above and above not in selected:
             return None
@@ -98,9 +81,22 @@ class Catalogue(Declarations):
         fact = self.facts.get(plain)
         return fact and replaced_by(above, fact)
 
-    def _derived(self, tree: Derivative | ErrorBound | Trust, selection: Selection) -> Fact:
-        """Return the fact of a derivative, an error bound or a trust."""
+    def change_terms(
+        self,
+        name: str,
+        variants: Iterable[str] = (),
+        given: Iterable[str] = (),
+        *,
+        over_cycle: bool = False,
+    ) -> tuple[Term, ...]:
+        """Return the terms of the changes of a fact by the tolerances that are given, see `Selection.change_terms`."""
+        return self._selection(tuple(variants), given).change_terms(name, over_cycle)
+
+    def _derived(self, tree: Derivative | ErrorBound | Trust | Change, selection: Selection) -> Fact:
+        """Return the fact of a derivative, an error bound, a trust or a change."""
         of = str(tree.of)
+        if isinstance(tree, Change):
+            return selection.change(of, tree.how)
         if isinstance(tree, ErrorBound):
             return selection.error_bounds.fact(of)
         if isinstance(tree, Trust):
@@ -113,7 +109,7 @@ class Catalogue(Declarations):
     def _selection(self, variants: tuple[str, ...], given: Iterable[str]) -> Selection:
         """Return the mechanism with these variants and given facts."""
         facts = {*self.facts, *(name for variant in variants for name in self.variants.get(variant, {}))}
-        key = variants, frozenset(facts.intersection(given))
+        key = variants, frozenset(name for name in given if name in facts or is_tolerance(name))
         if key not in self._selections:
             self._selections[key] = Selection(self, *key)
         return self._selections[key]
@@ -184,13 +180,23 @@ class Catalogue(Declarations):
         if not isinstance(tree, Made):
             return self.facts[name]
         of = self.public_fact(str(tree.of))
-        lacks = "derivative" if isinstance(tree, Derivative) else "error"
+        lacks = (
+            "change"
+            if isinstance(tree, Change)
+            else "derivative"
+            if isinstance(tree, Derivative)
+            else "error"
+        )
+        if isinstance(tree, Change) and isinstance(tree.of, Change):
+            raise InputError(f"quantity {name!r}: {of.name} is a change itself", remedy=f"ask for {of.name}")
         if of.flags or isinstance(tree.of, (ErrorBound, Trust)):
             kind = "a code" if of.flags else "an error bound"
             what = f"quantity {name!r}: {of.name} is {kind}, which has no {lacks}"
             raise InputError(what, remedy="leave it out")
         if isinstance(tree, Derivative):
             return with_derivative_labels(of, self.variables[tree.by])
+        if isinstance(tree, Change):
+            return with_change_labels(of, tree.how)
         return with_error_labels(of) if isinstance(tree, ErrorBound) else trust_fact(of)
 
     def is_of_position(self, name: str) -> bool:
@@ -208,7 +214,7 @@ class Catalogue(Declarations):
     def unknown_part(self, name: str) -> tuple[str, bool]:
         """Return the part of a name that is unknown, else all of it, and whether it stands for a variable."""
         tree = self.parse(name)
-        if isinstance(tree, (ErrorBound, Trust)):
+        if isinstance(tree, (ErrorBound, Trust, Change)):
             return str(tree.of), False
         if parts := as_derivative(name):
             of_variable = self.is_quantity(parts[0])

@@ -6,9 +6,19 @@ from collections.abc import Collection
 from functools import cached_property
 from typing import TYPE_CHECKING
 
+from fastlink.errors import InputError
 from fastlink.facts.fact import CatalogueError, Fact, System
-from fastlink.facts.names import Below, Name, Quantity, derivative_name
-from fastlink.symbolic.derivative import Derivation
+from fastlink.facts.names import Below, Change, Name, Quantity, derivative_name
+from fastlink.symbolic.changes import (
+    Term,
+    change_fact,
+    is_tolerance,
+    terms,
+    tolerance_fact,
+    tolerance_name,
+    toleranced,
+)
+from fastlink.symbolic.derivative import Derivation, NoDependence
 from fastlink.symbolic.error_bound import ErrorBounds
 
 if TYPE_CHECKING:
@@ -27,7 +37,7 @@ class Selection:
     variants : tuple of str
         The selected variants; the first one that has a fact counts.
     given : collection of str
-        The facts that are given.
+        The facts and tolerances that are given.
     """
 
     def __init__(self, catalogue: Catalogue, variants: tuple[str, ...], given: Collection[str]) -> None:
@@ -56,6 +66,55 @@ class Selection:
     def _without(self, variant: str) -> Selection:
         """Return the mechanism with the other variants."""
         return Selection(self.catalogue, tuple(one for one in self.variants if one != variant), self.given)
+
+    @cached_property
+    def toleranced(self) -> tuple[str, ...]:
+        """The inputs that have tolerances, in the order of the catalogue."""
+        of = set(map(toleranced, filter(is_tolerance, self.given)))
+        return tuple(name for name in self.catalogue.variables if name in of)
+
+    def change_terms(self, name: str, over_cycle: bool = False) -> tuple[Term, ...]:
+        """Return the terms of the change of a fact by the tolerances that are given.
+
+        A property of the cycle (`over_cycle`) does not change with the input position.
+
+        Raises
+        ------
+        InputError
+            No tolerance is given of an input on which it depends.
+        """
+        of = {self.catalogue.position.name} if over_cycle else set()
+        needed = [by for by in self.toleranced if by not in of and self._depends(name, by)]
+        if not needed:
+            what = f"the change of {name} needs the tolerance of an input on which {name} depends"
+            known = self.catalogue.known_inputs(self.variants)
+            some = [
+                tolerance_name(by)
+                for by in self.catalogue.variables
+                if by in known and self._depends(name, by)
+            ]
+            raise InputError(
+                what, remedy=f"add to the design some of {', '.join(some)}" if some else "leave it out"
+            )
+        return terms(needed)
+
+    def _depends(self, name: str, by: str) -> bool:
+        """Tell whether a fact changes with an input."""
+        try:
+            self.derivation(by).fact(name)
+        except NoDependence:
+            return False
+        return True
+
+    def change(self, name: str, how: str) -> Fact:
+        """Return the change of a fact by the tolerances that are given."""
+        labelled = self.catalogue.public_fact(str(Change(Quantity(name), how)))  # codes have none
+        pairs = [(derivative_name(name, term.by), term.tolerance) for term in self.change_terms(name)]
+        return change_fact(labelled, how, pairs)
+
+    def tolerance(self, name: str) -> Fact | None:
+        """Return the fact of the change that an input may have, None for the name of another."""
+        return tolerance_fact(name, self.given)
 
     @cached_property
     def error_bounds(self) -> ErrorBounds:

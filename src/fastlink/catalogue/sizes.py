@@ -92,7 +92,7 @@ def is_ordinary(values: Any) -> bool:
 @lru_cache(maxsize=256)
 def dimensional(catalogue: Catalogue, version: int, names: tuple[str, ...]) -> dict[str, Input]:
     """Return those of these names that are inputs with a dimension; found once for a version of the catalogue."""
-    declared = catalogue.known_inputs(catalogue.variant_inputs)
+    declared = catalogue.all_inputs
     return {
         name: declared[name]
         for name in names

@@ -111,7 +111,7 @@ class PlacesWriter(ExtremaSchedule):
             return
         magnitude = int(search.magnitude)
         text.call(winners.judge_winners, f"winners, w, n_here, table, search_{number}, {magnitude}")
-        for sign in sorted({_sign(output) for output in own if output.request.by}):
+        for sign in sorted({_sign(output) for output in own if output.inputs}):
             for at_limit, function in enumerate(FUNCTIONS):
                 pick = f"pick_{number}_{int(sign < 0)}_{at_limit}"
                 text.add(f"{pick} = array({self.pick(number, sign, at_limit)})")
@@ -153,16 +153,24 @@ class PlacesWriter(ExtremaSchedule):
                 self.write_values(names, stores, self.gradient_needs(search))
 
     def write_gradient_result(self, output: Output, number: int) -> None:
-        """Write the copy of a derivative of extremes, or of their status."""
+        """Write the copy of a derivative of extremes, of their status, or of a change by tolerances."""
         request, search = output.request, self.program.searches[number]
-        target = f"out_{output.name}, i0, n_here, {number * len(self.program.branches) * LANES}"
+        target, first = f"out_{output.name}, i0, n_here", number * len(self.program.branches) * LANES
         if request.is_status:
             row = winners.WINNER_ROWS * (_sign(output) < 0) + winners.CODE
-            self.text.call(winners.store_status, f"{target}, winners, {row}")
+            self.text.call(winners.store_status, f"{target}, {first}, winners, {row}")
             return
-        kinds = [(gradient.by, gradient.is_position) for gradient in search.gradients]
-        row = self.gradient_base(_sign(output)) + kinds.index((request.by, request.is_position))
-        self.text.call(winners.store_gradient, f"{target}, gradients, {row}")
+        kinds = [(one.by, one.is_position) for one in search.gradients]
+        base = self.gradient_base(_sign(output))
+        rows = [base + kinds.index((by, request.is_position)) for by in output.inputs]
+        if not request.change:
+            self.text.call(winners.store_gradient, f"{target}, {first}, gradients, {rows[0]}")
+            return
+        table, tolerances = f"{output.name}__terms", [self.row(term.tolerance) for term in output.terms]
+        self.text.add(
+            f"{table} = array({[first, int(request.change == 'rss'), len(rows), *rows, *tolerances]})"
+        )
+        self.text.call(winners.store_change, f"{target}, gradients, w, {table}")
 
 
 def _text(gradient: Gradient, at_limit: bool) -> tuple[str, tuple[str, ...]]:

@@ -35,6 +35,9 @@ class ExtremaSchedule:
         for ends in zip(*program.graded.ends, strict=True):
             for name in ends:
                 self.row(name)
+        for output in program.outputs:
+            for term in output.terms:
+                self.row(term.tolerance)
         # positive where a gap counts as zero, so that it is not known whether there is a toggle
         self.doubts = [self.row(error_name(end[2])) for end in program.graded.ends if program.has_bounds]
 

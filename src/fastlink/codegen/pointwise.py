@@ -104,13 +104,12 @@ class _PointwiseWriter(Schedule):
                 text.add(f"{name} = designs[{k}, i0 + i]")
             self.paste(self.design_steps)
             per_design = [output.request.quantity for output in self.per_design]
-            for name in dict.fromkeys((*self.lane_needs, *per_design, *self.toggles)):
+            for name in dict.fromkeys((*self.lane_needs, *per_design, *self.toggles, *self.tolerances)):
                 text.add(f"{self.row(name)} = {name}  # {name}")
             for value in self.accumulated:
                 initial = {name: value.reduction.accumulators[key][0] for key, name in value.slots.items()}
-                initial |= {
-                    name: value.reduction.gradient[key][0] for key, name in value.gradient_slots.items()
-                }
+                for slots in value.gradient_slots:
+                    initial |= {name: value.reduction.gradient[key][0] for key, name in slots.items()}
                 for name, number in (initial | dict.fromkeys(value.position_slots, "nan")).items():
                     if name not in self.rows:
                         text.add(f"{self.row(name)} = {number}  # {name}")
@@ -183,17 +182,19 @@ class _PointwiseWriter(Schedule):
                 for key, name in new.items():
                     text.add(f"{self.row(name)} = {value.reduction.accumulators[key][1].format(**known)}")
                 written.update((better, *new.values()))
-            if value.gradient_slots:
-                self.write_gradient_updates(value, better)
+            self.write_gradient_updates(value, better, written)
             for name in value.position_slots:
                 text.add(f"{self.row(name)} = select({better}, {self.position}, {self.row(name)})")
 
-    def write_gradient_updates(self, value: CycleValue, better: str) -> None:
-        """Write the updates of the accumulators of a derivative by an input."""
-        for key, name in value.gradient_slots.items():
-            rows = {other: self.row(slot) for other, slot in value.gradient_slots.items()}
-            known = {"value": value.name, "better": better, "slope": value.slope, **value.slots, **rows}
-            self.text.add(f"{self.row(name)} = {value.reduction.gradient[key][1].format(**known)}")
+    def write_gradient_updates(self, value: CycleValue, better: str, written: set[str]) -> None:
+        """Write the updates of the accumulators of derivatives by inputs that are not written yet."""
+        for slope, slots in zip(value.slopes, value.gradient_slots, strict=True):
+            rows = {other: self.row(slot) for other, slot in slots.items()}
+            known = {"value": value.name, "better": better, "slope": slope, **value.slots, **rows}
+            for key, name in slots.items():
+                if name not in written:
+                    self.text.add(f"{self.row(name)} = {value.reduction.gradient[key][1].format(**known)}")
+            written.update(slots.values())
 
     def write_curves(self) -> None:
         """Write the loop over designs where lanes are input positions: curves go straight into the results."""
@@ -256,15 +257,16 @@ class _PointwiseWriter(Schedule):
     def write_cycle_results(self) -> None:
         """Write the results of the reductions, from the accumulators or from what a function has made of the curve."""
         for value in self.cycle_values:
-            rows = {key: self.row(name) for key, name in (value.slots | value.gradient_slots).items()}
-            at_toggle = "nan" if value.slope else value.reduction.at_toggle.format(**rows)
+            rows = {key: self.row(name) for key, name in value.slots.items()}
+            at_toggle = "nan" if value.slopes else value.reduction.at_toggle.format(**rows)
             if value.reduction.whole:
                 result = self.row(value.whole_slot)
             elif value.position_slots:
                 result = self.row(*value.position_slots)
+            elif value.slopes:
+                result = self.derivative_or_change(value, rows)
             else:
-                finish = value.reduction.gradient_finish if value.slope else value.reduction.finish
-                result = finish.format(**rows)
+                result = value.reduction.finish.format(**rows)
             if value.output.request.is_status:
                 result, at_toggle = status_text(value.reduction, result, bool(value.output.toggles))
             if value.output.toggles:
@@ -273,6 +275,28 @@ class _PointwiseWriter(Schedule):
                 result = f"select({meets}, {at_toggle}, {result})"
             for k in self.branches_of(value):
                 self.text.add(f"out_{value.output.name}[i0 + i, {k}] = {result}")
+
+    def derivative_or_change(self, value: CycleValue, rows: Mapping[str, str]) -> str:
+        """Return the derivative of a reduction by an input, or its change by the tolerances of several."""
+        finish = value.reduction.gradient_finish
+        found = [
+            finish.format(**rows, **{key: self.row(name) for key, name in slots.items()})
+            for slots in value.gradient_slots
+        ]
+        terms = value.output.terms
+        if not terms:
+            return found[0]
+        pairs = zip(found, terms, strict=True)
+        first, *others = (f"abs({slope}) * {self.row(term.tolerance)}" for slope, term in pairs)
+        for other in others:
+            first = (
+                f"{first} + {other}"
+                if value.output.request.change == "worst"
+                else f"magnitude({first}, {other})"
+            )
+        if others and value.output.request.change == "rss":
+            self.text.use("numerics.vectors", "magnitude")
+        return first
 
 
 def write_kernel(program: Program) -> Source:

@@ -42,14 +42,14 @@ class CycleValue:
         The reduction that it is.
     suffix : str
         The ending of the copy's name.
-    slope : str
-        The copy of the derivative by an input, of a result that is that of the reduction; else empty.
+    slopes : tuple of str
+        The copies of the derivatives by inputs, of a result that is that of the reduction or made of several.
     """
 
     output: Output
     reduction: Reduction
     suffix: str
-    slope: str = ""
+    slopes: tuple[str, ...] = ()
 
     @property
     def name(self) -> str:
@@ -65,10 +65,11 @@ class CycleValue:
         }
 
     @property
-    def gradient_slots(self) -> dict[str, str]:
-        """The further accumulators of the derivative by an input, where that is the result."""
-        keys = self.reduction.gradient if self.slope else ()
-        return {key: f"{self.output.name}__{key}{self.suffix}" for key in keys}
+    def gradient_slots(self) -> list[dict[str, str]]:
+        """The further accumulators of each derivative by an input, where the result is one or made of them."""
+        return [
+            {key: f"{self._own}__{key}__{slope}" for key in self.reduction.gradient} for slope in self.slopes
+        ]
 
     @property
     def position_slots(self) -> list[str]:
@@ -106,7 +107,7 @@ class Schedule:
                 output,
                 reduction,
                 suffix,
-                self.copy_for(output.request.bounded, k) if output.request.by else "",
+                tuple(self.copy_for(slope, k) for slope in output.slopes),
             )
             for output in program.outputs
             if (reduction := output.request.reduction) is not None
@@ -119,7 +120,9 @@ class Schedule:
         self.whole_curves = list(dict.fromkeys(v.name for v in self.cycle_values if v.reduction.whole))
         #: The quantities of results that need the loop over input positions.
         reduced = [value.output for value in self.cycle_values]
-        slopes = (output.request.bounded for output in reduced if output.request.by)
+        slopes = (slope for output in reduced for slope in output.slopes)
+        #: The tolerances that changes are made of, of the design.
+        self.tolerances = list(dict.fromkeys(term.tolerance for o in program.outputs for term in o.terms))
         self.varying = list(
             dict.fromkeys([*(output.request.quantity for output in (*self.curves, *reduced)), *slopes])
         )

@@ -98,7 +98,7 @@ def designs_of(
 @lru_cache(maxsize=64)
 def _known_inputs(catalogue: Catalogue, version: int) -> tuple[dict[str, Input], tuple[str, ...]]:
     """Return every input of a mechanism, and the names of those that are angles; found once for a version of it."""
-    known = catalogue.known_inputs(catalogue.variant_inputs)
+    known = catalogue.all_inputs
     return known, tuple(name for name, declared in known.items() if declared.units == RADIANS)
 
 

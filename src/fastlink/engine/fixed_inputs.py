@@ -23,7 +23,7 @@ __all__ = ["axes_of", "constants", "refuse_choices", "wrong_inputs"]
 
 def wrong_inputs(catalogue: Catalogue, names: Sequence[str]) -> list[Problem]:
     """Return the problems of names that are listed as inputs and are none."""
-    position, known = catalogue.position.name, catalogue.known_inputs(catalogue.variant_inputs)
+    position, known = catalogue.position.name, catalogue.all_inputs
     problems = []
     for k, name in enumerate(names):
         if name in (position, degrees_name(position), "branch"):

@@ -114,7 +114,7 @@ def function(
             what = f"is among the inputs and given as {short_repr(fixed[name])}"
             raise InputError(what, where=("function", name), remedy="leave one out")
     catalogue, problems = find_catalogue(mechanism, input), Problems()
-    known = catalogue.known_inputs(catalogue.variant_inputs)
+    known = catalogue.all_inputs
     if any(map(angle_of, (*fixed, *names))):
         fixed = radian_keywords(catalogue, "function", fixed, problems, position=False)
         for angle in filter(known.__contains__, map(angle_of, names)):

@@ -12,6 +12,7 @@ from fastlink.doors import door
 from fastlink.errors import InputError, Problems
 from fastlink.facts.names import Derivative, Quantity, Reduced, derivative_name
 from fastlink.plan.query import parse_request
+from fastlink.symbolic.changes import is_tolerance
 from fastlink.symbolic.derivative import NoDependence
 
 if TYPE_CHECKING:
@@ -99,6 +100,11 @@ def _names_of(resolved: ResolvedSweep, inputs: Sequence[str]) -> dict[str, tuple
     catalogue, variants, given = resolved.catalogue, resolved.plan.variants, resolved.space.names
     names: dict[str, tuple[int, int]] = {}
     problems = Problems()
+    for j, by in enumerate(inputs):
+        if is_tolerance(by):
+            remedy = "make a function of the other inputs, with the tolerance as a number that stays"
+            problems.add(f"{by!r} is a tolerance, by which there are no derivatives", ("inputs", j), remedy)
+    problems.stop()
     for k, output in enumerate(resolved.plan.outputs):
         with problems.at("outputs", k):
             if output.request.listed or output.request.is_error or output.request.is_of_gradient:

@@ -27,6 +27,7 @@ from fastlink.plan.query import Request
 from fastlink.space.dataset import CURVES, MAPS
 from fastlink.space.design_space import BRANCH, EXTREMUM, DesignSpace
 from fastlink.space.values import frozen
+from fastlink.symbolic.changes import worded
 from fastlink.symbolic.derivative import in_a_sentence
 
 if TYPE_CHECKING:
@@ -103,6 +104,12 @@ def _of_gradient(catalogue: Catalogue, request: Request, attrs: Mapping[str, Any
     if request.is_status:
         meaning = f"Status of the derivatives by the inputs of: {attrs['long_name']}"
         return {"long_name": meaning, "symbol": f"status of grad {attrs['symbol']}"}
+    if request.change:
+        meaning, symbol = (
+            worded(request.change, attrs["long_name"]),
+            f"{request.change} change {attrs['symbol']}",
+        )
+        return {"long_name": meaning, "symbol": symbol}
     by = catalogue.variables[request.by]
     return {
         "units": units_of(request, catalogue),

@@ -25,7 +25,7 @@ from fastlink.options import check_path
 from fastlink.plan.plan import Plan, all_declared, make_plan
 from fastlink.plan.pointwise import ANGLES_FOR_LANES
 from fastlink.plan.positions import in_degrees
-from fastlink.plan.query import Extrema, with_lists
+from fastlink.plan.query import Extrema, with_companions
 from fastlink.plan.validate import all_choices, constants_of, joined_missing, missing_inputs
 from fastlink.space.column import definition_of
 from fastlink.space.dataset import CURVES
@@ -286,4 +286,4 @@ def cached_plan(
 def _plan(
     catalogue: Catalogue, declared: tuple[Any, ...], names: tuple[str, ...], companions: bool, **options: Any
 ) -> Plan:
-    return make_plan(catalogue, with_lists(catalogue, names) if companions else names, **options)
+    return make_plan(catalogue, with_companions(catalogue, names) if companions else names, **options)

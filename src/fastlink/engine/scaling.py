@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from functools import lru_cache
 from typing import TYPE_CHECKING, Any
@@ -171,10 +171,26 @@ def _powers(plan: Plan, given: tuple[str, ...], name: str) -> list[float] | None
     bounds = any(output.request.is_error for output in plan.outputs)
     if bounds or any(isinstance(catalogue.parse(quantity), (ErrorBound, Trust)) for quantity in quantities):
         return None  # an error bound knows nothing of the rounding of one more product
+    quantities += [name for o in plan.outputs for name in (*o.slopes, *(term.tolerance for term in o.terms))]
     steps = catalogue.dependencies(quantities, (*given, *tables, "branch"), plan.variants)
     degrees = homogeneity_degrees(steps, name)
-    powers = [_power(output, degrees.get(output.request.bounded), name) for output in plan.outputs]
+    powers = [_power_of(output, degrees, name) for output in plan.outputs]
     return None if None in powers else [power for power in powers if power is not None]
+
+
+def _power_of(output: Output, degrees: Mapping[str, float | None], name: str) -> float | None:
+    """Return the power of an input by which a result grows, or None."""
+    if not output.terms:
+        return _power(output, degrees.get(output.request.bounded), name)
+    of_terms = set[float | None]()
+    for slope, term in zip(output.slopes, output.terms, strict=True):
+        one = replace(output.request, by=term.by, change="")
+        degree, of_tolerance = (
+            _power(replace(output, request=one), degrees.get(slope), name),
+            degrees.get(term.tolerance),
+        )
+        of_terms.add(None if degree is None or of_tolerance is None else degree + of_tolerance)
+    return of_terms.pop() if len(of_terms) == 1 else None
 
 
 def _power(output: Output, degree: float | None, name: str) -> float | None:

@@ -137,7 +137,7 @@ def _dimensional(plan: Plan, names: tuple[str, ...]) -> tuple[str, ...]:
 
 def _sized(catalogue: Catalogue, output: Output) -> Sized:
     request = output.request
-    if not request.has_its_units and not request.by:
+    if not request.has_its_units and not (request.by or request.change):
         return PURE
     return replace(
         sized(catalogue, request.bounded, units_of(request, catalogue)), is_extreme=request.is_error

@@ -11,9 +11,10 @@
 ``NAME_max_error``, ``NAME_extrema_error``     `ErrorBound` of `Reduced`, and those in a `ListOfExtrema`
 ``d_NAME_max_d_INPUT``, ...                    `Derivative` of `Reduced`, a value or a position, by an input
 ``NAME_max_gradient_status``                   `GradientStatus` of `Reduced`: whether these derivatives exist
+``NAME_worst_change``, ``NAME_rss_change``     `Change` of NAME or of `Reduced` by the tolerances of the inputs
 =============================================  =====================================================================
 
-NAME is itself such a name but in the last six rows, properties of the cycle. Internally ``d_NAME_d_PARAM__moving`` is
+NAME is itself such a name but in the last seven rows, properties of the cycle. Internally ``d_NAME_d_PARAM__moving`` is
 taken at a place that moves with the limits of motion. A name is read by the first of these rules that holds:
 
 1. ``d_NAME_d_PARAM`` is a derivative where PARAM is an input or the position; the last ``_d_`` counts.
@@ -29,123 +30,45 @@ Declarations refuse a name that rules 1 and 3 read otherwise if its innermost na
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 from typing import Any, Protocol
 
 from fastlink.facts.fact import CatalogueError
+from fastlink.facts.trees import (
+    BEFORE,
+    BELOW,
+    BY,
+    CHANGES,
+    ERROR,
+    MOVING,
+    PARTS,
+    STATUS,
+    TRUST,
+    Below,
+    Change,
+    Derivative,
+    ErrorBound,
+    GradientStatus,
+    ListOfExtrema,
+    Made,
+    Name,
+    Quantity,
+    Reduced,
+    Trust,
+    at,
+    bounded_of,
+    plain_part,
+    root_of,
+)  # fmt: skip
 
 __all__ = [
-    "Below", "Derivative", "ErrorBound", "GradientStatus", "Known", "ListOfExtrema", "Made", "Name", "Quantity",
-    "Reduced", "Trust", "as_derivative", "bounded_of", "derivative_name", "error_name", "forget_reduction",
+    "Below", "Change", "Derivative", "ErrorBound", "GradientStatus", "Known", "ListOfExtrema", "Made", "Name",
+    "Quantity", "Reduced", "Trust", "as_derivative", "bounded_of", "derivative_name", "error_name", "forget_reduction",
     "form_of", "innermost", "parse", "plain_part", "reading_of", "register_reduction", "root_of",
 ]  # fmt: skip
 
 #: The reductions over the cycle by the ending of names, and whether each has a position: see `register_reduction`.
 _REDUCTIONS: dict[str, bool] = {}
-#: The parts of a list of extremes, by the ending of their names.
-_PARTS = {
-    "_extrema": "value",
-    "_extrema_count": "count",
-    "_extrema_kind": "kind",
-    "_extrema_error": "error",
-}
-_ENDINGS = {part: ending for ending, part in _PARTS.items()}
-_ERROR, _TRUST, _STATUS, _MOVING = "_error", "_trust", "_gradient_status", "__moving"
-_BEFORE, _BY, _AT, _BELOW = "d_", "_d_", "_at_", "__below_"
-_RESERVED = frozenset({"error", "trust", "low", "extrema", "count", "kind", "status"})
-
-
-def _at(position: str) -> str:
-    return f"{position}{_AT}" if position else ""
-
-
-@dataclass(frozen=True)
-class Name:
-    """A name as a tree; ``str`` spells it."""
-
-
-@dataclass(frozen=True)
-class Quantity(Name):
-    """A name that is not composed of others."""
-
-    name: str
-
-    def __str__(self) -> str:
-        return self.name
-
-
-@dataclass(frozen=True)
-class Made(Name):
-    """A name composed of another one, `of`."""
-
-    of: Name
-
-
-@dataclass(frozen=True)
-class Derivative(Made):
-    """The derivative with respect to the input or position `by`; `moving`: at fixed distances from the limits."""
-
-    by: str
-    moving: bool = False
-
-    def __str__(self) -> str:
-        return f"{_BEFORE}{self.of}{_BY}{self.by}{_MOVING if self.moving else ''}"
-
-
-@dataclass(frozen=True)
-class ErrorBound(Made):
-    """The bound of the rounding error of a quantity."""
-
-    def __str__(self) -> str:
-        return f"{self.of}{_ERROR}"
-
-
-@dataclass(frozen=True)
-class Trust(Made):
-    """Whether the error bound of a quantity is small against its value."""
-
-    def __str__(self) -> str:
-        return f"{self.of}{_TRUST}"
-
-
-@dataclass(frozen=True)
-class GradientStatus(Made):
-    """The status of the derivatives of a reduction by the inputs: smooth, one-sided, none."""
-
-    def __str__(self) -> str:
-        return f"{self.of}{_STATUS}"
-
-
-@dataclass(frozen=True)
-class Below(Made):
-    """The fact that the fact of a variant replaces and builds on."""
-
-    variant: str
-
-    def __str__(self) -> str:
-        return f"{self.of}{_BELOW}{self.variant}"
-
-
-@dataclass(frozen=True)
-class Reduced(Made):
-    """A reduction of a quantity over the cycle, or the `position` where it is."""
-
-    how: str
-    position: str = ""
-
-    def __str__(self) -> str:
-        return f"{_at(self.position)}{self.of}_{self.how}"
-
-
-@dataclass(frozen=True)
-class ListOfExtrema(Made):
-    """All extremes of a quantity: values, count, kinds, error bounds, or their positions."""
-
-    part: str = "value"
-    position: str = ""
-
-    def __str__(self) -> str:
-        return f"{_at(self.position)}{self.of}{_ENDINGS[self.part]}"
+_RESERVED = frozenset({"error", "trust", "low", "extrema", "count", "kind", "status", "change"})
 
 
 def derivative_name(name: str, by: str, moving: bool = False) -> str:
@@ -161,7 +84,7 @@ def derivative_name(name: str, by: str, moving: bool = False) -> str:
 
 def error_name(name: str) -> str:
     """Return the name of the error bound of `name`."""
-    return f"{name}{_ERROR}"
+    return f"{name}{ERROR}"
 
 
 class Known(Protocol):
@@ -199,22 +122,10 @@ def parse(name: str, known: Known) -> Name:
 
 def as_derivative(name: str) -> tuple[str, str] | None:
     """Return NAME and PARAM of d_NAME_d_PARAM, known or not; None for another name."""
-    if not name.startswith(_BEFORE):
+    if not name.startswith(BEFORE):
         return None
-    of, sign, by = name[len(_BEFORE) :].rpartition(_BY)
+    of, sign, by = name[len(BEFORE) :].rpartition(BY)
     return (of, by) if sign and of and by else None
-
-
-def plain_part(tree: Name) -> str:
-    """Return the name inside derivatives and bounds, which varies where they do."""
-    return plain_part(tree.of) if isinstance(tree, (Derivative, ErrorBound, Trust)) else str(tree)
-
-
-def root_of(tree: Name) -> str:
-    """Return the innermost name of a tree."""
-    while isinstance(tree, Made):
-        tree = tree.of
-    return str(tree)
 
 
 def innermost(name: str, known: Known) -> str:
@@ -246,7 +157,7 @@ def forget_reduction(how: str) -> None:
 def form_of(name: str, known: Known) -> Name | None:
     """Return the tree of a name by its form alone; None for a plain name."""
     tree = _derivative(name, known) or _of_cycle(name, known) or _of_position(name, known)
-    reserved = _BY in name or _BELOW in name or name.startswith(_at(known.position.name))
+    reserved = BY in name or BELOW in name or name.startswith(at(known.position.name))
     return tree or (Quantity(name) if reserved else None)
 
 
@@ -260,17 +171,18 @@ def reading_of(name: str, known: Known) -> Name | None:
     of = bounded_of(tree) if tree else None
     if isinstance(of, (Reduced, ListOfExtrema)) and not of.position:
         return tree if known.is_public(root_of(of)) else None
-    if isinstance(tree, (ErrorBound, Trust)):
+    if isinstance(tree, (ErrorBound, Trust, Change)):
         return tree if known.declares(root_of(tree)) else None
     return tree
 
 
 def _derivative(name: str, known: Known) -> Name | None:
-    parts = as_derivative(plain := name.removesuffix(_MOVING))
+    parts = as_derivative(plain := name.removesuffix(MOVING))
     if not parts or parts[1] not in known.variables:
         return None
     # each part is read once: names may be long
-    of = _declared(parts[0], known) or _over_cycle(parts[0], known) or _of_position(parts[0], known)
+    over = _over_cycle(parts[0], known) or _change_of_cycle(parts[0], known)
+    of = _declared(parts[0], known) or over or _of_position(parts[0], known)
     return Derivative(of or Quantity(parts[0]), parts[1], plain != name)
 
 
@@ -288,39 +200,47 @@ def _within(name: str, known: Known) -> Name:
 
 def _of_position(name: str, known: Known) -> Name | None:
     """Return the tree of a name whose ending means a value at a position, else None."""
-    if name.endswith(_ERROR) and name != _ERROR:
-        return ErrorBound(_within(name.removesuffix(_ERROR), known))
-    if name.endswith(_TRUST) and name != _TRUST:
-        return Trust(_within(name.removesuffix(_TRUST), known))
-    of, sign, variant = name.partition(_BELOW)
+    if name.endswith(ERROR) and name != ERROR:
+        return ErrorBound(_within(name.removesuffix(ERROR), known))
+    if name.endswith(TRUST) and name != TRUST:
+        return Trust(_within(name.removesuffix(TRUST), known))
+    for ending, how in CHANGES.items():
+        if name.endswith(ending) and name != ending:
+            return Change(_within(name.removesuffix(ending), known), how)
+    of, sign, variant = name.partition(BELOW)
     return Below(Quantity(of), variant) if sign and of and variant else None
-
-
-def bounded_of(tree: Name) -> Name:
-    """Return the property of the cycle of which a name is the error bound or status; any other name itself."""
-    if isinstance(tree, (ErrorBound, GradientStatus)) and isinstance(tree.of, (Reduced, ListOfExtrema)):
-        return tree.of
-    return tree
 
 
 def _of_cycle(name: str, known: Known) -> Name | None:
     """Return the tree of a name whose ending means a property of the cycle, or the error bound of one, else None."""
     if tree := _over_cycle(name, known):
         return tree
-    for ending, made in ((_ERROR, ErrorBound), (_STATUS, GradientStatus)):
+    for ending, made in ((ERROR, ErrorBound), (STATUS, GradientStatus)):
         inner = name.removesuffix(ending)
         # a declared name that ends as a reduction is its declaration
         of = _over_cycle(inner, known) if inner != name and not known.declares(inner) else None
         if of and (made is ErrorBound or (isinstance(of, Reduced) and not of.position)):
             return made(of)
+    inner = name.removesuffix(ERROR)
+    bounded = _change_of_cycle(inner, known) if inner != name else None
+    return ErrorBound(bounded) if bounded else _change_of_cycle(name, known)
+
+
+def _change_of_cycle(name: str, known: Known) -> Change | None:
+    """Return the tree of a name whose ending means the change of a property of the cycle, else None."""
+    for ending, how in CHANGES.items():
+        inner = name.removesuffix(ending)
+        of = _over_cycle(inner, known) if inner != name and not known.declares(inner) else None
+        if of:
+            return Change(of, how)
     return None
 
 
 def _over_cycle(name: str, known: Known) -> Name | None:
     """Return the tree of a name whose ending means a property of the cycle, else None."""
-    inner = name.removeprefix(_at(known.position.name))
+    inner = name.removeprefix(at(known.position.name))
     position = "" if inner == name else known.position.name
-    for ending, part in _PARTS.items():
+    for ending, part in PARTS.items():
         if inner.endswith(ending) and inner != ending and (part == "value" or not position):
             return ListOfExtrema(_within(inner.removesuffix(ending), known), part, position)
     of, sign, how = inner.rpartition("_")

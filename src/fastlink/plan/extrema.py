@@ -143,15 +143,16 @@ def extrema_programs(
         ]
         names += [name for s in group for name in (s.slope, s.quantity, *s.bounded_by)]
         names += [name for s in group for gradient in s.gradients for name in gradient.names]
+        of_group = [o for s in group for o in outputs if o.request.quantity == s.quantity and not s.onto]
+        names += [term.tolerance for o in of_group for term in o.terms]
         names += [error_name(end[2]) for end in graded.ends if any(s.bounded_by for s in group)]
         steps = _steps(catalogue, names, given, variants)
         read = {name for step in steps for name in step.depends_on}
         known = catalogue.known_inputs(variants)
-        own = (o for s in group for o in outputs if o.request.quantity == s.quantity and not s.onto)
         programs.append(
             ExtremaProgram(
                 catalogue=catalogue,
-                outputs=tuple(own),
+                outputs=tuple(of_group),
                 steps=steps,
                 inputs=tuple(name for name in known if name in read and name in given),
                 branches=tuple(branches),
@@ -189,9 +190,9 @@ def _gradients(
     variants: Sequence[str],
 ) -> tuple[Gradient, ...]:
     """Return the requested derivatives of the extremes of a quantity, of the values before those of the places."""
-    own = [output.request for output in outputs if output.request.by]
+    own = [(output.request.is_position, by) for output in outputs for by in output.inputs]
     position, found = catalogue.position.name, []
-    for place, by in dict.fromkeys((r.is_position, r.by) for r in sorted(own, key=lambda r: r.is_position)):
+    for place, by in dict.fromkeys(sorted(own, key=lambda pair: pair[0])):
         of = position if place else search.quantity
         held = (
             (derivative_name(search.slope, by), derivative_name(search.slope, position))

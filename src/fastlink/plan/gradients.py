@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 
 from fastlink.errors import InputError
 from fastlink.facts.names import (
+    Change,
     Derivative,
     ErrorBound,
     GradientStatus,
@@ -61,11 +62,13 @@ STATUS_FLAGS = {
 
 
 def reduced_of(tree: Name) -> Reduced | ListOfExtrema | None:
-    """Return the property of the cycle of which a name is the derivative, the status, or the error bound of one."""
+    """Return the property of the cycle of which a name is the derivative, status or change, or a bound of one."""
     inner = tree.of if isinstance(tree, ErrorBound) else tree
     while isinstance(inner, Derivative) and isinstance(inner.of, Derivative):
         inner = inner.of
-    of = inner.of if isinstance(inner, (Derivative, GradientStatus)) else None
+    if isinstance(inner, Derivative) and isinstance(inner.of, Change):
+        inner = inner.of
+    of = inner.of if isinstance(inner, (Derivative, GradientStatus, Change)) else None
     return of if isinstance(of, (Reduced, ListOfExtrema)) else None
 
 
@@ -73,12 +76,14 @@ def gradient_refusal(name: str, tree: Name, of: Reduced, catalogue: Catalogue) -
     """Return the error that says why a property of the cycle has no such derivative, None where it has one."""
     what, quantity, position = f"quantity {name!r}: ", str(of.of), catalogue.position.name
     first = next(iter(catalogue.inputs))
+    if isinstance(tree, ErrorBound) and isinstance(tree.of, Change):
+        return InputError(f"{what}no error bound of {tree.of} is known", remedy="leave it out")
     if isinstance(tree, ErrorBound):
         what += (
             f"{tree.of} is taken at a place that is off itself, and no bound of what that does to it is known"
         )
         return InputError(what, remedy=f"ask for {ErrorBound(of)}, the error of the extreme itself")
-    if isinstance(tree, Derivative) and isinstance(tree.of, Derivative):
+    if isinstance(tree, Derivative) and isinstance(tree.of, (Derivative, Change)):
         return InputError(f"{what}second derivatives of {of} are not offered", remedy=f"ask for {tree.of}")
     if isinstance(tree, Derivative) and tree.by == position:
         by_input = Derivative(of, first)
@@ -86,6 +91,8 @@ def gradient_refusal(name: str, tree: Name, of: Reduced, catalogue: Catalogue) -
         return InputError(what, remedy=f"ask for its derivative by an input, such as {by_input}")
     if not REDUCTIONS[of.how].gradient_finish:
         return InputError(f"{what}{of} has no derivative by an input", remedy="leave it out")
+    if isinstance(tree, Change) and isinstance(of.of, Change):
+        return InputError(f"{what}{of.of} is a change itself", remedy=f"ask for {of}")
     fact = catalogue.public_fact(quantity)
     if fact.flags:
         return InputError(f"{what}{quantity} is a code, which has no derivative", remedy="leave it out")
@@ -124,9 +131,9 @@ def check_sampled(requests: Iterable[Request], catalogue: Catalogue) -> None:
         With what to ask for instead.
     """
     for request in requests:
-        if request.by and request.is_position:
+        if (request.by or request.change) and request.is_position:
             what = f"quantity {request.name!r}: the extremes of {request.quantity} are those of samples here, whose"
-            what += f" {catalogue.position.name} does not change with {request.by}"
+            what += f" {catalogue.position.name} does not change with {request.by or 'the inputs'}"
             raise InputError(what, remedy="leave it out")
 
 
@@ -134,5 +141,7 @@ def units_of(request: Request, catalogue: Catalogue) -> str:
     """Return the units of a request, of that which has units."""
     if request.by and request.is_position:
         return units_per(catalogue.position.units, catalogue.variables[request.by].units)
+    if request.change and request.is_position:
+        return catalogue.position.units
     units = catalogue.public_fact(request.bounded if request.by else request.quantity).units
     return units if request.reduction is None else request.reduction.units_of(units)

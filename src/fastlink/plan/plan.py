@@ -11,7 +11,7 @@ from fastlink.catalogue.catalogue import Catalogue
 from fastlink.errors import InputError, Setting
 from fastlink.facts.names import ErrorBound, Quantity, Reduced, error_name
 from fastlink.plan.extrema import extrema_programs, find_extremum_search
-from fastlink.plan.pointwise import output_of, pointwise_programs
+from fastlink.plan.pointwise import output_of, pointwise_programs, terms_of
 from fastlink.plan.program import ExtremumSearch, Output, Program
 from fastlink.plan.query import Extrema, Request, parse_request
 from fastlink.plan.reductions import REDUCTIONS
@@ -120,7 +120,13 @@ def make_plan(
     whole_turn = extrema == "refined"
     met = [toggles_of(catalogue, r, given, variants) if whole_turn else () for r in requests]
     outputs = tuple(
-        output_of(r, catalogue, refined=r.name in refined, toggles=toggles)
+        output_of(
+            r,
+            catalogue,
+            refined=r.name in refined,
+            toggles=toggles,
+            terms=terms_of(r, catalogue, given, variants),
+        )
         for r, toggles in zip(requests, met, strict=True)
     )
     setting: dict[str, Any] = {"given": given, "branches": branches, "variants": variants}

@@ -15,8 +15,9 @@ from fastlink.plan.program import Lanes, Output, Program
 from fastlink.plan.query import Request, parse_request
 from fastlink.plan.toggles import toggles_of
 from fastlink.space.design_space import BRANCH, EXTREMUM
+from fastlink.symbolic.changes import Term
 
-__all__ = ["ANGLES_FOR_LANES", "make_program", "output_of", "pointwise_programs"]
+__all__ = ["ANGLES_FOR_LANES", "make_program", "output_of", "pointwise_programs", "terms_of"]
 
 # Fewer angles than this leave vector lanes idle when lanes are angles.
 ANGLES_FOR_LANES = 32
@@ -68,13 +69,16 @@ def make_program(
     needed = [request.quantity for request in requests] + [
         name for toggles in met.values() for name in toggles
     ]
-    needed += [request.bounded for request in requests if request.by]
+    outputs = tuple(
+        output_of(r, catalogue, toggles=met[r.name], terms=terms_of(r, catalogue, given, variants))
+        for r in requests
+    )
+    needed += [name for o in outputs for name in (*o.slopes, *(term.tolerance for term in o.terms))]
     steps = tuple(catalogue.dependencies(dict.fromkeys(needed), leaves, variants))
     read = {need for step in steps for need in step.depends_on}
     read_tables = tuple(name for name in tables if name in read)
     if any(request.is_position for request in requests) and position not in read_tables:
         read_tables = (position, *read_tables)
-    outputs = tuple(output_of(request, catalogue, toggles=met[request.name]) for request in requests)
     has_cycle = any(request.reduction for request in requests)
     has_system = any(isinstance(step, System) for step in steps)
     if lanes is None:
@@ -117,7 +121,12 @@ def pointwise_programs(
 
 
 def output_of(
-    request: Request, catalogue: Catalogue, *, refined: bool = False, toggles: tuple[str, ...] = ()
+    request: Request,
+    catalogue: Catalogue,
+    *,
+    refined: bool = False,
+    toggles: tuple[str, ...] = (),
+    terms: tuple[Term, ...] = (),
 ) -> Output:
     """Return the result of a request."""
     fact = catalogue.public_fact(request.quantity)
@@ -130,4 +139,13 @@ def output_of(
         axes = (BRANCH, catalogue.position.name)
     is_code = (bool(fact.flags) and request.is_of_quantity) or request.listed in ("count", "kind")
     is_code = is_code or request.is_status
-    return Output(request, axes, "int8" if is_code else "float64", refined, toggles)
+    return Output(request, axes, "int8" if is_code else "float64", refined, toggles, terms)
+
+
+def terms_of(
+    request: Request, catalogue: Catalogue, given: Iterable[str], variants: Sequence[str]
+) -> tuple[Term, ...]:
+    """Return the terms of a change of a reduction by tolerances, none of another request."""
+    if not request.change:
+        return ()
+    return catalogue.change_terms(request.quantity, variants, given, over_cycle=True)

@@ -183,7 +183,7 @@ def radian_keywords(
     position : bool
         Whether the input position may be among them.
     """
-    declared = catalogue.known_inputs(catalogue.variant_inputs)
+    declared = catalogue.all_inputs
     if position:
         declared[catalogue.position.name] = catalogue.position
     result: dict[str, Any] = {}

@@ -8,7 +8,9 @@ from typing import TYPE_CHECKING, Any, Literal
 
 from fastlink.catalogue.catalogue import Catalogue, Fact, System
 from fastlink.catalogue.tables import angle_tables
+from fastlink.facts.names import derivative_name
 from fastlink.plan.query import Request
+from fastlink.symbolic.changes import Term
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -30,6 +32,20 @@ class Output:
     refined: bool = False
     #: The facts of the design that are positive where its integral over the turn meets a toggle that it cannot pass.
     toggles: tuple[str, ...] = ()
+    #: Of a change by tolerances, the inputs that have some, with the facts of these.
+    terms: tuple[Term, ...] = ()
+
+    @property
+    def slopes(self) -> tuple[str, ...]:
+        """The derivatives of the quantity that a derivative or change of its reduction is made of."""
+        if self.terms:
+            return tuple(derivative_name(self.request.quantity, term.by) for term in self.terms)
+        return (self.request.bounded,) if self.request.by else ()
+
+    @property
+    def inputs(self) -> tuple[str, ...]:
+        """The inputs of these derivatives."""
+        return tuple(term.by for term in self.terms) or ((self.request.by,) if self.request.by else ())
 
     @property
     def name(self) -> str:

@@ -10,8 +10,10 @@ from typing import TYPE_CHECKING, Literal
 from fastlink._text import short_repr
 from fastlink.errors import InputError, Problems
 from fastlink.facts.names import (
+    Change,
     Derivative,
     ErrorBound,
+    GradientStatus,
     ListOfExtrema,
     Name,
     Quantity,
@@ -66,11 +68,12 @@ class Request:
     is_error: bool = False
     by: str = ""
     is_status: bool = False
+    change: str = ""
 
     @property
     def is_of_gradient(self) -> bool:
-        """Whether it is a derivative of a reduction by an input, or their status."""
-        return bool(self.by) or self.is_status
+        """Whether it is a derivative of a reduction by an input, their status, or a change by tolerances."""
+        return bool(self.by or self.change) or self.is_status
 
     @property
     def is_of_quantity(self) -> bool:
@@ -116,6 +119,9 @@ def parse_request(name: str, catalogue: Catalogue) -> Request:
     if request := _of_gradient(name, tree, catalogue):
         return request
     of = bounded_of(tree)
+    if isinstance(tree, Change) and isinstance(of, ListOfExtrema):
+        what = f"quantity {name!r}: {of} is a list, of which no change is offered"
+        raise InputError(what, remedy=f"ask for {Change(Reduced(of.of, 'max'), tree.how)}")
     if isinstance(of, (Reduced, ListOfExtrema)) and catalogue.has_reductions(quantity := str(of.of)):
         listed = "" if isinstance(of, Reduced) else "position" if of.position else of.part
         if (is_error := of is not tree or listed == "error") and (refusal := _no_error(name, of, catalogue)):
@@ -133,8 +139,10 @@ def _of_gradient(name: str, tree: Name, catalogue: Catalogue) -> Request | None:
         return None
     if refusal := gradient_refusal(name, tree, of, catalogue):
         raise refusal
-    by = tree.by if isinstance(tree, Derivative) else ""
-    return Request(name, quantity, REDUCTIONS[of.how], bool(of.position), by=by, is_status=not by)
+    own = {"by": tree.by} if isinstance(tree, Derivative) else {"change": getattr(tree, "how", "")}
+    return Request(
+        name, quantity, REDUCTIONS[of.how], bool(of.position), is_status=not any(own.values()), **own
+    )
 
 
 def _no_error(name: str, of: Reduced | ListOfExtrema, catalogue: Catalogue) -> InputError | None:
@@ -216,12 +224,20 @@ def list_names(catalogue: Catalogue, quantity: str) -> tuple[str, ...]:
     return tuple(map(str, (ListOfExtrema(of), ListOfExtrema(of, position=catalogue.position.name), *parts)))
 
 
-def with_lists(catalogue: Catalogue, names: Iterable[str]) -> list[str]:
-    """Return the names with, after each list of extrema, those that belong to it and are not requested already."""
+def with_companions(catalogue: Catalogue, names: Iterable[str]) -> list[str]:
+    """Return the names with those that belong to each and are not requested already.
+
+    These are the parts of a list of extrema, and after a change by tolerances the status of its derivatives.
+    """
     requested = list(names)
     result: list[str] = []
     for name in requested:
         request = parse_request(name, catalogue)
-        together = list_names(catalogue, request.quantity) if request.listed == "value" else (name,)
+        together: tuple[str, ...] = (name,)
+        if request.listed == "value":
+            together = list_names(catalogue, request.quantity)
+        elif request.change and request.reduction is not None:
+            of = Reduced(Quantity(request.quantity), request.reduction.suffix)
+            together = (name, str(GradientStatus(of)))
         result += [other for other in together if other == name or other not in (*requested, *result)]
     return result

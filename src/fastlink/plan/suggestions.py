@@ -243,7 +243,7 @@ def unknown_quantity(name: str, catalogue: Catalogue, over_cycle: bool = True) -
     if absent := catalogue.absence(name):
         return absent
     same = squeezed(name)
-    for known in catalogue.known_inputs(catalogue.variant_inputs).values():
+    for known in catalogue.all_inputs.values():
         if squeezed(known.name) == same:
             of = "" if known.name == name else f" {known.name!r}"
             what = f"quantity {name!r} is the input{of}, a coordinate of the result ({known.meaning})"

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 
 from fastlink.catalogue.catalogue import Catalogue, CatalogueError, System
-from fastlink.facts.names import Derivative, derivative_name
+from fastlink.facts.names import Change, Derivative, derivative_name
 from fastlink.plan.query import Request
 from fastlink.symbolic.asymptotics import asymptotics
 from fastlink.symbolic.derivative import NoDerivative
@@ -45,7 +45,7 @@ def order_at_toggles(
     graded, tree = catalogue.graded, catalogue.parse(quantity)
     assert graded is not None
     names = [quantity]
-    if isinstance(tree, Derivative) and tree.by != catalogue.position.name:
+    if isinstance(tree, Change) or (isinstance(tree, Derivative) and tree.by != catalogue.position.name):
         names.append(derivative_name(str(tree.of), catalogue.position.name))
     # of a linear system nothing is known; closed forms have the same values
     chosen = (graded.name, *(variant for variant in variants if variant not in catalogue.solvers))

@@ -15,6 +15,7 @@ import numpy as np
 from fastlink._text import joined, short_repr
 from fastlink.catalogue.catalogue import Catalogue, Input
 from fastlink.catalogue.declare import ELIMINATED
+from fastlink.catalogue.search import did_you_mean
 from fastlink.errors import InputError, KeyPath, Model, Problem, Problems, Remedy, nearest, suggest
 from fastlink.options import check_choice
 from fastlink.plan.query import parse_request
@@ -22,6 +23,7 @@ from fastlink.plan.suggestions import input_remedy, suggest_input
 from fastlink.space.column import Column, steps
 from fastlink.space.links import MODELS, Links
 from fastlink.space.values import cells_of, check_length, is_number, unmasked
+from fastlink.symbolic.changes import is_tolerance
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -189,6 +191,8 @@ def unknown_input(
         if name in inputs:
             mend = ("write ", Model(model, tuple(inputs)), ", or leave it out")
             return Problem(f"belongs to links of model {model!r}", (parent, name), mend)
+    if "tol" in name and (near := nearest(name, catalogue.tolerances)):
+        return Problem(f"is unknown to {catalogue.name}", (parent, name), did_you_mean([near]))
     names = sorted({*known, *(key for inputs in catalogue.variant_inputs.values() for key in inputs)})
     option = nearest(name, options)
     near_an_option = option and not nearest(name, names) and not suggest_input(name, catalogue)
@@ -233,7 +237,11 @@ def missing_inputs(
     """Return a problem for each input that a quantity depends on and nothing gives."""
     of_links = {name for model in MODELS for name in catalogue.variant_inputs.get(model, {})}
     known, has = catalogue.known_inputs(variants), set(given)
-    absent = {name for name in known if name not in has and catalogue.resolve(name, variants) is None}
+    absent = {
+        name
+        for name in known
+        if name not in has and not is_tolerance(name) and catalogue.resolve(name, variants) is None
+    }
     tables = (catalogue.position.name, *catalogue.tables, *catalogue.table_low_parts)
     request = parse_request(name, catalogue)
     steps = catalogue.dependencies([request.quantity], {*has, *absent, *tables, "branch"}, variants)

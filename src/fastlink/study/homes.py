@@ -40,7 +40,7 @@ def at_home(raw: Mapping[str, Any], catalogue: Catalogue | None) -> tuple[dict[s
     homes |= {key: (table,) for table, keys in KEYS.items() for key in keys}
     if catalogue is not None:
         of_links = {name for model in MODELS for name in catalogue.variant_inputs.get(model, {})}
-        homes |= dict.fromkeys(catalogue.known_inputs(catalogue.variant_inputs), ("design",))
+        homes |= dict.fromkeys(catalogue.all_inputs, ("design",))
         homes |= dict.fromkeys(of_links, ("links", "design"))
         position = catalogue.position.name
         homes |= dict.fromkeys((position, degrees_name(position)), ("cycle",))

@@ -48,10 +48,11 @@ from fastlink.numerics.gradient_status import (
     SMOOTH,
     TIED,
 )
+from fastlink.numerics.vectors import magnitude
 
 __all__ = [
     *("CODE", "WINNER_ROWS", "collect_winners", "forget_winners", "judge_winners", "note_winners"),
-    *("settle_jumps", "store_gradient", "store_status", "take_gradients"),
+    *("settle_jumps", "store_change", "store_gradient", "store_status", "take_gradients"),
 ]
 
 # Rows of a place: the value (of a least one with its sign changed), the input position, the place in the range, whether
@@ -62,6 +63,8 @@ WINNER_ROWS = 9
 #: limits of motion; the first row of the state that holds them, how many they are, how many of these are of values, the
 #: first row of the results that holds them, what the mirror does to the quantity.
 SEARCH, LEAST, LIMITS, FIRST_ROW, TOTAL, VALUES, BASE, SIGN = range(8)
+#: Entries of the table of a change by tolerances: see `store_change`.
+FIRST, SQUARES, COUNT, TERMS = range(4)
 #: The kinds of a jump by a full turn, and of a place where a quotient is divided by almost nothing and has its extreme
 #: beside it; an end of the range has kind 0.
 TURN, NEARLY_POLE = 2.0, 3.0
@@ -222,6 +225,24 @@ def store_gradient(result: Any, first: int, count: int, base: int, gradients: An
     for i in range(count):
         for branch in range(result.shape[1]):
             result[first + i, branch] = gradients[row, base + branch * LANES + i]
+
+
+@outlined
+def store_change(result: Any, first: int, count: int, gradients: Any, w: Any, terms: Any) -> None:
+    """Put together the changes of a greatest or least value, or of its place, by the tolerances of inputs.
+
+    `terms` has the first column, whether squares are added, how many inputs there are, the rows of the derivatives by
+    them, and the rows of the lane values of their tolerances.
+    """
+    total = terms[COUNT]
+    for i in range(count):
+        for branch in range(result.shape[1]):
+            change = 0.0
+            for k in range(total):
+                slope = gradients[terms[TERMS + k], terms[FIRST] + branch * LANES + i]
+                one = abs(slope) * w[terms[TERMS + total + k], i]
+                change = magnitude(change, one) if terms[SQUARES] > 0 else change + one
+            result[first + i, branch] = change
 
 
 @outlined
