@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from fastlink.diagnostics.explain import explain as explain
     from fastlink.drawing.draw import draw as draw
     from fastlink.engine.evaluate import evaluate as evaluate
+    from fastlink.engine.extending import extend as extend
     from fastlink.engine.function import function as function
     from fastlink.engine.join import join as join
     from fastlink.engine.sweep import sweep as sweep

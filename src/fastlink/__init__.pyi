@@ -17,6 +17,8 @@ from fastlink.diagnostics import accuracy as accuracy
 from fastlink.diagnostics import accuracy_table as accuracy_table
 from fastlink.diagnostics.explain import explain as explain
 from fastlink.drawing.draw import draw as draw
+from fastlink.engine.extending import Extension
+from fastlink.engine.extending import extend as extend
 from fastlink.engine.function import Function
 from fastlink.engine.join import join as join
 from fastlink.errors import InputError as InputError
@@ -76,6 +78,7 @@ __all__ = [
     "evaluate",
     "explain",
     "explore",
+    "extend",
     "finite",
     "focal",
     "function",
@@ -254,6 +257,18 @@ def evaluate(
     theta_deg: Any = ...,
 ) -> dict[str, Any]: ...
 @overload
+def evaluate(
+    mechanism: Extension,
+    quantities: Iterable[str],
+    *,
+    branch: Any = ...,
+    links: Links | None = ...,
+    input: str | None = ...,
+    solver: str = ...,
+    allow_invalid: bool = ...,
+    **inputs: Any,
+) -> dict[str, Any]: ...
+@overload
 def function(
     mechanism: Literal["planar_4r"],
     inputs: Sequence[Planar4rInput] | Sequence[str],
@@ -423,6 +438,21 @@ def function(
     theta_deg: Any = ...,
 ) -> Function: ...
 @overload
+def function(
+    mechanism: Extension,
+    inputs: Sequence[str],
+    outputs: Sequence[str],
+    *,
+    links: Links | None = ...,
+    input: str | None = ...,
+    angles: int | ArrayLike | None = ...,
+    branch: int | Sequence[int] = ...,
+    solver: str = ...,
+    extrema: str | None = ...,
+    backend: str | None = ...,
+    **fixed: Any,
+) -> Function: ...
+@overload
 def sweep(
     mechanism: Literal["planar_4r"],
     space: DesignSpace | Mapping[str, Any] | str | Path | Any,
@@ -572,8 +602,35 @@ def sweep(
     theta: int | ArrayLike | None = ...,
     theta_deg: int | ArrayLike | None = ...,
 ) -> xr.Dataset: ...
+@overload
+def sweep(
+    mechanism: Extension,
+    space: DesignSpace | Mapping[str, Any] | str | Path | Any,
+    quantities: Sequence[str],
+    *,
+    links: Links | None = ...,
+    input: str | None = ...,
+    angles: int | ArrayLike | None = ...,
+    branch: int | Sequence[int] = ...,
+    solver: str = ...,
+    extrema: str | None = ...,
+    verify: int | None = ...,
+    to: str | Path | None = ...,
+    overwrite: bool = ...,
+    restart: bool = ...,
+    part: tuple[int, int] | str | None = ...,
+    layout: str = ...,
+    threads: int | None = ...,
+    client: Client | None = ...,
+    progress: bool | None = ...,
+    allow_invalid: bool = ...,
+    attrs: Mapping[str, Any] | None = ...,
+    block: int | None = ...,
+    backend: str | None = ...,
+    **positions: int | ArrayLike | None,
+) -> xr.Dataset: ...
 def quantities(
-    mechanism: MechanismName | str | None = ...,
+    mechanism: MechanismName | str | Extension | None = ...,
     internal: bool = ...,
     input: str | None = ...,
     *,

@@ -385,6 +385,25 @@ DOORS: list[Door] = [
         ),
         "",
     ),
+    Door("extend", "fl.extend($mechanism, $more).text", MECHANISM | MORE, ""),
+    Door(
+        "Extension.input",
+        "fl.extend('planar_4r').input($name, units=$units, default=$default, rule=$rule, $more)",
+        _slots(
+            name=("name", "'weight'", "weight", "'{x}'[:-1]", "'{x}_max_max'"),
+            units=("name", "'N m'", "N m", "'{x}'[:-1]", "'{x} '"),
+            default=("real", "0.5", "0.5", "None"),
+            rule=("name", "'any'", "any"),
+        )
+        | MORE,
+        "",
+    ),
+    Door(
+        "Extension.quantity",
+        "fl.extend('planar_4r').quantity(units='N')($function)",
+        _slots(function=("thing", "len", "len")),
+        "refused",
+    ),
     Door("mechanisms", "fl.mechanisms($more)", dict(MORE), ""),
     Door("open", "fl.open($path)", _slots(path=("path", "'maps.h5'", "maps.h5")), ""),
     Door(

@@ -82,15 +82,22 @@ def narrowed(parameter: Parameter, mechanism: str) -> str:
     }
     if kind is not None:
         return f"{plain.replace('str', typing._alias(mechanism, kind))} | {plain}"
+    plain = plain.replace(" | Extension", "")
     return plain.replace("str", texts[parameter.name]) if parameter.name in texts else plain
 
 
-def signature_text(name: str, mechanism: str = "") -> str:
-    """Return the signature of a public function as a stub has it; for one mechanism, if one is named."""
+def signature_text(name: str, mechanism: str = "", *, extended: bool = False) -> str:
+    """Return the signature of a public function as a stub has it; for one mechanism, if one is named.
+
+    That for extended mechanisms takes further keywords of any name.
+    """
     function = getattr(fastlink, name)
     signature = inspect.signature(function)
     lines, keyword_only, by_position = [], False, False
     for parameter in signature.parameters.values():
+        if parameter.kind is Parameter.VAR_KEYWORD and extended:
+            lines.append(f"**{parameter.name}: {parameter.annotation}")
+            continue
         if parameter.kind is Parameter.VAR_KEYWORD:
             lines += ["/"] if by_position else []
             if not keyword_only:
@@ -108,7 +115,7 @@ def signature_text(name: str, mechanism: str = "") -> str:
         if parameter.kind is not Parameter.POSITIONAL_ONLY and by_position:
             lines.append("/")
         by_position = parameter.kind is Parameter.POSITIONAL_ONLY
-        hint = narrowed(parameter, mechanism)
+        hint = "Extension" if extended and parameter.name == "mechanism" else narrowed(parameter, mechanism)
         default = "" if parameter.default is Parameter.empty else " = ..."
         lines.append(f"{parameter.name}: {hint}{default}")
     listed = "".join(f"    {line},\n" for line in lines)
@@ -142,6 +149,7 @@ def stub() -> str:
         (one,) = statement.names
         if one.name in BY_MECHANISM:
             texts = [f"@overload\n{signature_text(one.name, mechanism)}" for mechanism in NAMES]
+            texts.append(f"@overload\n{signature_text(one.name, extended=True)}")
         elif one.name in OF_INPUTS or one.name == "quantities":
             texts = [signature_text(one.name)]
         else:

@@ -272,7 +272,7 @@ def test_a_sum_of_any_length_is_written():
 def test_every_function_of_geometry_has_a_rule_or_can_be_read():
     """A function that splits numbers would be read as if it were smooth."""
     exact = {"gap_product_quotient", "pair_product", "pair_quotient", "sum_of_four", "two_product", "two_sum"}
-    piecewise = {"power_of_two_below", "zero_where"}
+    piecewise = {"absolute", "choice", "power_of_two_below", "zero_where"}
     read = {"cross", "largest", "magnitude", "sign", "size_power", "square_sum", "turn_rate"}
     assert exact | piecewise == {function.__name__ for function in RULES}
     assert exact | piecewise | read == {*compensated.__all__, *vectors.__all__}

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 from dataclasses import replace
 from functools import cached_property
+from typing import Self
 
 from fastlink.catalogue.inputs import DesignInputs
 from fastlink.catalogue.selection import Selection, name_below, plain_and_above, replaced_by, variants_below
@@ -44,6 +45,19 @@ class Catalogue(DesignInputs):
     positions : (first, last, number), optional
         The default input positions of an input without bounds; without them the input turns in equal steps.
     """
+
+    def copied(self) -> Self:
+        """Return the same declarations, to which others can be added."""
+        copied = object.__new__(type(self))  # copy.copy takes what travels by its name for the same thing
+        derived = ("_selections", "_varying")
+        copied.__dict__.update({name: own for name, own in self.__dict__.items() if name not in derived})
+        copied.inputs, copied.facts, copied.tables = dict(self.inputs), dict(self.facts), dict(self.tables)
+        copied.variants = {name: dict(facts) for name, facts in self.variants.items()}
+        copied.variant_inputs = {name: dict(inputs) for name, inputs in self.variant_inputs.items()}
+        copied.hiding = set(self.hiding)
+        copied._formed = {name: list(formed) for name, formed in self._formed.items()}
+        copied._seen = [], -1
+        return copied
 
     @property
     def public(self) -> dict[str, Fact]:

@@ -60,6 +60,8 @@ class Declarations:
         self.hiding: set[str] = set()
         #: What else names are called in the field, by which they are found.
         self.keywords: dict[str, tuple[str, ...]] = {}
+        #: What a user has declared of it, see `fastlink.own`.
+        self.definition: tuple[Any, ...] = ()
         self._formed: dict[str, list[tuple[str, bool]]] = {}
         self._seen: tuple[list[Any], int] = [], next(_versions)
 

@@ -14,6 +14,7 @@ from fastlink.drawing.source import Source
 from fastlink.engine.evaluate import evaluate
 from fastlink.errors import InputError, Problems, suggest
 from fastlink.mechanisms import catalogue as find_catalogue
+from fastlink.mechanisms import name_of
 from fastlink.options import check_choice, check_switch, check_whole
 from fastlink.plan.positions import radian_keywords
 from fastlink.plan.query import check_names
@@ -101,7 +102,7 @@ def request_of(source: Source, options: Options) -> Request:
     input = source.input if options.input is None else options.input
     links = source.links if options.links is None else options.links
     catalogue = find_catalogue(source.mechanism, input)
-    picture, problems = picture_of(source.mechanism, catalogue), Problems()
+    picture, problems = picture_of(name_of(source.mechanism), catalogue), Problems()
     branches: tuple[int, ...] = tuple(catalogue.branches)
     with problems.at():
         given = source.branch if options.branch is None else options.branch

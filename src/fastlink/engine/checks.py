@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from fastlink.catalogue.catalogue import Catalogue
+    from fastlink.engine.extending import Extension
     from fastlink.space.design_space import DesignSpace
     from fastlink.space.links import Links
 
@@ -69,7 +70,7 @@ class CheckedRequest:
 
 
 def check(
-    mechanism: str,
+    mechanism: str | Extension,
     space: DesignSpace | None,
     quantities: Sequence[str],
     *,

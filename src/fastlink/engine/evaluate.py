@@ -6,7 +6,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import lru_cache
 from inspect import signature
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -18,7 +18,7 @@ from fastlink.catalogue.tables import angle_tables
 from fastlink.doors import door
 from fastlink.engine.broadcast import MOST_CONFIGURATIONS, broadcast_inputs, like, too_many
 from fastlink.errors import InputError, KeyPath, Problem, Problems, Setting
-from fastlink.mechanisms import NAMES, inputs_of
+from fastlink.mechanisms import NAMES, inputs_of, name_of
 from fastlink.mechanisms import catalogue as find_catalogue
 from fastlink.options import check_switch
 from fastlink.plan.positions import check_keywords, radian_keywords
@@ -40,12 +40,15 @@ from fastlink.space.degrees import RADIANS, angle_of, in_unit, remark_on_angles
 from fastlink.space.links import Links
 from fastlink.space.values import MOST_DIMS, has, numbers_of
 
+if TYPE_CHECKING:
+    from fastlink.engine.extending import Extension
+
 __all__ = ["evaluate"]
 
 
 @door(hint="inputs are given by name, such as a1=0.5, or as **design")
 def evaluate(
-    mechanism: str,
+    mechanism: str | Extension,
     quantities: Iterable[str],
     *,
     branch: Any = 1,
@@ -62,7 +65,7 @@ def evaluate(
 
     Parameters
     ----------
-    mechanism : str
+    mechanism : str or Extension
         Name of the mechanism.
     quantities : sequence of str
         Names of quantities (not of their extremes or means over the cycle, which `fastlink.sweep` computes).
@@ -116,7 +119,7 @@ def evaluate(
     variants = selected_variants(catalogue, links, solver, inputs)
     if of_design and catalogue.position.name not in inputs:
         inputs = {**inputs, catalogue.position.name: 0.0}  # which nothing depends on
-    given = _given(catalogue, version, mechanism, variants, tuple(of_links), tuple(inputs))
+    given = _given(catalogue, version, name_of(mechanism), variants, tuple(of_links), tuple(inputs))
     problems.noted += given.problems
     values: dict[str, Any] = dict(given.defaults)
     with problems.at():

@@ -35,6 +35,7 @@ from fastlink.space.values import MOST_DIMS, numbers_of
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
+    from fastlink.engine.extending import Extension
     from fastlink.space.links import Links
 
 __all__ = ["Function", "function"]
@@ -45,7 +46,7 @@ BLOCK, BLOCK_BYTES = 1024, 1 << 20
 
 @door
 def function(
-    mechanism: str,
+    mechanism: str | Extension,
     inputs: Sequence[str],
     outputs: Sequence[str],
     *,
@@ -62,7 +63,7 @@ def function(
 
     Parameters
     ----------
-    mechanism : str
+    mechanism : str or Extension
         Name of the mechanism.
     inputs : sequence of str
         The inputs that vary: the rows of the function's argument.

@@ -20,6 +20,7 @@ from fastlink.io.dataset import (
     of_code,
     plain_attrs,
 )
+from fastlink.own.definition import definition_text
 from fastlink.plan.gradients import STATUS_FLAGS, units_of
 from fastlink.plan.plan import Plan
 from fastlink.plan.program import Output
@@ -264,6 +265,8 @@ def global_attrs(resolved: ResolvedSweep, threads: int) -> dict[str, Any]:
         **({"solver": resolved.solver} if resolved.solver else {}),
         "threads": threads,
     }
+    if declared := resolved.declared:
+        attrs["own_quantities"] = definition_text(resolved.mechanism, declared)
     if plan.uses_position:
         attrs[f"{catalogue.position.name}_count"] = resolved.positions.size
     if plan.extrema:

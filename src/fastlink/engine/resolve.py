@@ -15,13 +15,15 @@ from fastlink.codegen.cache import environment
 from fastlink.codegen.kernel import Kernel, kernel_of
 from fastlink.engine.binding import KernelTask
 from fastlink.engine.checks import CheckedRequest, check
-from fastlink.engine.designs import designs_of
+from fastlink.engine.designs import designs_of, without
 from fastlink.engine.executor import Job, Shapes
 from fastlink.engine.scaling import ScalingAxis, find_scaling_axis
 from fastlink.engine.sizes import UnitsOfDesigns
 from fastlink.errors import InputError, KeyPath, Problem, Problems
 from fastlink.mechanisms import catalogue as find_catalogue
+from fastlink.mechanisms import name_of
 from fastlink.options import check_path
+from fastlink.own.catalogue import used
 from fastlink.plan.plan import Plan, all_declared, make_plan
 from fastlink.plan.pointwise import ANGLES_FOR_LANES
 from fastlink.plan.positions import in_degrees
@@ -39,6 +41,8 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from fastlink.catalogue.catalogue import Catalogue
+    from fastlink.engine.extending import Extension
+    from fastlink.own.definition import Definition
     from fastlink.space.design_space import DesignSpace
 
 __all__ = ["ResolvedSweep", "axis_lengths", "cached_plan", "resolve"]
@@ -106,6 +110,13 @@ class ResolvedSweep:
         lengths = self.lengths
         return [(tuple(lengths[axis] for axis in o.axes), o.dtype) for o in self.plan.outputs]
 
+    @property
+    def declared(self) -> Definition:
+        """The declarations of a user on which what is computed depends."""
+        steps = (step for program in self.plan.programs for step in program.steps)
+        inputs = (name for program in self.plan.programs for name in program.inputs)
+        return used(self.catalogue, steps, inputs)
+
     @cached_property
     def fingerprint(self) -> str:
         """A hash of all that the numbers depend on: kernels, designs, input positions; the same on any machine."""
@@ -120,6 +131,8 @@ class ResolvedSweep:
             digest.update(repr((name, definition_of(label))).encode())
         digest.update(repr([self.branches, *(o.name for o in self.plan.outputs)]).encode())
         digest.update(self.positions.tobytes())
+        if declared := self.declared:
+            digest.update(repr(declared).encode())
         return digest.hexdigest()
 
     def __getstate__(self) -> dict[str, Any]:
@@ -170,7 +183,7 @@ def axis_lengths(plan: Plan, positions: int) -> dict[str, int]:
 
 
 def resolve(
-    mechanism: str,
+    mechanism: str | Extension,
     space: Any,
     quantities: Sequence[str],
     *,
@@ -222,10 +235,19 @@ def resolve(
         plan = cached_plan(catalogue, checked.names, companions, declared=checked.declared, **planning)
     except InputError as error:
         raise (_problem_of_each(checked, planning, parameter) or error) from None
+    space = _without_unread(space, plan)
     axis = find_scaling_axis(plan, space) if UnitsOfDesigns.of(plan, space).ordinary else None
     solver = checked.solver if plan.depends_on_solver else ""
     one_branch = np.ndim(options.get("branch", checked.branches)) == 0
-    return ResolvedSweep(mechanism, space, plan, checked.positions, solver, axis, checked.backend, one_branch)
+    mechanism, ways = name_of(mechanism), (checked.backend, one_branch)
+    return ResolvedSweep(mechanism, space, plan, checked.positions, solver, axis, *ways)
+
+
+def _without_unread(space: DesignSpace, plan: Plan) -> DesignSpace:
+    """Return designs without the default values of a user's inputs that nothing computed depends on."""
+    own = {one.name for one in plan.catalogue.definition if getattr(one, "default", None) is not None}
+    read = {name for program in plan.programs for name in program.inputs}
+    return without(space, own.intersection(space.constants) - read) if own else space
 
 
 def _space_of(space: Any, allow_invalid: bool) -> DesignSpace:

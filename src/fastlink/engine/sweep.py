@@ -28,6 +28,7 @@ if TYPE_CHECKING:
     from distributed import Client
     from numpy.typing import ArrayLike
 
+    from fastlink.engine.extending import Extension
     from fastlink.space.design_space import DesignSpace
     from fastlink.space.links import Links
 
@@ -36,7 +37,7 @@ __all__ = ["sweep"]
 
 @door
 def sweep(
-    mechanism: str,
+    mechanism: str | Extension,
     space: DesignSpace | Mapping[str, Any] | str | Path | Any,
     quantities: Sequence[str],
     *,
@@ -65,8 +66,8 @@ def sweep(
 
     Parameters
     ----------
-    mechanism : str
-        Name of the mechanism, such as ``"planar_4r"``.
+    mechanism : str or Extension
+        Name of the mechanism, such as ``"planar_4r"``; or one with quantities of one's own, from `fastlink.extend`.
     space : DesignSpace, mapping, DataFrame, Dataset or path
         From `fastlink.grid`, `fastlink.table`, `fastlink.sobol` or `fastlink.latin_hypercube`; or what `fastlink.table`
         takes, such as a DataFrame, the path of a CSV or Parquet file or the result of another sweep; or one design as a

@@ -55,7 +55,7 @@ class Fact:
     """One physical statement, with its labels in files and documentation.
 
     The function of a fact with a `low` part returns an unevaluated sum of two doubles, which are two values: that of
-    the fact's own name, and its low part.
+    the fact's own name, and its low part. One that is `own` was declared by a user, see `fastlink.own`.
     """
 
     name: str
@@ -68,6 +68,7 @@ class Fact:
     internal: bool = False
     flags: Mapping[int, str] = field(default_factory=dict)
     low: str | None = None
+    own: bool = False
 
     @property
     def names(self) -> tuple[str, ...]:

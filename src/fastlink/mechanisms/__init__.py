@@ -13,6 +13,7 @@ import threading
 from importlib import import_module
 from types import ModuleType
 from typing import TYPE_CHECKING, Any
+from weakref import WeakKeyDictionary
 
 from fastlink.errors import suggest
 from fastlink.options import check_choice
@@ -21,12 +22,13 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
     from fastlink.catalogue.catalogue import Catalogue
+    from fastlink.engine.extending import Extension
     from fastlink.mechanisms.listing import MechanismList
     from fastlink.typing import MechanismName
 
 _lock = threading.Lock()
 #: The arguments of `catalogue` that give each one that was asked for.
-_names: dict[Catalogue, tuple[str | None, ...]] = {}
+_names: WeakKeyDictionary[Catalogue, tuple[Any, ...]] = WeakKeyDictionary()
 NAMES: tuple[MechanismName, ...] = ("planar_4r", "minkowski_4r", "focal", "hart", "slider_crank")
 #: What mechanisms are called elsewhere, by which they are found.
 KEYWORDS = {
@@ -53,20 +55,39 @@ class _Package(ModuleType):
 sys.modules[__name__].__class__ = _Package
 
 
-def inputs_of(mechanism: str) -> tuple[str, ...]:
+def is_extension(mechanism: Any) -> bool:
+    """Tell whether this is a mechanism with quantities of a user, see `fastlink.engine.extending`."""
+    extending = sys.modules.get("fastlink.engine.extending")
+    return extending is not None and isinstance(mechanism, extending.Extension)
+
+
+def name_of(mechanism: str | Extension) -> str:
+    """Return the name of a mechanism, also of one with quantities of a user."""
+    return mechanism.mechanism if is_extension(mechanism) else mechanism  # type: ignore[return-value,union-attr]
+
+
+def inputs_of(mechanism: str | Extension) -> tuple[str, ...]:
     """Return the names of the inputs that may drive a mechanism; the first does unless another is named."""
-    first, driven = _package(mechanism)
+    first, driven = _package(name_of(mechanism))
     return (first.position.name, *driven)
 
 
-def catalogue(mechanism: str | None, input: str | None = None) -> Catalogue:
-    """Return the catalogue of a mechanism by its name, driven by the named input or else by its first.
+def catalogue(mechanism: str | Extension | None, input: str | None = None) -> Catalogue:
+    """Return the catalogue of a mechanism, driven by the named input or else by its first.
 
     Raises
     ------
     InputError
         The mechanism or the input is unknown.
     """
+    if is_extension(mechanism):
+        now: Extension = mechanism.copy()  # type: ignore[union-attr]
+        return _travelling(now.catalogue(input), now, input)
+    return base_catalogue(mechanism, input)  # type: ignore[arg-type]
+
+
+def base_catalogue(mechanism: str | None, input: str | None = None) -> Catalogue:
+    """Return the catalogue of a mechanism by its name, see `catalogue`."""
     first, driven = _package(mechanism)
     if input is None:
         return first
@@ -103,7 +124,7 @@ def _package(mechanism: str | None) -> tuple[Catalogue, dict[str, Callable[[], C
     return _travelling(first, mechanism), package.DRIVEN
 
 
-def _travelling(known: Catalogue, *names: str | None) -> Catalogue:
+def _travelling(known: Catalogue, *names: Any) -> Catalogue:
     """Return a catalogue that is pickled by its names, for it holds functions."""
     copyreg.pickle(type(known), _by_names)
     _names[known] = names

@@ -12,7 +12,9 @@ from fastlink.numerics.compiler import compiled_as, inlined
 from fastlink.numerics.elementary import context_of, select, sqrt
 
 #: What facts may call; `as_given` is for those who evaluate them.
-__all__ = ["cross", "largest", "magnitude", "sign", "size_power", "turn_rate", "zero_where"]
+__all__ = [
+    *("absolute", "choice", "cross", "largest", "magnitude", "sign", "size_power", "turn_rate", "zero_where"),
+]
 
 # `power_of_two_below` overflows from 2^971 on; a size that underflows counts as LEAST_SIZE.
 SCALE_UP, SCALE_DOWN, LEAST_SIZE = 2.0**60, 2.0**-60, 2.0**-1000
@@ -104,3 +106,15 @@ def turn_rate(y: Any, x: Any, dy: Any, dx: Any) -> Any:
 def sign(x: Any) -> Any:
     """Return 1, 0 or -1 with the sign of x; 0 of NaN."""
     return select(x > 0.0, 1.0, select(x < 0.0, -1.0, 0.0))
+
+
+@inlined
+def choice(condition: Any, if_true: Any, if_false: Any) -> Any:
+    """Select as `select` does where rounding may make the choice: its error bound covers both values then."""
+    return select(condition, if_true, if_false)
+
+
+@inlined
+def absolute(x: Any) -> Any:
+    """Return |x|, whose derivative changes its sign where rounding may decide of which sign x is."""
+    return abs(x)

@@ -42,6 +42,8 @@ from fastlink.space.values import (
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
+    from fastlink.engine.extending import Extension
+
 __all__ = [
     "check_extrema",
     "check_keywords",
@@ -59,7 +61,7 @@ IN_DEGREES = ("deg", "degree", "degrees", "in_degrees")
 
 
 def check_keywords(
-    mechanism: str, catalogue: Catalogue, names: Iterable[str], options: Iterable[str]
+    mechanism: str | Extension, catalogue: Catalogue, names: Iterable[str], options: Iterable[str]
 ) -> None:
     """Refuse a keyword that is neither an option nor the name of the input that drives the mechanism.
 

@@ -9,7 +9,7 @@ import itertools
 import textwrap
 from collections.abc import Iterable, Sequence
 from dataclasses import astuple, fields
-from typing import Any, SupportsIndex, overload
+from typing import TYPE_CHECKING, Any, SupportsIndex, overload
 
 from fastlink._text import folded, html_table, joined
 from fastlink.catalogue.catalogue import Catalogue
@@ -33,6 +33,9 @@ from fastlink.report.rows import (
     step_row,
 )
 from fastlink.space.design_space import BRANCH, DESIGN
+
+if TYPE_CHECKING:
+    from fastlink.engine.extending import Extension
 
 __all__ = ["GivenInput", "Quantity", "QuantityList", "quantities"]
 
@@ -187,7 +190,7 @@ class QuantityList(list[Quantity]):
 
 @door
 def quantities(
-    mechanism: str | None = None,
+    mechanism: str | Extension | None = None,
     internal: bool = False,
     input: str | None = None,
     *,
@@ -197,8 +200,9 @@ def quantities(
 
     Parameters
     ----------
-    mechanism : str, optional
-        Its name, such as ``"planar_4r"``. With `find` it may be left out: all mechanisms are searched.
+    mechanism : str or Extension, optional
+        Its name, such as ``"planar_4r"``; or one with quantities of one's own, from `fastlink.extend`. With `find` it
+        may be left out: all mechanisms are searched.
     internal : bool, default False
         List intermediate facts too, which cannot be requested by name.
     input : str, optional

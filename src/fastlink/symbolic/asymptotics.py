@@ -7,12 +7,16 @@ sigma vanishes, and whether it changes sign when sides and branches are exchange
 from __future__ import annotations
 
 from collections.abc import Iterable
+from contextvars import ContextVar
 from dataclasses import dataclass
 from typing import Any
 
 from fastlink.facts.fact import Fact, GradedRange, System
 
 __all__ = ["Asymptotics", "asymptotics"]
+
+#: Whether values may be compared: in facts of users, whose text may do more than to choose.
+_COMPARES: ContextVar[bool] = ContextVar("compares", default=False)
 
 
 @dataclass(frozen=True, eq=False)
@@ -67,16 +71,37 @@ class Asymptotics:
     def __abs__(self) -> Asymptotics:
         return Asymptotics(self.order, abs(self.parity), self.choice)
 
-    def __ge__(self, other: Any) -> bool:
+    def __ge__(self, other: Any) -> Any:
         # `fastlink.numerics.elementary.sqrt` tests the sign of its argument.
-        if isinstance(other, Asymptotics) or other != 0:
+        return True if not isinstance(other, Asymptotics) and other == 0 else self._compared(other)
+
+    def _compared(self, other: Any) -> Any:
+        if not _COMPARES.get():
             raise TypeError("asymptotics have no value to compare")
+        return _Condition()
+
+    __lt__ = __le__ = __gt__ = __eq__ = __ne__ = _compared
+    __hash__ = None  # type: ignore[assignment]
+
+
+class _Condition:
+    """The result of a comparison, by which either value may be chosen."""
+
+    def __and__(self, other: Any) -> _Condition:
+        return self
+
+    __rand__ = __or__ = __ror__ = __and__
+
+    def __bool__(self) -> bool:
         return True
 
-    def __eq__(self, other: object) -> bool:
-        raise TypeError("asymptotics have no value to compare")
-
-    __hash__ = None  # type: ignore[assignment]
+    def choose(self, if_true: Any, if_false: Any) -> Asymptotics:
+        """Return what is known of both values of `fastlink.numerics.elementary.select`."""
+        one, other = _asymptotics_of(if_true), _asymptotics_of(if_false)
+        if isinstance(if_false, float) and if_false != if_false:  # what is no number has no parity
+            return one
+        parity = one.parity if one.parity == other.parity else 0
+        return Asymptotics(max(one.order, other.order), parity, True)
 
 
 class _Functions:
@@ -137,6 +162,7 @@ def asymptotics(
         else:
             # A mass centre on its link's line is 0.0 across it, and products with 0.0 vanish.
             known = {part: orders.get(part, Asymptotics()) for part in step.depends_on}
+            compares = _COMPARES.set(step.own)
             try:
                 orders |= step.values(known)
             except (TypeError, AttributeError):
@@ -145,4 +171,6 @@ def asymptotics(
                 orders |= dict.fromkeys(
                     step.names, Asymptotics(order, 0, True) if step.name in moving else Asymptotics()
                 )
+            finally:
+                _COMPARES.reset(compares)
     return {name: _asymptotics_of(value) for name, value in orders.items()}

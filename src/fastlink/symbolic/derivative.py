@@ -18,6 +18,7 @@ from fastlink.facts.names import derivative_name
 from fastlink.numerics import compensated, vectors
 from fastlink.numerics.elementary import NOT_A_NUMBER, atan2, cosine, sine, sqrt
 from fastlink.numerics.logarithm import log, log1p, log_quotient
+from fastlink.symbolic.choices import SLOPES
 from fastlink.symbolic.existence import Existence
 from fastlink.symbolic.expression import ExpressionGraph, Node, is_power_of_two
 from fastlink.symbolic.generate import generate_function
@@ -120,8 +121,7 @@ def _of_gap_product_quotient(
     return graph.sub(share, graph.mul(value, relative))
 
 
-#: Functions of `fastlink.numerics` with a rule of their own; the text of all others is read. The derivative of an
-#: unevaluated sum (high, low) is that of its high part: the low part is a rounding error.
+#: Functions with a rule of their own; the text of others is read. The derivative of (high, low) is that of high.
 RULES: dict[Any, Rule] = {
     compensated.two_sum: _of_sum,
     compensated.sum_of_four: _of_sum,
@@ -131,6 +131,7 @@ RULES: dict[Any, Rule] = {
     compensated.gap_product_quotient: _of_gap_product_quotient,
     compensated.power_of_two_below: lambda graph, args, slopes, value: graph.zero,
     vectors.zero_where: lambda graph, args, slopes, value: slopes[1],
+    **SLOPES,
 }
 
 

@@ -36,7 +36,7 @@ from fastlink.numerics.elementary import (
     sqrt,
 )
 from fastlink.numerics.logarithm import arsinh, log, log1p, log_quotient
-from fastlink.numerics.vectors import sign, zero_where
+from fastlink.numerics.vectors import absolute, sign, zero_where
 from fastlink.symbolic import gaps
 from fastlink.symbolic.bound import Bound, Lost, multiplied, united
 from fastlink.symbolic.error_laws import (
@@ -87,7 +87,7 @@ class Rules:
 
     def __init__(self, named: Callable[[str], Bound]) -> None:
         self.named = named
-        self.graph = ExpressionGraph({*WORDS, *BOUNDED_ALONE, arsinh, ldexp, sign, zero_where})
+        self.graph = ExpressionGraph({*WORDS, *BOUNDED_ALONE, absolute, arsinh, ldexp, sign, *gaps.LAWS})
         self.exact = Bound(0.0, self.graph.zero)
         self._bounds: dict[Node, Bound] = {}
 
@@ -249,8 +249,8 @@ class Rules:
         function, graph = node.value, self.graph
         if function is select:
             return self._of_choice(node)
-        if function is zero_where:
-            return gaps.bound_of_zeroed(self, node)
+        if function in gaps.LAWS:
+            return gaps.LAWS[function](self, node)
         if function in TABLED:
             return replace(self.exact, relative=1.0, positive=function in (exp, cosh))
         if function is binary_exponent:
@@ -261,8 +261,8 @@ class Rules:
         a = self.settled(x)
         if function is sign:
             return gaps.bound_of_sign(self, x)
-        if function in (abs, ldexp):
-            return replace(a, positive=True) if function is abs else replace(a, one=False)
+        if function in (abs, absolute, ldexp):
+            return replace(a, one=False) if function is ldexp else replace(a, positive=True)
         if function is sqrt:
             law = of_root if a.positive else of_root_or_none if a.gap else of_root_of_sum
             rest = a.rest if a.rest is graph.zero else graph.read(law, [x, node, a.rest])

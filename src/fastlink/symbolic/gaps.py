@@ -8,18 +8,20 @@ from __future__ import annotations
 
 from dataclasses import replace
 from functools import partial
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from fastlink.numerics.elementary import INFINITY, sqrt
-from fastlink.numerics.vectors import zero_where
+from fastlink.numerics.vectors import choice, zero_where
 from fastlink.symbolic.bound import Bound
 from fastlink.symbolic.error_laws import of_choice, of_root_or_zero
 from fastlink.symbolic.expression import COMPARISONS, Node
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from fastlink.symbolic.error_propagation import Rules
 
-__all__ = ["bound_of_doubtful_choice", "bound_of_sign", "bound_of_zeroed"]
+__all__ = ["LAWS", "bound_of_doubtful_choice", "bound_of_sign"]
 
 
 #: A millionth more than what is left out, for the rounding of the bound on its way.
@@ -39,8 +41,11 @@ def bound_of_zeroed(rules: Rules, node: Node) -> Bound:
     return replace(bound, rest=graph.select(condition, left_out, bound.rest), lost=lost, gap=True)
 
 
-def bound_of_doubtful_choice(rules: Rules, node: Node) -> Bound:
-    """Return the bound of a choice by a gap, which may be another one if the gap was not set to zero."""
+def bound_of_doubtful_choice(rules: Rules, node: Node, every: bool = False) -> Bound:
+    """Return the bound of a choice by a gap, which may be another one if the gap was not set to zero.
+
+    With `every`, each comparison of values that are off may be another one.
+    """
     graph, (condition, x, y) = rules.graph, node.args
     a, b = rules.settled(x), rules.settled(y)
     relative = max(a.relative, b.relative)
@@ -48,7 +53,10 @@ def bound_of_doubtful_choice(rules: Rules, node: Node) -> Bound:
         rest = graph.read(of_root_or_zero, [x.args[0], x, rules.settled(x.args[0]).rest])
         return Bound(relative, rest, positive=True)
     errors = [rules.error(x, a), rules.error(y, b), graph.select(condition, a.rest, b.rest)]
-    rest = graph.read(of_choice, [_doubt(rules, condition), x, y, *errors])
+    doubt = _doubt(rules, condition, every)
+    if doubt is None:
+        return Bound(relative, errors[2], positive=a.positive and b.positive)
+    rest = graph.read(of_choice, [doubt, x, y, *errors])
     return Bound(relative, rest, positive=a.positive and b.positive)
 
 
@@ -63,15 +71,25 @@ def bound_of_sign(rules: Rules, x: Node) -> Bound:
     return replace(sign, scale=False, rest=graph.select(known, graph.zero, graph.number(2.0)))
 
 
-def _doubt(rules: Rules, condition: Node) -> Node:
-    """Return the condition that the errors of the compared values may change a comparison."""
+#: The bounds of calls of two functions.
+LAWS: dict[Any, Callable[[Rules, Node], Bound]] = {
+    zero_where: bound_of_zeroed,
+    choice: partial(bound_of_doubtful_choice, every=True),
+}
+
+
+def _doubt(rules: Rules, condition: Node, every: bool) -> Node | None:
+    """Return the condition that the errors of the compared values may change a comparison, None if there are none."""
     graph, (x, y) = rules.graph, condition.args
     if condition.kind in ("&", "|") or x.kind in COMPARISONS:
-        doubts = [_doubt(rules, part) for part in (x, y) if rules.bound(part).gap]
-        return doubts[0] if not doubts[1:] else graph.node("|", *doubts)
+        parts = [_doubt(rules, part, every) for part in (x, y) if every or rules.bound(part).gap]
+        doubts = [part for part in parts if part is not None]
+        return graph.node("|", *doubts) if doubts[1:] else next(iter(doubts), None)
     errors = [rules.error(part, rules.settled(part)) for part in (x, y)]
     if x is y:  # whether there is a number
         return graph.node("==", errors[0], graph.number(INFINITY))
     e = graph.add(*errors)
+    if e is graph.zero:
+        return None
     near = graph.node("<=", graph.call(abs, graph.sub(x, y)), e)
     return graph.node("&", near, graph.node(">", e, graph.zero))
