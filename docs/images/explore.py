@@ -1,4 +1,4 @@
-"""Make the pictures of docs/explore.md: python docs/images/explore.py."""
+"""Make the pictures of docs/explore.md: python -m docs.images.explore."""
 
 from __future__ import annotations
 

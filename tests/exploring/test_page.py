@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import time
+import warnings
 
 import numpy as np
 import pytest
@@ -24,6 +25,10 @@ PIXELS = """(() => {
     }
     return found;
 })()"""
+GREATEST = """async () => {
+    const found = await source.picture({...view.query, pool: "greatest"});
+    return [found.pooled, Array.from(found.values, one => String(Math.fround(one)))];
+}"""
 INK = """(() => {
     const canvas = element("linkage"), size = [canvas.width, canvas.height];
     const data = canvas.getContext("2d").getImageData(0, 0, ...size).data, wanted = ofHex(MODES[0]);
@@ -150,6 +155,20 @@ def test_the_extremes_of_a_curve_are_marked_where_they_are(tab):
     )
 
 
+def test_every_maximum_and_minimum_of_a_curve_is_marked(tab):
+    """In the order of their places, as the sweep lists them over a turn."""
+    point(tab, 0.5, 0.5)
+    settled(tab, "design.at.a2 === 7 && design.at.a3 === 6")
+    a2, a3 = np.linspace(0.8, 1.5, 15)[7], np.linspace(0.4, 1.3, 13)[6]
+    space = fl.grid(a1=0.4, a2=a2, a3=a3, a4=1.0, omega1=10.0)
+    true = fl.sweep("planar_4r", space, ["jerk4_extrema"], branch=1, verify=0)
+    marks = state(tab, "design.motion.bends('jerk4', 1, design.motion.curve('jerk4', 1))")
+    expected = true.jerk4_extrema.values.ravel()
+    expected = np.sort(expected[np.isfinite(expected)])
+    assert len(expected) >= 3
+    np.testing.assert_allclose(np.sort([one["value"] for one in marks]), expected, rtol=1e-9)
+
+
 def test_designs_are_locked_compared_and_written(tab, path):
     x, y = point(tab, 0.3, 0.4)
     tab.mouse.dblclick(x, y)
@@ -242,6 +261,13 @@ def test_a_region_shows_its_best_designs_and_can_be_seen_alone(tab, path):
             tab, "Object.fromEntries(region.fields.map((of, k) => [of.name, region.rows[k].length]))"
         )
         assert rows == dict.fromkeys(("a2", "a3", "omega4_max", "transmission_angle_min"), 72)
+    tab.locator("#tick-whole").check()
+    settled(tab, "region.count === 9 * 8 * 3 * 2")
+    with fl.open(path) as maps:
+        inside = maps.isel(a2=slice(3, 12), a3=slice(4, 12))
+        true = inside.fastlink.top(12, "omega4_max", largest=True).omega4_max.values
+        np.testing.assert_array_equal([float(maps.omega4_max.isel(at)) for at in listed(tab)], true)
+    assert state(tab, "region.fields.map(of => of.name)")[:4] == ["a2", "a3", "a1", "branch"]
     tab.locator("#zoom").click()
     settled(tab, "view.values.length === 72 && !loading && region === null")
     tab.locator("#controls button", has_text="Whole picture").click()
@@ -339,6 +365,29 @@ def test_a_map_of_sampled_designs_is_points(browser, tmp_path):
             ].tolist()
         if page:
             page.close()
+
+
+def test_a_cell_of_many_designs_shows_their_mean_once_a_slider_rests(browser, tmp_path):
+    space = fl.grid(a1=np.linspace(0.2, 1.9, 1500), a2=np.linspace(0.5, 1.5, 20), a3=[0.7, 0.9], a4=1.0)
+    maps = fl.sweep("planar_4r", space, ["transmission_angle_least"], verify=0)
+    values, file = maps.transmission_angle_least.values[:, :, 0], tmp_path / "page.html"
+    count = -(-1500 // 720)
+    cells = values.reshape(1500 // count, count, 20)
+    with fl.explore(maps, browser=False) as page, opened(browser, page.url) as tab:
+        settled(tab, "view.pooled === 'mean'")
+        assert f"of {count} × 1 designs" in tab.locator("#legend").inner_text()
+        for pool, merge in (("mean", np.nanmean), ("least", np.nanmin), ("greatest", np.nanmax)):
+            tab.locator("#choose-pool").select_option(pool)
+            settled(tab, f"!loading && view.pooled === '{pool}'")
+            found = np.reshape(np.array(state(tab, "Array.from(view.values, String)"), float), (20, -1)).T
+            with warnings.catch_warnings(action="ignore", category=RuntimeWarning):
+                np.testing.assert_allclose(found, merge(cells, axis=1), rtol=2.0**-22)
+        tab.locator("#choose-pool").select_option("one")
+        settled(tab, "!loading && view.pooled === 'one'")
+        fl.explore(maps, to=file, browser=False).close()
+        with opened(browser, file.as_uri(), offline=True) as alone:
+            settled(alone, "view.pooled === 'mean'")
+            assert alone.evaluate(GREATEST) == tab.evaluate(GREATEST)
 
 
 def test_a_map_of_one_axis_is_a_line(browser):

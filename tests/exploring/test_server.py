@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import json
 import signal
 import subprocess
@@ -15,7 +16,8 @@ import pytest
 import xarray as xr
 
 import fastlink as fl
-from fastlink.exploring import page_file
+from fastlink.exploring import page_file, pooling, region
+from fastlink.exploring import values as values_of_page
 from fastlink.exploring.values import Values
 from tests.support.refusals import refused
 
@@ -152,12 +154,65 @@ def test_a_compressed_map_reads_the_same(path, tmp_path):
         np.testing.assert_array_equal(mine, theirs)
 
 
+@pytest.mark.parametrize("pool", ["mean", "least", "greatest"])
+@pytest.mark.parametrize("axes", [("a", "b"), ("b", "a")])
+def test_a_cell_of_several_designs_is_made_of_all_of_them(pool, axes, monkeypatch):
+    """Of 3 x 2 designs, of fewer at the ends; those without a value count in none, nor infinite ones in a mean."""
+    monkeypatch.setattr(values_of_page, "MOST_CELLS", 5)
+    monkeypatch.setattr(pooling, "BLOCK", 40)
+    numbers = np.random.default_rng(5).normal(size=(13, 2, 9))
+    numbers[3:6, 0, 2:4], numbers[0, 0, 0], numbers[9, 0, 8] = np.nan, np.nan, np.inf
+    maps = xr.Dataset({"x": (("a", "c", "b"), numbers, {"units": "1"})})
+    found, steps, said = Values(maps).picture("x", axes, {"c": 0}, {}, pool)
+    assert (steps, said) == ({"a": 3, "b": 2}, pool)
+    slices, merge = numbers[:, 0], {"mean": np.nanmean, "least": np.nanmin, "greatest": np.nanmax}[pool]
+    for i, j in itertools.product(range(5), range(5)):
+        cell = slices[3 * i : 3 * i + 3, 2 * j : 2 * j + 2]
+        cell = cell[np.isfinite(cell)] if pool == "mean" else cell[~np.isnan(cell)]
+        expected = np.float32(merge(cell)) if cell.size else np.nan
+        at = (i, j) if axes == ("a", "b") else (j, i)
+        # a mean of six is added in another order; both are rounded to 24 bits
+        np.testing.assert_allclose(found[at], expected, rtol=2.0**-22)
+
+
+def test_codes_and_counts_are_those_of_one_design(monkeypatch):
+    monkeypatch.setattr(values_of_page, "MOST_CELLS", 5)
+    maps = xr.Dataset({"n": (("a", "b"), np.arange(40.0).reshape(20, 2) % 3)})
+    found, steps, said = Values(maps).picture("n", ("a", "b"), {}, {}, "mean")
+    assert (steps, said) == ({"a": 4, "b": 1}, "one")
+    np.testing.assert_array_equal(found, maps.n.values[::4])
+
+
+@pytest.mark.parametrize("block", [1, 100, 1 << 20])
+def test_the_best_of_a_region_over_all_values_of_a_slider(page, path, block, monkeypatch):
+    monkeypatch.setattr(region, "BLOCK", block)
+    window = {"a1": [0, 2], "a2": [3, 11], "a3": [4, 11]}
+    query = {
+        "name": "omega4_max",
+        "axes": ["a3", "a2", "a1"],
+        "at": {"branch": 0},
+        "window": window,
+        "largest": True,
+    }
+    status, body = ask(page, "region", query=query)
+    assert status == 200
+    found = json.loads(body)
+    with fl.open(path) as maps:
+        inside = maps.isel(branch=0, a2=slice(3, 12), a3=slice(4, 12))
+        true = inside.fastlink.top(12, "omega4_max").omega4_max.values
+        best = [float(maps.omega4_max.isel(one["at"])) for one in found["best"]]
+    np.testing.assert_array_equal(best, true)
+    assert found["count"] == 3 * 9 * 8
+    assert {one["at"]["a1"] for one in found["best"]} <= {0, 1, 2}
+    assert len(found["values"]["omega4_max"]) == len(found["axes"]["a1"]) <= region.MOST_ROWS
+
+
 def test_a_large_picture_is_read_at_the_resolution_of_a_screen():
     maps = xr.Dataset({"x": (("a", "b"), np.arange(3000.0 * 4).reshape(3000, 4), {"units": "1"})})
-    values, steps = Values(maps).picture("x", ("b", "a"), {}, {})
+    values, steps, _ = Values(maps).picture("x", ("b", "a"), {}, {})
     assert steps == {"a": 5, "b": 1}
     np.testing.assert_array_equal(values, maps.x.values[::5].T)
-    values, steps = Values(maps).picture("x", ("a", "b"), {}, {"a": (10, 20)})
+    values, steps, _ = Values(maps).picture("x", ("a", "b"), {}, {"a": (10, 20)})
     assert steps == {"a": 1, "b": 1}
     np.testing.assert_array_equal(values, maps.x.values[10:21])
 

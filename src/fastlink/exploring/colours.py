@@ -42,11 +42,11 @@ def scale_of(variable: xr.DataArray, sample: Any, regular: Any = None) -> dict[s
     """
     if flags := flags_of(variable):
         colours = {str(code): FLAGS[k % len(FLAGS)] for k, code in enumerate(flags.values())}
-        return {"kind": "codes", "colours": colours}
+        return {"kind": "codes", "colours": colours, "pools": False}
     values = np.ravel(np.asarray(sample, dtype=float))
     if are_counts(values):
         low, high = float(np.nanmin(values)), float(np.nanmax(values))
-        return {"kind": "counts", "low": low - 0.5, "high": high + 0.5, "map": "viridis"}
+        return {"kind": "counts", "low": low - 0.5, "high": high + 0.5, "map": "viridis", "pools": False}
     values = np.where(np.isfinite(values), drawable(values), np.nan)
     inside = np.ones(values.shape, bool) if regular is None or not np.any(regular) else np.ravel(regular)
     norm, colours, extend = colours_of(values, inside, half_turn(variable.attrs.get("units")))
@@ -54,4 +54,6 @@ def scale_of(variable: xr.DataArray, sample: Any, regular: Any = None) -> dict[s
     if isinstance(norm, CenteredNorm):
         low, high = norm.vcenter - norm.halfrange, norm.vcenter + norm.halfrange
     kind = "log" if isinstance(norm, LogNorm) else "linear"
-    return {"kind": kind, "low": float(low), "high": float(high), "map": colours.name, "extend": extend}
+    # an angle and that half a turn further on have no mean
+    scale = {"kind": kind, "low": float(low), "high": float(high), "map": colours.name, "extend": extend}
+    return {**scale, "pools": colours.name != CYCLIC}

@@ -17,6 +17,8 @@ import numpy as np
 from fastlink.errors import InputError
 from fastlink.exploring.assembly import page_of
 from fastlink.exploring.content import content_of
+from fastlink.exploring.pooling import ONE, POOLS
+from fastlink.exploring.region import region_of
 from fastlink.exploring.values import Values
 
 __all__ = ["HOST", "Server"]
@@ -86,8 +88,12 @@ class Server:
 
     def _picture(self, query: dict[str, Any]) -> bytes:
         name = str(query["name"])
-        values, steps = self.values.picture(name, tuple(query["axes"]), _places(query), _window(query))
-        return _framed({"steps": steps, "scale": self.values.scale(name)}, values)
+        pool = str(query.get("pool", ONE))
+        if pool not in (ONE, *POOLS):
+            raise ValueError(pool)
+        axes = tuple(query["axes"])
+        values, steps, pool = self.values.picture(name, axes, _places(query), _window(query), pool)
+        return _framed({"steps": steps, "pooled": pool, "scale": self.values.scale(name)}, values)
 
     def _column(self, query: dict[str, Any]) -> bytes:
         name = str(query["name"])
@@ -98,7 +104,7 @@ class Server:
 
     def _region(self, query: dict[str, Any]) -> bytes:
         name, axes, largest = str(query["name"]), tuple(query["axes"]), bool(query["largest"])
-        found = self.values.region(name, axes, _places(query), _window(query), largest=largest)
+        found = region_of(self.values, name, axes, _places(query), _window(query), largest=largest)
         best = [{**one, "row": _numbers(one["row"])} for one in found["best"]]
         return json.dumps({**found, "best": best}).encode()
 

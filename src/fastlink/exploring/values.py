@@ -15,8 +15,8 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from fastlink.exploring.colours import scale_of
+from fastlink.exploring.pooling import ONE, pooled
 from fastlink.io.reader import is_hdf5
-from fastlink.maps.best import least
 from fastlink.maps.flags import flags_of
 from fastlink.space.dataset import STATUS
 from fastlink.space.design_space import DESIGN
@@ -27,8 +27,8 @@ __all__ = ["MOST_CELLS", "Values"]
 MOST_CELLS, SAMPLED, MOST_DESIGNS = 720, 1 << 18, 100_000
 #: Pictures that are kept for the next step.
 KEPT = 32
-#: Designs of a region that are drawn, and those that are listed as the best.
-MOST_ROWS, MOST_BEST = 1500, 12
+#: The most values of which the cells of a picture are made, where these hold several.
+MOST_POOLED = 1 << 26
 
 
 class Values:
@@ -75,9 +75,14 @@ class Values:
             return np.asarray(variable[index].values if source is None else source[index])
 
     def picture(
-        self, name: str, axes: tuple[str, ...], at: Mapping[str, int], window: Mapping[str, tuple[int, int]]
-    ) -> tuple[NDArray[np.float32], dict[str, int]]:
-        """Return the values over one or two axes, the first along rows, and the steps between them.
+        self,
+        name: str,
+        axes: tuple[str, ...],
+        at: Mapping[str, int],
+        window: Mapping[str, tuple[int, int]],
+        pool: str = ONE,
+    ) -> tuple[NDArray[np.float32], dict[str, int], str]:
+        """Return the values over one or two axes, the first along rows, the steps between them, and what they are.
 
         Parameters
         ----------
@@ -89,30 +94,52 @@ class Values:
             The place along the others.
         window : mapping of str to (int, int)
             The first and the last place that is shown along an axis; all unless given.
+        pool : str
+            What a value is where it stands for several designs: one of them, or a key of `pooling.POOLS`, which is left
+            for one of them where that has no sense, as of codes, or would take long.
         """
         dims = [str(dim) for dim in self.maps[name].dims]
-        places: dict[str, int | slice] = {}
-        steps = {}
-        for dim in dims:
-            if dim in axes:
-                low, high = window.get(dim, (0, self.maps.sizes[dim] - 1))
-                most = MOST_CELLS if len(axes) > 1 else MOST_CELLS * MOST_CELLS
-                steps[dim] = max(1, -(-(high - low + 1) // most))
-                places[dim] = slice(low, high + 1, steps[dim])
-            else:
-                places[dim] = at[dim]
-        key = name, axes, tuple(str(one) for one in places.items())
+        own = [dim for dim in dims if dim in axes]
+        ranges, steps = {}, {}
+        for dim in own:
+            low, high = window.get(dim, (0, self.maps.sizes[dim] - 1))
+            most = MOST_CELLS if len(axes) > 1 else MOST_CELLS * MOST_CELLS
+            ranges[dim] = range(low, high + 1)
+            steps[dim] = max(1, -(-len(ranges[dim]) // most))
+        shape = [len(one) for one in ranges.values()]
+        if max(steps.values()) == 1 or math.prod(shape) > MOST_POOLED or not self.scale(name)["pools"]:
+            pool = ONE
+        key = name, axes, str(ranges), str([at[dim] for dim in dims if dim not in own]), pool
         found = self.kept.get(key)
         if found is None:
-            values = self.part(name, places).astype(np.float32)
-            own = [dim for dim in dims if dim in axes]
+            values = self._pictured(name, at, ranges, steps, pool)
             order = [own.index(axis) for axis in axes if axis in own]
             found = np.ascontiguousarray(values.transpose(order))
             with self.lock:
                 self.kept[key] = found
                 while len(self.kept) > KEPT:
                     self.kept.popitem(last=False)
-        return found, steps
+        return found, steps, pool
+
+    def _pictured(
+        self, name: str, at: Mapping[str, int], ranges: dict[str, range], steps: dict[str, int], pool: str
+    ) -> NDArray[np.float32]:
+        """Return the values of a picture in the order of the variable's dimensions."""
+        places: dict[str, int | slice] = {
+            str(dim): at[str(dim)] for dim in self.maps[name].dims if dim not in ranges
+        }
+        if pool == ONE:
+            places |= {dim: slice(one.start, one.stop, steps[dim]) for dim, one in ranges.items()}
+            return self.part(name, places).astype(np.float32)
+        (first, rows), *others = ranges.items()
+        places |= {dim: slice(one.start, one.stop) for dim, one in others}
+        columns, across = (len(others[0][1]), steps[others[0][0]]) if others else (1, 1)
+
+        def read(some: slice) -> NDArray[Any]:
+            return self.part(name, {**places, first: some}).reshape(-1, columns)
+
+        found = pooled(read, rows, columns, (steps[first], across), pool)
+        return found if others else found[:, 0]
 
     def column(self, name: str, at: Mapping[str, int]) -> NDArray[np.float32]:
         """Return the values of a variable or coordinate of the designs of a sample."""
@@ -131,64 +158,6 @@ class Values:
             value = self.part(name, {dim: at[dim] for dim in dims})
             found[name] = value.item() if value.dtype.kind in "iuf" else str(value)
         return found
-
-    def region(
-        self,
-        name: str,
-        axes: tuple[str, ...],
-        at: Mapping[str, int],
-        window: Mapping[str, tuple[int, int]],
-        *,
-        largest: bool,
-    ) -> dict[str, Any]:
-        """Return some designs of a region of a picture with all variables, and the best of all of them.
-
-        Parameters
-        ----------
-        name : str
-            The variable by which they are ranked; it has all axes.
-        axes, at, window
-            As for `picture`.
-        largest : bool
-            Whether the greatest are the best.
-        """
-        ranges = {dim: range(window[dim][0], window[dim][1] + 1) for dim in axes}
-        shape = tuple(map(len, ranges.values()))
-        most = MOST_ROWS if len(axes) == 1 else math.isqrt(MOST_ROWS)
-        some = {dim: one[:: -(-len(one) // most)] for dim, one in ranges.items()}
-        grid = np.meshgrid(*some.values(), indexing="ij")
-        values = {
-            one: self._along(one, at, some).ravel().tolist()
-            for one in self.names
-            if {str(dim) for dim in self.maps[one].dims} <= {*at, *axes}
-        }
-        flat = self._along(name, at, ranges).ravel().astype(float)
-        finite = np.flatnonzero(np.isfinite(flat))
-        ranked = -flat[finite] if largest else flat[finite]
-        first = least(ranked, MOST_BEST)
-        chosen = finite[first[np.lexsort((first, ranked[first]))]]
-        numbers = (np.unravel_index(one, shape) for one in chosen)
-        places = [
-            {**at, **{dim: ranges[dim][int(k)] for dim, k in zip(axes, one, strict=True)}} for one in numbers
-        ]
-        return {
-            "count": flat.size,
-            "values": {
-                key: [v if math.isfinite(v) else None for v in found] for key, found in values.items()
-            },
-            "axes": {dim: along.ravel().tolist() for dim, along in zip(axes, grid, strict=True)},
-            "best": [{"at": place, "row": self.row(place)} for place in places],
-        }
-
-    def _along(self, name: str, at: Mapping[str, int], ranges: Mapping[str, range]) -> NDArray[Any]:
-        """Return the values of a variable over ranges of places, in their order."""
-        dims = [str(dim) for dim in self.maps[name].dims]
-        slices = {dim: slice(one.start, one.stop, one.step) for dim, one in ranges.items()}
-        found = self.part(name, {dim: slices.get(dim, at.get(dim, 0)) for dim in dims})
-        own = [dim for dim in dims if dim in ranges]
-        found = found.transpose([own.index(dim) for dim in ranges if dim in own])
-        whole = found[tuple(slice(None) if dim in own else None for dim in ranges)]
-        return np.broadcast_to(whole, tuple(map(len, ranges.values())))
 
     def scale(self, name: str) -> dict[str, Any]:
         """Return how the values of a variable become colours, from a sample of all of them."""

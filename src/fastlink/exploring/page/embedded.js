@@ -25,8 +25,13 @@ async function partOf(name, axes, at, window) {
     const [low, high, step] = window[dim];
     return Array.from({length: Math.floor((high - low) / step) + 1}, (_, k) => (low + k * step) * (strides[dim] ?? 0));
   });
-  const [outer, inner] = ranges.length > 1 ? ranges : [[0], ranges[0]], found = new Float64Array(outer.length * inner.length);
-  outer.forEach((first, j) => inner.forEach((second, k) => { found[j * inner.length + k] = values[start + first + second]; }));
+  const found = new Float64Array(ranges.reduce((count, one) => count * one.length, 1));
+  let next = 0;
+  const fill = (n, base) => {
+    if (n === ranges.length - 1) for (const one of ranges[n]) found[next++] = values[base + one];
+    else for (const one of ranges[n]) fill(n + 1, base + one);
+  };
+  fill(0, start);
   return found;
 }
 const MOST_CELLS = 720, MOST_ROWS = 1500, MOST_BEST = 12;
@@ -34,12 +39,45 @@ const inWindow = (dim, window, most) => {
   const [low, high] = window[dim] ?? [0, dims[dim].length - 1];
   return [low, high, Math.max(1, Math.ceil((high - low + 1) / most))];
 };
+// One value for each cell of several, as `fastlink.exploring.pooling` has it.
+function pooledOf(values, sizes, steps, pool) {
+  const [high, wide] = sizes.length > 1 ? sizes : [1, sizes[0]], [down, across] = steps.length > 1 ? steps : [1, steps[0]];
+  const found = new Float64Array(Math.ceil(high / down) * Math.ceil(wide / across));
+  let next = 0;
+  for (let j = 0; j < high; j += down) for (let k = 0; k < wide; k += across) {
+    let total = 0, count = 0, low = NaN, top = NaN;
+    for (let a = j; a < Math.min(high, j + down); a++) for (let b = k; b < Math.min(wide, k + across); b++) {
+      const one = values[a * wide + b];
+      if (Number.isNaN(one)) continue;
+      if (Number.isFinite(one)) { total += one; count++; }
+      if (!(low <= one)) low = one;
+      if (!(top >= one)) top = one;
+    }
+    found[next++] = pool === "least" ? low : pool === "greatest" || !count ? top : total / count;
+  }
+  return found;
+}
+// Ranges with steps that leave about so many designs as are drawn; the shortest keep most.
+function someOf(axes, window) {
+  const found = {}, lengthOf = dim => window[dim][1] - window[dim][0] + 1;
+  let left = MOST_ROWS;
+  [...axes].sort((a, b) => lengthOf(a) - lengthOf(b)).forEach((dim, number) => {
+    const step = Math.ceil(lengthOf(dim) / Math.floor(left ** (1 / (axes.length - number)) + 1e-9));
+    found[dim] = [...window[dim], step];
+    left = Math.floor(left / Math.ceil(lengthOf(dim) / step));
+  });
+  return found;
+}
 const embedded = {
-  async picture({name, axes, at, window}) {
-    const most = axes.length > 1 ? MOST_CELLS : MOST_CELLS ** 2;
+  async picture({name, axes, at, window, pool = "one"}) {
+    const most = axes.length > 1 ? MOST_CELLS : MOST_CELLS ** 2, scale = content.scales[name];
     const whole = Object.fromEntries(axes.map(dim => [dim, inWindow(dim, window, most)]));
     const steps = Object.fromEntries(axes.map(dim => [dim, whole[dim][2]]));
-    return {values: await partOf(name, axes, at, whole), steps, scale: content.scales[name]};
+    if (pool === "one" || !scale.pools || Object.values(steps).every(one => one === 1))
+      return {values: await partOf(name, axes, at, whole), steps, scale, pooled: "one"};
+    const every = Object.fromEntries(axes.map(dim => [dim, [...whole[dim].slice(0, 2), 1]]));
+    const sizes = axes.map(dim => whole[dim][1] - whole[dim][0] + 1);
+    return {values: pooledOf(await partOf(name, axes, at, every), sizes, axes.map(dim => steps[dim]), pool), steps, scale, pooled: pool};
   },
   async column({name, at}) {
     return {values: await partOf(name, ["design"], at, {design: [0, dims.design.length - 1, content.step]}), scale: content.scales[name]};
@@ -55,8 +93,7 @@ const embedded = {
   },
   async region({name, axes, at, window, largest}) {
     const sizes = axes.map(dim => window[dim][1] - window[dim][0] + 1), count = sizes.reduce((a, b) => a * b, 1);
-    const most = axes.length > 1 ? Math.floor(Math.sqrt(MOST_ROWS)) : MOST_ROWS;
-    const some = Object.fromEntries(axes.map(dim => [dim, inWindow(dim, window, most)]));
+    const some = someOf(axes, window);
     const full = Object.fromEntries(axes.map(dim => [dim, [...window[dim], 1]]));
     const values = {};
     for (const of of content.variables) if (of.dims.every(dim => dim in at || axes.includes(dim))) values[of.name] = Array.from(await partOf(of.name, axes, at, some));

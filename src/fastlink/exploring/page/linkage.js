@@ -154,7 +154,14 @@ function drawCurves(canvas, height, of, entries, position) {
   pen.restore();
   for (const {motion, branch, curves} of every) {
     if (motion !== main) continue;
-    for (const {position: at, value, sign} of motion.extremes(of.name, branch, curves)) {
+    const ends = motion.extremes(of.name, branch, curves), near = 1e-4 * (to - from);
+    for (const {position: at, value, sign} of motion.bends(of.name, branch, curves, isAngle(of.units) ? Math.PI : Infinity)) {
+      if (value < low || value > high || ends.some(one => one.sign === sign && Math.abs(at - one.position) % (2 * Math.PI) < near)) continue;
+      const top = y(value), there = x(at < from ? at + 2 * Math.PI : at);
+      line(pen, [[there - 3.5, top - sign * 7], [there + 3.5, top - sign * 7], [there, top - sign * 2], [there - 3.5, top - sign * 7]],
+        {strokeStyle: modeColour(branch), fillStyle: "#fff", lineWidth: 1});
+    }
+    for (const {position: at, value, sign} of ends) {
       const top = clamp(y(value), box.top, box.bottom);
       line(pen, [[x(at) - 5, top - sign * 9], [x(at) + 5, top - sign * 9], [x(at), top - sign * 2], [x(at) - 5, top - sign * 9]],
         {strokeStyle: modeColour(branch), fillStyle: modeColour(branch), lineWidth: 1});

@@ -1,8 +1,9 @@
 // The state of the page, its controls, and what follows from a change.
 "use strict";
 const START = {name: "", x: "", y: "", at: {}, cursor: null, held: false, degrees: false, fit: false, curve: "", window: {},
-  limits: {}, locks: [], brush: null, by: "", largest: false, playing: true, share: 0.17};
-const LINKED = ["name", "x", "y", "at", "cursor", "held", "degrees", "fit", "curve", "window", "limits", "brush", "by", "largest"];
+  limits: {}, locks: [], brush: null, by: "", largest: false, whole: false, pool: "mean", playing: true, share: 0.17};
+const LINKED = ["name", "x", "y", "at", "cursor", "held", "degrees", "fit", "curve", "window", "limits", "brush", "by", "largest",
+  "whole", "pool"];
 const state = {...START};
 const source = content.served ? served : embedded;
 
@@ -56,10 +57,11 @@ function drawControls() {
   if (Object.keys(state.window).length || Object.keys(state.limits).length) parts.push(button("Whole picture", () => change({window: {}, limits: {}})));
   const focused = document.activeElement?.id;
   element("controls").replaceChildren(...parts);
-  const fixed = variables[state.name].dims.filter(dim => dim !== "design" && (isSample || (dim !== state.x && dim !== state.y)) && dims[dim].length > 1);
-  element("sliders").replaceChildren(...fixed.flatMap(slider));
+  element("sliders").replaceChildren(...sliding().flatMap(slider));
   if (focused) element(focused)?.focus();
 }
+const sliding = () => variables[state.name].dims.filter(dim =>
+  dim !== "design" && (isSample || (dim !== state.x && dim !== state.y)) && dims[dim].length > 1);
 function slider(name) {
   const of = dims[name], output = make("output", {});
   const range = make("input", {type: "range", id: `slide-${name}`, min: 0, max: of.length - 1, step: 1, value: state.at[name]});
@@ -119,9 +121,27 @@ async function loadGrid() {
   const {name} = state, axes = state.y ? [state.y, state.x] : [state.x], window = {};
   for (const dim of axes) window[dim] = state.window[dim] ?? [0, dims[dim].length - 1];
   const at = Object.fromEntries(variables[name].dims.filter(dim => !axes.includes(dim)).map(dim => [dim, state.at[dim]]));
-  const {values, scale, steps} = await source.picture({name, axes, at, window});
+  const query = {name, axes, at, window}, {values, scale, steps} = await source.picture(query);
   const made = axes.map(dim => axisOf(dim, window[dim], steps[dim])).reverse();
-  Object.assign(view, {name, values, full: scale, axes: made, across: made[0].places.length});
+  Object.assign(view, {name, values, full: scale, axes: made, across: made[0].places.length, query, pooled: "one",
+    several: axes.map(dim => steps[dim]).reverse()});
+  refineSoon();
+}
+// Where a cell holds several designs, one of them is shown while a slider runs; what is asked of all, when it rests.
+let refining = null;
+function refineSoon() {
+  clearTimeout(refining);
+  if (state.pool !== "one" && view.full.pools && view.several.some(one => one > 1)) refining = setTimeout(refine, 100);
+}
+async function refine() {
+  const {query} = view, {pool} = state;
+  if (loading) { refineSoon(); return; }
+  try {
+    const {values, pooled} = await source.picture({...query, pool});
+    if (view.query !== query || state.pool !== pool) return;
+    Object.assign(view, {values, pooled});
+    drawMap();
+  } catch (error) { console.error(error); }  // the picture of one of them stays
 }
 async function loadSample() {
   const at = {...state.at};

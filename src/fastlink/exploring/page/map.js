@@ -198,11 +198,23 @@ function drawLegend(of) {
   if (absent && view.axes.length > 1) entries.push([css(ABSENT), "no value: does not assemble, or has none"]);
   if (isSample && content.step > 1) entries.push(["transparent", `one of ${content.step} designs is drawn`]);
   if (infinite) entries.push([css(INFINITE), "grows without bound"]);
+  const focused = document.activeElement?.id;
   place.replaceChildren(...entries.map(([colour, text]) => {
     const swatch = make("span", {className: "swatch"});
     swatch.style.background = colour;
     return make("span", {}, swatch, text);
-  }));
+  }), ...poolChooser());
+  if (focused === "choose-pool") element(focused)?.focus();
+}
+// Which of the designs of a cell is shown, where a cell holds several.
+function poolChooser() {
+  if (isSample || !view.several?.some(one => one > 1)) return [];
+  const count = view.several.join(" × "), words = {mean: "mean", least: "least", greatest: "greatest", one: "first"};
+  if (!view.full.pools) return [make("span", {textContent: `each cell shows one of ${count} designs`})];
+  const select = make("select", {id: "choose-pool"}, ...Object.entries(words).map(([value, textContent]) => make("option", {value, textContent})));
+  select.value = state.pool;
+  select.onchange = () => change({pool: select.value});
+  return [make("label", {}, "each cell shows the ", select, ` of ${count} designs`)];
 }
 
 // -- places: from the pointer to a design and back --

@@ -88,6 +88,34 @@ class Motion {
   curve(name, branch, count = 241) {
     return this.ranges.map(range => this.along(count, range).map(position => [position, valueOf(this.at(position, branch), name)]));
   }
+  // where a value is greatest (sign 1) or least between two positions, by golden section
+  refined(of, sign, low, high) {
+    const ratio = (Math.sqrt(5) - 1) / 2;
+    for (let n = 0; n < 60; n++) {
+      const a = high - ratio * (high - low), b = low + ratio * (high - low);
+      if (sign * of(a) > sign * of(b)) high = b; else low = a;
+    }
+    const position = 0.5 * (low + high);
+    return {position, value: of(position), sign};
+  }
+  // all maxima and minima of a curve that are seen at its samples, which an angle's jump by a turn is not
+  bends(name, branch, curves, leap = Infinity) {
+    const of = position => valueOf(this.at(position, branch), name), found = [];
+    for (const points of curves) {
+      const finite = points.map(point => point[1]).filter(Number.isFinite), last = points.length - 1;
+      const low = finite.reduce((a, b) => Math.min(a, b), Infinity), high = finite.reduce((a, b) => Math.max(a, b), -Infinity);
+      const least = 1e-9 * Math.max(high - low, 1e-3 * Math.abs(high), 1e-3 * Math.abs(low)), loop = this.turnsFully;
+      for (let k = loop ? 0 : 1; k < last; k++) {
+        const [before, here, after] = [k ? k - 1 : last - 1, k, k + 1].map(one => points[one][1]);
+        const [up, on] = [here - before, here - after];
+        if (!(Math.max(Math.abs(up), Math.abs(on)) > least && Math.max(Math.abs(up), Math.abs(on)) < leap)) continue;
+        const sign = up >= 0 && on > 0 ? 1 : up <= 0 && on < 0 ? -1 : 0;
+        const start = k ? points[k - 1][0] : points[0][0] - (points[last][0] - points[last - 1][0]);
+        if (sign) found.push(this.refined(of, sign, start, points[k + 1][0]));
+      }
+    }
+    return found;
+  }
   // the greatest and the least value of a curve, made precise between its samples
   extremes(name, branch, curves) {
     const of = position => valueOf(this.at(position, branch), name);
@@ -97,14 +125,9 @@ class Motion {
         if (Number.isFinite(y) && (best === null || sign * y > sign * best.points[best.k][1])) best = {points, k};
       });
       if (best === null) return null;
-      const {points, k} = best, ratio = (Math.sqrt(5) - 1) / 2;
-      let [low, high] = [points[Math.max(0, k - 1)][0], points[Math.min(points.length - 1, k + 1)][0]];
-      for (let n = 0; n < 60; n++) {
-        const a = high - ratio * (high - low), b = low + ratio * (high - low);
-        if (sign * of(a) > sign * of(b)) high = b; else low = a;
-      }
-      const [there, value] = [0.5 * (low + high), of(0.5 * (low + high))];
-      return sign * value > sign * points[k][1] ? {position: there, value, sign} : {position: points[k][0], value: points[k][1], sign};
+      const {points, k} = best;
+      const found = this.refined(of, sign, points[Math.max(0, k - 1)][0], points[Math.min(points.length - 1, k + 1)][0]);
+      return sign * found.value > sign * points[k][1] ? found : {position: points[k][0], value: points[k][1], sign};
     }).filter(Boolean);
   }
 }

@@ -22,13 +22,18 @@ async function loadRegion() {
   if (asked === regionAsked) region = found;
 }
 async function regionOfGrid() {
-  const axes = [...view.axes].reverse().map(axis => axis.dim), at = {...state.at}, by = rankedBy(), window = windowOf(state.brush);
+  const further = state.whole ? sliding() : [], axes = [...[...view.axes].reverse().map(axis => axis.dim), ...further];
+  const at = {...state.at}, by = rankedBy(), window = windowOf(state.brush);
+  for (const dim of further) window[dim] = [0, dims[dim].length - 1];
   for (const dim of axes) delete at[dim];
   const own = axes.filter(dim => variables[by].dims.includes(dim));
-  const found = await source.region({name: own.length === axes.length ? by : state.name, axes, at, window, largest: state.largest});
-  const fields = [...view.axes.map(axis => dims[axis.dim]), ...content.variables.filter(of => of.name in found.values && !of.flags)];
-  const rows = fields.map(of => of.name in found.axes ? found.axes[of.name].map(place => of.values ? of.values[place] : place) : found.values[of.name]);
-  return {count: found.count, fields, rows, best: found.best, colours: found.values[state.name]};
+  const query = {name: own.length === axes.length ? by : state.name, axes, at, window, largest: state.largest};
+  const key = JSON.stringify([query, state.name]);
+  if (region?.key === key) return region;  // of all values of a slider that has moved
+  const found = await source.region(query);
+  const fields = [...[...view.axes.map(axis => axis.dim), ...further].map(dim => dims[dim]), ...content.variables.filter(of => of.name in found.values && !of.flags)];
+  const rows = fields.map(of => of.name in found.axes ? found.axes[of.name].map(place => (of.values ?? of.codes)?.[place] ?? place) : found.values[of.name]);
+  return {key, count: found.count, fields, rows, best: found.best, colours: found.values[state.name]};
 }
 async function regionOfSample() {
   const [x, y] = view.axes, [left, right, bottom, top] = state.brush, chosen = [];
@@ -61,9 +66,12 @@ async function drawRegion() {
   const order = make("select", {id: "choose-order"}, make("option", {value: "", textContent: "least"}), make("option", {value: "1", textContent: "greatest"}));
   order.value = state.largest ? "1" : "";
   order.onchange = () => { state.largest = Boolean(order.value); remember(); drawRegion(); };
+  const whole = make("input", {type: "checkbox", id: "tick-whole", checked: state.whole});
+  whole.onchange = () => { state.whole = whole.checked; remember(); drawRegion(); };
+  const sliders = isSample || !sliding().length ? [] : [make("label", {}, whole, ` over all values of ${sliding().map(dim => symbolText(dims[dim].symbol)).join(", ")}`)];
   const table = make("div", {className: "scroll"}, bestTable());
   place.replaceChildren(make("div", {className: "bar"}, make("h2", {textContent: `Region of ${region.count.toLocaleString("en")} designs${isSample && content.step > 1 ? " that are drawn" : ""}`}),
-    make("label", {}, "best by the ", order, " ", select), button("Lock the first three", async () => { for (const one of region.best.slice(0, 3)) await lock(one.at); }),
+    make("label", {}, "best by the ", order, " ", select), ...sliders, button("Lock the first three", async () => { for (const one of region.best.slice(0, 3)) await lock(one.at); }),
     button("Save these", () => download("designs.csv", csvOf(region.best)), {id: "best-csv", title: "The best designs as CSV"}),
     button("Show the region alone", zoom, {id: "zoom"}), button("Forget the region", () => { state.brush = null; drawOver(); drawRegion(); remember(); })),
     make("canvas", {id: "parallel", role: "img", ariaLabel: "parallel coordinates of the designs in the region"}), table);
