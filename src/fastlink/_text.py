@@ -18,6 +18,7 @@ __all__ = [
     "duration",
     "folded",
     "html_table",
+    "in_words",
     "scaled",
     "short_number",
     "short_repr",
@@ -147,6 +148,17 @@ def scaled(value: float, units: Sequence[str]) -> str:
             return f"{value:.3g}{unit}"
         value /= 1000
     return f"{value:.3g}{units[-1]}"
+
+
+def in_words(name: str) -> str:
+    """Return a meaning of a code, or another name, as words.
+
+    Examples
+    --------
+    >>> in_words("never_assembles")
+    'never assembles'
+    """
+    return name.replace("_", " ")
 
 
 def short_number(value: object) -> str:

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
 
-from fastlink._text import short_number
+from fastlink._text import in_words, short_number
 from fastlink.engine.evaluate import evaluate
 from fastlink.errors import InputError, KeyPath, Remedy, Setting
 from fastlink.plan.validate import missing_inputs, selected_variants
@@ -91,7 +91,7 @@ class Motion:
     def meaning(self, name: str) -> str:
         """Return the words for the code of the design, such as its status."""
         code = int(self.number(name))
-        return self.catalogue.public_fact(name).flags[code].replace("_", " ")
+        return in_words(self.catalogue.public_fact(name).flags[code])
 
     def _evaluated(self, names: list[str], branch: Any, positions: Any) -> dict[str, Any]:
         given = {**self.design, self.input: positions[None, :]}

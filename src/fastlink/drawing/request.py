@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from fastlink._text import in_words
 from fastlink.drawing.motion import Motion, as_draw
 from fastlink.drawing.source import Source
 from fastlink.engine.evaluate import evaluate
@@ -230,7 +231,7 @@ def _title(motion: Motion, count: int) -> str:
     if count < 2:
         return ""
     return ", ".join(
-        f"{name} {motion.design[name]:g}: {inputs[name].choices[int(motion.design[name])].replace('_', ' ')}"
+        f"{name} {motion.design[name]:g}: {in_words(inputs[name].choices[int(motion.design[name])])}"
         for name in chosen
     )
 

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from fastlink._text import in_words
 from fastlink.drawing.motion import Motion
 from fastlink.drawing.request import picture_of
 from fastlink.errors import InputError
@@ -73,7 +74,7 @@ def content_of(values: Values) -> dict[str, Any]:
 def _labels(array: xr.DataArray) -> dict[str, Any]:
     """Return meaning, symbol and units, and the meanings of codes."""
     attrs = array.attrs
-    flags = {str(code): meaning.replace("_", " ") for meaning, code in flags_of(array).items()}
+    flags = {str(code): in_words(meaning) for meaning, code in flags_of(array).items()}
     return {
         "meaning": str(attrs.get("long_name", array.name)),
         "symbol": str(attrs.get("symbol", array.name)),

@@ -22,7 +22,7 @@ def _mean(cells: NDArray[Any]) -> NDArray[Any]:
     count = finite.sum(axis=(1, 3))
     with np.errstate(invalid="ignore"):
         mean = np.where(finite, cells, 0.0).sum(axis=(1, 3)) / count
-    return np.where(count > 0, mean, np.fmax.reduce(cells, axis=(1, 3)))
+    return np.asarray(np.where(count > 0, mean, np.fmax.reduce(cells, axis=(1, 3))))
 
 
 #: What becomes of a cell, of an array whose second and fourth axis are the values of one; NaN counts in none.

@@ -12,6 +12,7 @@ from matplotlib.colors import ListedColormap, LogNorm
 from matplotlib.patches import Patch
 from matplotlib.ticker import LogLocator, MaxNLocator
 
+from fastlink._text import in_words
 from fastlink.maps.flags import flags_of
 from fastlink.maps.units import half_turn
 from fastlink.plot.colours import (
@@ -243,4 +244,4 @@ def _meanings(codes: Any, flags: Mapping[str, int]) -> str:
     """Return what the statuses but the first mean, the most frequent one first."""
     counts = {meaning: int((codes == code).sum()) for meaning, code in list(flags.items())[1:]}
     present = sorted((meaning for meaning in counts if counts[meaning]), key=lambda meaning: -counts[meaning])
-    return ", ".join(present).replace("_", " ")
+    return in_words(", ".join(present))

@@ -9,6 +9,7 @@ import numpy as np
 from matplotlib.colors import CenteredNorm, ListedColormap, LogNorm, Normalize
 from matplotlib.patches import Patch
 
+from fastlink._text import in_words
 from fastlink.maps.flags import flags_of
 
 if TYPE_CHECKING:
@@ -133,7 +134,7 @@ def flag_indices(variable: xr.DataArray, values: Any) -> Any:
 def flag_handles(variable: xr.DataArray, values: Any) -> list[Any]:
     """Return the legend of a code, for the values that occur."""
     return [
-        Patch(facecolor=FLAGS[index % len(FLAGS)], label=meaning.replace("_", " "))
+        Patch(facecolor=FLAGS[index % len(FLAGS)], label=in_words(meaning))
         for index, (meaning, code) in enumerate(flags_of(variable).items())
         if (values == code).any()
     ]

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 import matplotlib
 import numpy as np
 
+from fastlink._text import in_words
 from fastlink.maps.flags import flags_of
 from fastlink.maps.units import RADIAN, half_turn
 from fastlink.plot.colours import ABSENT, INFINITE, LINES, WITHOUT_BOUND, drawable, limits_of
@@ -76,7 +77,7 @@ def _looks(shown: Selection) -> list[tuple[Panel, dict[str, Any]]]:
 def _scale_across(axis: Any, variable: xr.DataArray, every: Any) -> None:
     """Set range and ticks of the axis of the values; write where they are all the same."""
     if flags := flags_of(variable):
-        axis.set_yticks(list(flags.values()), [meaning.replace("_", " ") for meaning in flags])
+        axis.set_yticks(list(flags.values()), [in_words(meaning) for meaning in flags])
         axis.set_ylim(min(flags.values()) - 0.5, max(flags.values()) + 0.5)
         return
     values = drawable(every)

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from fastlink._text import counted, joined, short_repr
+from fastlink._text import counted, in_words, joined, short_repr
 from fastlink.doors import door
 from fastlink.errors import InputError, Problems, Setting
 from fastlink.io.reader import as_map
@@ -258,7 +258,7 @@ def _of(where: Any) -> str:
 def _condition(name: str, given: Any) -> str:
     if isinstance(given, str) or any(isinstance(one, str) for one in given):
         meanings = [given] if isinstance(given, str) else list(given)
-        return f"{name} is {' or '.join(meanings).replace('_', ' ')}"
+        return f"{name} is {in_words(' or '.join(meanings))}"
     low, high = given
     if low is None or high is None:
         return f"{name} is at {f'most {high:g}' if low is None else f'least {low:g}'}"

@@ -12,6 +12,7 @@ import numpy as np
 from matplotlib.colors import LinearSegmentedColormap, LogNorm
 from matplotlib.lines import Line2D
 
+from fastlink._text import in_words
 from fastlink.plot.cloud import Cloud, Column
 from fastlink.plot.colours import FLAGS, LINES, colours_of, near
 from fastlink.plot.figure import NotebookFigure
@@ -144,7 +145,7 @@ def _scales(axis: Any, x: Column, y: Column) -> None:
             (axis.set_xscale if side is axis.xaxis else axis.set_yscale)("log")
         limit(*column.edges(1))
         if column.flags:
-            words = [textwrap.shorten(meaning.replace("_", " "), 24) for meaning in column.flags]
+            words = [textwrap.shorten(in_words(meaning), 24) for meaning in column.flags]
             side.set_ticks(list(column.flags.values()), words, fontsize=8)
     axis.grid(color="0.92", linewidth=0.7)
     axis.set_axisbelow(True)
@@ -167,9 +168,7 @@ def _mark(axis: Any, points: Any, joined: bool) -> None:
 def _code_legend(axis: Any, column: Column, values: Any) -> None:
     """Name the colours of a code, those that occur."""
     handles = [
-        Line2D(
-            [], [], linestyle="none", marker="o", color=FLAGS[k % len(FLAGS)], label=meaning.replace("_", " ")
-        )
+        Line2D([], [], linestyle="none", marker="o", color=FLAGS[k % len(FLAGS)], label=in_words(meaning))
         for k, (meaning, code) in enumerate(column.flags.items())
         if (values == code).any()
     ]

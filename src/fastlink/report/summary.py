@@ -9,7 +9,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from fastlink._text import aligned, counted, duration, scaled, short_number, size
+from fastlink._text import aligned, counted, duration, in_words, scaled, short_number, size
 from fastlink.doors import door
 from fastlink.io.history import SOURCE
 from fastlink.io.merged import JOINED
@@ -143,7 +143,7 @@ def _designs(dataset: xr.Dataset, told: _Numbers) -> list[tuple[str, str]]:
     rows = [("designs", text)]
     label_width, count_width = max(map(len, counts or ()), default=0), len(f"{designs:,}")
     for name, count in (counts or {}).items():
-        label = f"{name.replace('_', ' '):<{label_width}}"
+        label = f"{in_words(name):<{label_width}}"
         rows.append(("", f"{count:>{count_width},}  {label}  {_percent(count, designs)}"))
     return rows
 
@@ -194,7 +194,7 @@ def contents(maps: Any) -> str:
 def _contents(dataset: xr.Dataset) -> str:
     attrs, coords = dataset.attrs, {str(name): coord for name, coord in dataset.coords.items()}
     keys = ("title", "mechanism", "input", "study_file", "solver", "source")
-    head = [(key.replace("_", " "), str(attrs[key])) for key in keys if key in attrs]
+    head = [(in_words(key), str(attrs[key])) for key in keys if key in attrs]
     dims = [(str(dim), _axis(dataset, str(dim), length)) for dim, length in dataset.sizes.items()]
     sampled = [(n, _span(coord)) for n, coord in coords.items() if coord.ndim == 1 and n not in dataset.dims]
     constants = [(n, _of_all(coord)) for n, coord in coords.items() if coord.ndim == 0]

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
 
-from fastlink._text import aligned, counted, html_table, short_number, size
+from fastlink._text import aligned, counted, html_table, in_words, short_number, size
 
 if TYPE_CHECKING:
     from fastlink.space.design_space import DesignSpace
@@ -37,7 +37,7 @@ def _title(space: DesignSpace) -> str:
     arrays = [*space.axes.values(), *(one for one in space.columns.values() if isinstance(one, np.ndarray))]
     held, all_of_them = sum(one.nbytes for one in arrays), DOUBLE * space.size * len(space.names)
     shape = f" ({' x '.join(map(str, space.shape))})" if len(space.shape) > 1 else ""
-    about = f"{space.kind.replace('_', ' ')} of {counted(space.size, 'design')}{shape}"
+    about = f"{in_words(space.kind)} of {counted(space.size, 'design')}{shape}"
     return f"{about}, {size(held)} in memory, {size(all_of_them)} as a table of doubles"
 
 

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from fastlink._text import in_words
 from fastlink.doors import door
 from fastlink.errors import InputError
 from fastlink.io.reader import as_dataset
@@ -87,7 +88,7 @@ def linkage_table(maps: Any) -> pd.DataFrame:
 def _row(key: int, count: int) -> list[Any]:
     """Return a row of the table from a type and the signs of the sums as one number."""
     code, rest = divmod(key, 3 ** len(SUMS))
-    kind, *motions = LINKAGE_FLAGS[code].replace("_", " ").split()
+    kind, *motions = in_words(LINKAGE_FLAGS[code]).split()
     signs = {name: rest // 3**k % 3 - 1 for name, k in zip(SUMS, (4, 3, 2, 1, 0), strict=True)}
     paper, relation = KINDS[kind]
     if relation:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
+from fastlink._text import in_words
 from fastlink.mechanisms.minkowski_4r import coupler, rates, sextic  # noqa: F401 (which they describe)
 from fastlink.mechanisms.minkowski_4r.inputs import NUMERICS, minkowski_4r
 from fastlink.numerics.elementary import INFINITY, select
@@ -36,7 +37,7 @@ def declare_flags(name: str, law: Callable[..., Any], what: str, third: str) -> 
     step(law, f"{name}_code", name)
     status = minkowski_4r.quantities(units="1", source=CONFIGURATIONS, flags=THERE | {3: third})
     meaning = f"Why {what} is not a finite number"
-    status(with_reason, f"{name}_status", name.replace("_", " "), meaning, code=f"{name}_code")
+    status(with_reason, f"{name}_status", in_words(name), meaning, code=f"{name}_code")
 
 
 declare_flags(
