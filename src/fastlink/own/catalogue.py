@@ -10,7 +10,17 @@ from typing import Any
 from fastlink.catalogue.catalogue import Catalogue
 from fastlink.errors import InputError, suggest
 from fastlink.facts.fact import CatalogueError, Fact, System
-from fastlink.facts.names import Derivative, ErrorBound, ListOfExtrema, Reduced, Trust, bounded_of, root_of
+from fastlink.facts.names import (
+    Derivative,
+    ErrorBound,
+    ListOfExtrema,
+    Quantity,
+    Reduced,
+    Trust,
+    bounded_of,
+    error_name,
+    root_of,
+)
 from fastlink.own.definition import Definition, OwnInput, OwnQuantity, check_dimension
 from fastlink.symbolic.derivative import NoDerivative
 
@@ -127,12 +137,13 @@ def _units_of(catalogue: Catalogue, one: OwnQuantity, name: str) -> str:
     of = bounded_of(tree)
     if isinstance(of, (Reduced, ListOfExtrema)) and catalogue.is_quantity(str(of.of)):
         what = f"the parameter {name} is of the whole cycle, and a quantity is of one input position"
-        remedy = f"take {of.of}, and ask for the extremes of {one.name}: {one.name}_max, {one.name}_mean"
+        asked = ", ".join(str(Reduced(Quantity(one.name), how)) for how in ("max", "mean"))
+        remedy = f"take {of.of}, and ask for the extremes of {one.name}: {asked}"
         raise InputError(what, where=(one.name,), remedy=remedy)
     if isinstance(tree, (ErrorBound, Trust)) and catalogue.is_quantity(str(tree.of)):
         what = f"the parameter {name} is an error bound"
         raise InputError(
-            what, where=(one.name,), remedy=f"take {tree.of}; {one.name}_error follows by itself"
+            what, where=(one.name,), remedy=f"take {tree.of}; {error_name(one.name)} follows by itself"
         )
     if name == one.name:
         what = "depends on itself"

@@ -14,7 +14,6 @@ from fastlink.catalogue.catalogue import Catalogue
 from fastlink.mechanisms._shared.laws import (
     opposite,
     opposite_product,
-    product,
     quotient,
     same,
     total,
@@ -97,7 +96,7 @@ def declare_places(driven: Catalogue, joint: int) -> None:
         step(same, "turn_y", "t_y", f"{ground}, sine", x="sin_theta1")
         place.vector(turned, "A_*", "A_*", A, **AB, **TURN)
         place(along_ground, "B_x", "B_x", f"{B}, x")
-        place(product, "B_y", "B_y", f"{B}, y", x="a3", y="sin_theta1")
+        place(opposite, "B_y", "B_y", f"{B}, y", x="AD_v")
         step.vector(back, "coupler_*", "AB_*", coupler, units="m", **DB, **TURN)
     for name in ("P_along", "P_across"):
         driven.facts[name] = planar_4r.facts[name]
