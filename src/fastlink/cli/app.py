@@ -21,6 +21,7 @@ __all__ = [
     "MechanismName",
     "Overwrite",
     "StudyFile",
+    "TrustCode",
     "app",
     "by_name",
     "command",
@@ -35,6 +36,9 @@ StudyFile = Annotated[Path, typer.Argument(metavar="STUDY.toml", help="The study
 MapFile = Annotated[Path, typer.Argument(metavar="FILE", help="A map.", show_default=False)]
 MechanismName = Annotated[
     str, typer.Argument(metavar="MECHANISM", help="Such as planar_4r.", show_default=False)
+]
+TrustCode = Annotated[
+    bool, typer.Option("--trust-code", help="Run the Python file of quantities that the study names.")
 ]
 Overwrite = Annotated[bool, typer.Option("--overwrite", help="Replace an existing file.")]
 

@@ -7,7 +7,7 @@ from typing import Annotated, Any
 
 import typer
 
-from fastlink.cli.app import by_name, command, numbers_of
+from fastlink.cli.app import TrustCode, by_name, command, numbers_of
 
 __all__ = ["draw"]
 
@@ -69,6 +69,7 @@ def draw(
         typer.Option("--animate", metavar="FILM", help="The motion: gif, html or mp4 by its ending."),
     ] = None,
     frames: Annotated[int, typer.Option("--frames", metavar="N", help="Pictures of a film.")] = 60,
+    trust_code: TrustCode = False,
 ) -> None:
     """Draw a mechanism as it stands at an input position, to scale.
 
@@ -82,7 +83,7 @@ def draw(
     picture = to if to is not None or animate is not None else Path(f"{Path(mechanism).stem}.png")
     own: dict[str, Any] = {"at": fixed, "branch": branch, "input": input, "strip": strip, "show": show}
     own |= {"curves": curves or (), "degrees": degrees, "to": picture, "links": taken_links(given)}
-    own |= {"animate": animate, "frames": frames}
+    own |= {"animate": animate, "frames": frames, "trust_code": trust_code}
     draw_mechanism(mechanism, design, **own, **given)
     for path in filter(None, (picture, animate)):
         typer.echo(str(path))

@@ -10,7 +10,7 @@ from typing import Annotated, Any
 
 import typer
 
-from fastlink.cli.app import Overwrite, StudyFile, command
+from fastlink.cli.app import Overwrite, StudyFile, TrustCode, command
 
 __all__ = ["accuracy", "explain", "run"]
 
@@ -60,6 +60,7 @@ def run(
             help="Run on a dask.distributed cluster: the address of its scheduler, or its scheduler file.",
         ),
     ] = None,
+    trust_code: TrustCode = False,
 ) -> None:
     """Run a study, and write its map; a map that is there and up to date is kept."""
     from fastlink.io.finished import WRITTEN
@@ -74,6 +75,7 @@ def run(
         "verify": verify,
         "part": part,
         "layout": layout,
+        "trust_code": trust_code,
     }
     with contextlib.ExitStack() as stack:
         if client is not None:
@@ -103,11 +105,15 @@ def explain(
             show_default=False,
         ),
     ] = None,
+    *,
+    trust_code: TrustCode = False,
 ) -> None:
     """Explain what a study computes, leaves out and needs: memory, file, time; nothing is compiled."""
     from fastlink.diagnostics.explain import explain as explain_study
 
-    typer.echo(explain_study(study, measure=measure).text(kernels=text, ir=ir, asm=asm))
+    typer.echo(
+        explain_study(study, measure=measure, trust_code=trust_code).text(kernels=text, ir=ir, asm=asm)
+    )
 
 
 @command
@@ -123,12 +129,14 @@ def accuracy(
         typer.Option("--picture", metavar="PICTURE", help="Error over time: png, svg or pdf by its ending."),
     ] = None,
     overwrite: Overwrite = False,
+    *,
+    trust_code: TrustCode = False,
 ) -> None:
     """Measure error and run time of a study by every method that the engine offers."""
     from fastlink.diagnostics import accuracy as measure
     from fastlink.diagnostics import accuracy_table
 
-    options: dict[str, Any] = {"to": to, "picture": picture, "overwrite": overwrite}
+    options: dict[str, Any] = {"to": to, "picture": picture, "overwrite": overwrite, "trust_code": trust_code}
     announce = functools.partial(typer.echo, err=True)
     measured = measure(study, designs=designs, outside=outside, announce=announce, **options)
     typer.echo(accuracy_table(measured))

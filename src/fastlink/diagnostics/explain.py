@@ -19,6 +19,7 @@ from fastlink.doors import door
 from fastlink.engine.resolve import ResolvedSweep, resolve
 from fastlink.errors import InputError
 from fastlink.options import check_switch
+from fastlink.own.definition import OwnInput, OwnQuantity
 from fastlink.plan.program import ExtremaProgram
 from fastlink.precision import DESIGNS
 from fastlink.study.schema import A_STUDY
@@ -73,6 +74,8 @@ class Explanation:
         How many facts of the mechanism are not computed, and how many there are.
     tables : tuple of str
         Tabled functions of the input position; none for a map of designs.
+    declared : tuple of str
+        The names of quantities and inputs of a user that are read, and where the quantities are declared.
     forecast : Forecast or None
         The memory, file and time that it needs, where these were looked at.
     """
@@ -85,12 +88,14 @@ class Explanation:
     facts_left_out: int
     facts_known: int
     tables: tuple[str, ...]
+    declared: tuple[str, ...] = ()
     forecast: Forecast | None = None
 
     @door
     def text(self, *, kernels: bool = False, ir: bool = False, asm: bool = False) -> str:
         """Return the explanation, with the kernels' text, its translation for LLVM, its assembly language if wanted."""
         lines = [self.title, _folded("asked for", self.results)]
+        lines += [_folded("declared by yourself", self.declared)] if self.declared else []
         if self.scaling_axis:
             lines.append(
                 f"{self.scaling_axis}: only scales what is asked for; evaluated once, then multiplied"
@@ -135,6 +140,7 @@ def explain(
     quantities: Sequence[str] | None = None,
     *,
     measure: bool | None = None,
+    trust_code: bool = False,
     **options: Any,
 ) -> Explanation:
     """Return the work of a study or a sweep, what it leaves out, and what it needs.
@@ -145,11 +151,13 @@ def explain(
     Parameters
     ----------
     study : path or str
-        A study file; or, with `space` and `quantities`, the name of a mechanism.
+        A study file; or, with `space` and `quantities`, the name of a mechanism, or one that `fastlink.extend` returns.
     space, quantities, **options
         As in `fastlink.sweep`.
     measure : bool, optional
         Whether to run a sample of the designs: by default where nothing has to be compiled for it.
+    trust_code : bool, default False
+        Run the Python file of quantities that the study names (see `fastlink.run_study`).
 
     Returns
     -------
@@ -192,7 +200,7 @@ def explain(
             raise InputError(
                 what, where=(name,), remedy="write it in the study, or give space and quantities"
             )
-        read = read_study(study)
+        read = read_study(study, trust_code)
         request = resolve(read.mechanism, read.space, read.quantities, **read.options)
         verify = read.output.get("verify", DESIGNS)
         needs = forecast(request, folder=read.target().parent, verify=verify, measure=measure)
@@ -219,7 +227,13 @@ def explain_request(request: ResolvedSweep) -> Explanation:
         sum(name not in computed for name in catalogue.facts),
         len(catalogue.facts),
         tuple(dict.fromkeys(table for program in plan.programs for table in program.tables)),
+        tuple(map(_place, request.declared)),
     )
+
+
+def _place(one: OwnInput | OwnQuantity) -> str:
+    """Return the name of what a user has declared, and of a quantity where."""
+    return f"{one.name} ({one.file}, line {one.line})" if isinstance(one, OwnQuantity) else one.name
 
 
 def _kernel_work(kernel: Kernel) -> KernelWork:

@@ -19,6 +19,7 @@ from fastlink.precision.sample import read_curves
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
+    from fastlink.engine.extending import Extension
     from fastlink.space.design_space import DesignSpace
 
 __all__ = [
@@ -44,7 +45,7 @@ SECONDS_PER_METHOD, SECONDS_PER_DESIGN = 0.2, 0.04
 class Subject:
     """A quantity of sampled designs, with the options that all methods share."""
 
-    mechanism: str
+    mechanism: str | Extension
     space: DesignSpace
     quantity: str
     options: Mapping[str, Any]

@@ -23,6 +23,7 @@ from fastlink.io.dataset import plain_attrs
 from fastlink.io.output import write_whole
 from fastlink.io.writing.skeleton import as_bytes
 from fastlink.io.writing.target import check_made_at_once
+from fastlink.mechanisms import name_of
 from fastlink.options import MOST_SEED, check_path, check_switch, check_whole
 from fastlink.plot.picture import check_picture, save
 from fastlink.space.design_space import sampled
@@ -83,6 +84,7 @@ def accuracy(
     picture: str | Path | None = None,
     overwrite: bool = False,
     announce: Callable[[str], None] | None = None,
+    trust_code: bool = False,
 ) -> xr.Dataset:
     """Measure error and run time of a study's quantities by every method.
 
@@ -106,6 +108,8 @@ def accuracy(
         A work-precision diagram to write, png, svg or pdf by its ending.
     overwrite : bool
         Replace an existing file.
+    trust_code : bool, default False
+        Run the Python file of quantities that the study names (see `fastlink.run_study`).
     announce : callable, optional
         Called before the measurement with a line that says how much is measured and about how long it takes.
 
@@ -137,7 +141,7 @@ def accuracy(
     """
     given = {"designs": designs, "outside": outside, "seed": seed, "to": to, "picture": picture}
     check_options(given | {"overwrite": overwrite, "announce": announce}, CHECKS)
-    read = read_study(study)
+    read = read_study(study, trust_code)
     target = None if to is None else check_made_at_once(to, 0, overwrite, read.sources)
     path = None if picture is None else check_picture(picture, "picture")
     offered = partial(methods_for, with_numpy=outside)
@@ -180,7 +184,7 @@ def measure(
             rows[name, subject.quantity] = _statistics(*truth.errors(trial.values)) | {"ns_per_design": time}
     attrs = {
         "title": f"{resolved.catalogue.title}: error against run time",
-        "mechanism": mechanism,
+        "mechanism": name_of(mechanism),
         "study_file": study.path.name,
         "study": study.text,
         "designs": space.size,

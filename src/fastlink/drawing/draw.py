@@ -38,6 +38,7 @@ def draw(
     to: str | Path | None = None,
     animate: str | Path | None = None,
     frames: int = 60,
+    trust_code: bool = False,
     **inputs: Any,
 ) -> Figure:
     r"""Draw a mechanism to scale, as it stands at an input position.
@@ -48,8 +49,8 @@ def draw(
 
     Parameters
     ----------
-    mechanism : str, path or xarray.Dataset
-        The name of a mechanism; or a study, or a map, whose mechanism it is.
+    mechanism : str, Extension, path or xarray.Dataset
+        The name of a mechanism, or one that `fastlink.extend` returns; or a study, or a map, whose mechanism it is.
     design : mapping of str to float, or int, optional
         The inputs of a mechanism (or each by its name); of a study or a map, the number of the design, from 0.
     at : mapping of str to float, optional
@@ -77,6 +78,8 @@ def draw(
         that needs nothing else), or mp4 if ffmpeg is installed.
     frames : int, default 60
         How many pictures it has.
+    trust_code : bool, default False
+        Run the Python file of quantities that a study names (see `fastlink.run_study`).
     **inputs : float or array_like
         The inputs, and the input position, such as ``theta1`` or ``theta1_deg``: one, or a list for as many linkages
         side by side. Left out, one a sixth of the turn, or a third of the way through the range.
@@ -110,7 +113,7 @@ def draw(
         film = check_picture(animate, "animate", kinds=FILMS, example="linkage.gif")
         check_film(film)
     frames = check_whole(("frames",), frames, 2, MOST_FRAMES)
-    source = read_source(mechanism, design, at, inputs)
+    source = read_source(mechanism, design, at, inputs, trust_code)
     request = request_of(
         source, Options(branch, links, input, strip, curves, show, degrees, film is not None)
     )

@@ -17,6 +17,7 @@ from fastlink.space.degrees import RADIANS
 
 if TYPE_CHECKING:
     from fastlink.catalogue.catalogue import Catalogue
+    from fastlink.engine.extending import Extension
     from fastlink.mechanisms._shared.picture import Picture, Point, Value
     from fastlink.space.links import Links
 
@@ -53,7 +54,7 @@ class Motion:
         Of an input without bounds, how far what is looked at reaches at least, to both sides.
     """
 
-    mechanism: str
+    mechanism: str | Extension
     catalogue: Catalogue
     picture: Picture
     design: dict[str, float]

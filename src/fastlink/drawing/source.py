@@ -5,8 +5,9 @@ from __future__ import annotations
 import os
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -25,6 +26,9 @@ from fastlink.space.links import Links, taken_links
 from fastlink.space.values import has
 from fastlink.study.study import read_study
 
+if TYPE_CHECKING:
+    from fastlink.engine.extending import Extension
+
 __all__ = ["Source", "read_source"]
 
 STUDY, MAPS = ".toml", (".h5", ".hdf5", ".nc", ".he5")
@@ -36,8 +40,8 @@ class Source:
 
     Attributes
     ----------
-    mechanism : str
-        The name of the mechanism.
+    mechanism : str or Extension
+        The mechanism.
     inputs : dict
         Inputs, and the input position, as they were given.
     branch : int, sequence of int or None
@@ -48,19 +52,21 @@ class Source:
         What drives.
     """
 
-    mechanism: str
+    mechanism: str | Extension
     inputs: dict[str, Any]
     branch: Any = None
     links: Links | None = None
     input: str | None = None
 
 
-def read_source(mechanism: Any, design: Any, at: Any, inputs: Mapping[str, Any]) -> Source:
+def read_source(
+    mechanism: Any, design: Any, at: Any, inputs: Mapping[str, Any], trust_code: bool = False
+) -> Source:
     """Return the design that a caller names, or refuse it."""
     if has(mechanism, "data_vars") or _is_file(mechanism):
         if not has(mechanism, "data_vars"):
             mechanism = check_path(("mechanism",), mechanism)
-        read = _of_study if _ends(mechanism) == STUDY else _of_map
+        read = partial(_of_study, trust_code) if _ends(mechanism) == STUDY else _of_map
         found = read(mechanism, design, at)
         own = {key: value for key, value in found.inputs.items() if not _is_given(key, inputs)}
         return Source(found.mechanism, {**own, **inputs}, found.branch, found.links, found.input)
@@ -98,9 +104,9 @@ def _is_given(name: str, inputs: Mapping[str, Any]) -> bool:
     return any({one, degrees_name(one)} & {name, degrees_name(name)} for one in inputs)
 
 
-def _of_study(path: Any, design: Any, at: Any) -> Source:
+def _of_study(trust_code: bool, path: Any, design: Any, at: Any) -> Source:
     """Return a design of a study."""
-    study, problems = read_study(path), Problems()
+    study, problems = read_study(path, trust_code), Problems()
     options = study.options
     links, input = options.get("links"), options.get("input")
     space = designs_of(find_catalogue(study.mechanism, input), study.space, links, problems)

@@ -173,7 +173,7 @@ class Expressions:
             return local_name(node.id, self.parameters)
         meant = self.of.names.get(node.id)
         if (constant := constant_of(meant)) is not None:
-            self.imports.add(f"from math import {_name_of(constant)} as {node.id}")
+            self.imports.add(_import(_name_of(constant), node.id))
             return repr(constant)
         if meant is not None or hasattr(builtins, node.id):
             number = f", default={meant!r}" if isinstance(meant, (int, float)) else ""
@@ -192,7 +192,8 @@ class Expressions:
         if not isinstance(found, ModuleType) or found not in MODULES:
             return None
         assert isinstance(node, ast.Name)
-        self.imports.add(f"import {found.__name__} as {node.id}")
+        called = "" if found.__name__ == node.id else f" as {node.id}"
+        self.imports.add(f"import {found.__name__}{called}")
         return found
 
     def _attribute(self, node: ast.Attribute) -> str:
@@ -238,7 +239,7 @@ class Expressions:
         meant = self.of.names.get(name, getattr(builtins, name, None))
         found = function_named(name, meant)
         if found is not None and meant is not None and getattr(meant, "__module__", None) == "math":
-            self.imports.add(f"from math import {meant.__name__} as {name}")
+            self.imports.add(_import(meant.__name__, name))
         return name, found
 
     def _call(self, node: ast.Call) -> str:
@@ -294,6 +295,11 @@ class Expressions:
 def local_name(name: str, parameters: Sequence[str]) -> str:
     """Return the name of a parameter, or a local name that no function of a fact has."""
     return name if name in parameters else f"_{name}"
+
+
+def _import(name: str, called: str) -> str:
+    """Return the import of a name of the module math, perhaps by another name."""
+    return f"from math import {name}" + (f" as {called}" if called != name else "")
 
 
 def _name_of(constant: float) -> str:

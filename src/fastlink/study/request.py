@@ -40,6 +40,8 @@ class Request:
         The mechanism.
     problems : Problems
         Those that were found; `check` adds its own.
+    mechanism : str or Extension
+        Its name, or the mechanism with quantities that a file declares.
 
     Attributes
     ----------
@@ -58,9 +60,10 @@ class Request:
         tables: Mapping[str, Any],
         catalogue: Catalogue,
         problems: Problems,
+        mechanism: Any,
     ) -> None:
         self.path, self.tables, self.catalogue, self.problems = path, tables, catalogue, problems
-        cycle = tables["cycle"]
+        self.mechanism, cycle = mechanism, tables["cycle"]
         self.positions = {name: values for name, values in cycle.items() if name not in KEYS["cycle"]}
         own = {**cycle, **tables["run"]}
         self.options = {name: value for name, value in own.items() if name not in self.positions}
@@ -97,7 +100,7 @@ class Request:
 
     def _examine(self, function: Any, names: list[str]) -> None:
         named = {"positions": self.positions, "options": KEYS["cycle"]}
-        mechanism = self.tables["mechanism"]
+        mechanism = self.mechanism
         if ("mechanism",) in [one.where for one in self.problems.noted]:
             mechanism = self.catalogue.name  # the nearest
         function(mechanism, self.space, names, **named, **self.options)

@@ -155,6 +155,7 @@ class StudyFile(BaseModel, extra="forbid"):
 
     mechanism: Text
     title: Text | None = None
+    quantities_file: Annotated[Text, Write('the path of a Python file, such as "mine.py"')] | None = None
     quantities: Annotated[list[Name], Write('a list of names, such as ["omega4_max"]')]
     design: Design
     links: Links | None = None

@@ -13,13 +13,14 @@ from fastlink.engine.options import check_options
 from fastlink.engine.sweep import sweep
 from fastlink.errors import InputError, Problems, nearest
 from fastlink.io.writing.target import check_target
-from fastlink.mechanisms import NAMES
+from fastlink.mechanisms import NAMES, is_extension, name_of
 from fastlink.mechanisms import catalogue as find_catalogue
-from fastlink.options import check_path
+from fastlink.options import check_path, check_switch
 from fastlink.space.dataset import CURVES
 from fastlink.space.degrees import Degrees, angle_of, degrees_name
 from fastlink.space.design_space import DesignSpace
 from fastlink.study.homes import at_home
+from fastlink.study.own import KEY, TRUST, load_extension
 from fastlink.study.request import Request
 from fastlink.study.schema import A_STUDY, read_tables
 from fastlink.study.text import contents_of, text_of
@@ -30,6 +31,7 @@ if TYPE_CHECKING:
     from distributed import Client
 
     from fastlink.catalogue.catalogue import Catalogue
+    from fastlink.engine.extending import Extension
     from fastlink.io.parts import Part
 
 __all__ = ["Study", "read_study", "run_study"]
@@ -52,7 +54,9 @@ class Study:
     options : dict
         The options of the sweep besides mechanism, designs and quantities.
     sources : tuple of Path
-        The files that it was read from: itself, and a table of designs.
+        The files that it was read from: itself, a table of designs, and Python code that declares quantities.
+    mechanism : str or Extension
+        The mechanism: its name, or one with the quantities that a file beside the study declares.
     """
 
     path: Path
@@ -61,11 +65,7 @@ class Study:
     space: DesignSpace
     options: dict[str, Any]
     sources: tuple[Path, ...]
-
-    @property
-    def mechanism(self) -> str:
-        """The name of the mechanism."""
-        return str(self.tables["mechanism"])
+    mechanism: str | Extension
 
     @property
     def quantities(self) -> list[str]:
@@ -99,6 +99,7 @@ def run_study(
     part: tuple[int, int] | str | None = None,
     layout: str | None = None,
     client: Client | None = None,
+    trust_code: bool = False,
 ) -> xr.Dataset:
     """Run a study file and write its map.
 
@@ -129,6 +130,9 @@ def run_study(
         How the map is to be read (see `fastlink.sweep`); by default what the study says, else ``"curves"``.
     client : distributed.Client, optional
         Evaluate the designs on the workers of a dask.distributed cluster (see `fastlink.sweep`).
+    trust_code : bool, default False
+        Run the Python file that the study names as ``quantities_file``, which declares quantities of its own (see
+        docs/own_quantities.md). A study alone is data and runs nothing.
 
     Returns
     -------
@@ -162,7 +166,7 @@ def run_study(
     given: dict[str, Any] = {"to": to, "threads": threads, "overwrite": overwrite, "verify": verify}
     given |= {"progress": progress, "part": part, "layout": layout, "client": client}
     checked = check_options(given | {"restart": restart, "layout": CURVES if layout is None else layout})
-    study = read_study(path)
+    study = read_study(path, trust_code)
     target = study.target(to, checked["part"])
     overwrite = overwrite or study.output.get("overwrite", False)
     title = {name: study.tables[name] for name in ("title",) if name in study.tables}
@@ -191,8 +195,10 @@ def run_study(
         raise InputError.of(error.problems, StudyWording(study.path, study.tables, study.space)) from None
 
 
-def read_study(path: str | Path) -> Study:
+def read_study(path: str | Path, trust_code: bool = False) -> Study:
     """Read a study file and check everything that can be checked before running it.
+
+    The Python file that it may name is run only if that code is trusted.
 
     Raises
     ------
@@ -200,9 +206,11 @@ def read_study(path: str | Path) -> Study:
         One line for each problem: the file, the key, what was found, what is allowed.
     """
     path = check_path(("study",), path, "study.toml")
+    trusted = check_switch((TRUST,), trust_code)
     text = text_of(path)
     contents, problems = contents_of(path, text), Problems(StudyWording(path))
-    driven = _driven(contents, problems)
+    mechanism = _mechanism(path, contents, problems, trusted)
+    driven = _driven(mechanism, contents, problems)
     raw, misplaced = at_home(contents, driven)
     name = "" if driven is None else driven.position.name
     tables, found = read_tables(raw, (name, degrees_name(name)))
@@ -211,24 +219,38 @@ def read_study(path: str | Path) -> Study:
     if driven is None or "mechanism" not in tables:
         problems.stop()
     assert driven is not None
-    request = Request(path, raw, tables, driven, problems)
+    request = Request(path, raw, tables, driven, problems, mechanism)
     request.check()
     problems.stop()
     assert request.space is not None
     for name, values in request.positions.items():
         request.options["angles"] = Degrees(values) if angle_of(name) else values
     design = tables["design"]
-    sources = (path, *([path.parent / design["table"]] if "table" in design else ()))
-    return Study(path, text, tables, request.space, request.options, sources)
+    others = [design["table"]] if "table" in design else []
+    others += [tables[KEY]] if KEY in tables else []
+    sources = (path, *(path.parent / other for other in others))
+    return Study(path, text, tables, request.space, request.options, sources, mechanism)
 
 
-def _driven(contents: Mapping[str, Any], problems: Problems) -> Catalogue | None:
-    """Return the mechanism of a study; a misspelt one is noted and taken for the nearest."""
-    mechanism, cycle = contents.get("mechanism"), contents.get("cycle")
+def _mechanism(path: Path, contents: Mapping[str, Any], problems: Problems, trusted: bool) -> Any:
+    """Return the mechanism of a study: its name, or with the quantities that a file declares."""
+    mechanism, own = contents.get("mechanism"), contents.get(KEY)
+    if not isinstance(own, str) or not own or mechanism not in NAMES:
+        return mechanism
+    with problems.at():
+        return load_extension(path, own, mechanism, trusted)
+    problems.stop()  # what depends on its quantities is not worth telling
+    return mechanism
+
+
+def _driven(mechanism: Any, contents: Mapping[str, Any], problems: Problems) -> Catalogue | None:
+    """Return the catalogue of a study; a misspelt mechanism is noted and taken for the nearest."""
+    cycle = contents.get("cycle")
     input = cycle.get("input") if isinstance(cycle, dict) else None
-    if not isinstance(mechanism, str):
+    if not isinstance(mechanism, str) and not is_extension(mechanism):
         return None
     with problems.at():
         return find_catalogue(mechanism, input if isinstance(input, str) else None)
-    meant = mechanism if mechanism in NAMES else nearest(mechanism, NAMES)
+    name = name_of(mechanism)
+    meant = mechanism if name in NAMES else nearest(name, NAMES)
     return None if meant is None else find_catalogue(meant, None)

@@ -86,7 +86,7 @@ class StudyWording(Wording):
             keys = "".join(f" {name} = ..." for name in piece.inputs)
             return f'[links] model = "{piece.name}"{keys}'
         if isinstance(piece, Setting):
-            if piece.name in ("overwrite", "part", "restart"):
+            if piece.name in ("overwrite", "part", "restart", "trust_code"):
                 return self.door.piece(piece)  # for once, by who runs the study
             known = piece.name == KEEP or any(piece.name in keys for keys in KEYS.values())
             return f"{piece.name} = {json.dumps(piece.value)}" if known else None
