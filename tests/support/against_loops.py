@@ -149,7 +149,7 @@ def errors_of(values, high, low, turning):
     """Return the errors of values, of angles modulo a turn."""
     with np.errstate(all="ignore"):
         errors = (values - high) - low
-        turns = np.where(turning[:, None] & (abs(errors) > 3.0), np.sign(errors), 0.0)
+        turns = np.where(turning[:, None] & (abs(errors) > 0.5 * TURN), np.sign(errors), 0.0)
         return abs((((values - high) - turns * TURN) - low) - turns * TURN_LOW)
 
 

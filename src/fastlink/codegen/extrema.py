@@ -257,10 +257,17 @@ class _ExtremaWriter(PlacesWriter):
         """Write the quantity's evaluation beside items that are next to a fold."""
         text = self.text
         text.call(noise.count_folded, "state, filled, w, table", "n_near")
-        with text.block("if n_near > 0:"), text.block(f"for trial in range({noise.TRIALS}):"):
-            text.call(noise.place_beside_fold, "state, filled, trial")
-            self.write_value(number)
-            text.call(noise.keep_beside_fold, "state, filled")
+        with text.block("if n_near > 0:"):
+            text.call(roots.every_vector, "vectors, filled", "n_open")
+            with text.block(f"for k in range({noise.SLOPES}):"):
+                text.call(noise.place_slope, "state, filled, k")
+                text.add(f"slope_{number}(state, vectors, n_open)")
+                text.call(noise.keep_slope, "state, filled, k")
+            text.call(noise.settle_slopes, "state, filled")
+            with text.block(f"for trial in range({noise.TRIALS}):"):
+                text.call(noise.place_beside_fold, "state, filled, trial")
+                self.write_value(number)
+                text.call(noise.keep_beside_fold, "state, filled")
 
     def write_ends(self, number: int) -> None:
         """Write the values at the ends of the range, where these may be extreme."""

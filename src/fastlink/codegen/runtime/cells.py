@@ -38,6 +38,9 @@ VALUE, THETA, IMAGE, KIND = range(ITEM_ROWS + 9, ITEM_ROWS + 13)
 BOUND, SLOPE, SLOPE_BOUND, BEND = X1, F1, X2, F2
 # What rounding does to the value, in rows of the bracket: first the position and what values beside are, at folds.
 SAVED, NOISE, LOWEST, HIGHEST = XA, XB, XC, FC
+# Whether the slope changes its sign there, and while that is sought one slope, whether others of its side agree, and
+# that of the other side, 0 where they do not; in rows that the iteration has left.
+CERTAIN, BEFORE, AGREES, ONE_SIDE = STEPS, F1, TOLERANCE, OPEN
 # Of a cell that is divided: the fine samples' positions, negative beyond an end of the range, and values there.
 PARTS = 8
 FINE_SAMPLES = PARTS + 3

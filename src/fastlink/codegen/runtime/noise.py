@@ -1,12 +1,16 @@
 """Entries of the lists that are nothing but rounding, next to folds.
 
 At a fold a quantity may be a small difference of great numbers: its slope changes its sign with every last bit, and
-each change looks like an extreme. What rounding does to the value there is measured: it is evaluated at positions
-beside, which differ by so little that an extreme would not change in its last digits. A maximum and the minimum next to
-it whose values differ by less than rounding does to each of them are no extremes, and leave the list together; the
-nearest values first. So of an odd number of such entries one is left, the greatest or the least of them; and where
-there are more than the lists have room for, all stay. The greatest and the least of all stay, too: they are within the
-bounds of their values.
+each change looks like an extreme. So an extreme is listed only if its slope has one sign on its one side and the other
+on the other, at some distance at which a slight change of the position leaves the slope what it is: rounding errors do
+as they like. Of others between two maxima, or two minima, one is left, as there is one; else all leave. They still
+count for the greatest and the least value, within whose bounds they are.
+
+Where a slope has three zeros in place of one, two of these are rounding. What that does to the value is measured, too:
+it is evaluated at positions beside, which differ by so little that an extreme would not change in its last digits. A
+maximum and the minimum next to it whose values differ by less than rounding does to each of them leave the list
+together; the nearest values first. The greatest and the least of all stay. Where more entries are certain than the
+lists have room for, all stay.
 """
 
 from __future__ import annotations
@@ -14,20 +18,26 @@ from __future__ import annotations
 from typing import Any
 
 from fastlink.codegen.runtime.cells import (
+    AGREES,
+    BEFORE,
+    CERTAIN,
     HIGHEST,
     LANE,
     LOWEST,
     NOISE,
+    ONE_SIDE,
     SAVED,
     START,
     TOGGLE,
     UPPER,
     VALUE,
+    F,
     X,
     padded,
 )
 from fastlink.codegen.runtime.results import (
     COUNT,
+    DOUBTFUL,
     GREATEST,
     LEAST,
     LIST_KIND,
@@ -38,11 +48,27 @@ from fastlink.codegen.runtime.results import (
 from fastlink.numerics.compiler import lanes, outlined
 from fastlink.numerics.elementary import INFINITY, NOT_A_NUMBER
 
-__all__ = ["TRIALS", "count_folded", "keep_beside_fold", "place_beside_fold", "settle_noise", "thin"]
+__all__ = [
+    *(
+        "SLOPES",
+        "TRIALS",
+        "count_folded",
+        "keep_beside_fold",
+        "keep_slope",
+        "place_beside_fold",
+        "place_slope",
+    ),
+    *("settle_noise", "settle_slopes", "thin"),
+]
 
 #: Positions are moved by 2^-20 of themselves, then 2^-28, 2^-36, 2^-44; rounding is at most so many times as great as
 #: these show.
 TRIALS, FIRST_STEP, NEXT_STEP, MARGIN = 4, 2.0**-20, 2.0**-8, 8.0
+#: Slopes are compared at so many distances from an extreme, on both sides at so many positions each; the distances
+#: are 2^-1, 2^-7, ... of the position itself, and positions 2^-4 of the distance apart, by which the slope there may
+#: change by so much.
+DISTANCES, POSITIONS, FIRST_DISTANCE, NEXT_DISTANCE, APART, CHANGE = 6, 4, 0.5, 2.0**-6, 2.0**-4, 0.3125
+SLOPES = DISTANCES * 2 * POSITIONS
 # How near a fold, in x, rounding is measured: farther away quantities are no small differences of great numbers.
 NEAR = 2.0**-10
 
@@ -56,12 +82,53 @@ def count_folded(s: Any, count: int, w: Any, table: Any) -> int:
         fold = (w[table[START] + upper, lane] != 0.0) & (w[table[TOGGLE] + upper, lane] == 0.0)
         s[SAVED, i] = s[X, i]
         s[NOISE, i] = 0.0
+        s[CERTAIN, i] = 1.0
         s[LOWEST, i] = INFINITY
         s[HIGHEST, i] = -INFINITY
         if fold & (abs(s[X, i]) < NEAR):
             s[NOISE, i] = 1.0
+            s[CERTAIN, i] = 0.0
             near = near + 1
     return near
+
+
+@outlined
+def place_slope(s: Any, count: int, k: int) -> None:
+    """Put items near a fold at the k-th position at which the slope is compared."""
+    distance = FIRST_DISTANCE
+    for _ in range(k // (2 * POSITIONS)):
+        distance = NEXT_DISTANCE * distance
+    away = distance * (1.0 + APART * (k % POSITIONS))
+    times = 1.0 + away if (k // POSITIONS) % 2 == 1 else 1.0 / (1.0 + away)
+    for i in lanes(padded(count)):
+        s[X, i] = s[SAVED, i] * times if s[NOISE, i] > 0.0 else s[SAVED, i]
+
+
+@outlined
+def keep_slope(s: Any, count: int, k: int) -> None:
+    """Compare the slope at the k-th position with that at the first one of its side, and that with the other side's."""
+    position, side = k % POSITIONS, (k // POSITIONS) % 2
+    if position == 0:
+        for i in lanes(padded(count)):
+            s[BEFORE, i] = s[F, i]
+            s[AGREES, i] = 1.0
+    else:
+        for i in lanes(padded(count)):
+            before = s[BEFORE, i]
+            s[AGREES, i] = s[AGREES, i] if abs(s[F, i] - before) <= CHANGE * abs(before) else 0.0
+    if position == POSITIONS - 1:
+        for i in lanes(padded(count)):
+            before = s[BEFORE, i] if s[AGREES, i] > 0.0 else 0.0
+            turns = ((before > 0.0) & (s[ONE_SIDE, i] < 0.0)) | ((before < 0.0) & (s[ONE_SIDE, i] > 0.0))
+            s[CERTAIN, i] = 1.0 if turns & (side == 1) else s[CERTAIN, i]
+            s[ONE_SIDE, i] = before
+
+
+@outlined
+def settle_slopes(s: Any, count: int) -> None:
+    """Put items back."""
+    for i in lanes(padded(count)):
+        s[X, i] = s[SAVED, i]
 
 
 @outlined
@@ -86,11 +153,43 @@ def keep_beside_fold(s: Any, count: int) -> None:
 
 @outlined
 def settle_noise(s: Any, count: int) -> None:
-    """Make what rounding does to values of what was seen beside them; 0 far from folds."""
+    """Make what rounding does to values of what was seen beside them; 0 far from folds, `DOUBTFUL` of no extreme."""
     for i in lanes(padded(count)):
         value = s[VALUE, i]
         above, below = s[HIGHEST, i] - value, value - s[LOWEST, i]
-        s[NOISE, i] = MARGIN * (above if above > below else below) if s[NOISE, i] > 0.0 else 0.0
+        noise = MARGIN * (above if above > below else below) if s[NOISE, i] > 0.0 else 0.0
+        s[NOISE, i] = noise if s[CERTAIN, i] > 0.0 else DOUBTFUL
+
+
+@outlined
+def _drop(lists: Any, best: Any, column: int, k: int, many: int) -> None:
+    """Take so many entries out of a list, from the k-th on."""
+    best[COUNT, column] -= float(many)
+    for j in range(k, int(best[COUNT, column])):
+        for r in range(lists.shape[0]):
+            lists[r, column, j] = lists[r, column, j + many]
+
+
+@outlined
+def _drop_doubtful(lists: Any, best: Any, column: int) -> None:
+    """Take entries that may be no extremes out of a list, but for one between two of one kind."""
+    n, last = int(best[COUNT, column]), -1
+    for k in range(n):
+        last = k if lists[LIST_NOISE, column, k] != DOUBTFUL else last
+    before, extreme = lists[LIST_KIND, column, last], -1
+    for step in range(1, n + 1 if last >= 0 else 1):
+        k = (last + step) % n  # the turn goes on from the last entry to the first one
+        kind, value = lists[LIST_KIND, column, k], lists[LIST_VALUE, column, k]
+        if lists[LIST_NOISE, column, k] != DOUBTFUL:
+            if extreme >= 0 and kind == before:
+                lists[LIST_NOISE, column, extreme] = 0.0
+            before, extreme = kind, -1
+        elif kind == -before:
+            other = lists[LIST_VALUE, column, max(extreme, 0)]
+            extreme = k if extreme < 0 or kind * (value - other) > 0.0 else extreme
+    for k in range(n - 1, -1, -1):
+        if lists[LIST_NOISE, column, k] == DOUBTFUL:
+            _drop(lists, best, column, k, 1)
 
 
 @outlined
@@ -105,11 +204,15 @@ def thin(lists: Any, best: Any, kept: int) -> None:
         How many entries are returned.
     """
     for column in range(lists.shape[1]):
-        n, noise = int(best[COUNT, column]), 0.0
+        n, noisy, doubtful = int(best[COUNT, column]), 0, 0
         for k in range(min(n, lists.shape[2])):
-            noise = noise + lists[LIST_NOISE, column, k]
-        if noise == 0.0 or n > lists.shape[2]:
+            noisy = noisy + (1 if lists[LIST_NOISE, column, k] > 0.0 else 0)
+            doubtful = doubtful + (1 if lists[LIST_NOISE, column, k] == DOUBTFUL else 0)
+        if (noisy + doubtful == 0) | (n > lists.shape[2]):
             continue
+        if doubtful > 0:
+            _drop_doubtful(lists, best, column)
+        n = int(best[COUNT, column])
         pair = 0
         while pair >= 0:
             pair, least = -1, INFINITY
@@ -123,10 +226,7 @@ def thin(lists: Any, best: Any, kept: int) -> None:
                     pair, least = k, high - low
             if pair >= 0:
                 n = n - 2
-                best[COUNT, column] -= 2.0
-                for k in range(pair, n):
-                    for r in range(lists.shape[0]):
-                        lists[r, column, k] = lists[r, column, k + 2]
+                _drop(lists, best, column, pair, 2)
         for k in range(n, kept):
             lists[LIST_THETA, column, k] = NOT_A_NUMBER
             for r in range(LIST_VALUE, lists.shape[0]):

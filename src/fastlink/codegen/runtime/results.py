@@ -50,6 +50,8 @@ LIST_ROWS = 4
 #: So many more entries than are returned are kept until those that are rounding have left.
 MORE = 27
 LIST_ROW_OF = {"position": LIST_THETA, "value": LIST_VALUE, "kind": LIST_KIND, "error": LIST_BOUND}
+#: What stands for the rounding of a value that may be no extreme: its slope is certain on neither side.
+DOUBTFUL = -1.0
 # Rows of the best: greatest and least value with their positions, and how many extrema there are; where error bounds
 # are requested, those of both.
 GREATEST, AT_GREATEST, LEAST, AT_LEAST, COUNT, GREATEST_BOUND, LEAST_BOUND = range(7)
@@ -175,7 +177,11 @@ def store_extrema(s: Any, count: int, table: Any, search: Any, lists: Any, best:
                     value = parity * value
                 kind = parity * kind
             column = (onto * branches + target) * LANES + lane
-            if kind != 0.0:
+            # a function that is nothing but rounding would leave no room for extremes
+            room = lists.shape[2] if s[NOISE, i] != DOUBTFUL else lists.shape[2] >> 1
+            if (kind != 0.0) & (
+                (lists.shape[2] == 0) | (room == lists.shape[2]) | (best[COUNT, column] < room)
+            ):
                 if lists.shape[2] > 0:
                     k = _insert(lists, column, int(best[COUNT, column]), theta)
                     if k < lists.shape[2]:
