@@ -49,6 +49,23 @@ def test_none_is_finite_where_its_quantity_is_none():
     assert looked_at > 1000
 
 
+@pytest.mark.parametrize(("mechanism", "drive"), [family[:2] for family in FAMILIES if not family[2]])
+def test_none_by_the_position_is_finite_where_its_quantity_is_none(mechanism, drive):
+    """At exactly 0, where a sine is exactly 0, and with the crank's pivot at infinity, too."""
+    of, rng = catalogue(mechanism, drive), np.random.default_rng(7)
+    given = FAMILIES[mechanism, drive, ""](rng, 120)
+    given[drive] = np.where(np.arange(given[drive].size) < 12, 0.0, given[drive])
+    if "rho" in given:
+        given["rho"] = np.where(np.arange(given["rho"].size) < 40, -1.0, given["rho"])
+    given.setdefault("branch", rng.integers(1, 3, given[drive].size).astype(float))
+    found = slopes(of, bounded(of, given), drive, variants_of(of, None, "eliminated", given))
+    quantity = {slope: slope[len("d_") : slope.rindex("_d_")] for slope in found}
+    values = fl.evaluate(mechanism, [*found, *set(quantity.values())], input=drive, **given)
+    wrong = [s for s in found if np.any(np.isfinite(values[s]) & ~np.isfinite(values[quantity[s]]))]
+    assert wrong == []
+    assert len(found) > 10
+
+
 @pytest.mark.stress
 @pytest.mark.parametrize("case", CASES, ids="-".join)
 def test_none_of_many_is_finite_where_its_quantity_is_none(case):

@@ -9,8 +9,21 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from tests.support.against_loops import HEADER, Tally, campaign, compare, count
+from tests.support.against_loops import (
+    HEADER,
+    UNKNOWN,
+    Tally,
+    campaign,
+    compare,
+    count,
+    errors_of,
+    references,
+)
 from tests.support.neighbourhoods import DRAWN, ULP
+
+import fastlink as fl
+from fastlink.mechanisms import catalogue
+from fastlink.precision.independent.models import model_of
 
 #: Designs of each mechanism, of all its inputs together, in the long form: half an hour of one core each.
 MANY = 1_000_000
@@ -46,11 +59,12 @@ def kites_with_a_pivot_on_the_circle_of_F(rng, n, first, second, s, fold):
     "kite",
     [(559.1867775730996, 0.0681443389688298, -1.0, 0.0), (0.3069707532162749, 32.7295150031468, 2.0, np.pi)],
 )
-def test_the_sign_of_a_crossing_is_in_the_bound(kite):
+def test_the_last_bits_of_a_near_kite_decide_on_which_side_F_passes_a_pivot(kite):
     tally, rng = Tally("focal", "sigma"), np.random.default_rng(4)
     compare(tally, kites_with_a_pivot_on_the_circle_of_F(rng, 150, *kite), rng, extremes=False)
     assert tally.failures == {}
-    assert tally.counts["values"] > 2 * tally.counts["flagged"] > 0
+    # of 17 by 17 near kites 17 have one equal pair, whose F may pass the pivot itself: nothing is known there
+    assert tally.counts["values"] > 6 * tally.counts["flagged"] > 0
 
 
 @pytest.mark.stress
@@ -85,3 +99,13 @@ def test_a_value_beyond_its_bound_and_one_where_there_is_none_are_failures():
     assert set(tally.failures) == {("beyond", "off"), ("finite where none", "open")}
     assert tally.counts["flagged"] == 1
     assert tally.worst == (pytest.approx(0.5), "right")
+
+
+def test_what_the_reference_cannot_tell_is_no_failure():
+    """Angles half a turn apart less 1e-3; a double root of eq. (2.5), whose P is there though the four-bar is open."""
+    apart = errors_of(np.array([[0.0]]), np.array([[np.pi - 1e-3]]), np.zeros((1, 1)), np.array([True]))
+    assert apart[0, 0] == pytest.approx(np.pi - 1e-3)
+    double = {"a": 3.0, "b": 1.0, "c": 4.0, "d": 2.0, "lambda_": -1.0, "completion": 2.0, "branch": 2.0}
+    at = double | {"phi": -1375454924335.5095, "omega": 1.0}
+    assert np.isfinite(fl.evaluate("focal", ["P_x"], **at)["P_x"])
+    assert references(model_of(catalogue("focal")), {"P_x": 0}, [at], 256)[3] == UNKNOWN

@@ -95,6 +95,7 @@ COLUMNS = (
     "values",
     "beyond",
     "finite where none",
+    "infinite",
     "extremes",
     "missed",
     "flagged",
@@ -229,7 +230,9 @@ def count(tally, names, rows, values, bounds, errors, radius, kinds, high):
     )
     k, i = np.unravel_index(np.argmax(shares), shares.shape)
     tally.worst = max(tally.worst, (float(shares[k, i]), names[k]))
-    for kind, where in (("beyond", beyond), ("finite where none", finite & is_open & claims)):
+    endless = np.isinf(values) & (bounds != np.inf) & inside & (radius <= SHARP * abs(high))
+    failures = {"beyond": beyond, "finite where none": finite & is_open & claims, "infinite": endless}
+    for kind, where in failures.items():
         for k, i in zip(*where.nonzero(), strict=True):
             about = f"value {float(values[k, i])!r}, exact {float(high[k, i])!r}, bound {bounds[k, i]:.3g}"
             tally.fail(kind, names[k], rows[i], about)

@@ -202,3 +202,15 @@ def test_joint_1_is_theta1_less_pi():
     for name in names:
         # theta1 - pi is right to 2^-52; by it the acceleration changes by at most 25^2 * 60 here.
         np.testing.assert_allclose(driven[name], at_o[name], rtol=1e-14, atol=25**2 * 60 * 2 * UNIT_ROUNDING)
+
+
+@pytest.mark.parametrize("k", JOINTS)
+def test_the_half_tangent_of_the_driven_joint_is_that_of_its_angle(k):
+    """tan(0) = 0 exactly: once it was infinite there, as at half a turn, where the sine is 0, too."""
+    angles = np.array([0.0, -0.0, 1e-8, 1.0, np.pi])
+    lengths = dict.fromkeys(("a1", "a2", "a3", "a4"), 1.0)
+    found = fl.evaluate(
+        "planar_4r", [f"v{k}"], input=f"joint_angle_{k}", **lengths, **{f"joint_angle_{k}": angles}
+    )
+    # -C/(sin/2) with C and sin right to a rounding each, and the division
+    np.testing.assert_allclose(found[f"v{k}"], np.tan(0.5 * angles), rtol=8 * UNIT_ROUNDING, atol=0.0)

@@ -10,11 +10,11 @@ from __future__ import annotations
 
 from typing import Any
 
-from fastlink.mechanisms._shared.laws import angle, opposite, same
+from fastlink.mechanisms._shared.laws import angle, opposite
 from fastlink.mechanisms.focal.by_crank import steps
 from fastlink.mechanisms.focal.inputs import WUNDERLICH, focal
 from fastlink.mechanisms.focal.points import FIGURES, POSITION
-from fastlink.numerics.elementary import select, sqrt
+from fastlink.numerics.elementary import NOT_A_NUMBER, select, sqrt
 
 
 def whether_nearer(one: Any, two: Any, far: Any, other: Any) -> Any:
@@ -223,4 +223,9 @@ def dsigma_dphi(crank_lever: Any, w_y: Any, bar_per_sigma: Any, branch_sign: Any
     return branch_sign * (crank_lever * w_y * bar_per_sigma)
 
 
-focal.derivatives(focal.position.name)(same, "sigma", x="dsigma_dphi")
+def where_it_points(rho_plus_1: Any, rate: Any) -> Any:
+    """Return the derivative of a direction, which the crank with S at infinity has not."""
+    return select(rho_plus_1 == 0.0, NOT_A_NUMBER, rate)
+
+
+focal.derivatives(focal.position.name)(where_it_points, "sigma", rate="dsigma_dphi")

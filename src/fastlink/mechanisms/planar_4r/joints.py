@@ -97,9 +97,10 @@ def joint_angle_4(DB_x: Any, DB_y: Any) -> Any:
 
 
 @planar_4r.quantity(units="1", symbol="v_1", source=JOINTS)
-def v1(half_sine: Any, C: Any) -> Any:
+def v1(half_sine: Any, C: Any, Z: Any) -> Any:
     """Tangent of half the first joint angle, -cot(theta1/2)."""
-    return select(half_sine == 0.0, INFINITY, -C / half_sine)
+    # the sine of the angle is exactly 0 at half a turn, too, where joint_angle_1 = 0 is the input
+    return select(half_sine == 0.0, select(Z > C, 0.0, INFINITY), -C / half_sine)
 
 
 @planar_4r.quantity(units="1", symbol="v_2", source=JOINTS)

@@ -184,7 +184,11 @@ def _by_rocker(
         values |= coordinates({"P": bars["m"] * u})
     except (Open, Singular) as error:
         completed = error
-    psi = between_rockers(ctx, (d, a, c, b), drive, at["branch"])
+    try:
+        psi = between_rockers(ctx, (d, a, c, b), drive, at["branch"])
+    except Open as error:
+        # the bars that are not told here may exist, and P with them
+        raise completed if isinstance(completed, Singular) else error from None
     v = rotation(ctx, psi)
     places = {"B": b * v + d}
     if "T_ratio" in bars:
