@@ -28,6 +28,8 @@ TIMED = {
     "omega4 and alpha4": (("omega4", "alpha4"), (1, 2), "<= 450"),
     "omega2, omega4, alpha2, alpha4, shaking_force, T41": ((*RATES, "shaking_force", "T41"), (1, 2), ""),
 }
+#: Quantities whose extremes are known.
+KNOWN = ("transmission_angle", "theta4", "theta2", "B_x")
 TIMED_FAMILIES = ("crank", "drag-link", "rocker input", "non-Grashof")
 BLOCK = 4096
 
@@ -75,6 +77,30 @@ def times(n=BLOCK, rounds=12, labels=tuple(TIMED)):
         _, branches, aim = TIMED[label]
         ns = 1e9 * seconds / (n * len(branches))
         facts.append((f"extremes of {label}, {family}", ns, "ns", aim))
+    return facts
+
+
+def known(n=BLOCK, rounds=12):
+    """Extremes that are known in closed form against the quantity at two angles, and against their search."""
+    x, facts = draw("non-Grashof", n), []
+    for quantity in KNOWN:
+        names = extremes([quantity])
+        (at_two,) = programs([quantity], angles=2)
+        graded = PLANAR.graded
+        calls = {
+            "known": together(bind(names, x)),
+            "two angles": engine.bind_program(at_two, x, [0.0, math.pi]),
+        }
+        PLANAR.graded = replace(graded, known={})
+        try:
+            calls["searched"] = together(bind(names, x))
+        finally:
+            PLANAR.graded = graded
+        best = race(calls, rounds)
+        of = f"of {quantity}, non-Grashof"
+        facts.append((f"known extremes {of}", 1e9 * best["known"] / n, "ns a design", ""))
+        facts.append((f"known extremes {of} / two values", best["known"] / best["two angles"], "", "<= 3"))
+        facts.append((f"search of extremes {of} / known", best["searched"] / best["known"], "times", ""))
     return facts
 
 
@@ -209,9 +235,9 @@ def measure(quick=False, log=lambda text: None):
     if quick:
         few = ("omega4",)
         facts = times(64, 1, few) + against_c(64, 1) + error(2, 36, few) + missed(64, ("crank",), ("alpha4",))
-        return facts + against_scipy(2, 1) + derivative(8, 64, 1)
+        return facts + known(64, 1) + against_scipy(2, 1) + derivative(8, 64, 1)
     facts = []
-    for part in (times, against_c, error, missed, against_scipy, derivative):
+    for part in (times, known, against_c, error, missed, against_scipy, derivative):
         log(f"extrema: {part.__name__}")
         facts += part()
     return facts

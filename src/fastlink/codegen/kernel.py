@@ -14,13 +14,14 @@ import numpy as np
 
 from fastlink.codegen.cache import environment, is_kept, load_or_compile, locked, remove_numba_files
 from fastlink.codegen.extrema import write_extrema
+from fastlink.codegen.known import write_known
 from fastlink.codegen.machine import Loaded, compile_object, host, lanes_of_host, version
 from fastlink.codegen.notice import notice
 from fastlink.codegen.pointwise import write_kernel
 from fastlink.codegen.source import Source
 from fastlink.codegen.translate import Refused, translate
 from fastlink.options import check_choice
-from fastlink.plan.program import ExtremaProgram, Program
+from fastlink.plan.program import ExtremaProgram, KnownProgram, Program
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -154,6 +155,8 @@ class Kernel:
     @cached_property
     def source(self) -> Source:
         """The text of the kernel, and the arguments that it is called with."""
+        if isinstance(self.program, KnownProgram):
+            return write_known(self.program)
         if isinstance(self.program, ExtremaProgram):
             return write_extrema(self.program)
         return write_kernel(self.program)

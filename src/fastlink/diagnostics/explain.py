@@ -20,7 +20,7 @@ from fastlink.engine.resolve import ResolvedSweep, resolve
 from fastlink.errors import InputError
 from fastlink.options import check_switch
 from fastlink.own.definition import OwnInput, OwnQuantity
-from fastlink.plan.program import ExtremaProgram
+from fastlink.plan.program import ExtremaProgram, KnownProgram
 from fastlink.precision import DESIGNS
 from fastlink.study.schema import A_STUDY
 from fastlink.study.study import read_study
@@ -240,7 +240,12 @@ def _kernel_work(kernel: Kernel) -> KernelWork:
     program = kernel.program
     names = ", ".join(output.name for output in program.outputs)
     if isinstance(program, ExtremaProgram):
-        names += f"; every extreme of {', '.join(search.quantity for search in program.searches)}"
+        how = (
+            "known extremes, which are not searched,"
+            if isinstance(program, KnownProgram)
+            else "every extreme"
+        )
+        names += f"; {how} of {', '.join(search.quantity for search in program.searches)}"
     facts = tuple(name for step in program.steps for name in step.names)
     return KernelWork(names, facts, loop_work(kernel.source), kernel.source)
 

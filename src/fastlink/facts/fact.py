@@ -17,8 +17,8 @@ from typing import Any, Literal
 from fastlink.numerics.compiler import syntax
 
 __all__ = [
-    "CatalogueError", "Fact", "GradedRange", "Input", "Rule", "System", "first_line", "needs_of", "parameters",
-    "statements",
+    "CatalogueError", "Fact", "GradedRange", "Input", "KnownExtremes", "Rule", "System", "first_line", "needs_of",
+    "parameters", "statements",
 ]  # fmt: skip
 
 Rule = Literal["positive", "non-negative", "any"]
@@ -101,6 +101,42 @@ class System:
         return self.unknowns
 
 
+@dataclass(frozen=True)
+class KnownExtremes:
+    """Where the extremes of a quantity are in every design, besides the limits of motion.
+
+    Each place is a fact of the design: the root of the ratio of its distances from the lower and the upper end of the
+    graded range, on the side where the input position grows with the first of them; NaN where there is none.
+
+    Attributes
+    ----------
+    places : mapping of int to tuple of str
+        By branch, the places where the quantity is greatest or least. Without any, it goes one way all the way from
+        one end to the other, and both ends count.
+    jumps : mapping of int to tuple of str
+        By branch, the places where an angle passes pi.
+    exchanged : bool
+        Whether the other side has them in the other branch, as the mirror exchanges both; else in the same one.
+    """
+
+    places: Mapping[int, tuple[str, ...]] = field(default_factory=dict)
+    jumps: Mapping[int, tuple[str, ...]] = field(default_factory=dict)
+    exchanged: bool = True
+
+    @property
+    def facts(self) -> tuple[str, ...]:
+        """All facts of places."""
+        return tuple(name for of in (self.places, self.jumps) for names in of.values() for name in names)
+
+    def renamed(self, rename: Callable[[str], str]) -> KnownExtremes:
+        """Return the same with facts under other names."""
+        places, jumps = (
+            {branch: tuple(map(rename, names)) for branch, names in of.items()}
+            for of in (self.places, self.jumps)
+        )
+        return replace(self, places=places, jumps=jumps)
+
+
 @dataclass(frozen=True, kw_only=True)
 class GradedRange:
     """The range in which extremes are searched, dense where curves are steep.
@@ -133,6 +169,8 @@ class GradedRange:
         negative, and the power of it by which its derivative is divided.
     axis : float
         The input position that the mirror leaves: it exchanges `axis` + x and `axis` - x.
+    known : mapping of str to KnownExtremes
+        The quantities whose extremes are known in closed form, and are not searched.
     """
 
     name: str = "graded"
@@ -153,6 +191,7 @@ class GradedRange:
     cells_otherwise: int = 32
     max_extrema_otherwise: int = 16
     axis: float = 0.0
+    known: Mapping[str, KnownExtremes] = field(default_factory=dict)
 
 
 def parameters(function: Callable[..., Any]) -> tuple[str, ...]:

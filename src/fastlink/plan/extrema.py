@@ -5,12 +5,15 @@ from __future__ import annotations
 import ast
 from collections.abc import Container, Iterable, Sequence
 from dataclasses import replace
+from functools import partial
+from typing import Any
 
 from fastlink.catalogue.catalogue import Catalogue, CatalogueError, Fact, System
 from fastlink.facts.names import derivative_name, error_name
 from fastlink.numerics.compiler import syntax
 from fastlink.numerics.vectors import magnitude
-from fastlink.plan.program import ExtremaProgram, ExtremumSearch, Gradient, Output
+from fastlink.plan.known import find_known_extremes, is_of_known, known_program
+from fastlink.plan.program import ExtremaProgram, ExtremumSearch, Gradient, KnownProgram, Output
 from fastlink.symbolic.asymptotics import asymptotics
 from fastlink.symbolic.derivative import NoDerivative
 
@@ -40,7 +43,8 @@ def find_extremum_search(
     grades = asymptotics(graded, steps, (*graded.coordinates, "branch"))
     grade = grades[quantity]
     divisor, power = graded.divisors.get(quantity, (quantity, 0))
-    needed = {name for step in _steps(catalogue, (quantity,), given, variants) for name in step.names}
+    own = _steps(catalogue, (quantity,), given, variants)
+    needed = {name for step in own for name in step.names}
     return ExtremumSearch(
         quantity,
         slope,
@@ -54,6 +58,7 @@ def find_extremum_search(
         divided=quantity not in graded.cells,
         magnitude=_is_magnitude(next(step for step in steps if quantity in step.names)),
         divisors=(divisor,) * power,
+        known=find_known_extremes(catalogue, quantity, own, variants),
     )
 
 
@@ -126,15 +131,22 @@ def extrema_programs(
     branches: Sequence[int],
     variants: Sequence[str],
 ) -> list[ExtremaProgram]:
-    """Group searches by what may share samples without changing any bit: fineness and symmetry."""
+    """Return a program of extremes that are known, and group searches by what may share samples.
+
+    These are fineness and symmetry: no bit changes.
+    """
     graded = catalogue.graded
     assert graded is not None
+    known = _known_programs(catalogue, outputs, searches, given=given, branches=branches, variants=variants)
+    outputs = [output for output in outputs if not is_of_known(output, searches)]
+    quantities = {output.request.quantity for output in outputs}
+    searches = [search for search in searches if search.quantity in quantities]
     searches = [_asked(catalogue, search, outputs, given=given, variants=variants) for search in searches]
     bounded = {output.request.quantity for output in outputs if output.request.can_be_refined}
     groups: dict[tuple[int, bool], list[ExtremumSearch]] = {}
     for search in (*searches, *_further_searches(catalogue, searches, bounded)):
-        groups.setdefault((search.cells, search.parity != 0), []).append(search)
-    programs = []
+        groups.setdefault((search.cells, search.mirrored), []).append(search)
+    programs: list[ExtremaProgram] = [*known]
     for group in groups.values():
         names = [
             catalogue.position.name,
@@ -148,19 +160,41 @@ def extrema_programs(
         names += [error_name(end[2]) for end in graded.ends if any(s.bounded_by for s in group)]
         steps = _steps(catalogue, names, given, variants)
         read = {name for step in steps for name in step.depends_on}
-        known = catalogue.known_inputs(variants)
+        inputs = catalogue.known_inputs(variants)
         programs.append(
             ExtremaProgram(
                 catalogue=catalogue,
                 outputs=tuple(of_group),
                 steps=steps,
-                inputs=tuple(name for name in known if name in read and name in given),
+                inputs=tuple(name for name in inputs if name in read and name in given),
                 branches=tuple(branches),
                 variants=tuple(variants),
                 searches=tuple(group),
             )
         )
     return programs
+
+
+def _known_programs(
+    catalogue: Catalogue,
+    outputs: Iterable[Output],
+    searches: Sequence[ExtremumSearch],
+    *,
+    given: Sequence[str],
+    branches: Sequence[int],
+    variants: Sequence[str],
+) -> list[KnownProgram]:
+    """Return the program of extremes that are known, if such are requested."""
+    own = [output for output in outputs if is_of_known(output, searches)]
+    quantities = {output.request.quantity for output in own}
+    known = [
+        _asked(catalogue, search, own, given=given, variants=variants)
+        for search in searches
+        if search.quantity in quantities
+    ]
+    steps_of = partial(_steps, catalogue, given=given, variants=variants)
+    setting: dict[str, Any] = {"given": given, "branches": branches, "variants": variants}
+    return [known_program(catalogue, own, known, steps_of, **setting)] if own else []
 
 
 def _asked(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, Literal
@@ -15,9 +16,9 @@ from fastlink.symbolic.changes import Term
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from fastlink.facts.fact import GradedRange
+    from fastlink.facts.fact import GradedRange, KnownExtremes
 
-__all__ = ["ExtremaProgram", "ExtremumSearch", "Gradient", "Lanes", "Output", "Program"]
+__all__ = ["ExtremaProgram", "ExtremumSearch", "Gradient", "KnownProgram", "Lanes", "Output", "Program"]
 
 Lanes = Literal["designs", "angles"]
 
@@ -94,8 +95,12 @@ class Program:
     @cached_property
     def axes(self) -> dict[str, frozenset[str]]:
         """The axes on which each value depends."""
+        return self._axes_by({name: self.catalogue.position.name for name in self.coordinates})
+
+    def _axes_by(self, coordinates: Mapping[str, str]) -> dict[str, frozenset[str]]:
+        """Return the axes on which each value depends, with those of coordinates."""
         axes = {name: frozenset({"design"}) for name in self.inputs}
-        axes |= {name: frozenset({self.catalogue.position.name}) for name in self.coordinates}
+        axes |= {name: frozenset({axis}) for name, axis in coordinates.items()}
         axes["branch"] = frozenset({"branch"})
         for step in self.steps:
             joint = frozenset[str]().union(*(axes[name] for name in step.depends_on))
@@ -140,6 +145,8 @@ class ExtremumSearch:
         slope.
     gradients : tuple of Gradient
         The derivatives of the extremes by inputs that are requested, of the values before those of the places.
+    known : KnownExtremes, optional
+        Where its extremes are, if that is known in closed form.
     """
 
     quantity: str
@@ -158,6 +165,12 @@ class ExtremumSearch:
     jumps: bool = False
     bounded_by: tuple[str, ...] = ()
     gradients: tuple[Gradient, ...] = ()
+    known: KnownExtremes | None = None
+
+    @property
+    def mirrored(self) -> bool:
+        """Whether half the range in both branches says all, the other half being its mirror."""
+        return self.parity != 0
 
 
 @dataclass(frozen=True)
@@ -202,7 +215,7 @@ class ExtremaProgram(Program):
 
     @property
     def graded(self) -> GradedRange:
-        """The range that is searched."""
+        """The range in which the extremes are."""
         assert self.catalogue.graded is not None
         return self.catalogue.graded
 
@@ -224,7 +237,7 @@ class ExtremaProgram(Program):
     @property
     def mirrored(self) -> bool:
         """Whether half the range in both branches says all, the other half being its mirror."""
-        return self.searches[0].parity != 0
+        return self.searches[0].mirrored
 
     @property
     def searched_branches(self) -> tuple[int, ...]:
@@ -235,3 +248,14 @@ class ExtremaProgram(Program):
     def sides(self) -> int:
         """Number of sides of the ground line that are searched."""
         return 1 if self.mirrored else 2
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class KnownProgram(ExtremaProgram):
+    """Facts to compute at the few places of the graded range where the extremes of some quantities are known to be."""
+
+    @cached_property
+    def axes(self) -> dict[str, frozenset[str]]:
+        """The axes on which each value depends: those of a place are the place itself and the side."""
+        near, far, side = self.coordinates
+        return self._axes_by({near: "place", far: "place", side: "side"})

@@ -11,19 +11,17 @@ from collections.abc import Iterable, Sequence
 from dataclasses import astuple, fields
 from typing import TYPE_CHECKING, Any, SupportsIndex, overload
 
-from fastlink._text import folded, html_table, joined
+from fastlink._text import folded, html_table
 from fastlink.catalogue.catalogue import Catalogue
 from fastlink.catalogue.search import index_of_inputs
 from fastlink.doors import door
 from fastlink.errors import InputError, Setting
-from fastlink.facts.names import Derivative, ErrorBound, GradientStatus, ListOfExtrema, Reduced, Trust
-from fastlink.facts.names import Quantity as Plain
 from fastlink.mechanisms import NAMES
 from fastlink.mechanisms import catalogue as find_catalogue
 from fastlink.options import check_switch
 from fastlink.plan.pointwise import make_program
-from fastlink.plan.reductions import REDUCTIONS
 from fastlink.plan.suggestions import rank_quantities
+from fastlink.report.naming import naming
 from fastlink.report.rows import (
     GivenInput,
     Quantity,
@@ -39,7 +37,6 @@ if TYPE_CHECKING:
 
 __all__ = ["GivenInput", "Quantity", "QuantityList", "quantities"]
 
-NAME = Plain("NAME")
 COLUMNS = ("name", "units", "dims", "meaning", "source")
 MEANING_WIDTH, SOURCE_WIDTH = 46, 34
 #: The least score of a name that is found, and its least share of the best one.
@@ -91,7 +88,7 @@ class QuantityList(list[Quantity]):
             (
                 f"{self.mechanism}: {catalogue.title}",
                 _text_table(COLUMNS, self._cells(grouped=True)),
-                textwrap.fill(self._naming().replace("`", ""), 110),
+                textwrap.fill(naming(*self._catalogues).replace("`", ""), 110),
                 "Inputs; only those that the requested quantities depend on are needed:",
                 _text_table(_header(GivenInput), [astuple(given) for given in self.inputs]),
             )
@@ -135,7 +132,7 @@ class QuantityList(list[Quantity]):
                 f"{catalogue.title}. Assembly modes:",
                 "\n".join(f"- `branch` {number}: {meaning}" for number, meaning in branches),
                 "### Quantities",
-                self._naming(),
+                naming(*self._catalogues),
                 *tables,
                 "### Inputs",
                 "Any input can be swept. Only the inputs that the requested quantities depend on are needed. Inputs "
@@ -152,40 +149,6 @@ class QuantityList(list[Quantity]):
                 lines += [("",) * len(COLUMNS), (f"{group}:", *[""] * (len(COLUMNS) - 1))]
             lines += map(_cells, rows)
         return lines
-
-    def _naming(self) -> str:
-        """Return how names of reductions, derivatives and bounds are formed, as Markdown."""
-        (catalogue,) = self._catalogues
-        position = catalogue.position
-        unit = "" if position.units == "1" else f" in {position.units}"
-        reductions = [f"`{Reduced(NAME, each.suffix)}` ({each.phrase})" for each in REDUCTIONS.values()]
-        positions = [
-            f"`{Reduced(NAME, each.suffix, position.name)}`"
-            for each in REDUCTIONS.values()
-            if each.has_position
-        ]
-        bounds = [
-            f"`{ErrorBound(Reduced(NAME, each.suffix))}`" for each in REDUCTIONS.values() if each.has_position
-        ]
-        extreme = Reduced(NAME, "max")
-        lists = (
-            f"`{ListOfExtrema(NAME)}` lists all extremes over the reachable range by growing {position.name}, along "
-            f"the dimension `extremum`, together with `{ListOfExtrema(NAME, position=position.name)}`, "
-            f"`{ListOfExtrema(NAME, 'count')}` and `{ListOfExtrema(NAME, 'kind')}`. "
-            f"{', '.join(bounds)} and `{ListOfExtrema(NAME, 'error')}` bound the errors of exact extremes. "
-        )
-        return (
-            f"Any NAME with the dimension `{position.name}` has {joined(reductions)}, and {joined(positions)} (the "
-            f"{position.name}{unit} there), with the dimensions ({DESIGN}, {BRANCH}). "
-            f"{lists if catalogue.graded is not None else ''}"
-            f"`{Derivative(extreme, 'PARAM')}` is the derivative of such a number by an input, "
-            f"`{GradientStatus(extreme)}` tells what it is worth. "
-            "Configurations that do not assemble are NaN and do not count. "
-            f"`{Derivative(NAME, 'PARAM')}` is the derivative of NAME with respect to an input or to "
-            f"`{position.name}`, and is itself such a NAME. "
-            f"`{ErrorBound(NAME)}` bounds the rounding error of NAME, and `{Trust(NAME)}` flags where that bound "
-            f"exceeds a millionth of NAME. `{DESIGN}` stands for the swept dimensions."
-        )
 
 
 @door

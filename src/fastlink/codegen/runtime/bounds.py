@@ -49,7 +49,10 @@ from fastlink.codegen.runtime.cells import (
 from fastlink.numerics.compiler import inlined, lanes, outlined
 from fastlink.numerics.elementary import INFINITY, PI, TWO_PI
 
-__all__ = ["bound_ends", "bound_zeros", "of_better"]
+__all__ = [
+    *("MARGIN", "OF_PI", "bound_at_zero", "bound_ends", "bound_zeros", "has_no_bound", "known", "of_better"),
+    "off_at_end",
+]
 
 # For what the powers of E_s beyond the first come to, and for the roundings of the bound itself.
 MARGIN = 1.0 + 2.0**-10
@@ -65,6 +68,32 @@ UNRESOLVED, FAR = 2.0**20, 2.0**-7
 def known(bound: Any) -> Any:
     """Return a bound, infinite where it is not a number."""
     return bound if bound >= 0.0 else INFINITY
+
+
+@inlined
+def bound_at_zero(bound: Any, slope: Any, slope_bound: Any, bend: Any) -> Any:
+    """Return the bound of a value, and what its place is off, at a zero of the slope."""
+    own, steep = MARGIN * bound, slope + slope_bound
+    kink = (steep > UNRESOLVED * own) & (steep > FAR * bend)
+    off = steep * (steep / bend)
+    most = own + (OF_PLACE * slope + (0.0 if kink else TWO_PI * slope_bound))
+    total = own + (off if off < most else most)
+    return own, total
+
+
+@inlined
+def off_at_end(x: Any, slope: Any, slope_bound: Any, bend: Any, first: Any) -> Any:
+    """Return what the place of a value at an end of the range is off, where the first sample is."""
+    off, beside = 8.0 * x * slope, 4.0 * slope * (slope / bend)
+    off = 0.0 if x == 0.0 else (beside if beside < off else off)
+    return PI * (slope + slope_bound) if (first == 0.0) & (slope <= slope_bound) else off
+
+
+@inlined
+def has_no_bound(x: Any, size: Any, bend: Any, first: Any, toggle: Any) -> Any:
+    """Tell whether a value at an end of the range is infinite, grows towards a fold, or stands for a limit."""
+    pole = (toggle == 0.0) & (x > 0.0) & (size > 0.0) & (4.0 * (bend * (x * x)) >= size)
+    return (size == INFINITY) | pole | (x > 2.0 * abs(first))
 
 
 @outlined
@@ -85,12 +114,8 @@ def bound_zeros(s: Any, count: int, search: Any, magnitude: int) -> None:
             s[BOUND, i] = OF_PI
     else:
         for i in lanes(padded(count)):
-            own, value, slope, slope_bound = MARGIN * s[BOUND, i], s[VALUE, i], s[SLOPE, i], s[SLOPE_BOUND, i]
-            steep = slope + slope_bound
-            kink = (steep > UNRESOLVED * own) & (steep > FAR * s[BEND, i])
-            off = steep * (steep / s[BEND, i])
-            most = own + (OF_PLACE * slope + (0.0 if kink else TWO_PI * slope_bound))
-            bound = own + (off if off < most else most)
+            value = s[VALUE, i]
+            own, bound = bound_at_zero(s[BOUND, i], s[SLOPE, i], s[SLOPE_BOUND, i], s[BEND, i])
             # not a number where the value is exactly 0
             least = (magnitude > 0) & (s[KIND, i] < 0.0) & ((bound > value) | (bound != bound))
             s[BOUND, i] = known((value if value > own else own) if least else bound)
@@ -109,14 +134,10 @@ def bound_ends(s: Any, count: int, w: Any, table: Any) -> None:
     """
     for i in range(count):
         first = w[table[START] + int(s[UPPER, i]), int(s[LANE, i])]
-        x, size, slope, bend = s[X, i], abs(s[VALUE, i]), s[SLOPE, i], s[BEND, i]
-        steep, toggle = slope + s[SLOPE_BOUND, i], w[table[TOGGLE] + int(s[UPPER, i]), int(s[LANE, i])] > 0.0
-        off, beside = 8.0 * x * slope, 4.0 * slope * (slope / bend)
-        off = 0.0 if x == 0.0 else (beside if beside < off else off)
-        off = PI * steep if (first == 0.0) & (slope <= s[SLOPE_BOUND, i]) else off
-        pole = (not toggle) & (x > 0.0) & (size > 0.0) & (4.0 * (bend * (x * x)) >= size)
-        lost = x > 2.0 * abs(first)
-        s[BOUND, i] = INFINITY if (size == INFINITY) | pole | lost else known(MARGIN * s[BOUND, i] + off)
+        toggle = w[table[TOGGLE] + int(s[UPPER, i]), int(s[LANE, i])]
+        x, size, bend = s[X, i], abs(s[VALUE, i]), s[BEND, i]
+        total = known(MARGIN * s[BOUND, i] + off_at_end(x, s[SLOPE, i], s[SLOPE_BOUND, i], bend, first))
+        s[BOUND, i] = INFINITY if has_no_bound(x, size, bend, first, toggle) else total
 
 
 @inlined

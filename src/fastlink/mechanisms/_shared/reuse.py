@@ -106,7 +106,12 @@ def borrow(
 
 
 def borrow_range(
-    borrower: Catalogue, lender: Catalogue, names: Mapping[str, str], prefix: str, **fields: Any
+    borrower: Catalogue,
+    lender: Catalogue,
+    names: Mapping[str, str],
+    prefix: str,
+    known: Mapping[str, str],
+    **fields: Any,
 ) -> None:
     """Declare the graded range of one mechanism in another, with all that it needs.
 
@@ -114,6 +119,8 @@ def borrow_range(
     ----------
     borrower, lender, names, prefix
         As in `borrow`.
+    known : mapping of str to str
+        For quantities of the borrower those of the lender that have their extremes at the same places.
     **fields
         The fields of `GradedRange` that belong to the borrower's quantities: ``cells``, ``max_extrema``,
         ``not_differentiable`` and ``wraps_at``.
@@ -124,6 +131,8 @@ def borrow_range(
     places = [fact for fact in lender.variants[graded.name].values() if isinstance(fact, Fact)]
     needed = {need for fact in places for need in fact.depends_on}.intersection(lender.facts)
     needed |= {graded.bounded_factor, graded.reciprocal, *(name for end in graded.ends for name in end)}
+    at = {name: graded.known[lent] for name, lent in known.items()}
+    needed |= {fact for of in at.values() for fact in of.facts}
     borrow(borrower, lender, names, prefix, {name: {} for name in sorted(needed)})
     borrower.variants[graded.name] = {rename(fact.name): fact.renamed(rename) for fact in places}
     (low, high) = graded.ends
@@ -137,6 +146,7 @@ def borrow_range(
         vanishes_at_toggle=rename(graded.vanishes_at_toggle),
         reciprocal=rename(graded.reciprocal),
         bounded_factor=rename(graded.bounded_factor),
+        known={name: of.renamed(rename) for name, of in at.items()},
         **fields,
     )
 

@@ -9,6 +9,7 @@ from __future__ import annotations
 from typing import Any
 
 from fastlink.catalogue.catalogue import GradedRange
+from fastlink.facts.fact import KnownExtremes
 from fastlink.mechanisms._shared.laws import difference
 from fastlink.mechanisms.focal.by_crank import by_crank
 from fastlink.mechanisms.focal.circles import POLES
@@ -105,6 +106,8 @@ by_crank.graded = GradedRange(
         "psi": "v_y",
         **dict.fromkeys(("omega_angle", "alpha", "beta", "chi"), "half_sine_omega"),
     },
+    # the cosine of omega is linear in that of sigma
+    known=dict.fromkeys(("omega_angle", "transmission_angle_P", "transmission_angle_Q"), KnownExtremes()),
 )
 step = by_crank.steps(units="1", source=DYAD, variant=by_crank.graded.name)
 step(graded.from_end, "Z", "Z", least="Z_least", fraction="from_low")

@@ -53,6 +53,15 @@ borrow_range(
     PREFIX,
     cells={"psi": _lent.cells["theta4"], "dpsi_dphi": _lent.cells["omega4"]},
     max_extrema={"psi": _lent.max_extrema["theta4"], "dpsi_dphi": _lent.max_extrema["omega4"]},
+    known={
+        "psi": "theta4",
+        "A_x": "A_x",
+        "A_y": "A_y",
+        "P_x": "A_x",
+        "P_y": "A_y",
+        "B_x": "B_x",
+        "Q_x": "B_x",
+    },
     not_differentiable=("closure_residual", "F_path_residual", *POLES),
     wraps_at={
         "psi": "NB_y",

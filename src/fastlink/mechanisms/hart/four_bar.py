@@ -144,6 +144,7 @@ borrow_range(
         "psi": planar_4r.graded.max_extrema["theta4"],
         "dpsi_dphi": planar_4r.graded.max_extrema["omega4"],
     },
+    known={"A_x": "A_x", "A_y": "A_y", "P_x": "A_x", "P_y": "A_y"},
     not_differentiable=("F_x", "F_along_AB", "F_deviation", "closure_residual"),
     wraps_at={"psi": "B_y", "omega_angle": "sine_part"},
 )

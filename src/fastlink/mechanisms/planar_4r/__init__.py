@@ -15,6 +15,7 @@ from fastlink.mechanisms.planar_4r import (  # noqa: F401 (they declare its fact
     graded,
     joints,
     keywords,
+    known,
     links,
     loads,
     position,

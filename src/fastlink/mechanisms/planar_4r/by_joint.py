@@ -24,6 +24,7 @@ from fastlink.facts.names import Derivative, Quantity
 from fastlink.mechanisms._shared.other_input import ByOtherInput
 from fastlink.mechanisms._shared.reuse import facts_of, with_derivatives
 from fastlink.mechanisms.planar_4r.inputs import planar_4r
+from fastlink.mechanisms.planar_4r.known import AT_ENDS
 from fastlink.mechanisms.planar_4r.places_by_joint import PLACES, POINT, declare_places
 from fastlink.numerics.elementary import TWO_PI, atan2, cos, select, sin, sqrt
 
@@ -126,7 +127,9 @@ def driven_by(joint: int) -> Catalogue:
         declare_places(driven, joint)
     # Angles jump where they pass pi, where they have no derivative: their extremes are those over the given angles.
     angles = (f"joint_angle_{i}" for i in (1, 2, 3, 4))
-    driven.graded = replace(graded, not_differentiable=(*graded.not_differentiable, *angles))
+    none = (*graded.not_differentiable, *angles)
+    known = {name: AT_ENDS[name] for name in MOVED if name in AT_ENDS and name not in none}
+    driven.graded = replace(graded, not_differentiable=none, known=known)
     placed = {fact.name: fact for fact in (_moved(place, joint) for place in places)}
     placed[driven.position.name] = replace(placed[driven.position.name], function=angle_of_place)
     driven.variants[graded.name] = dict(placed)

@@ -9,6 +9,7 @@ from fastlink.mechanisms.slider_crank import (  # noqa: F401 (they declare its f
     forces,
     graded,
     keywords,
+    known,
     links,
     loads,
     position,

@@ -1,0 +1,282 @@
+"""The text of a kernel of extremes that are known: the greatest and the least of a quantity at a few places.
+
+One loop over lanes that are designs, without any branch. The places are the ends of the range, and those that facts of
+the design give (`fastlink.facts.fact.KnownExtremes`); what counts of them is what a search would have found there, in
+its order, so that values, places and bounds are the same, see `fastlink.codegen.extrema`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from fastlink.codegen.runtime.cells import LANES
+from fastlink.codegen.schedule import needed_steps
+from fastlink.codegen.source import Array, Source, Text, paste_fact
+from fastlink.facts.fact import Fact
+from fastlink.facts.names import error_name
+
+if TYPE_CHECKING:
+    from fastlink.facts.fact import KnownExtremes
+    from fastlink.plan.program import ExtremumSearch, KnownProgram, Output
+
+__all__ = ["write_known"]
+
+#: The labels of the ends of the range, the lower one first.
+ENDS = ("low", "high")
+
+
+@dataclass(frozen=True)
+class Half:
+    """One side of the ground line in one branch, and whether its mirror image is meant."""
+
+    branch: int
+    side: int
+    mirrored: bool
+
+
+@dataclass(frozen=True)
+class Candidate:
+    """Kernel text of a value that may be the greatest or the least, of its input position and error bound."""
+
+    greatest: str
+    least: str
+    place: str
+    bound: str
+
+
+class _KnownWriter:
+    """One kernel while it is written."""
+
+    def __init__(self, program: KnownProgram) -> None:
+        self.program, self.text = program, Text()
+        self.position = program.catalogue.position.name
+        self.steps = [step for step in program.steps if isinstance(step, Fact)]
+        self.rows: dict[str, int] = {}
+        self.written: set[str] = set()
+
+    def write(self) -> Source:
+        """Return the kernel."""
+        text = self.text
+        text.use("numerics.compiler", "lanes")
+        with text.blocks_of_designs():
+            with text.block("for i in lanes(width):", "design"):
+                self.write_designs()
+                for search in self.program.searches:
+                    for branch in self.program.branches:
+                        self.write_extremes(search, branch)
+            with text.block("for i in range(n_here):"):
+                for output in self.program.outputs:
+                    for k, branch in enumerate(self.program.branches):
+                        row = self.rows[f"{output.name}__{branch}"]
+                        text.add(f"out_{output.name}[i0 + i, {k}] = w[{row}, i]")
+        return text.source(self.program, [Array("w", "float64", (len(self.rows), LANES))])
+
+    # -- values at places --------------------------------------------------------------------------
+
+    def write_designs(self) -> None:
+        """Write the values that depend on the design alone, the sides and the branches."""
+        text, side = self.text, self.program.coordinates[2]
+        for k, name in enumerate(self.program.inputs):
+            text.add(f"{name} = designs[{k}, i0 + i]")
+        for step in self.steps:
+            if self.program.axes[step.name] <= {"design"}:
+                paste_fact(step, step.depends_on, "", text)
+        text.add(f"{side}__1 = 1.0")
+        text.add(f"{side}__0 = -1.0")
+        for branch in self.program.catalogue.branches:
+            text.add(f"branch__{branch} = {branch}.0")
+
+    def suffix(self, name: str, place: str, half: Half) -> str:
+        """Return the ending of the name of a value at a place of a half."""
+        axes = self.program.axes[name]
+        parts = (("place", place), ("branch", half.branch), ("side", int(half.side > 0)))
+        return "".join(f"__{part}" for axis, part in parts if axis in axes)
+
+    def values(self, names: Sequence[str], place: str, half: Half) -> Iterator[str]:
+        """Write values at a place of a half, as far as they are not known, and yield their names."""
+        self.write_place(place)
+        lane_steps = [step for step in self.steps if not self.program.axes[step.name] <= {"design"}]
+        for step in needed_steps(lane_steps, names):
+            suffix = self.suffix(step.name, place, half)
+            if step.name + suffix not in self.written:
+                self.written.add(step.name + suffix)
+                known = [name + self.suffix(name, place, half) for name in step.depends_on]
+                paste_fact(step, known, suffix, self.text)
+        yield from (name + self.suffix(name, place, half) for name in names)
+
+    def write_place(self, place: str) -> None:
+        """Write the distances of a place from the lower and the upper end, over the width."""
+        if place in self.written:
+            return
+        self.written.add(place)
+        text, (low, high, _) = self.text, self.program.coordinates
+        end = place.removesuffix("_beside")
+        upper = f"{place} > 1.0" if end not in ENDS else ""
+        if end in ENDS:
+            first = self.program.graded.ends[ENDS.index(end)][1]
+            beside = place != end
+            text.add(f"x__{place} = {f'abs({first})' if beside else f'-{first} if {first} < 0.0 else 0.0'}")
+        else:
+            text.add(f"x__{place} = 1.0 / {place} if {upper} else {place}")
+        text.add(f"square__{place} = x__{place} * x__{place}")
+        text.add(f"rest__{place} = 1.0 / (1.0 + square__{place})")
+        text.add(f"part__{place} = square__{place} * rest__{place}")
+        for name, of_lower, of_upper in ((low, "part", "rest"), (high, "rest", "part")):
+            lower, higher = f"{of_lower}__{place}", f"{of_upper}__{place}"
+            chosen = {"low": lower, "high": higher}.get(end, f"{higher} if {upper} else {lower}")
+            text.add(f"{name}__{place} = {chosen}")
+
+    # -- what may be extreme -----------------------------------------------------------------------
+
+    def halves(self, search: ExtremumSearch, branch: int) -> list[Half]:
+        """Return the halves of the range that a branch has, in the order of a search."""
+        if search.mirrored:
+            return [Half(other, 1, other != branch) for other in self.program.catalogue.branches]
+        return [Half(branch, 1, False), Half(branch, -1, False)]
+
+    def of_half(self, known: KnownExtremes, of: Mapping[int, tuple[str, ...]], half: Half) -> tuple[str, ...]:
+        """Return the places of a half, of those by branch on the upper side."""
+        branches = self.program.catalogue.branches
+        others = dict(zip(branches, reversed(branches), strict=True))
+        return of.get(others[half.branch] if known.exchanged and half.side < 0 else half.branch, ())
+
+    def candidates(self, search: ExtremumSearch, branch: int) -> Iterator[Candidate]:
+        """Write and yield what may be extreme in a branch: zeros of the slope, jumps by a full turn, ends."""
+        known = search.known
+        assert known is not None
+        halves, found = self.halves(search, branch), []
+        for half in halves:
+            for place in self.of_half(known, known.places, half):
+                candidate = self.candidate(search, place, half, self.apart_from_folds(place))
+                found.append(candidate.greatest)
+                yield candidate
+        for half in halves:
+            for place in self.of_half(known, known.jumps, half):
+                self.text.use("numerics.elementary", "PI")
+                name = self.bind(f"jump__{place}", f"PI if ({place} > 0.0) & ({place} < inf) else nan")
+                found.append(name)
+                yield Candidate(name, f"-{name}", self.place(place, half), self.bound_of_jump())
+        none = " & ".join(f"({name} != {name})" for name in dict.fromkeys(found))
+        for half in halves:
+            for end, (_, first, _) in zip(ENDS, self.program.graded.ends, strict=True):
+                place = end if search.at_limit else f"{end}_beside"
+                counts = f"({first} != 0.0) | ({none})" if known.places else ""
+                yield self.candidate(search, place, half, counts)
+
+    def candidate(self, search: ExtremumSearch, place: str, half: Half, counts: str = "") -> Candidate:
+        """Write the value of a quantity at a place of a half, and return it; NaN where it does not count."""
+        (value,) = self.values([search.quantity], place, half)
+        label = f"{search.quantity}__{place}__{half.branch}__{int(half.side > 0)}__{int(half.mirrored)}"
+        sign = "-" if half.mirrored and search.parity < 0 else ""
+        text = f"{sign}{value} if {counts} else nan" if counts else f"{sign}{value}"
+        name = self.bind(f"value__{label}", text)
+        return Candidate(name, name, self.place(place, half), self.bound(search, place, half, label))
+
+    def apart_from_folds(self, place: str) -> str:
+        """Write whether a place is another one than a fold at an end of the range, which no search finds."""
+        self.write_place(place)
+        (_, low, toggle_low), (_, high, toggle_high) = self.program.graded.ends
+        self.text.use("codegen.runtime.results", "FOLDED")
+        upper = f"{place} > 1.0"
+        first, toggle = f"({high} if {upper} else {low})", f"({toggle_high} if {upper} else {toggle_low})"
+        return self.bind(f"apart__{place}", f"(x__{place} >= FOLDED * abs({first})) | ({toggle} > 0.0)")
+
+    def bind(self, name: str, text: str) -> str:
+        """Write the assignment of a value that is not known, and return its name."""
+        if name not in self.written:
+            self.written.add(name)
+            self.text.add(f"{name} = {text}")
+        return name
+
+    def place(self, place: str, half: Half) -> str:
+        """Write the input position of a place of a half, or of its mirror image, if positions are requested."""
+        if self.position not in (name for step in self.steps for name in step.names):
+            return "nan"
+        (found,) = self.values([self.position], place, half)
+        if not half.mirrored:
+            return found
+        self.text.use("codegen.runtime.results", "mirror_image")
+        return self.bind(f"{found}__image", f"mirror_image({found}, {2.0 * self.program.graded.axis})")
+
+    def bound_of_jump(self) -> str:
+        """Return the error bound of a jump."""
+        if self.program.has_bounds:
+            self.text.use("codegen.runtime.bounds", "OF_PI")
+        return "OF_PI"
+
+    def bound(self, search: ExtremumSearch, place: str, half: Half, label: str) -> str:
+        """Write the error bound of a value at a place, if it is requested."""
+        if not search.bounded_by:
+            return "nan"
+        own, slope_bound, bend, slope = self.values(search.bounded_by, place, half)
+        (value,) = self.values([search.quantity], place, half)
+        text, name = self.text, f"bound__{label}"
+        text.use("codegen.runtime.bounds", "bound_at_zero", "known")
+        if name in self.written:
+            return name
+        zero = f"zero__{label}"
+        text.add(f"own__{label}, {zero} = bound_at_zero({own}, abs({slope}), {slope_bound}, abs({bend}))")
+        end = place.removesuffix("_beside")
+        if end not in ENDS:
+            return self.bind(name, f"known({zero})")
+        text.use("codegen.runtime.bounds", "MARGIN", "has_no_bound", "off_at_end")
+        _, first, toggle = self.program.graded.ends[ENDS.index(end)]
+        off = f"off_at_end(x__{place}, abs({slope}), {slope_bound}, abs({bend}), {first})"
+        lost = f"has_no_bound(x__{place}, abs({value}), abs({bend}), {first}, {toggle})"
+        at_end = f"(inf if {lost} else known(MARGIN * {own} + {off}))"
+        if search.known is not None and search.known.places:
+            return self.bind(name, at_end)
+        return self.bind(name, f"{at_end} if ({first} != 0.0) | ({slope} != {slope}) else known({zero})")
+
+    # -- results -----------------------------------------------------------------------------------
+
+    def write_extremes(self, search: ExtremumSearch, branch: int) -> None:
+        """Write the results of a quantity in one branch."""
+        own = [output for output in self.program.outputs if output.request.quantity == search.quantity]
+        candidates = list(self.candidates(search, branch))
+        for sign in (1, -1):
+            outputs = [o for o in own if o.request.reduction is not None and o.request.reduction.sign == sign]
+            if outputs:
+                self.write_extreme(candidates, outputs, sign, f"{search.quantity}__{branch}")
+                for output in outputs:
+                    self.store(output, branch)
+
+    def write_extreme(
+        self, candidates: Iterable[Candidate], outputs: Sequence[Output], sign: int, label: str
+    ) -> None:
+        """Write which of the candidates is the greatest or the least, with what is requested of it."""
+        text, better = self.text, ">" if sign > 0 else "<"
+        placed, bounded = (
+            any(getattr(o.request, f"is_{of}") for o in outputs) for of in ("position", "error")
+        )
+        text.add(f"best = {'-inf' if sign > 0 else 'inf'}")
+        text.add("place = nan")
+        text.add("bound = 0.0")
+        for candidate in candidates:
+            value = candidate.greatest if sign > 0 else candidate.least
+            if bounded:
+                text.use("codegen.runtime.bounds", "of_better")
+                ahead = f"best, bound, {value}" if sign > 0 else f"-best, bound, -({value})"
+                text.add(f"bound = of_better({ahead}, {candidate.bound})")
+            if placed:
+                text.add(f"place = {candidate.place} if {value} {better} best else place")
+            text.add(f"best = {value} if {value} {better} best else best")
+        text.add("none = (best == inf) | (best == -inf)")
+        if bounded:
+            errors = [error_name(end[2]) for end in self.program.graded.ends]
+            doubt = " | ".join(f"({error} > 0.0)" for error in errors)
+            text.add(f"bound = inf if {doubt} else bound")
+
+    def store(self, output: Output, branch: int) -> None:
+        """Write one result into its row."""
+        request = output.request
+        value = "place" if request.is_position else "bound" if request.is_error else "best"
+        row = self.rows.setdefault(f"{output.name}__{branch}", len(self.rows))
+        self.text.add(f"w[{row}, i] = nan if none else {value}")
+
+
+def write_known(program: KnownProgram) -> Source:
+    """Return the text of the kernel, and what it is called with."""
+    return _KnownWriter(program).write()

@@ -1,0 +1,156 @@
+"""Extremes that are known in closed form: what a search finds, and nothing beyond them in the motion."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from tests.support.registry import ENTRIES, Entry
+
+import fastlink as fl
+from fastlink.catalogue.catalogue import Catalogue
+from fastlink.mechanisms import catalogue
+from fastlink.plan.plan import make_plan
+from fastlink.plan.program import KnownProgram
+
+KNOWN = [e for e in ENTRIES if e.catalogue.graded and e.catalogue.graded.known and not e.about]
+MANY = [e for e in KNOWN if len(e.catalogue.graded.known) > 4 and e.mechanism != "focal"]
+#: Both ways evaluate by the same facts, at places that differ by roundings: their bounds are the same but for a few
+#: of the second order. A place where nothing is extreme is not told from its neighbours by rounding.
+ALIKE = 1.01
+LENGTHS = ("a1", "a2", "a3", "a4")
+#: Change points, kites, parallelograms, rhombi, rigid and impossible linkages.
+FOLDING = "1221 2112 1122 2211 1212 2121 1111 2345 5432 4523 1234 6123 1623 1236 7123"
+
+
+@contextmanager
+def searched(of: Catalogue) -> Iterator[None]:
+    """Let every extreme be searched."""
+    graded = of.graded
+    assert graded is not None
+    of.graded = replace(graded, known={})
+    try:
+        yield
+    finally:
+        of.graded = graded
+
+
+def designs_of(entry: Entry, family: str, n: int) -> dict[str, np.ndarray]:
+    """Return designs of a family, without their input positions and modes."""
+    drawn = entry.families[family](np.random.default_rng(0), n)
+    known = entry.catalogue.known_inputs(entry.catalogue.variants_selected_by(drawn))
+    return {name: values for name, values in drawn.items() if name in known and name != "completion"}
+
+
+def assert_alike(mechanism: str, input: str | None, designs: dict[str, np.ndarray]) -> None:
+    """Assert that known extremes are those that a search finds, with their bounds."""
+    of = catalogue(mechanism, input)
+    assert of.graded is not None
+    ends = [f"{name}_{end}" for name in of.graded.known for end in ("max", "min")]
+    names = [name + part for name in ends for part in ("", "_error")]
+    known = fl.sweep(mechanism, fl.table(designs), names, input=input)
+    with searched(of):
+        found = fl.sweep(mechanism, fl.table(designs), names, input=input)
+    for name in ends:
+        one, other = known[name].values, found[name].values
+        bound, other_bound = known[f"{name}_error"].values, found[f"{name}_error"].values
+        assert np.array_equal(np.isnan(one), np.isnan(other)), name
+        assert np.array_equal(np.isnan(bound), np.isnan(other_bound)), name
+        there = ~np.isnan(one)
+        assert np.all(abs(one - other)[there] <= (bound + other_bound)[there]), name
+        assert np.all(bound[there] <= ALIKE * other_bound[there] + np.spacing(abs(other))[there]), name
+
+
+@pytest.mark.parametrize("entry", MANY, ids=lambda e: f"{e.mechanism} by {e.input}")
+def test_known_extremes_are_those_that_a_search_finds(entry):
+    """Of all families together; the inputs with one law or two are left to the long form."""
+    drawn = [designs_of(entry, family, 3) for family in entry.families]
+    designs = {name: np.concatenate([each[name] for each in drawn]) for name in drawn[0]}
+    assert_alike(entry.mechanism, entry.input, designs)
+
+
+@pytest.mark.stress
+@pytest.mark.parametrize("entry", KNOWN, ids=lambda e: f"{e.mechanism} by {e.input}")
+def test_known_extremes_are_those_that_a_search_finds_in_many_designs(entry):
+    """Family by family."""
+    for family in entry.families:
+        assert_alike(entry.mechanism, entry.input, designs_of(entry, family, 2000))
+
+
+def test_known_extremes_of_linkages_that_fold():
+    """Exact change points, and linkages that assemble in one position or never."""
+    lengths = np.array([[float(digit) for digit in design] for design in FOLDING.split()]).T
+    assert_alike("planar_4r", None, dict(zip(LENGTHS, lengths, strict=True)))
+
+
+@pytest.mark.stress
+def test_known_extremes_of_all_whole_lengths():
+    """Every kind of change point: all lengths up to 9."""
+    lengths = np.stack(np.meshgrid(*[np.arange(1.0, 10.0)] * 4), axis=-1).reshape(-1, 4).T
+    assert_alike("planar_4r", None, dict(zip(LENGTHS, lengths, strict=True)))
+
+
+def test_places_are_those_of_a_search_and_hold_the_extreme():
+    """Of linkages without symmetry. At theta1 as a double a slope of up to 1e8 next to a toggle may count."""
+    designs = dict(zip(LENGTHS, np.random.default_rng(1).uniform(0.2, 2.0, (4, 400)), strict=True))
+    names = [f"{name}_{end}" for name in ("theta4", "B_x") for end in ("max", "min")]
+    places = [f"theta1_at_{name}" for name in names]
+    known = fl.sweep("planar_4r", fl.table(designs), [*names, *places])
+    with searched(catalogue("planar_4r")):
+        found = fl.sweep("planar_4r", fl.table(designs), places)
+    for name, place in zip(names, places, strict=True):
+        apart = abs(known[place] - found[place]).values
+        # a place where the slope is 0 to a rounding is known to its root
+        assert np.nanmax(np.minimum(apart, abs(apart - 2 * np.pi))) < 1e-6, name
+        assert np.array_equal(np.isnan(known[place]), np.isnan(known[name]))
+
+
+def test_nothing_in_the_motion_is_beyond_known_extremes():
+    """By 360 positions of other facts: those of the input angle, not of the range in which extremes are known."""
+    designs = dict(zip(LENGTHS, np.random.default_rng(2).uniform(0.2, 2.0, (4, 300)), strict=True))
+    graded = catalogue("planar_4r").graded
+    assert graded is not None
+    curves = fl.sweep("planar_4r", fl.table(designs), list(graded.known))
+    curves = curves.where(curves.transmission_angle.notnull())  # where the crank is says nothing of the loop
+    ends = [f"{name}_{end}" for name in graded.known for end in ("max", "min")]
+    known = fl.sweep("planar_4r", fl.table(designs), ends)
+    for name in graded.known:
+        span = curves[name].max() - curves[name].min()
+        above = (curves[name] - known[f"{name}_max"]).max("theta1") / span
+        below = (known[f"{name}_min"] - curves[name]).max("theta1") / span
+        # 8 roundings of a value each, of both sides
+        assert float(above.max()) < 16 * 2.0**-53, name
+        assert float(below.max()) < 16 * 2.0**-53, name
+        # half a step from an extreme a smooth quantity misses 4e-5 of its span, next to a toggle sqrt(0.5 degrees)
+        assert float(above.median()) > -0.1, name
+        assert float(below.median()) > -0.1, name
+
+
+def test_what_is_known_is_not_searched():
+    """The plan tells, and lists and what a variant replaces are searched."""
+    planar = catalogue("planar_4r")
+    names = ["transmission_angle_max", "omega4_max", "theta4_extrema"]
+    kinds = [type(p) is KnownProgram for p in make_plan(planar, names, given=list(planar.inputs)).programs]
+    assert sorted(kinds) == [False, False, True] or sorted(kinds) == [False, True]
+    text = str(fl.explain("planar_4r", fl.grid(a1=1, a2=2, a3=2, a4=3), ["theta4_max"]))
+    assert "theta4_max; known extremes, which are not searched, of theta4" in text
+    by_crank = catalogue("focal", "sigma")
+    asked, given = ["transmission_angle_P_max"], ["a", "b", "c", "d", "lambda_", "completion"]
+    (program,) = make_plan(
+        by_crank, asked, given=given, variants=by_crank.variants_selected_by(given)
+    ).programs
+    assert type(program) is not KnownProgram
+
+
+def test_known_extremes_have_the_bits_that_they_have_alone():
+    """Whatever else is requested of them."""
+    designs = fl.table(dict(zip(LENGTHS, np.random.default_rng(3).uniform(0.2, 2.0, (4, 70)), strict=True)))
+    alone = fl.sweep("planar_4r", designs, ["theta4_max"])
+    more = ["theta4_max", "theta4_max_error", "theta4_extrema", "transmission_angle_min", "d_theta4_max_d_a2"]
+    among = fl.sweep("planar_4r", designs, more)
+    one = fl.sweep("planar_4r", designs, ["theta4_max"], branch=2)
+    assert np.array_equal(alone.theta4_max, among.theta4_max, equal_nan=True)
+    assert np.array_equal(alone.theta4_max.sel(branch=2), one.theta4_max.squeeze(), equal_nan=True)
