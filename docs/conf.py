@@ -10,6 +10,8 @@ extensions = ["myst_parser", "sphinx.ext.autodoc", "sphinx.ext.napoleon"]
 html_theme = "furo"
 html_title = f"fastlink {release}"
 html_show_copyright = False
+html_static_path = ["_static"]
+html_css_files = ["site.css"]
 # as GitHub does, by which the documents link to each other's sections
 myst_heading_anchors = 4
 autodoc_typehints = "none"  # the docstrings say them in words

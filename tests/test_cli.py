@@ -306,6 +306,15 @@ def test_best_lists_designs(folder):
     assert "a1 = 0.4 m" in same
 
 
+def test_best_shows_degrees_where_a_condition_is_in_degrees(folder):
+    Path("study.toml").write_text(
+        Path("study.toml").read_text().replace('"omega4_max"', '"omega4_max", "swing"')
+    )
+    called("run", "study.toml", "--quiet")
+    done = called("best", "study.h5", "--minimise", "omega4_max", "--where", "swing_deg=1:")
+    assert "degree" in done.stdout.splitlines()[2]
+
+
 def test_best_refuses_a_place_before_it_looks_for_the_best(folder, monkeypatch):
     called("run", "study.toml", "--quiet")
     monkeypatch.setattr("fastlink.maps.best.ranked", lambda *given, **options: pytest.fail("it was computed"))

@@ -45,8 +45,8 @@ def test_a_path_is_as_good_as_a_map(path, maps):
 
 def test_angles_in_degrees_along_axes_and_in_colours(maps):
     figure = drawn(maps, "theta4", branch=2, at={"theta1": 91.0}, degrees=True)
-    assert figure.get_suptitle().endswith(r"$\theta_{1}$ = 90 degree")
-    assert bar(figure).get_ylabel().endswith("[degree]")
+    assert figure.get_suptitle().endswith(r"$\theta_{1}$ = 90°")
+    assert bar(figure).get_ylabel().endswith("[°]")
     cells = panels(figure)[0].collections[0].get_array().filled(np.nan)
     expected = np.rad2deg(maps.theta4.isel(branch=1, theta1=2).transpose("a2", "a1"))
     assert_array_equal(cells, expected)
@@ -75,7 +75,7 @@ def test_a_map_that_is_in_degrees_already_stays(maps):
     in_degrees = maps.fastlink.degrees()
     for degrees in (False, True):
         figure = drawn(in_degrees, "theta4", branch=2, at={"theta1": 90.0}, degrees=degrees)
-        assert bar(figure).get_ylabel().endswith("[degree]")
+        assert bar(figure).get_ylabel().endswith("[°]")
 
 
 # -- what users make of maps -----------------------------------------------------------------------

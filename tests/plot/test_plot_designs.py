@@ -52,7 +52,7 @@ def test_a_scatter_has_every_row_with_numbers_and_counts_the_others(maps, usable
     assert infinite
     title = f"{usable.shape[1]} of {maps.omega4_max.size} rows, without {absent} not a number, {infinite} infinite"
     assert figure.get_suptitle() == title
-    assert axis.get_ylabel().replace("\n", " ").endswith("[degree]")
+    assert axis.get_ylabel().replace("\n", " ").endswith("[°]")
 
 
 def test_conditions_are_those_of_best_and_stand_in_the_title(maps):

@@ -102,7 +102,9 @@ def best(
             "--changing", metavar="A,B", help="Inputs that --refine may change; all swept ones if left out."
         ),
     ] = None,
-    degrees: Annotated[bool, typer.Option("--degrees", help="Show angles in degrees.")] = False,
+    degrees: Annotated[
+        bool, typer.Option("--degrees", help="Show angles in degrees, as where a condition is in degrees.")
+    ] = False,
     to: Annotated[
         Path | None,
         typer.Option(
@@ -117,6 +119,7 @@ def best(
     from fastlink.io.reader import open_map
     from fastlink.report.designs import listed, refinement_columns
     from fastlink.searching.best import best as find
+    from fastlink.space.degrees import angle_of
 
     wanted = _conditions(where or [])
     options: dict[str, Any] = {
@@ -135,7 +138,8 @@ def best(
     if to is not None:
         convert_map(found, to, overwrite=overwrite)
     names = [*(minimise or ()), *(maximise or ()), *wanted]
-    typer.echo(listed(found, [*names, *refinement_columns(found)], degrees=degrees))
+    in_degrees = degrees or any(angle_of(name) for name in wanted)
+    typer.echo(listed(found, [*names, *refinement_columns(found)], degrees=in_degrees))
 
 
 def _conditions(texts: list[str]) -> dict[str, Any]:

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from matplotlib.lines import Line2D
 
+from fastlink._text import short_number
 from fastlink.drawing.marks import INK, add_turn
 from fastlink.drawing.places import samples_of
 from fastlink.plot.colours import LINES
@@ -79,7 +80,7 @@ class Loads:
             self.greatest[kind] = greatest
             size = {FORCES: (5.0, 1.4), TORQUES: (10.0, 0.0)}[kind]
             style: dict[str, Any] = {"markersize": size[0], "linewidth": size[1], "markeredgewidth": 0.6}
-            label = f"{kind}, the greatest {greatest:.3g} {UNITS[kind]}"
+            label = f"{kind}, the greatest {short_number(float(f'{greatest:.3g}'))} {UNITS[kind]}"
             handles.append(
                 Line2D([], [], color=self._colour(0, INK), marker=MARKS[kind], label=label, **style)
             )

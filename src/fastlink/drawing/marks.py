@@ -105,4 +105,5 @@ def add_scale(axis: Any, view: Any, width: float) -> None:
     for x in (left, left + length):
         _line(axis, [0.0, 0.0], [-3.0, 3.0], (x, start[1]), color=INK, linewidth=1.0, clip_on=False)
     text = {"xytext": (0, 3), "textcoords": "offset points", "ha": "center", "va": "bottom"}
-    axis.annotate(f"{length:g} m", (left + 0.5 * length, low), fontsize=8, color=INK, **text)
+    clear = {"facecolor": "white", "edgecolor": "none", "pad": 0.6, "alpha": 0.85}
+    axis.annotate(f"{length:g} m", (left + 0.5 * length, low), fontsize=8, color=INK, bbox=clear, **text)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -11,7 +12,7 @@ import numpy as np
 
 from fastlink._text import in_words, short_number
 from fastlink.engine.evaluate import evaluate
-from fastlink.errors import InputError, KeyPath, Remedy, Setting
+from fastlink.errors import InputError, InputWarning, KeyPath, Remedy, Setting
 from fastlink.plan.validate import missing_inputs, selected_variants
 from fastlink.space.degrees import RADIANS
 
@@ -258,9 +259,14 @@ class Motion:
 
 
 def as_draw(function: Callable[[], T], curve: int = 0) -> T:
-    """Call a function whose problems are those of `fastlink.draw`, its quantities those of a curve."""
+    """Call a function whose problems are those of `fastlink.draw`, its quantities those of a curve.
+
+    What it remarks on was said when the request was read.
+    """
     try:
-        return function()
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", InputWarning)
+            return function()
     except InputError as error:
         heads: dict[KeyPath, KeyPath] = {("evaluate",): ("draw",), ("quantities",): ("curves", curve)}
         problems = [

@@ -187,7 +187,7 @@ def _numbers(catalogue: Catalogue, source: Source, problems: Problems) -> tuple[
             positions = np.atleast_1d(numbers_of("draw", name, given.pop(name)))
             _check_positions(name, positions)
             if catalogue.position.units == RADIANS and not in_degrees:
-                remark_on_angles(name, positions, "draw")
+                remark_on_angles(name, positions if positions.size > 1 else positions[0], "draw")
         given.pop(name, None)
     numbers = {}
     for key, value in given.items():

@@ -19,6 +19,7 @@ GREEK = "alpha|beta|gamma|delta|epsilon|zeta|eta|theta|kappa|lambda|mu|nu|xi|rho
 SYMBOL = re.compile(rf"({GREEK}|[A-Za-z]+)(?:_\{{?([A-Za-z0-9]+)\}}?)?")
 SLOPE = re.compile(rf"d(\d?)(?:({GREEK}|[A-Za-z])(?:_([A-Za-z0-9]+))?(\d?))?")
 BETWEEN = re.compile(r"([/()|])")
+DEGREE = "degree"
 CONSTANTS_PER_LINE = 8
 TITLE_WIDTH = 64  # letters
 WORDS = frozenset({"max", "min", "rms", "at", "status"})
@@ -72,7 +73,9 @@ def _raised(order: str) -> str:
 
 
 def units_text(units: str) -> str:
-    """Return units as matplotlib sets them, with raised exponents."""
+    """Return units as matplotlib sets them, with raised exponents and the sign of degrees."""
+    if units == DEGREE:
+        return "°"
     return re.sub(r"([A-Za-z]+)(-?\d+)", r"\1$^{\2}$", plain(units))
 
 
@@ -92,7 +95,8 @@ def valued(array: xr.DataArray, value: object) -> str:
     """Return a variable and its value, with symbol and units."""
     symbol = mathematical(str(array.attrs.get("symbol", array.name)))
     units = str(array.attrs.get("units", "1"))
-    return f"{symbol} = {plain(short_number(value))}{'' if units == '1' else f' {units_text(units)}'}"
+    space = "" if units in ("1", DEGREE) else " "
+    return f"{symbol} = {plain(short_number(value))}{space}{'' if units == '1' else units_text(units)}"
 
 
 def title_of(dataset: xr.Dataset, variable: xr.DataArray, fixed: Mapping[str, object]) -> str:
