@@ -37,6 +37,7 @@ if TYPE_CHECKING:
     from fastlink.report.quantities import quantities as quantities
     from fastlink.report.summary import summary as summary
     from fastlink.searching.best import best as best
+    from fastlink.searching.search import search as search
     from fastlink.space.design_space import DesignSpace as DesignSpace
     from fastlink.space.links import round_bar as round_bar
     from fastlink.space.samplers import grid as grid

@@ -35,6 +35,7 @@ from fastlink.plot.plot_map import plot_map as plot_map
 from fastlink.report.quantities import QuantityList
 from fastlink.report.summary import summary as summary
 from fastlink.searching.best import best as best
+from fastlink.searching.search import search as search
 from fastlink.space.design_space import DesignSpace as DesignSpace
 from fastlink.space.links import Links
 from fastlink.space.links import round_bar as round_bar
@@ -96,6 +97,7 @@ __all__ = [
     "quantities",
     "round_bar",
     "run_study",
+    "search",
     "sobol",
     "summary",
     "sweep",

@@ -12,22 +12,8 @@ from types import TracebackType
 from typing import Self, TypeAlias
 
 __all__ = [
-    "InputError",
-    "InputWarning",
-    "KeyPath",
-    "Model",
-    "Pair",
-    "Problem",
-    "Problems",
-    "Remedy",
-    "Samples",
-    "Setting",
-    "Wording",
-    "listed",
-    "nearest",
-    "path_text",
-    "remark",
-    "suggest",
+    *("InputError", "InputWarning", "KeyPath", "Model", "Pair", "Problem", "Problems", "Remedy", "Samples"),
+    *("Setting", "Wording", "listed", "nearest", "path_text", "remark", "suggest"),
 ]
 
 #: Known names in a suggestion, and problems with a line each; the others are counted.
@@ -67,7 +53,9 @@ class Samples:
 
 @dataclass(frozen=True)
 class Pair:
-    """The two ends of a range, for a remedy."""
+    """The two ends of a range, for a remedy; `unlimited` where one of them may be left open."""
+
+    unlimited: bool = False
 
 
 @dataclass(frozen=True)
@@ -137,7 +125,7 @@ class Wording:
         if isinstance(piece, Samples):
             return f"numpy.linspace({piece.first:g}, {piece.last:g}, {piece.count})"
         if isinstance(piece, Pair):
-            return "(lo, hi)"
+            return "(lo, hi), None for no limit" if piece.unlimited else "(lo, hi)"
         if isinstance(piece, Model):
             return f"links=fl.{piece.name}({', '.join(f'{name}=...' for name in piece.inputs)})"
         return f"{piece.name}={piece.value!r}" if isinstance(piece, Setting) else piece

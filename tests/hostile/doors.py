@@ -341,6 +341,32 @@ DOORS: list[Door] = [
         "",
     ),
     Door(
+        "search",
+        "fl.search($mechanism, fl.sobol(64, a1=(0.2, 0.5), a2=1.2, a3=0.8, a4=1.0, omega1=25.0), $quantities, "
+        f"minimise=$minimise, maximise=$maximise, where=$where, top=$top, infinite=$infinite, refine=$refine, "
+        f"bounds=$bounds, {SWEEP}, threads=$threads, block=$block, verify=$verify, to=$to, overwrite=$overwrite, "
+        "restart=$restart, progress=$progress, attrs=$attrs, $more)",
+        MECHANISM
+        | QUANTITIES
+        | OPTIONS
+        | EXTREMA
+        | ANGLES
+        | MORE
+        | {name: RUNNING[name] for name in ("threads", "block", "verify", "to", "overwrite", "restart")}
+        | {name: RUNNING[name] for name in ("progress", "attrs")}
+        | _slots(
+            branch=("branch", "1"),
+            minimise=("name", "'omega4_max'", "omega4_max"),
+            maximise=("names", "[]", "a1", *NOTHING),
+            where=("mapping", "None", "1", "xr.Dataset()", "{'omega4_max': (0, 1, 2)}", "{'omega4_max': 1}"),
+            top=("count", "2", "2", "2**64", "10**30", "10**400"),
+            infinite=("flag", "False"),
+            refine=("flag", "False"),
+            bounds=("mapping", "None", "1", "xr.Dataset()"),
+        ),
+        "",
+    ),
+    Door(
         "draw",
         "fl.draw($mechanism, a1=$a1, a2=$a2, a3=$a3, a4=$a4, theta1=$theta1, branch=$branch, links=$links, "
         "input=$input, curves=$curves, show=$show, degrees=$degrees, to=$to, $more)",

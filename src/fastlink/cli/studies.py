@@ -87,6 +87,12 @@ def run(
             typer.echo(f"{maps.encoding['source']} is up to date")
         if not quiet:
             typer.echo(summary(maps))
+        if not quiet and "search" in maps.attrs:
+            from fastlink.report.designs import listed
+
+            found = maps.load()
+            del found.attrs["selection"]  # which the summary has said
+            typer.echo(listed(found, [str(name) for name, one in found.data_vars.items() if one.ndim == 1]))
 
 
 @command

@@ -13,7 +13,7 @@ from fastlink._text import aligned, counted
 from fastlink.codegen.kernel import llvm_text
 from fastlink.codegen.machine import assembly
 from fastlink.codegen.translate import Refused
-from fastlink.diagnostics.forecast import Forecast, forecast, request_of
+from fastlink.diagnostics.forecast import LABEL_BYTES, Forecast, forecast, request_of
 from fastlink.diagnostics.work import HELPERS, KINDS, LoopWork, loop_work
 from fastlink.doors import door
 from fastlink.engine.resolve import ResolvedSweep, resolve
@@ -23,12 +23,14 @@ from fastlink.own.definition import OwnInput, OwnQuantity
 from fastlink.plan.program import ExtremaProgram, KnownProgram
 from fastlink.precision import DESIGNS
 from fastlink.study.schema import A_STUDY
+from fastlink.study.search import request_of_search
 from fastlink.study.study import read_study
 
 if TYPE_CHECKING:
     from fastlink.codegen.kernel import Kernel
     from fastlink.codegen.source import Source
     from fastlink.space.design_space import DesignSpace
+    from fastlink.study.study import Study
 
 __all__ = ["Explanation", "KernelWork", "LoopWork", "explain"]
 
@@ -78,6 +80,8 @@ class Explanation:
         The names of quantities and inputs of a user that are read, and where the quantities are declared.
     forecast : Forecast or None
         The memory, file and time that it needs, where these were looked at.
+    search : str
+        What a search looks for, an empty text for a map.
     """
 
     title: str
@@ -90,12 +94,15 @@ class Explanation:
     tables: tuple[str, ...]
     declared: tuple[str, ...] = ()
     forecast: Forecast | None = None
+    search: str = ""
 
     @door
     def text(self, *, kernels: bool = False, ir: bool = False, asm: bool = False) -> str:
         """Return the explanation, with the kernels' text, its translation for LLVM, its assembly language if wanted."""
         lines = [self.title, _folded("asked for", self.results)]
         lines += [_folded("declared by yourself", self.declared)] if self.declared else []
+        if self.search:
+            lines.append(_folded("searched for, and nothing else kept", [self.search]))
         if self.scaling_axis:
             lines.append(
                 f"{self.scaling_axis}: only scales what is asked for; evaluated once, then multiplied"
@@ -201,6 +208,8 @@ def explain(
                 what, where=(name,), remedy="write it in the study, or give space and quantities"
             )
         read = read_study(study, trust_code)
+        if read.search is not None:
+            return _of_search(read, measure)
         request = resolve(read.mechanism, read.space, read.quantities, **read.options)
         verify = read.output.get("verify", DESIGNS)
         needs = forecast(request, folder=read.target().parent, verify=verify, measure=measure)
@@ -208,6 +217,22 @@ def explain(
         request, given = request_of(study, space, quantities, options)
         needs = forecast(request, measure=measure, **given)
     return replace(explain_request(request), forecast=needs)
+
+
+def _of_search(read: Study, measure: bool | None) -> Explanation:
+    """Return the work of the search of a study: it holds no more than the designs that are found."""
+    search = request_of_search(
+        read.mechanism,
+        read.space,
+        read.quantities,
+        read.tables["search"],
+        **{"positions": {}, **read.options},
+    )
+    needs = forecast(search.resolved, measure=measure)
+    file = LABEL_BYTES * (len(search.quantities) + len(read.space.names))
+    needs = replace(needs, memory=needs.memory_to_file, file=file)
+    about = str(search.about()["search"])
+    return replace(explain_request(search.resolved), forecast=needs, search=about)
 
 
 def explain_request(request: ResolvedSweep) -> Explanation:

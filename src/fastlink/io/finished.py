@@ -46,9 +46,9 @@ def finished_map(
     fingerprint: str,
     *,
     verified: int,
-    coords: xr.Dataset,
-    variables: Sequence[Variable],
     attrs: Mapping[str, Any],
+    coords: xr.Dataset | None = None,
+    variables: Sequence[Variable] = (),
 ) -> xr.Dataset | None:
     """Return an existing file, opened, if it is the finished map of a request, None where no file is; else refuse it.
 
@@ -60,9 +60,9 @@ def finished_map(
         The hash of the request.
     verified : int
         How many designs are to be computed again at least.
-    coords, variables, attrs
-        The parts of the request, as for a `Writer`, to say in what the file differs. Coordinates that are written block
-        by block are not looked at, for the attributes say what they follow from.
+    attrs, coords, variables
+        The parts of the request, as for a `Writer`, to say in what the file differs; of a search the attributes alone.
+        Coordinates that are written block by block are not looked at, for the attributes say what they follow from.
 
     Raises
     ------
@@ -100,12 +100,15 @@ def _is_untouched(path: Path, attrs: Mapping[str, Any]) -> bool:
 
 
 def _difference(
-    found: xr.Dataset, coords: xr.Dataset, variables: Sequence[Variable], attrs: Mapping[str, Any]
+    found: xr.Dataset, coords: xr.Dataset | None, variables: Sequence[Variable], attrs: Mapping[str, Any]
 ) -> str:
     """Return in what a map differs from a request, as far as a short look tells."""
-    labels = {**coords.attrs, **attrs}
+    labels = {**({} if coords is None else coords.attrs), **attrs}
     if found.attrs.get("mechanism") != labels.get("mechanism"):
         return f"a map of {found.attrs.get('mechanism')}"
+    others = [name for name in labels if not np.array_equal(np.asarray(found.attrs.get(name)), labels[name])]
+    if coords is None:
+        return f"a map with other {', '.join(others[:MOST_NAMED])}" if others else "of another search"
     names = {variable.name for variable in variables if not variable.is_coordinate}
     computed = {variable.name for variable in variables if variable.is_coordinate}
     parts = ["quantities"] if names != set(map(str, found.data_vars)) else []
@@ -117,7 +120,6 @@ def _difference(
         if name not in computed
         and (name not in coords.coords or name not in found.coords or _differ(coords[name], found[name]))
     ]
-    others = [name for name in labels if not np.array_equal(np.asarray(found.attrs.get(name)), labels[name])]
     parts += ["versions" if name == "source" else name for name in others if name not in ("threads", "title")]
     parts = parts or [name for name in others if name == "title"]
     more = ", ..." if len(parts) > MOST_NAMED else ""

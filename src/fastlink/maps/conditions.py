@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from fastlink._text import short_repr
+from fastlink._text import short_number, short_repr
 from fastlink.errors import InputError, Pair, Problems
 from fastlink.maps.flags import check_flags, flags_of
 from fastlink.options import check_choice
@@ -43,10 +43,23 @@ class Condition:
     low: float = -math.inf
     high: float = math.inf
 
+    def __str__(self) -> str:
+        name = str(self.array.name)
+        if self.codes is not None:
+            meanings = [meaning for meaning, code in flags_of(self.array).items() if code in self.codes]
+            return f"{name} is {' or '.join(meanings)}"
+        ends = [(">=", self.low), ("<=", self.high)]
+        limits = [f"{sign} {short_number(end)}" for sign, end in ends if math.isfinite(end)]
+        return f"{name} {' and '.join(limits)}" if limits else name
+
     def holds(self, values: NDArray[Any]) -> NDArray[np.bool_]:
         """Return where values meet it; NaN never does."""
         if self.codes is not None:
-            return np.isin(values, self.codes)
+            first, *others = self.codes  # a third of the time of numpy.isin
+            found: NDArray[np.bool_] = values == first
+            for code in others:
+                found |= values == code
+            return found
         if self.array.dtype.kind == "b":
             return np.asarray(values, dtype=bool)
         return (values >= self.low) & (values <= self.high)
@@ -106,7 +119,7 @@ def _of_name(maps: xr.Dataset, name: Any, given: Any) -> Condition:
     array = maps[angle if angle in known else check_choice(("where",), name, known)]
     if flags_of(array) and isinstance(given, (str, list, tuple)):
         return _of_code(array, name, given)
-    where, remedy = ("where", name), ("write ", Pair(), ", None for no limit")
+    where, remedy = ("where", name), ("write ", Pair(unlimited=True))
     if flags_of(array):
         what = f"{array.name} is a code, and given {short_repr(given)}"
         raise InputError(what, where=where, remedy=f"write one of its meanings, {', '.join(flags_of(array))}")

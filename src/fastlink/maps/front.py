@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["nondominated", "undominated"]
+__all__ = ["nondominated", "strongest", "unbeaten", "undominated"]
 
 #: Rows that are compared with each other at once.
 CHUNK = 512
@@ -66,16 +64,24 @@ def undominated(points: NDArray[np.float64], front: NDArray[np.float64]) -> NDAr
     for count in STEPS:
         if not len(places):
             break
-        for best in _strongest(known, points[places], count):
-            beaten = (points[places] >= best).all(axis=1) & (points[places] > best).any(axis=1)
-            places = places[~beaten]
+        places = places[unbeaten(points[places], strongest(known, points[places], count))]
     return places
 
 
-def _strongest(front: NDArray[np.float64], points: NDArray[np.float64], count: int) -> Any:
+def unbeaten(points: NDArray[np.float64], few: NDArray[np.float64]) -> NDArray[np.int64]:
+    """Return the rows that none of a few beats, which are taken one by one."""
+    places = np.arange(len(points))
+    for best in few:
+        beaten = (points[places] >= best).all(axis=1) & (points[places] > best).any(axis=1)
+        places = places[~beaten]
+    return places
+
+
+def strongest(front: NDArray[np.float64], points: NDArray[np.float64], count: int) -> NDArray[np.float64]:
     """Return the rows of a front that beat most, if points fill the box about them evenly."""
     with np.errstate(all="ignore"):
         high, low = points.max(axis=0), front.min(axis=0)
         shares = (high - front) / np.where(high > low, high - low, 1.0)
     beaten = np.prod(np.clip(np.nan_to_num(shares, nan=0.0), 0.0, 1.0), axis=1)
-    return front[np.argsort(-beaten, kind="stable")[:count]]
+    best: NDArray[np.float64] = front[np.argsort(-beaten, kind="stable")[:count]]
+    return best

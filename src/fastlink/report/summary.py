@@ -72,6 +72,7 @@ def _summary(dataset: xr.Dataset) -> str:
     if (part := PartOfMap.of(dataset.attrs)) is not None:
         start, stop = part.range
         rows.append(("part", f"{part.part}: designs {start:,} to {stop - 1:,} of {part.designs:,}"))
+    rows += _searched(dataset, told)
     if "selection" in dataset.attrs:
         rows.append(("selection", str(dataset.attrs["selection"])))
     if told.has("configurations"):
@@ -102,6 +103,30 @@ def _summary(dataset: xr.Dataset) -> str:
     if isinstance(source, (str, os.PathLike)) and Path(source).is_file():
         rows.append(("file", f"{source} ({size(Path(source).stat().st_size)})"))
     return aligned(rows)
+
+
+def _searched(dataset: xr.Dataset, told: _Numbers) -> list[tuple[str, str]]:
+    """Return what was searched to find these designs, and how many rows were left out, why."""
+    if "search" not in dataset.attrs or not told.has("searched_designs"):
+        return []
+    rows = [("searched", f"{told['searched_designs']:,.0f} designs for {dataset.attrs['search']}")]
+    left_out = [
+        (
+            name.removeprefix("excluded_").replace("_", " ") if name.startswith("excluded_as") else name[9:],
+            count,
+        )
+        for name, count in told.items()
+        if name.startswith("excluded_") and count
+    ]
+    texts = [f"{count:,.0f} {name.replace('by_', 'by ', 1)}" for name, count in left_out]
+    return [
+        *rows,
+        *(
+            [("excluded", f"{', '.join(texts)}, of {told.get('searched_rows', 0.0):,.0f} rows")]
+            if texts
+            else []
+        ),
+    ]
 
 
 class _Numbers(dict[str, float]):

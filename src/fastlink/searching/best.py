@@ -15,7 +15,7 @@ from fastlink.plan.query import check_names
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["best"]
+__all__ = ["best", "inputs_to_refine"]
 
 
 @door
@@ -90,7 +90,7 @@ def best(
     with as_dataset(maps) as dataset:
         problems, only, choice = Problems(), None, None
         with problems.at():
-            only = _refined(refine)
+            only = inputs_to_refine(refine)
         with problems.at():
             choice = choice_of(dataset, minimise, maximise, where, top=top, infinite=infinite)
         problems.stop()
@@ -108,7 +108,7 @@ def best(
         return refinement.of(chosen(own, choice).load())
 
 
-def _refined(refine: Any) -> tuple[str, ...] | None:
+def inputs_to_refine(refine: Any) -> tuple[str, ...] | None:
     """Return the inputs that a refinement may change, none for all, or None for no refinement."""
     if isinstance(refine, (str, list, tuple)) and refine:
         return check_names("refine", [refine] if isinstance(refine, str) else refine)

@@ -28,9 +28,7 @@ if TYPE_CHECKING:
     from fastlink.catalogue.catalogue import Catalogue
     from fastlink.engine.function import Function
 
-__all__ = ["Model", "Results"]
-
-Floats = "NDArray[np.float64]"
+__all__ = ["Model", "Results", "angles_of"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -39,13 +37,13 @@ class Model:
 
     Attributes
     ----------
-    mechanism : str
-        Its name.
+    mechanism : str or Extension
+        Its name, or its extension by quantities of one's own.
     options : dict
         Links, input, solver, extrema and angles, as `fastlink.sweep` takes them.
     """
 
-    mechanism: str
+    mechanism: Any
     options: dict[str, Any]
 
     @classmethod
@@ -80,13 +78,19 @@ def _positions(catalogue: Catalogue, maps: xr.Dataset) -> dict[str, Any]:
     count = attrs.get(f"{name}_count")
     found = {"extrema": attrs["extrema"]} if attrs.get("extrema") in ("refined", "sampled") else {}
     if name in maps.dims and name in maps.coords and count == maps.sizes[name]:
-        own = np.asarray(maps[name].values, dtype=np.float64)
-        if catalogue.positions is None and np.array_equal(own, check_positions(catalogue, len(own))):
-            return found | {"angles": len(own)}
-        return {"angles": own}
+        own = angles_of(catalogue, np.asarray(maps[name].values, dtype=np.float64))
+        return {**own, **found} if isinstance(own["angles"], int) else own
     if catalogue.positions is None and count is not None:
         return found | {"angles": int(count)}
     return found if catalogue.positions is None else {}
+
+
+def angles_of(catalogue: Catalogue, positions: NDArray[np.float64]) -> dict[str, Any]:
+    """Return input positions as the option of a sweep: the number of equal steps over one turn where they are these."""
+    count = len(positions)
+    if catalogue.positions is None and np.array_equal(positions, check_positions(catalogue, count)):
+        return {"angles": count}
+    return {"angles": positions}
 
 
 @dataclass(frozen=True, eq=False)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
@@ -12,7 +12,7 @@ import numpy as np
 from fastlink._text import short_repr
 from fastlink.errors import InputError, Problems, listed
 from fastlink.maps.units import check_units
-from fastlink.space.column import steps
+from fastlink.space.column import bounds_of, steps
 from fastlink.space.design_space import DESIGN
 
 if TYPE_CHECKING:
@@ -21,8 +21,9 @@ if TYPE_CHECKING:
 
     from fastlink.catalogue.catalogue import Catalogue, Input
     from fastlink.maps.conditions import Condition
+    from fastlink.space.design_space import DesignSpace
 
-__all__ = ["Span", "spans_of", "swept_inputs", "within"]
+__all__ = ["Span", "spans_of", "spans_of_space", "swept_inputs", "within"]
 
 #: Rows of a table in which inputs are compared; how far from a line two of them may be, of their size.
 MOST_COMPARED = 1 << 20
@@ -84,23 +85,50 @@ def spans_of(catalogue: Catalogue, maps: xr.Dataset, only: Sequence[str] = ()) -
         The inputs that may change; all that are swept unless given.
     """
     swept, problems = swept_inputs(catalogue, maps), Problems()
-    for name in only:
-        if name not in swept:
-            what = f"{short_repr(name)} is not an input that is swept"
-            problems.add(what, ("refine",), listed(list(swept)))
+    check_only(only, list(swept), problems)
     for name, declared in swept.items():
         with problems.at():
             check_units(maps[name], declared.units, ("refine", name))
     problems.stop()
     drawn = dict(_drawn(str(maps.attrs.get("design_ranges", ""))))
-    spans = []
+    ends = {}
     for name in only or swept:
         low, high = _ends(maps[name])
-        low, high = min(low, drawn.get(name, (low, high))[0]), max(high, drawn.get(name, (low, high))[1])
-        if low < high:
-            spans.append(Span(name, low, high))
-    if not drawn:
-        spans = _with_followers(maps, spans)
+        ends[name] = min(low, drawn.get(name, (low, high))[0]), max(high, drawn.get(name, (low, high))[1])
+    tabled = [] if drawn else [name for name in ends if maps[name].dims == (DESIGN,)]
+    return _spans(ends, {name: maps[name].variable for name in tabled})
+
+
+def spans_of_space(
+    catalogue: Catalogue,
+    space: DesignSpace,
+    bounds: Mapping[str, tuple[float, float]],
+    only: Sequence[str] = (),
+) -> list[Span]:
+    """Return the inputs of a design space that may change, within given ranges or else those of the space."""
+    known = catalogue.known_inputs(catalogue.variant_inputs)
+    given = {**space.axes, **space.columns}
+    swept = [name for name in given if not known[name].choices]
+    problems = Problems()
+    check_only(only, swept, problems)
+    check_only(bounds, swept, problems, "bounds")
+    problems.stop()
+    ends = {name: bounds.get(name) or bounds_of(given[name]) for name in only or swept}
+    return _spans(ends, {} if space.kind != "table" else {n: given[n] for n in ends if n in space.columns})
+
+
+def check_only(names: Iterable[str], swept: Sequence[str], problems: Problems, where: str = "refine") -> None:
+    """Note names that are not inputs which are swept."""
+    for name in names:
+        if name not in swept:
+            problems.add(f"{short_repr(name)} is not an input that is swept", (where,), listed(list(swept)))
+
+
+def _spans(ends: Mapping[str, tuple[float, float]], tabled: Mapping[str, Any]) -> list[Span]:
+    """Return the inputs with these ends, some of which are columns of a table, where others may follow them."""
+    spans = _with_followers(
+        tabled, [Span(name, low, high) for name, (low, high) in ends.items() if low < high]
+    )
     if not spans:
         remedy = "sweep the inputs that may change, such as a2=(1.0, 1.4) of fl.sobol"
         raise InputError("there is no input that may change", where=("refine",), remedy=remedy)
@@ -138,15 +166,14 @@ def _ends(array: xr.DataArray) -> tuple[float, float]:
     return float(low), float(high)
 
 
-def _with_followers(maps: xr.Dataset, spans: list[Span]) -> list[Span]:
-    """Return the inputs without those that follow another one of the same table, which it names."""
-    along = [one for one in spans if maps[one.name].dims == (DESIGN,)]
+def _with_followers(tabled: Mapping[str, Any], spans: list[Span]) -> list[Span]:
+    """Return the inputs without those columns of a table that follow another one, which names them."""
     leaders: dict[str, list[tuple[str, float]]] = {}
     read: dict[str, Any] = {}
-    for one in along:
-        array = maps[one.name]
+    for one in (one for one in spans if one.name in tabled):
+        array = tabled[one.name]
         stride = -(-array.size // MOST_COMPARED)
-        read[one.name] = np.asarray(array.variable[::stride].values, dtype=np.float64)
+        read[one.name] = np.asarray(array[::stride], dtype=np.float64)
         for leader, followers in leaders.items():
             slope = _slope(read[leader], read[one.name])
             if slope is not None:

@@ -15,6 +15,7 @@ from fastlink.space.degrees import degrees_name
 from fastlink.space.links import MODELS, Links
 from fastlink.space.samplers import grid, latin_hypercube, sobol, table
 from fastlink.study.schema import KEEP, KEYS, REQUIRED, SAMPLES
+from fastlink.study.search import request_of_search, searched_space
 from fastlink.study.wording import StudyWording
 
 if TYPE_CHECKING:
@@ -95,6 +96,7 @@ class Request:
         if of_driven:  # whose inputs are unknown
             found.noted = [one for one in found.noted if one.where[:1] != ("design",)]
         self._add(found.noted)
+        self._check_search(names)
         if self.problems.noted and not of_driven:
             self._add_missing(names, found.noted)
 
@@ -104,6 +106,16 @@ class Request:
         if ("mechanism",) in [one.where for one in self.problems.noted]:
             mechanism = self.catalogue.name  # the nearest
         function(mechanism, self.space, names, **named, **self.options)
+
+    def _check_search(self, names: list[str]) -> None:
+        """Check the table [search], once all else is known to be right."""
+        others = any(one.where[:1] != ("search",) for one in self.problems.noted)
+        if others or self.space is None or "search" not in self.tables:
+            return
+        named = {"positions": self.positions, "options": KEYS["cycle"]}
+        of_run = {name: value for name, value in self.options.items() if name not in KEYS["output"]}
+        with self.problems.at("search"):
+            request_of_search(self.mechanism, self.space, names, self.tables["search"], **named, **of_run)
 
     def _check_names_of_cycle(self) -> None:
         """Refuse unknown keys of [cycle] whose values were refused already."""
@@ -171,4 +183,4 @@ class Request:
                         what = f"gives {name}, which stands in [design] too"
                         problems.add(what, ("design", kind), "write it once")
         problems.stop()
-        return space.with_constants(constants)
+        return searched_space(space.with_constants(constants), self.tables.get("search", {}))

@@ -45,6 +45,7 @@ String = Annotated[str, Field(strict=True)]
 Whole = Annotated[int, Field(strict=True)]
 Count = Annotated[Whole, Field(ge=1, le=LONGEST)]
 Finite = Annotated[float, Field(strict=True, allow_inf_nan=False)]
+Number = Annotated[float, Field(strict=True)]
 Positive = Annotated[Finite, Field(gt=0)]
 Negative = Annotated[Finite, Field(lt=0)]
 Text = Annotated[String, Field(min_length=1), Write("a text that is not empty")]
@@ -55,6 +56,13 @@ Range = Annotated[tuple[Finite, Finite] | Finite, Write("[lo, hi] with finite lo
 Verified = Annotated[Whole, Field(ge=0), Write("how many designs to compute again with 50 digits, or 0")]
 LINSPACE = f"[lo, hi, n] with finite lo and hi and a whole number n from 1 to {LONGEST}"
 GEOMSPACE = LINSPACE.replace("and hi", "and hi of one sign, neither 0,")
+WHERE = 'such as {status = "rotates_fully", a1 = [0.2, inf]}'
+Wanted = Annotated[
+    tuple[Number, Number] | String | list[String],
+    Write("[lo, hi], inf or -inf for no limit, or the meaning of a code as text"),
+]
+Names = Annotated[String | list[String], Write("the name of a quantity, or a list of names")]
+Refined = Annotated[bool, Field(strict=True)] | list[String]
 Linspace = Annotated[tuple[Finite, Finite, Count], Write(LINSPACE)]
 OfOneSign = tuple[Positive, Positive, Count] | tuple[Negative, Negative, Count]
 
@@ -141,6 +149,20 @@ class Run(BaseModel, extra="forbid"):
     backend: Annotated[String, Write('"llvm" or "numba"')] | None = None
 
 
+class Search(BaseModel, extra="forbid"):
+    """The table [search]."""
+
+    minimise: Names | None = None
+    maximise: Names | None = None
+    where: Annotated[dict[String, Wanted], Write(WHERE)] | None = None
+    top: Annotated[Whole, Field(ge=1), Write("how many designs, a whole number of at least 1")] | None = None
+    infinite: Annotated[bool, Field(strict=True), Write("true or false")] | None = None
+    refine: Annotated[Refined, Write('true, false or names of inputs, such as ["a1", "a2"]')] | None = None
+    bounds: Annotated[dict[String, tuple[Finite, Finite]], Write("such as {a1 = [0.2, 0.5]}")] | None = None
+    samples: Annotated[Whole, Field(ge=1), Write("how many designs to sample, at least 1")] | None = None
+    seed: Annotated[Whole, Field(ge=0), Write("a whole number of at least 0")] | None = None
+
+
 class Output(BaseModel, extra="forbid"):
     """The table [output]."""
 
@@ -161,11 +183,17 @@ class StudyFile(BaseModel, extra="forbid"):
     links: Links | None = None
     cycle: Cycle | None = None
     run: Run | None = None
+    search: Search | None = None
     output: Output | None = None
 
 
 #: The tables of options, and their keys.
-KEYS = {"cycle": Cycle.model_fields, "run": Run.model_fields, "output": Output.model_fields}
+KEYS = {
+    "cycle": Cycle.model_fields,
+    "run": Run.model_fields,
+    "search": Search.model_fields,
+    "output": Output.model_fields,
+}
 #: The key of [design] for columns of a table that are kept as labels; those that give all designs at once.
 KEEP = "keep"
 SAMPLES = [name for name in Design.model_fields if name != KEEP]
@@ -274,7 +302,8 @@ def _problems(error: ValidationError, positions: Collection[str]) -> list[Proble
         if path[0] == "cycle" and path[1:] and path[1] not in (*KEYS["cycle"], *positions):
             continue
         # The third part of a path is the tag of a number or an axis, except in a sample.
-        where = path if {*SAMPLES, KEEP} & {*path[1:2]} else (*path[:2], *path[3:])
+        whole = path[0] == "search" or {*SAMPLES, KEEP} & {*path[1:2]}
+        where = path if whole else (*path[:2], *path[3:])
         what, name = f"is {short_repr(entry['input'])}", str(path[-1])
         if kind == "write":
             remedy = f"write {entry['msg']}"

@@ -16,6 +16,7 @@ from fastlink.io.writing.target import check_target
 from fastlink.mechanisms import NAMES, is_extension, name_of
 from fastlink.mechanisms import catalogue as find_catalogue
 from fastlink.options import check_path, check_switch
+from fastlink.searching.search import search
 from fastlink.space.dataset import CURVES
 from fastlink.space.degrees import Degrees, angle_of, degrees_name
 from fastlink.space.design_space import DesignSpace
@@ -23,6 +24,7 @@ from fastlink.study.homes import at_home
 from fastlink.study.own import KEY, TRUST, load_extension
 from fastlink.study.request import Request
 from fastlink.study.schema import A_STUDY, read_tables
+from fastlink.study.search import asked_for
 from fastlink.study.text import contents_of, text_of
 from fastlink.study.wording import StudyWording
 
@@ -73,6 +75,11 @@ class Study:
         return list(self.tables["quantities"])
 
     @property
+    def search(self) -> dict[str, Any] | None:
+        """Objectives and conditions, as `fastlink.search` takes them; None of a study whose map is written."""
+        return asked_for(self.tables["search"]) if "search" in self.tables else None
+
+    @property
     def output(self) -> dict[str, Any]:
         """Its table [output]."""
         return dict(self.tables["output"])
@@ -101,7 +108,7 @@ def run_study(
     client: Client | None = None,
     trust_code: bool = False,
 ) -> xr.Dataset:
-    """Run a study file and write its map.
+    """Run a study file and write its map; of a study with a table [search] that of the designs that are found.
 
     Parameters
     ----------
@@ -173,12 +180,30 @@ def run_study(
     try:
         # the sweep knows whether the file that exists is its map
         check_target(target, 0, True, study.sources)
+        attrs = {**title, "study_file": study.path.name, "study": study.text}
+        verify = study.output.get("verify") if verify is None else verify
+        if study.search is not None:
+            _refuse_of_maps(part=part, layout=layout, client=client)
+            return search(
+                study.mechanism,
+                study.space,
+                study.quantities,
+                **study.search,
+                **{"branch": 1, **study.options},
+                verify=verify,
+                to=target,
+                overwrite=overwrite,
+                restart=restart,
+                threads=threads,
+                progress=progress,
+                attrs=attrs,
+            )
         return sweep(
             study.mechanism,
             study.space,
             study.quantities,
             **study.options,
-            verify=study.output.get("verify") if verify is None else verify,
+            verify=verify,
             to=target,
             overwrite=overwrite,
             restart=restart,
@@ -187,12 +212,20 @@ def run_study(
             threads=threads,
             client=client,
             progress=progress,
-            attrs={**title, "study_file": study.path.name, "study": study.text},
+            attrs=attrs,
         )
     except InputError as error:
         if given.get(str(error.where[0]) if error.where else "") is not None:
             raise  # the caller's own, not the study's
         raise InputError.of(error.problems, StudyWording(study.path, study.tables, study.space)) from None
+
+
+def _refuse_of_maps(**options: Any) -> None:
+    """Refuse options that belong to a map of all designs."""
+    for name, value in options.items():
+        if value is not None:
+            remedy = "leave it out: a search keeps the best of all designs alone, in one process"
+            raise InputError("is for maps, not for a search", where=(name,), remedy=remedy)
 
 
 def read_study(path: str | Path, trust_code: bool = False) -> Study:

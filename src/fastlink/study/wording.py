@@ -81,7 +81,7 @@ class StudyWording(Wording):
         if isinstance(piece, Samples):
             return f"{{linspace = [{piece.first:g}, {piece.last:g}, {piece.count}]}}"
         if isinstance(piece, Pair):
-            return "[lo, hi]"
+            return "[lo, hi], inf or -inf for no limit" if piece.unlimited else "[lo, hi]"
         if isinstance(piece, Model):
             keys = "".join(f" {name} = ..." for name in piece.inputs)
             return f'[links] model = "{piece.name}"{keys}'

@@ -1,0 +1,250 @@
+"""Searches find what a map of all designs has best, to the same bits, in any blocks, resumed or not."""
+
+import numpy as np
+import pytest
+from numpy.testing import assert_array_equal
+from tests.support.refusals import refused
+
+import fastlink as fl
+from fastlink.searching import run as run_module
+from fastlink.searching import unfinished as unfinished_module
+
+RANGES = {"a1": (0.1, 0.5), "a2": (0.8, 1.3), "a3": (0.5, 1.2), "a4": 1.0, "omega1": 1.0}
+WHERE = {"status": "rotates_fully", "transmission_angle_min": (0.5, None), "a1": (0.15, None)}
+ONE = {"minimise": "omega4_max", "where": WHERE}
+FRONT = {"minimise": "omega4_max", "maximise": ["swing", "a1"], "where": WHERE}
+NAMES = ["omega4_max", "transmission_angle_min", "swing"]
+
+
+def sample(n=3000):
+    return fl.sobol(n, RANGES, seed=2)
+
+
+def check_rows(found, best):
+    """The rows of a search are those of the best of a map."""
+    assert found.sizes["design"] == best.sizes["design"]
+    for name in (*best.data_vars, *(name for name in best.coords if name != "design")):
+        assert_array_equal(found[name].values, best[name].values, err_msg=str(name))
+
+
+@pytest.fixture(scope="module")
+def maps():
+    return fl.sweep("planar_4r", sample(), NAMES, branch=1, progress=False)
+
+
+@pytest.mark.parametrize("asked", [ONE, FRONT], ids=["one objective", "front"])
+@pytest.mark.parametrize(("block", "threads"), [(None, 2), (60, 3), (1000, 1)])
+def test_it_finds_the_best_of_a_map(maps, asked, block, threads):
+    found = fl.search("planar_4r", sample(), NAMES, **asked, refine=False, block=block, threads=threads)
+    best = fl.best(maps, **asked)
+    check_rows(found, best)
+    assert_array_equal(found.design, best.design)
+    # of the counts each is of its condition alone
+    attrs = found.attrs
+    assert attrs["searched_designs"] == attrs["searched_rows"] == 3000
+    assert attrs["searched_designs_rotates_fully"] == int((maps.status == 0).sum())
+    assert attrs["excluded_by_status"] == int((maps.status != 0).sum())
+    assert attrs["excluded_by_transmission_angle_min"] == int((~(maps.transmission_angle_min >= 0.5)).sum())
+    assert attrs["excluded_by_a1"] == int((maps.a1 < 0.15).sum())
+    assert f"of {attrs['searched_rows_considered']:,} rows" in attrs["selection"]
+    assert attrs["searched_design_seed"] == 2
+
+
+@pytest.mark.parametrize(
+    "space",
+    [
+        fl.grid(a1=np.linspace(0.1, 0.5, 5), omega1=[1.0, 2.0, 4.0], a2=np.linspace(0.8, 1.3, 7), a3=0.8, a4=1.0),
+        fl.table({"a1": np.linspace(0.1, 0.5, 9), "a2": np.linspace(1.3, 0.8, 9), "part": [*"abcdefghi"]})
+        .with_constants({"a3": 0.8, "a4": 1.0}).with_axis("omega1", [1.0, 2.0]),
+    ],
+    ids=["an axis that scales", "a table with labels"],
+)  # fmt: skip
+@pytest.mark.parametrize("block", [None, 4])
+def test_of_grids_and_tables_in_both_modes(space, block):
+    asked = {"minimise": "omega4_max", "where": {"theta4_max": (0.1, None), "branch": (1, 2)}, "top": 7}
+    whole = fl.sweep("planar_4r", space, ["omega4_max", "theta4_max"], progress=False)
+    found = fl.search("planar_4r", space, **asked, refine=False, block=block, branch=[1, 2])
+    best = fl.best(whole, **asked)
+    check_rows(found, best)
+
+
+def test_rows_at_each_position():
+    space, asked = sample(40), {"maximise": "omega4", "where": {"theta1": (0.5, 3.0)}, "top": 5}
+    whole = fl.sweep("planar_4r", space, ["omega4"], theta1=24, branch=[1, 2], progress=False)
+    found = fl.search("planar_4r", space, **asked, theta1=24, branch=[1, 2], refine=False)
+    check_rows(found, fl.best(whole, **asked))
+    finer = fl.search("planar_4r", space, **asked, theta1=24, branch=[1, 2])
+    check_rows(finer, fl.best(whole, **asked, refine=True))
+
+
+def test_refined_designs_are_those_of_the_best_of_a_map(maps):
+    found = fl.search("planar_4r", sample(), NAMES, **ONE, top=2)
+    check_rows(found, fl.best(maps, **ONE, top=2, refine=True))
+    narrow = fl.search("planar_4r", sample(), NAMES, **ONE, top=2, bounds={"a2": (0.9, 1.0)}, refine="a2")
+    start = fl.search("planar_4r", sample(), NAMES, **ONE, top=2, refine=False)
+    inside = (start.a2 >= 0.9) & (start.a2 <= 1.0)
+    assert (
+        (narrow.a2 >= np.minimum(start.a2.min(), 0.9)) & (narrow.a2 <= np.maximum(start.a2.max(), 1.0))
+    ).all()
+    assert set(narrow.a1.values) == set(start.a1.values)
+    assert inside.sizes == start.a2.sizes
+
+
+class Stop(Exception):
+    """Whatever ends a run."""
+
+
+def stopped_after(monkeypatch, count):
+    """End a search after some blocks, each of whose states is kept."""
+    monkeypatch.setattr(unfinished_module, "STEP_SECONDS", 0.0)
+    write, calls = unfinished_module.Unfinished.write, []
+
+    def write_and_stop(self, kept, done):
+        write(self, kept, done)
+        calls.append(done)
+        if len(calls) == count:
+            raise Stop
+
+    monkeypatch.setattr(unfinished_module.Unfinished, "write", write_and_stop)
+    return calls
+
+
+@pytest.mark.parametrize("asked", [ONE, FRONT], ids=["one objective", "front"])
+def test_a_killed_search_goes_on(tmp_path, monkeypatch, asked):
+    path = tmp_path / "found.h5"
+    options = {**asked, "refine": False, "block": 100, "threads": 2, "progress": False, "verify": 0}
+    with monkeypatch.context() as patch:
+        calls = stopped_after(patch, 3)
+        with pytest.raises(Stop) as caught:
+            fl.search("planar_4r", sample(), NAMES, **options, to=path)
+    assert "run the same again" in " ".join(caught.value.__notes__)
+    assert not path.exists()
+    assert [one.name for one in tmp_path.iterdir()] == ["found.h5.search"]
+    done = sum(stop - start for start, stop in calls[-1])
+    assert 0 < done < 3000
+    with refused("another search", "restart"):
+        fl.search("planar_4r", sample(), NAMES, **{**options, "top": None, "where": {}}, to=path)
+    read = []
+    take = run_module.Stream.read
+    with monkeypatch.context() as patch:
+        patch.setattr(
+            run_module.Stream, "read", lambda *given: (read.append(given[2] - given[1]), take(*given))
+        )
+        with fl.search("planar_4r", sample(), NAMES, **options, to=path) as found:
+            whole = fl.search("planar_4r", sample(), NAMES, **options)
+            check_rows(found, whole)
+            for name in ("excluded_by_status", "searched_rows_considered", "searched_designs_rotates_fully"):
+                assert found.attrs[name] == whole.attrs[name]
+    assert sum(read) <= 2 * 3000 - done
+    assert [one.name for one in tmp_path.iterdir()] == ["found.h5"]
+
+
+def test_a_finished_search_is_opened_as_it_is(tmp_path, monkeypatch):
+    path = tmp_path / "found.h5"
+    options = {**ONE, "top": 2, "to": path, "progress": False}
+    with fl.search("planar_4r", sample(), NAMES, **options) as found:
+        assert found.attrs["verified_designs"] == 2
+        assert fl.check(path)
+        text = str(found.active[0].item())
+    monkeypatch.setattr(run_module, "run", lambda *given, **options: pytest.fail("it was searched again"))
+    with fl.search("planar_4r", sample(), NAMES, **options) as again:
+        assert str(again.active[0].item()) == text
+    with refused("search", "overwrite"):
+        fl.search("planar_4r", sample(), NAMES, **{**options, "maximise": "swing", "top": None})
+
+
+def test_nothing_that_meets_the_conditions_is_told_with_numbers(tmp_path):
+    with refused("4 rows", "widen"):
+        fl.search("planar_4r", sample(4), minimise="omega4_max", where={"swing": (9.0, None)})
+    with refused("4 fail swing", "widen"):
+        fl.search(
+            "planar_4r", sample(4), minimise="omega4_max", where={"swing": (9.0, None)}, to=tmp_path / "a.h5"
+        )
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize(
+    ("options", "key", "remedy"),
+    [
+        ({"minimise": "omega_max"}, "minimise", "omega4_max"),
+        ({"minimise": "omega4_max", "where": {"swin": (1, None)}}, "where", "swing"),
+        ({}, "objective", "minimise"),
+        ({"minimise": "omega4_max", "quantities": ["omega5"]}, "quantities", "omega4"),
+        ({"minimise": "omega4_max", "where": np.array([True])}, "where", "ranges"),
+        ({"minimise": "omega4_max", "bounds": {"a1": (2, 1)}}, "bounds", "lo < hi"),
+        ({"minimise": "omega4_max", "bounds": {"a4": (1, 2)}}, "bounds", "a1, a2, a3"),
+        ({"minimise": "omega4_max", "bounds": 3}, "bounds", "such as"),
+        ({"minimise": "omega4_max", "refine": "a4"}, "refine", "a1, a2, a3"),
+        ({"minimise": "omega4_max", "top": 0}, "top", "at least 1"),
+        ({"minimise": "omega4_max", "part": "1/2"}, "part", ""),
+    ],
+)
+def test_what_cannot_be_searched_is_refused(options, key, remedy):
+    with refused(key, remedy):
+        fl.search("planar_4r", sample(), **options)
+
+
+STUDY = """
+mechanism = "planar_4r"
+quantities = ["omega4_min"]
+[design]
+a4 = 1.0
+omega1 = 1.0
+a3 = {linspace = [0.5, 1.2, 5]}
+[search]
+minimise = "omega4_max"
+where = {status = "rotates_fully", transmission_angle_min_deg = [40, inf], swing_deg = [60, inf]}
+samples = 2000
+bounds = {a1 = [0.1, 0.5], a2 = [0.8, 1.3]}
+top = 2
+"""
+
+
+def test_a_study_searches(tmp_path):
+    path = tmp_path / "study.toml"
+    path.write_text(STUDY)
+    where = {"status": "rotates_fully", "transmission_angle_min_deg": (40, None), "swing_deg": (60, None)}
+    space = fl.sobol(2000, a3=(0.5, 1.2), a1=(0.1, 0.5), a2=(0.8, 1.3), a4=1.0, omega1=1.0)
+    expected = fl.search("planar_4r", space, ["omega4_min"], minimise="omega4_max", where=where, top=2)
+    with fl.run_study(path, to=tmp_path / "found.h5", progress=False) as found:
+        check_rows(found, expected)
+        assert found.attrs["study"] == STUDY
+        assert "2,000 designs" in fl.summary(found)
+    needs = fl.explain(path).forecast
+    assert needs.size == 2000
+    assert needs.file < 1e5
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "key", "remedy"),
+    [
+        ('minimise = "omega4_max"', 'minimise = "omega_max"', "search.minimise", "omega4_max"),
+        ("swing_deg = [60, inf]", "swin_deg = [60, inf]", "search.where", "swing"),
+        ("[40, inf]", "[50, 40]", "search.where.transmission_angle_min_deg", "exchange"),
+        ("[40, inf]", "40", "search.where", "inf"),
+        ("top = 2", "top = 0", "search.top", "at least 1"),
+        ("top = 2", "tops = 2", "search.tops", "top"),
+        ("samples = 2000", "samples = 0", "search.samples", "at least 1"),
+        ("samples = 2000", "seed = 3", "search.seed", "samples"),
+        ("a1 = [0.1, 0.5]", "a1 = [0.5, 0.1]", "search.bounds.a1", "lo < hi"),
+        ("a1 = [0.1, 0.5]", "a9 = [0.1, 0.5]", "a9", "did you mean"),
+        ('"rotates_fully"', '"rotates"', "rotates", "rotates_fully"),
+    ],
+)
+def test_what_is_wrong_in_a_search_of_a_study_is_said(tmp_path, old, new, key, remedy):
+    path = tmp_path / "study.toml"
+    assert old in STUDY
+    path.write_text(STUDY.replace(old, new))
+    with pytest.raises(fl.InputError) as caught:
+        fl.run_study(path, to=tmp_path / "found.h5")
+    line = next(line for line in str(caught.value).splitlines() if key in line)
+    assert str(path) in line
+    assert remedy in line.partition("; ")[2]
+
+
+def test_options_of_maps_are_refused_for_a_search(tmp_path):
+    path = tmp_path / "study.toml"
+    path.write_text(STUDY)
+    for options in ({"part": "1/2"}, {"layout": "maps"}):
+        with refused(next(iter(options)), "leave it out"):
+            fl.run_study(path, to=tmp_path / "found.h5", **options)
