@@ -108,6 +108,19 @@ def test_error_bounds_cover_a_choice_that_rounding_makes():
     assert (maps.bearing_load_error >= least).where(least.notnull(), True).all()
 
 
+def test_extremes_at_kinks_have_no_derivative():
+    names = ["d_off_right_angle_max_d_a2", "d_off_right_angle_min_d_a2"]
+    names += [f"off_right_angle_{end}{more}" for end in ("max", "min") for more in ("", "_gradient_status")]
+    maps = fl.sweep(mine, DESIGNS, names).isel(design=slice(0, 16))
+    rotates = (maps.status == 0).values
+    kink = (maps.off_right_angle_min_gradient_status.values == 6)[rotates]
+    # a least value of |x| is either 0, at a kink, or that of a place where the slope of x is 0
+    assert ((maps.off_right_angle_min.values[rotates] < 1e-12) == kink).all()
+    assert (np.isnan(maps.d_off_right_angle_min_d_a2.values[rotates]) == kink).all()
+    assert kink.any()
+    assert not (maps.off_right_angle_max_gradient_status == 6).any()
+
+
 def test_labels_tell_what_it_is():
     maps = fl.sweep(mine, LENGTHS, ["cost_max", "bearing_load_rms"], links=LINKS)
     assert maps.cost_max.attrs["long_name"].startswith("Poor transmission, and speed of the output")

@@ -245,7 +245,10 @@ class _ExtremaWriter(PlacesWriter):
         elif self.program.has_bounds:
             text.call(bounds.bound_ends, "state, filled, w, table")
         if self.program.has_gradients:
-            text.call(winners.note_winners, f"state, filled, table, search_{number}, winners, signs")
+            arguments = f"state, filled, table, search_{number}, winners, signs"
+            text.call(winners.note_winners, arguments)
+            if search.kinked and classify is results.extrema_at_zeros:
+                text.call(winners.note_kinks, arguments)
         text.call(results.store_extrema, f"state, filled, table, search_{number}, lists, best")
 
     def write_value(self, number: int) -> None:

@@ -11,13 +11,17 @@ from typing import Any
 from fastlink.catalogue.catalogue import Catalogue, CatalogueError, Fact, System
 from fastlink.facts.names import derivative_name, error_name
 from fastlink.numerics.compiler import syntax
-from fastlink.numerics.vectors import magnitude
+from fastlink.numerics.vectors import absolute, choice, magnitude
 from fastlink.plan.known import find_known_extremes, is_of_known, known_program
 from fastlink.plan.program import ExtremaProgram, ExtremumSearch, Gradient, KnownProgram, Output
 from fastlink.symbolic.asymptotics import asymptotics
 from fastlink.symbolic.derivative import NoDerivative
 
 __all__ = ["extrema_programs", "find_extremum_search"]
+
+
+#: What a user's fact calls where it has kinks.
+KINKS = {absolute.__name__, choice.__name__}
 
 
 def find_extremum_search(
@@ -57,6 +61,7 @@ def find_extremum_search(
         at_limit=graded.reciprocal not in needed and not grade.choice,
         divided=quantity not in graded.cells,
         magnitude=_is_magnitude(next(step for step in steps if quantity in step.names)),
+        kinked=any(map(_may_have_kinks, own)),
         divisors=(divisor,) * power,
         known=find_known_extremes(catalogue, quantity, own, variants),
     )
@@ -67,6 +72,11 @@ def _is_magnitude(step: Fact | System) -> bool:
     result = syntax(step.function).body[-1]
     called = getattr(getattr(result, "value", None), "func", None)
     return isinstance(called, ast.Name) and step.function.__globals__.get(called.id) is magnitude
+
+
+def _may_have_kinks(step: Fact | System) -> bool:
+    """Tell whether a user's fact chooses between values that may meet."""
+    return isinstance(step, Fact) and step.own and not KINKS.isdisjoint(step.function.__code__.co_names)
 
 
 def _steps(

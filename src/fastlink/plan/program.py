@@ -134,6 +134,8 @@ class ExtremumSearch:
         Whether cells are divided whose samples cannot exclude further extrema; the others have none that hide.
     magnitude : bool
         Whether it is the magnitude of a vector: its square is smooth where it comes close to zero.
+    kinked : bool
+        Whether its slope may jump over zero: it chooses the larger of two values, or takes the size of one.
     divisors : tuple of str
         The values other than 1/sigma by whose product the slope is divided.
     onto : str
@@ -160,6 +162,7 @@ class ExtremumSearch:
     at_limit: bool
     divided: bool
     magnitude: bool
+    kinked: bool = False
     divisors: tuple[str, ...] = ()
     onto: str = ""
     jumps: bool = False

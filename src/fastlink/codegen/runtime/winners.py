@@ -12,6 +12,7 @@ from typing import Any
 from fastlink.codegen.runtime.cells import (
     BRANCHES,
     FA,
+    FB,
     HALF,
     IMAGE,
     JUMPS,
@@ -30,6 +31,7 @@ from fastlink.codegen.runtime.cells import (
     UPPER,
     VALUE,
     XB,
+    F,
     X,
     append_item,
     set_bracket,
@@ -51,7 +53,15 @@ from fastlink.numerics.gradient_status import (
 from fastlink.numerics.vectors import magnitude
 
 __all__ = [
-    *("CODE", "WINNER_ROWS", "collect_winners", "forget_winners", "judge_winners", "note_winners"),
+    *(
+        "CODE",
+        "WINNER_ROWS",
+        "collect_winners",
+        "forget_winners",
+        "judge_winners",
+        "note_kinks",
+        "note_winners",
+    ),
     *("settle_jumps", "store_change", "store_gradient", "store_status", "take_gradients"),
 ]
 
@@ -68,6 +78,8 @@ FIRST, SQUARES, COUNT, TERMS = range(4)
 #: The kinds of a jump by a full turn, and of a place where a quotient is divided by almost nothing and has its extreme
 #: beside it; an end of the range has kind 0.
 TURN, NEARLY_POLE = 2.0, 3.0
+# A zero is found to 2^-51 of its place: there a slope without a jump is below this part of that at the bracket's ends.
+KINKED = 2.0**-20
 # Input positions that are nearer are one place; values that differ by less tie.
 SAME, TIE = 2.0**-20, 2.0**-40
 
@@ -125,6 +137,28 @@ def note_winners(s: Any, count: int, table: Any, search: Any, winners: Any, sign
                     )
                 elif high > winners[row + SECOND, column] and not same:
                     winners[row + SECOND, column] = high
+
+
+@outlined
+def note_kinks(s: Any, count: int, table: Any, search: Any, winners: Any, signs: Any) -> None:
+    """Note which of the places kept last are kinks: the slope jumps over zero there; arguments as of `note_winners`."""
+    sides, branches = table[SIDES], table[BRANCHES]
+    for i in range(count):
+        low, high = abs(s[FA, i]), abs(s[FB, i])
+        jumps = abs(s[F, i]) > KINKED * (high if high > low else low)
+        if (s[KIND, i] != s[KIND, i]) | (not jumps):
+            continue
+        branch = int(s[HALF, i]) >> (sides - 1)
+        for mirror in range(2):
+            target = table[MIRROR + branch] if mirror == 1 else table[OWN + branch]
+            if target < 0:
+                continue
+            column = (search[ONTO] * branches + target) * LANES + int(s[LANE, i])
+            theta = s[IMAGE, i] if mirror == 1 else s[THETA, i]
+            for least in range(1 - signs[0], 1 + signs[1]):
+                row = least * WINNER_ROWS
+                if winners[row + PLACE, column] == theta:
+                    winners[row + OF_KIND, column] = NEARLY_POLE
 
 
 @outlined
