@@ -328,7 +328,7 @@ DOORS: list[Door] = [
     Door(
         "best",
         "fl.best($maps, minimise=$minimise, maximise=$maximise, where=$where, top=$top, infinite=$infinite, "
-        "refine=$refine)",
+        "refine=$refine, mechanism=$mechanism)",
         _slots(
             maps=("dataset", "MAPS", "MAPS", DATASETS[-1]),
             minimise=("name", "'omega4_max'", "omega4_max"),
@@ -337,6 +337,7 @@ DOORS: list[Door] = [
             top=("count", "2", "2", "2**64", "10**30", "10**400"),
             infinite=("flag", "False"),
             refine=("flag", "False"),
+            mechanism=("thing", "None", "1.0", "None"),
         ),
         "",
     ),

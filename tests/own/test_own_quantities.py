@@ -146,6 +146,21 @@ def test_a_map_holds_the_text_that_makes_it_again(tmp_path):
     assert "own_quantities" not in fl.sweep(mine, LENGTHS, ["omega4_max"]).attrs
 
 
+def test_the_best_design_is_refined_by_the_extension_of_its_map():
+    space = fl.grid(a1=[0.2, 0.3], a2=[1.0, 1.2], a3=[0.7, 0.9], a4=1.0, omega1=25.0)
+    maps = fl.sweep(mine, space, ["cost_max"], branch=1)
+    wanted = {"minimise": "cost_max", "where": "rotates_fully", "top": 1, "refine": True}
+    found = fl.best(maps, **wanted, mechanism=mine)
+    assert found.cost_max[0] < maps.cost_max.where(maps.status == 0).min()
+    with refused("cost_max", "mechanism="):
+        fl.best(maps, **wanted)
+    for other in (fl.extend("planar_4r"), fl.extend("hart"), "planar_4r"):
+        with refused("mechanism", "extend" if other == "planar_4r" else "extension"):
+            fl.best(maps, **wanted, mechanism=other)
+    with refused("mechanism", "refine=True"):
+        fl.best(maps, minimise="cost_max", mechanism=mine)
+
+
 def test_inputs_that_nothing_depends_on_stay_out():
     maps = fl.sweep(mine, LENGTHS, ["omega4_max"])
     assert maps.identical(fl.sweep("planar_4r", LENGTHS, ["omega4_max"]).assign_attrs(maps.attrs))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import linecache
+import re
 import traceback
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field
@@ -16,7 +17,15 @@ from fastlink.facts.fact import Rule
 from fastlink.own.dimension import WrongDimension, dimension_of_text, units_text
 from fastlink.own.functions import HELPERS
 
-__all__ = ["Definition", "OwnInput", "OwnQuantity", "check_dimension", "definition_text", "function_of"]
+__all__ = [
+    "Definition",
+    "OwnInput",
+    "OwnQuantity",
+    "check_dimension",
+    "declared_names",
+    "definition_text",
+    "function_of",
+]
 
 
 @dataclass(frozen=True)
@@ -135,6 +144,17 @@ def check_dimension(quantity: OwnQuantity, units: Iterable[str]) -> None:
         else:
             remedy = f"declare units={'1' if not any(found) else units_text(found)!r}, or mend the text"
         raise InputError(what, where=(quantity.name,), remedy=remedy)
+
+
+def declared_names(text: str) -> list[str]:
+    r"""Return the names that a text of `definition_text` declares.
+
+    Examples
+    --------
+    >>> declared_names("mine.input('weight', units='1')\n\n@mine.quantity(units='N')\ndef load(F21):")
+    ['weight', 'load']
+    """
+    return ["".join(found) for found in re.findall(r"^def (\w+)|^mine\.input\('(\w+)'", text, re.M)]
 
 
 def definition_text(mechanism: str, definition: Definition) -> str:

@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 import numbers
 import os
-import re
 from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -17,6 +16,7 @@ from fastlink.io.merged import JOINED
 from fastlink.io.parts import PartOfMap
 from fastlink.io.reader import as_map
 from fastlink.maps.flags import flag_counts, flags_of
+from fastlink.own.definition import declared_names
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -220,9 +220,9 @@ def contents(maps: Any) -> str:
 def _contents(dataset: xr.Dataset) -> str:
     attrs, coords = dataset.attrs, {str(name): coord for name, coord in dataset.coords.items()}
     keys = ("title", "mechanism", "input", "study_file", "solver", "source")
-    declared = re.findall(r"^def (\w+)|^mine\.input\('(\w+)'", str(attrs.get("own_quantities", "")), re.M)
+    declared = declared_names(str(attrs.get("own_quantities", "")))
     head = [(in_words(key), str(attrs[key])) for key in keys if key in attrs]
-    head += [("own quantities", ", ".join(map("".join, declared)))] if declared else []
+    head += [("own quantities", ", ".join(declared))] if declared else []
     dims = [(str(dim), _axis(dataset, str(dim), length)) for dim, length in dataset.sizes.items()]
     sampled = [(n, _span(coord)) for n, coord in coords.items() if coord.ndim == 1 and n not in dataset.dims]
     constants = [(n, _of_all(coord)) for n, coord in coords.items() if coord.ndim == 0]

@@ -15,6 +15,8 @@ from fastlink.plan.query import check_names
 if TYPE_CHECKING:
     import xarray as xr
 
+    from fastlink.engine.extending import Extension
+
 __all__ = ["best", "inputs_to_refine"]
 
 
@@ -28,6 +30,7 @@ def best(
     top: int | None = None,
     infinite: bool = False,
     refine: bool | Sequence[str] = False,
+    mechanism: Extension | None = None,
 ) -> xr.Dataset:
     """Find the best designs of a map: by one objective the first few, by several the Pareto front.
 
@@ -54,6 +57,9 @@ def best(
         Go on from these designs, off the grid of the map, by derivatives: within the ranges of its inputs and the
         conditions, changing all inputs that are swept or those that are named. Inputs of a table that lie on a line
         stay there. See docs/design_search.md.
+    mechanism : Extension, optional
+        To refine by quantities of one's own: what `fastlink.extend` returned, with which the map was made. What a map
+        says of them is not run.
 
     Returns
     -------
@@ -91,6 +97,10 @@ def best(
         problems, only, choice = Problems(), None, None
         with problems.at():
             only = inputs_to_refine(refine)
+        if mechanism is not None and only is None:
+            problems.add(
+                "counts for a refinement alone", ("mechanism",), "write refine=True, or leave it out"
+            )
         with problems.at():
             choice = choice_of(dataset, minimise, maximise, where, top=top, infinite=infinite)
         problems.stop()
@@ -102,7 +112,7 @@ def best(
         from fastlink.searching.spans import spans_of
 
         with as_map(dataset) as own:
-            model = Model.of_map(own)
+            model = Model.of_map(own, mechanism)
         spans = spans_of(model.catalogue, own, only)
         refinement = Refinement(own, model, spans, choice.objectives, choice.wanted)
         return refinement.of(chosen(own, choice).load())

@@ -11,6 +11,7 @@ import numpy as np
 
 from fastlink.catalogue.declare import ELIMINATED
 from fastlink.engine.evaluate import evaluate
+from fastlink.engine.extending import check_declared
 from fastlink.engine.function import function
 from fastlink.errors import InputError
 from fastlink.facts.names import derivative_name
@@ -26,6 +27,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from fastlink.catalogue.catalogue import Catalogue
+    from fastlink.engine.extending import Extension
     from fastlink.engine.function import Function
 
 __all__ = ["Model", "Results", "angles_of"]
@@ -43,14 +45,17 @@ class Model:
         Links, input, solver, extrema and angles, as `fastlink.sweep` takes them.
     """
 
-    mechanism: Any
+    mechanism: str | Extension
     options: dict[str, Any]
 
     @classmethod
-    def of_map(cls, maps: xr.Dataset) -> Model:
-        """Return that of a map, by its labels."""
+    def of_map(cls, maps: xr.Dataset, own: Any = None) -> Model:
+        """Return that of a map, by its labels, perhaps with the quantities of a user that it was made with."""
         attrs = maps.attrs
-        mechanism, input = str(attrs.get("mechanism")), attrs.get("input")
+        name, input = str(attrs.get("mechanism")), attrs.get("input")
+        mechanism: str | Extension = name
+        if own is not None:
+            mechanism = check_declared(("mechanism",), own, name, str(attrs.get("own_quantities", "")))
         catalogue = find_catalogue(mechanism, input)
         known = catalogue.known_inputs(catalogue.variant_inputs)
         given = [name for name in known if name in maps.variables]

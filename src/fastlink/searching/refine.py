@@ -121,6 +121,8 @@ class Refinement:
         """Return the name of a variable that is computed anywhere, or refuse it."""
         name, catalogue = str(array.name), self.model.catalogue
         remedy = "name quantities of the mechanism, or leave refine out"
+        if maps.attrs.get("own_quantities"):
+            remedy = "write mechanism=..., what fastlink.extend returned when the map was made, or leave refine out"
         if name in self.inputs and array.dtype.kind != "b":
             return name
         if array.name is None or array.dtype.kind == "b":
