@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from fastlink.diagnostics import accuracy as accuracy
     from fastlink.diagnostics import accuracy_table as accuracy_table
     from fastlink.diagnostics.explain import explain as explain
+    from fastlink.diagnostics.tolerance import tolerance as tolerance
     from fastlink.drawing.draw import draw as draw
     from fastlink.engine.evaluate import evaluate as evaluate
     from fastlink.engine.extending import extend as extend

@@ -16,6 +16,7 @@ from fastlink._version import __version__ as __version__
 from fastlink.diagnostics import accuracy as accuracy
 from fastlink.diagnostics import accuracy_table as accuracy_table
 from fastlink.diagnostics.explain import explain as explain
+from fastlink.diagnostics.tolerance import tolerance as tolerance
 from fastlink.drawing.draw import draw as draw
 from fastlink.engine.extending import Extension
 from fastlink.engine.extending import extend as extend
@@ -102,6 +103,7 @@ __all__ = [
     "summary",
     "sweep",
     "table",
+    "tolerance",
 ]
 
 @overload

@@ -326,6 +326,19 @@ DOORS: list[Door] = [
         "",
     ),
     Door(
+        "tolerance",
+        "fl.tolerance($maps, $quantities, contributions=$contributions, to=$to, overwrite=$overwrite, a1=$a1)",
+        _slots(
+            maps=("dataset", "MAPS", "MAPS", DATASETS[-1]),
+            quantities=("names", "['omega4_max']", "omega4_max", "None"),
+            contributions=("flag", "False"),
+            to=("target", "None", "None"),
+            overwrite=("flag", "False"),
+            a1=("number", "1e-4", "1e-4", "0.0", "'1 %'"),
+        ),
+        "",
+    ),
+    Door(
         "best",
         "fl.best($maps, minimise=$minimise, maximise=$maximise, where=$where, top=$top, infinite=$infinite, "
         "refine=$refine, mechanism=$mechanism)",

@@ -22,6 +22,7 @@ for function in (
     maps.info,
     maps.check,
     maps.best,
+    studies.tolerance,
     maps.convert,
     maps.plot,
     maps.explore,

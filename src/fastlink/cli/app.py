@@ -56,6 +56,7 @@ ELSEWHERE = {
     "new": ("init", "template"),
     "draw": ("animate", "linkage", "sketch"),
     "plot": ("map", "picture", "plot_map"),
+    "tolerance": ("robustness", "sensitivity", "tolerances"),
     "run": ("compute", "evaluate", "run_study", "sweep"),
 }
 

@@ -1,4 +1,4 @@
-"""The commands on studies: run, explain, accuracy."""
+"""The commands on studies: run, explain, accuracy, tolerance."""
 
 from __future__ import annotations
 
@@ -10,9 +10,9 @@ from typing import Annotated, Any
 
 import typer
 
-from fastlink.cli.app import Overwrite, StudyFile, TrustCode, command
+from fastlink.cli.app import Overwrite, StudyFile, TrustCode, by_name, command, text_of
 
-__all__ = ["accuracy", "explain", "run"]
+__all__ = ["accuracy", "explain", "run", "tolerance"]
 
 
 @command
@@ -146,3 +146,50 @@ def accuracy(
     announce = functools.partial(typer.echo, err=True)
     measured = measure(study, designs=designs, outside=outside, announce=announce, **options)
     typer.echo(accuracy_table(measured))
+
+
+@command
+def tolerance(
+    source: Annotated[
+        Path,
+        typer.Argument(metavar="FILE", help="A map, or a study (.toml).", show_default=False),
+    ],
+    tolerances: Annotated[
+        list[str] | None,
+        typer.Argument(
+            metavar="INPUT=T...",
+            help="Of each input, in its unit or in per cent: a1=1e-4 a2=0.1%.",
+            show_default=False,
+        ),
+    ] = None,
+    *,
+    quantities: Annotated[
+        str | None,
+        typer.Option("--quantities", metavar="A,B", help="Results; all that change if left out."),
+    ] = None,
+    contributions: Annotated[
+        bool, typer.Option("--contributions", help="Add the change by each input alone.")
+    ] = False,
+    to: Annotated[Path | None, typer.Option("--to", metavar="FILE", help="Write a map of it.")] = None,
+    overwrite: Overwrite = False,
+) -> None:
+    """Tell what manufacturing tolerances do to the results of a map or a study.
+
+    For instance: fastlink tolerance best.h5 a1=1e-4 a2=0.1% --contributions
+    """
+    from fastlink.diagnostics.tolerance import tolerance as found_by
+    from fastlink.report.tolerances import changes_listed
+
+    given = by_name(tolerances or [], "tolerances", "INPUT=T", {"a1": 1e-4}, _number_or_text)
+    names = None if quantities is None else [name.strip() for name in quantities.split(",")]
+    options: dict[str, Any] = {"contributions": contributions, "to": to, "overwrite": overwrite}
+    with found_by(source, names, **options, **given) as found:
+        typer.echo(changes_listed(found))
+
+
+def _number_or_text(text: str) -> float | str | None:
+    """Return a value that is a number as one."""
+    try:
+        return float(text)
+    except ValueError:
+        return text_of(text)

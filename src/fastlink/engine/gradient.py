@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from fastlink.engine.resolve import ResolvedSweep
     from fastlink.plan.query import Request
 
-__all__ = ["WithGradient"]
+__all__ = ["WithGradient", "derivative_of"]
 
 
 class WithGradient:
@@ -111,7 +111,7 @@ def _names_of(resolved: ResolvedSweep, inputs: Sequence[str]) -> dict[str, tuple
                 what = f"quantity {output.name!r} has no derivatives by the inputs"
                 raise InputError(what, remedy="leave it out, or take a function of the others")
             for j, by in enumerate(inputs):
-                name = _derivative(output.request, by, catalogue.position.name)
+                name = derivative_of(output.request, by, catalogue.position.name)
                 parse_request(name, catalogue)
                 at_one = derivative_name(output.request.quantity, by)
                 catalogue.public_fact(at_one)  # codes have none
@@ -124,7 +124,7 @@ def _names_of(resolved: ResolvedSweep, inputs: Sequence[str]) -> dict[str, tuple
     return names
 
 
-def _derivative(request: Request, by: str, position: str) -> str:
+def derivative_of(request: Request, by: str, position: str) -> str:
     """Return the name of the derivative of a requested quantity or reduction."""
     of: Any = Quantity(request.quantity)
     if request.reduction is not None:

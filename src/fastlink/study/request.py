@@ -9,14 +9,16 @@ from typing import TYPE_CHECKING, Any
 
 from fastlink.engine.checks import check
 from fastlink.engine.resolve import resolve
+from fastlink.engine.tolerances import given_tolerances
 from fastlink.errors import InputError, Problems
 from fastlink.plan.positions import check_keywords
 from fastlink.space.degrees import degrees_name
 from fastlink.space.links import MODELS, Links
 from fastlink.space.samplers import grid, latin_hypercube, sobol, table
-from fastlink.study.schema import KEEP, KEYS, REQUIRED, SAMPLES
+from fastlink.study.schema import KEEP, KEYS, REQUIRED, SAMPLES, TOLERANCES
 from fastlink.study.search import request_of_search, searched_space
 from fastlink.study.wording import StudyWording
+from fastlink.symbolic.changes import toleranced
 
 if TYPE_CHECKING:
     from fastlink.catalogue.catalogue import Catalogue
@@ -182,5 +184,10 @@ class Request:
                     if name in space.names:
                         what = f"gives {name}, which stands in [design] too"
                         problems.add(what, ("design", kind), "write it once")
+        given = given_tolerances(self.catalogue, self.tables.get(TOLERANCES, {}), TOLERANCES, problems)
+        for name in given:
+            if name in space.names or name in constants:
+                of = (TOLERANCES, toleranced(name.removesuffix("_deg")))
+                problems.add(f"is given, and so is {name} in [design]", of, "write it once")
         problems.stop()
-        return searched_space(space.with_constants(constants), self.tables.get("search", {}))
+        return searched_space(space.with_constants(constants | given), self.tables.get("search", {}))

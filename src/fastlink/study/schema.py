@@ -16,7 +16,7 @@ from fastlink._text import short_repr
 from fastlink.errors import KeyPath, Problem, path_text, suggest
 from fastlink.mechanisms import NAMES
 
-__all__ = ["A_STUDY", "KEEP", "KEYS", "SAMPLES", "read_tables"]
+__all__ = ["A_STUDY", "KEEP", "KEYS", "SAMPLES", "TOLERANCES", "read_tables"]
 
 #: The remedy of those who have no study yet.
 A_STUDY = (
@@ -181,12 +181,15 @@ class StudyFile(BaseModel, extra="forbid"):
     quantities: Annotated[list[Name], Write('a list of names, such as ["omega4_max"]')]
     design: Design
     links: Links | None = None
+    tolerances: dict[String, Any] | None = None
     cycle: Cycle | None = None
     run: Run | None = None
     search: Search | None = None
     output: Output | None = None
 
 
+#: The table of tolerances, by the names of inputs.
+TOLERANCES = "tolerances"
 #: The tables of options, and their keys.
 KEYS = {
     "cycle": Cycle.model_fields,
