@@ -172,6 +172,7 @@ def tolerance(
     ] = False,
     to: Annotated[Path | None, typer.Option("--to", metavar="FILE", help="Write a map of it.")] = None,
     overwrite: Overwrite = False,
+    trust_code: TrustCode = False,
 ) -> None:
     """Tell what manufacturing tolerances do to the results of a map or a study.
 
@@ -183,6 +184,7 @@ def tolerance(
     given = by_name(tolerances or [], "tolerances", "INPUT=T", {"a1": 1e-4}, _number_or_text)
     names = None if quantities is None else [name.strip() for name in quantities.split(",")]
     options: dict[str, Any] = {"contributions": contributions, "to": to, "overwrite": overwrite}
+    options["trust_code"] = trust_code
     with found_by(source, names, **options, **given) as found:
         typer.echo(changes_listed(found))
 

@@ -17,10 +17,12 @@ from fastlink.engine.resolve import resolve
 from fastlink.engine.sweep import sweep
 from fastlink.engine.tolerances import given_tolerances
 from fastlink.errors import InputError, Problems
+from fastlink.facts.names import Change, Quantity
 from fastlink.io.reader import as_map
 from fastlink.mechanisms import catalogue as find_catalogue
 from fastlink.options import check_switch
 from fastlink.plan.query import check_names, parse_request
+from fastlink.report.tolerances import CONTRIBUTION, TOLERANCED
 from fastlink.searching.model import Model
 from fastlink.space.design_space import BRANCH, DESIGN
 from fastlink.space.links import MODELS
@@ -32,14 +34,12 @@ if TYPE_CHECKING:
     import xarray as xr
 
     from fastlink.catalogue.catalogue import Catalogue
+    from fastlink.engine.extending import Extension
     from fastlink.space.design_space import DesignSpace
 
 __all__ = ["tolerance"]
 
 HOWS = ("worst", "rss")
-#: The dimension of contributions, along the inputs that have tolerances.
-TOLERANCED = "toleranced"
-CONTRIBUTION = "contribution"
 
 
 @dataclass(frozen=True)
@@ -48,7 +48,7 @@ class Subject:
 
     Attributes
     ----------
-    mechanism : str
+    mechanism : str or Extension
         Its mechanism.
     space : DesignSpace
         Its designs.
@@ -60,7 +60,7 @@ class Subject:
         The assembly mode of each design, where each has one of its own.
     """
 
-    mechanism: str
+    mechanism: str | Extension
     space: DesignSpace
     options: dict[str, Any]
     names: list[str]
@@ -87,9 +87,9 @@ class Subject:
         return cls(model.mechanism, space, model.options | options, list(map(str, maps.data_vars)), rows)
 
     @classmethod
-    def of_study(cls, path: Any) -> Subject:
+    def of_study(cls, path: Any, trust_code: bool) -> Subject:
         """Return that of a study."""
-        study = read_study(path)
+        study = read_study(path, trust_code)
         return cls(study.mechanism, study.space, dict(study.options), study.quantities)
 
 
@@ -102,6 +102,7 @@ def tolerance(
     to: str | Path | None = None,
     overwrite: bool = False,
     progress: bool | None = None,
+    trust_code: bool = False,
     **tolerances: Any,
 ) -> xr.Dataset:
     """Tell what manufacturing tolerances do to the results of a map or a study.
@@ -123,6 +124,8 @@ def tolerance(
         The HDF5 file to write; without it the result stays in memory.
     overwrite, progress
         As in `fastlink.sweep`.
+    trust_code : bool, default False
+        Run the Python file of quantities that a study names, as in `fastlink.run_study`.
     **tolerances : float or str
         For each input how far it may be off, in its own unit, ``F_deg=0.1`` in degrees, or as a text in per cent of its
         value, such as ``a1="0.1 %"``. What a map has of tolerances already stays unless it is given.
@@ -162,7 +165,7 @@ def tolerance(
         names = None if quantities is None else check_names("quantities", quantities)
     with problems.at():
         if isinstance(maps, (str, os.PathLike)) and Path(maps).suffix.lower() == ".toml":
-            subject = Subject.of_study(maps)
+            subject = Subject.of_study(maps, trust_code)
         else:
             with as_map(maps) as dataset:
                 subject = Subject.of_map(dataset)
@@ -170,7 +173,7 @@ def tolerance(
     assert subject is not None
     subject = replace(subject, space=_with_tolerances(subject, tolerances))
     names = _checked(subject, names) if names is not None else _that_change(subject)
-    wanted = [name for of in names for name in (of, *(f"{of}_{how}_change" for how in HOWS))]
+    wanted = [name for of in names for name in (of, *(_change(of, how) for how in HOWS))]
     slopes = _slopes(subject, names) if contributions else {}
     further = [name for of in slopes.values() for name in of.values()]
     asked = list(dict.fromkeys([*wanted, *further]))
@@ -180,6 +183,11 @@ def tolerance(
     if subject.rows is None or to is not None:
         return found
     return _of_rows(found, subject.rows)
+
+
+def _change(name: str, how: str = "worst") -> str:
+    """Return the name of the change of a result."""
+    return str(Change(Quantity(name), how))
 
 
 def _with_tolerances(subject: Subject, tolerances: Mapping[str, Any]) -> DesignSpace:
@@ -203,7 +211,7 @@ def _checked(subject: Subject, names: tuple[str, ...]) -> tuple[str, ...]:
     for k, name in enumerate(names):
         with problems.at("quantities", k):
             parse_request(name, subject.catalogue)
-            changed = parse_request(f"{name}_worst_change", subject.catalogue)
+            changed = parse_request(_change(name), subject.catalogue)
             subject.catalogue.public_fact(changed.quantity)  # codes have none
     problems.stop()
     return names
@@ -214,8 +222,8 @@ def _that_change(subject: Subject) -> tuple[str, ...]:
     found = []
     for name in subject.names:
         try:
-            parse_request(f"{name}_worst_change", subject.catalogue)
-            resolve(subject.mechanism, subject.space, [f"{name}_worst_change"], **subject.options)
+            parse_request(_change(name), subject.catalogue)
+            resolve(subject.mechanism, subject.space, [_change(name)], **subject.options)
         except InputError:
             continue
         found.append(name)
@@ -228,9 +236,7 @@ def _that_change(subject: Subject) -> tuple[str, ...]:
 
 def _slopes(subject: Subject, names: Sequence[str]) -> dict[str, dict[str, str]]:
     """Return for each result its derivatives, by the inputs that have tolerances."""
-    request = resolve(
-        subject.mechanism, subject.space, [f"{name}_worst_change" for name in names], **subject.options
-    )
+    request = resolve(subject.mechanism, subject.space, [_change(name) for name in names], **subject.options)
     catalogue, plan = request.catalogue, request.plan
     found: dict[str, dict[str, str]] = {}
     for name in names:

@@ -7,14 +7,15 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from fastlink._text import aligned, counted, short_number
+from fastlink.facts.names import Change, GradientStatus, Quantity
 
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["changes_listed"]
+__all__ = ["CONTRIBUTION", "TOLERANCED", "changes_listed"]
 
-WORST, RSS, STATUS, CONTRIBUTION = "_worst_change", "_rss_change", "_gradient_status", "_contribution"
-TOLERANCED = "toleranced"
+#: What `fastlink.tolerance` calls the changes by each input, and their dimension.
+CONTRIBUTION, TOLERANCED = "contribution", "toleranced"
 
 
 def changes_listed(found: xr.Dataset) -> str:
@@ -25,23 +26,28 @@ def changes_listed(found: xr.Dataset) -> str:
     found : xarray.Dataset
         Of `fastlink.tolerance`.
     """
-    names = [str(name).removesuffix(WORST) for name in found.data_vars if str(name).endswith(WORST)]
+    names = [str(name) for name in found.data_vars if _change(str(name), "worst") in found.data_vars]
     inputs = [str(name) for name in found[TOLERANCED].values] if TOLERANCED in found.dims else []
     one = all(found[name].size == 1 for name in names)
     head = ["", "", "value", "worst change", *([] if one else ["greatest"]), "rss change"]
     rows = [[*head, *(f"by {name}" for name in inputs), "flagged"]]
     for name in names:
-        worst, rss = found[f"{name}{WORST}"], found[f"{name}{RSS}"]
+        worst, rss = found[_change(name, "worst")], found[_change(name, "rss")]
         row = [name, found[name].attrs.get("units", ""), _median(found[name]), _median(worst)]
         row += [] if one else [short_number(_greatest(worst.values))]
         row.append(_median(rss))
         for of in inputs:
-            part = found[f"{name}{CONTRIBUTION}"].sel({TOLERANCED: of})
+            part = found[f"{name}_{CONTRIBUTION}"].sel({TOLERANCED: of})
             row.append(_median(part if one else abs(part)))
         rows.append([*row, _flagged(found, name)])
     sizes = max((found[name].size for name in names), default=0)
     about = "" if one else f"medians of {counted(sizes, 'value')}, and the greatest worst change\n"
     return about + aligned(rows, right=2)
+
+
+def _change(name: str, how: str) -> str:
+    """Return the name of the change of a result."""
+    return str(Change(Quantity(name), how))
 
 
 def _median(array: xr.DataArray) -> str:
@@ -58,7 +64,7 @@ def _greatest(values: Any) -> float:
 
 def _flagged(found: xr.Dataset, name: str) -> str:
     """Return how many derivatives of a result are none or one-sided, as text."""
-    if (status := f"{name}{STATUS}") not in found.variables:
+    if (status := str(GradientStatus(Quantity(name)))) not in found.variables:
         return "-"
     codes = found[status].values
     flags = found[status].attrs
