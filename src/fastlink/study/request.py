@@ -163,7 +163,7 @@ class Request:
         entries = {name: value for name, value in design.items() if name not in (*SAMPLES, KEEP)}
         constants = {name: value for name, value in entries.items() if isinstance(value, float)}
         swept = [name for name in entries if name not in constants]
-        kinds = [name for name in SAMPLES if name in design]
+        kinds, space = [name for name in SAMPLES if name in design], None
         if len(kinds) + bool(swept) > 1:
             both = [*kinds, *([f"axes ({', '.join(swept)})"] if swept else [])]
             problems.add(f"has {' and '.join(both)}", ("design",), "write one of them, beside constants")
@@ -184,10 +184,15 @@ class Request:
                     if name in space.names:
                         what = f"gives {name}, which stands in [design] too"
                         problems.add(what, ("design", kind), "write it once")
-        given = given_tolerances(self.catalogue, self.tables.get(TOLERANCES, {}), TOLERANCES, problems)
-        for name in given:
-            if name in space.names or name in constants:
-                of = (TOLERANCES, toleranced(name.removesuffix("_deg")))
-                problems.add(f"is given, and so is {name} in [design]", of, "write it once")
+        given = self._tolerances({*design, *(() if space is None else space.names)}, problems)
         problems.stop()
+        assert space is not None
         return searched_space(space.with_constants(constants | given), self.tables.get("search", {}))
+
+    def _tolerances(self, in_design: set[str], problems: Problems) -> dict[str, float]:
+        """Return the table of tolerances by the names that they have in a design, where they may stand too."""
+        given = given_tolerances(self.catalogue, self.tables.get(TOLERANCES, {}), TOLERANCES, problems)
+        for name in in_design & given.keys():
+            of = (TOLERANCES, toleranced(name.removesuffix("_deg")))
+            problems.add(f"is given, and so is {name} in [design]", of, "write it once")
+        return given
