@@ -27,6 +27,8 @@ CROWD = LinearSegmentedColormap.from_list("crowd", ["#cfd8e6", "#7f9cc0", "#2f5d
 FAINT = LinearSegmentedColormap.from_list("faint", ["#e4e4e4", "#8c8c8c"])
 LETTERS = 46
 MIDDLE = 50.0
+#: Marks of a front that are so many have no rims.
+MANY = 400
 
 
 def draw_scatter(cloud: Cloud, front: Any = None) -> Any:
@@ -160,9 +162,10 @@ def _mark(axis: Any, points: Any, joined: bool) -> None:
     """Mark the rows of a front."""
     look = _dots(True) | ({} if joined else {"linestyle": "none"})
     order = np.argsort(points[0])
-    axis.plot(
-        *points[:, order], **look | {"markersize": 4, "markeredgecolor": "white", "markeredgewidth": 0.4}
-    )
+    rim = {"markeredgecolor": "white", "markeredgewidth": 0.4, "markersize": 4.0}
+    if points.shape[1] > MANY:  # rims of neighbours would cover all that is between them
+        rim = {"markeredgewidth": 0.0, "markersize": 3.0}
+    axis.plot(*points[:, order], **look | rim)
 
 
 def _code_legend(axis: Any, column: Column, values: Any) -> None:
