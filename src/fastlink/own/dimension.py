@@ -55,7 +55,7 @@ class Dimension:
         return _Functions()
 
     def _like(self, other: Any, doing: str) -> Dimension:
-        if isinstance(other, float) and (other == 0.0 or other != other):
+        if isinstance(other, int | float) and (other == 0 or other != other):
             return self
         if (powers := _powers(other)) != self.powers:
             raise WrongDimension(f"{doing} {units_text(self.powers)} and {units_text(powers)}")
