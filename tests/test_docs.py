@@ -24,6 +24,8 @@ from tests.support.commands import code_blocks, run_command
 
 ROOT = Path(__file__).parents[1]
 README = (ROOT / "README.md").read_text()
+#: Its sections are run where their libraries are installed.
+OTHERS = ROOT / "docs" / "how_to" / "search_with_other_libraries.md"
 DOCUMENTS = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", *sorted((ROOT / "docs").rglob("*.md"))]
 
 
@@ -56,13 +58,24 @@ def test_examples_of_guarded_functions_are_found():
     assert "fastlink.engine.sweep.sweep" in [found.name for found in examples_of("fastlink.engine.sweep")]
 
 
-@pytest.mark.parametrize("document", DOCUMENTS, ids=lambda path: path.name)
+@pytest.mark.parametrize("document", [d for d in DOCUMENTS if d != OTHERS], ids=lambda path: path.name)
 def test_the_examples_of_the_documents(document, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     result = doctest.testfile(str(document), module_relative=False, encoding="utf-8")
     assert result.failed == 0
     if document.name in ("start.md", "design_search.md") or document.parent.name == "how_to":
         run_commands("".join(code_blocks(document.read_text(), "sh")))
+
+
+@pytest.mark.parametrize("library", ["pymoo", "emcee", "JAX"])
+def test_examples_with_other_libraries(library):
+    pytest.importorskip(library.lower())
+    (section,) = [
+        part for part in OTHERS.read_text().split("\n## ") if part.splitlines()[0].endswith(f"({library})")
+    ]
+    example = doctest.DocTestParser().get_doctest(section, {}, library, str(OTHERS), 0)
+    assert len(example.examples) >= 10
+    assert doctest.DocTestRunner().run(example).failed == 0
 
 
 def run_commands(lines):
