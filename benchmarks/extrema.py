@@ -104,6 +104,24 @@ def known(n=BLOCK, rounds=12):
     return facts
 
 
+def gradients(n=BLOCK, rounds=12, quantities=("omega4", "alpha4", "T41", "transmission_angle", "theta4")):
+    """The greatest value with its derivatives by four lengths against it alone."""
+    facts = []
+    for family in ("crank", "non-Grashof"):
+        x = draw(family, n)
+        for quantity in quantities:
+            alone = [f"{quantity}_max"]
+            more = [*alone, *(f"d_{quantity}_max_d_a{k}" for k in (1, 2, 3, 4))]
+            best = race({"alone": together(bind(alone, x)), "more": together(bind(more, x))}, rounds)
+            of = f"{quantity}_max and its derivatives by four lengths, {family}"
+            known = PLANAR.graded is not None and quantity in PLANAR.graded.known
+            facts.append((of, 1e9 * best["more"] / n, "ns a design", ""))
+            facts.append(
+                (f"{of} / the value alone", best["more"] / best["alone"], "", "" if known else "<= 1.3")
+            )
+    return facts
+
+
 def against_c(n=BLOCK, rounds=12):
     """Every extreme of omega4 against C."""
     facts = []
@@ -235,9 +253,9 @@ def measure(quick=False, log=lambda text: None):
     if quick:
         few = ("omega4",)
         facts = times(64, 1, few) + against_c(64, 1) + error(2, 36, few) + missed(64, ("crank",), ("alpha4",))
-        return facts + known(64, 1) + against_scipy(2, 1) + derivative(8, 64, 1)
+        return facts + known(64, 1) + gradients(64, 1, few) + against_scipy(2, 1) + derivative(8, 64, 1)
     facts = []
-    for part in (times, known, against_c, error, missed, against_scipy, derivative):
+    for part in (times, known, gradients, against_c, error, missed, against_scipy, derivative):
         log(f"extrema: {part.__name__}")
         facts += part()
     return facts

@@ -11,6 +11,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+from fastlink.codegen.known_gradients import write_gradients
 from fastlink.codegen.runtime.cells import LANES
 from fastlink.codegen.schedule import needed_steps
 from fastlink.codegen.source import Array, Source, Text, paste_fact
@@ -21,7 +22,7 @@ if TYPE_CHECKING:
     from fastlink.facts.fact import KnownExtremes
     from fastlink.plan.program import ExtremumSearch, KnownProgram, Output
 
-__all__ = ["write_known"]
+__all__ = ["KnownWriter", "write_known"]
 
 #: The labels of the ends of the range, the lower one first.
 ENDS = ("low", "high")
@@ -35,18 +36,29 @@ class Half:
     side: int
     mirrored: bool
 
+    @property
+    def endings(self) -> dict[str, str]:
+        """The endings of names of values that depend on the branch and on the side."""
+        return {"branch": str(self.branch), "side": str(int(self.side > 0))}
+
 
 @dataclass(frozen=True)
 class Candidate:
-    """Kernel text of a value that may be the greatest or the least, of its input position and error bound."""
+    """Kernel text of a value that may be the greatest or the least, of its input position and error bound.
+
+    `at` is the place in a half, `kind` is 1 for a zero of the slope, 0 for an end of the range, 2 for a jump.
+    """
 
     greatest: str
     least: str
     place: str
     bound: str
+    at: str
+    half: Half
+    kind: str
 
 
-class _KnownWriter:
+class KnownWriter:
     """One kernel while it is written."""
 
     def __init__(self, program: KnownProgram) -> None:
@@ -70,7 +82,8 @@ class _KnownWriter:
                 for output in self.program.outputs:
                     for k, branch in enumerate(self.program.branches):
                         row = self.rows[f"{output.name}__{branch}"]
-                        text.add(f"out_{output.name}[i0 + i, {k}] = w[{row}, i]")
+                        value = f"int(w[{row}, i])" if output.request.is_status else f"w[{row}, i]"
+                        text.add(f"out_{output.name}[i0 + i, {k}] = {value}")
         return text.source(self.program, [Array("w", "float64", (len(self.rows), LANES))])
 
     # -- values at places --------------------------------------------------------------------------
@@ -88,23 +101,26 @@ class _KnownWriter:
         for branch in self.program.catalogue.branches:
             text.add(f"branch__{branch} = {branch}.0")
 
-    def suffix(self, name: str, place: str, half: Half) -> str:
+    def suffix(self, name: str, place: str, endings: Mapping[str, str]) -> str:
         """Return the ending of the name of a value at a place of a half."""
         axes = self.program.axes[name]
-        parts = (("place", place), ("branch", half.branch), ("side", int(half.side > 0)))
-        return "".join(f"__{part}" for axis, part in parts if axis in axes)
+        return "".join(f"__{part}" for axis, part in {"place": place, **endings}.items() if axis in axes)
 
     def values(self, names: Sequence[str], place: str, half: Half) -> Iterator[str]:
         """Write values at a place of a half, as far as they are not known, and yield their names."""
         self.write_place(place)
+        yield from self.values_at(names, place, half.endings)
+
+    def values_at(self, names: Sequence[str], place: str, endings: Mapping[str, str]) -> Iterator[str]:
+        """Write values at a place that is written, and yield their names."""
         lane_steps = [step for step in self.steps if not self.program.axes[step.name] <= {"design"}]
         for step in needed_steps(lane_steps, names):
-            suffix = self.suffix(step.name, place, half)
+            suffix = self.suffix(step.name, place, endings)
             if step.name + suffix not in self.written:
                 self.written.add(step.name + suffix)
-                known = [name + self.suffix(name, place, half) for name in step.depends_on]
+                known = [name + self.suffix(name, place, endings) for name in step.depends_on]
                 paste_fact(step, known, suffix, self.text)
-        yield from (name + self.suffix(name, place, half) for name in names)
+        yield from (name + self.suffix(name, place, endings) for name in names)
 
     def write_place(self, place: str) -> None:
         """Write the distances of a place from the lower and the upper end, over the width."""
@@ -120,13 +136,23 @@ class _KnownWriter:
             text.add(f"x__{place} = {f'abs({first})' if beside else f'-{first} if {first} < 0.0 else 0.0'}")
         else:
             text.add(f"x__{place} = 1.0 / {place} if {upper} else {place}")
+        self.write_parts(place, {"low": "", "high": "always"}.get(end, upper), (low, high))
+
+    def write_parts(self, place: str, upper: str, names: tuple[str, str]) -> None:
+        """Write the distances of a place from both ends; `upper` is where its position counts from the upper one."""
+        text = self.text
         text.add(f"square__{place} = x__{place} * x__{place}")
         text.add(f"rest__{place} = 1.0 / (1.0 + square__{place})")
         text.add(f"part__{place} = square__{place} * rest__{place}")
-        for name, of_lower, of_upper in ((low, "part", "rest"), (high, "rest", "part")):
+        for name, of_lower, of_upper in ((names[0], "part", "rest"), (names[1], "rest", "part")):
             lower, higher = f"{of_lower}__{place}", f"{of_upper}__{place}"
-            chosen = {"low": lower, "high": higher}.get(end, f"{higher} if {upper} else {lower}")
+            chosen = {"": lower, "always": higher}.get(upper, f"{higher} if {upper} else {lower}")
             text.add(f"{name}__{place} = {chosen}")
+
+    def is_upper(self, place: str) -> str:
+        """Return kernel text that is 1 where the position of a place is counted from the upper end, else 0."""
+        end = place.removesuffix("_beside")
+        return {"low": "0.0", "high": "1.0"}.get(end, f"(1.0 if {place} > 1.0 else 0.0)")
 
     # -- what may be extreme -----------------------------------------------------------------------
 
@@ -157,7 +183,8 @@ class _KnownWriter:
                 self.text.use("numerics.elementary", "PI")
                 name = self.bind(f"jump__{place}", f"PI if ({place} > 0.0) & ({place} < inf) else nan")
                 found.append(name)
-                yield Candidate(name, f"-{name}", self.place(place, half), self.bound_of_jump())
+                place_of = self.place(place, half)
+                yield Candidate(name, f"-{name}", place_of, self.bound_of_jump(), place, half, "2.0")
         none = " & ".join(f"({name} != {name})" for name in dict.fromkeys(found))
         for half in halves:
             for end, (_, first, _) in zip(ENDS, self.program.graded.ends, strict=True):
@@ -172,7 +199,15 @@ class _KnownWriter:
         sign = "-" if half.mirrored and search.parity < 0 else ""
         text = f"{sign}{value} if {counts} else nan" if counts else f"{sign}{value}"
         name = self.bind(f"value__{label}", text)
-        return Candidate(name, name, self.place(place, half), self.bound(search, place, half, label))
+        end, kind = place.removesuffix("_beside"), "1.0"
+        if end in ENDS:
+            first = self.program.graded.ends[ENDS.index(end)][1]
+            kind = "0.0"
+            if self.program.has_gradients and search.known is not None and not search.known.places:
+                (slope,) = self.values([search.slope], place, half)  # not a number where nothing can move
+                kind = f"(1.0 if ({first} == 0.0) & ({slope} == {slope}) else 0.0)"
+        bound = self.bound(search, place, half, label)
+        return Candidate(name, name, self.place(place, half), bound, place, half, kind)
 
     def apart_from_folds(self, place: str) -> str:
         """Write whether a place is another one than a fold at an end of the range, which no search finds."""
@@ -238,14 +273,20 @@ class _KnownWriter:
         candidates = list(self.candidates(search, branch))
         for sign in (1, -1):
             outputs = [o for o in own if o.request.reduction is not None and o.request.reduction.sign == sign]
-            if outputs:
-                self.write_extreme(candidates, outputs, sign, f"{search.quantity}__{branch}")
-                for output in outputs:
+            if values := [output for output in outputs if not output.request.is_of_gradient]:
+                self.write_extreme(candidates, values, sign)
+                for output in values:
                     self.store(output, branch)
+            if gradients := [output for output in outputs if output.request.is_of_gradient]:
+                found = write_gradients(
+                    self, search, candidates, sign, f"{search.quantity}__{branch}__{sign > 0:d}"
+                )
+                for output in gradients:
+                    request = output.request
+                    key = (request.by, request.is_position)
+                    self.keep(output, branch, found["" if request.is_status else key])
 
-    def write_extreme(
-        self, candidates: Iterable[Candidate], outputs: Sequence[Output], sign: int, label: str
-    ) -> None:
+    def write_extreme(self, candidates: Iterable[Candidate], outputs: Sequence[Output], sign: int) -> None:
         """Write which of the candidates is the greatest or the least, with what is requested of it."""
         text, better = self.text, ">" if sign > 0 else "<"
         placed, bounded = (
@@ -273,10 +314,14 @@ class _KnownWriter:
         """Write one result into its row."""
         request = output.request
         value = "place" if request.is_position else "bound" if request.is_error else "best"
+        self.keep(output, branch, f"nan if none else {value}")
+
+    def keep(self, output: Output, branch: int, value: str) -> None:
+        """Write a value into the row of a result."""
         row = self.rows.setdefault(f"{output.name}__{branch}", len(self.rows))
-        self.text.add(f"w[{row}, i] = nan if none else {value}")
+        self.text.add(f"w[{row}, i] = {value}")
 
 
 def write_known(program: KnownProgram) -> Source:
     """Return the text of the kernel, and what it is called with."""
-    return _KnownWriter(program).write()
+    return KnownWriter(program).write()

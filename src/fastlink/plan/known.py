@@ -31,10 +31,10 @@ def find_known_extremes(
 
 
 def is_of_known(output: Output, searches: Iterable[ExtremumSearch]) -> bool:
-    """Tell whether a result is one of extremes that are known: lists and derivatives of extremes are searched."""
+    """Tell whether a result is one of extremes that are known: lists and changes by tolerances are searched."""
     request = output.request
     own = any(search.known is not None for search in searches if search.quantity == request.quantity)
-    return own and request.can_be_refined and not request.is_of_gradient
+    return own and request.can_be_refined and not request.change
 
 
 def known_program(
@@ -59,11 +59,14 @@ def known_program(
     graded = catalogue.graded
     assert graded is not None
     names = [name for end in graded.ends for name in end[1:]]
-    if any(output.request.is_position for output in outputs):
+    if any(output.request.is_position or output.request.is_of_gradient for output in outputs):
         names.append(catalogue.position.name)
     for search in searches:
         assert search.known is not None
         names += [search.quantity, *search.known.facts, *search.bounded_by]
+        names += [name for gradient in search.gradients for name in gradient.names]
+        if any(output.request.is_of_gradient for output in outputs) and not search.known.places:
+            names.append(search.slope)
         if search.bounded_by:
             names += [error_name(end[2]) for end in graded.ends]
     steps = steps_of(dict.fromkeys(names))
