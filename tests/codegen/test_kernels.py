@@ -10,7 +10,7 @@ from tests.support.configurations import PLANAR
 
 import fastlink as fl
 from fastlink.catalogue.catalogue import Catalogue, Input
-from fastlink.codegen.kernel import kernel_of
+from fastlink.codegen.kernel import kernel_of, llvm_text
 from fastlink.engine.evaluate import evaluate
 from fastlink.mechanisms import NAMES, catalogue
 from fastlink.plan.plan import make_plan
@@ -115,3 +115,14 @@ def test_a_fact_may_need_the_branch_itself(lanes):
     scratch = (np.empty(array.lengths(40)) for array in kernel.source.scratch)
     kernel.compiled()(designs, angles, 2, 40, *scratch, found)
     np.testing.assert_array_equal(found, [[3.0 + np.arange(40.0), 6.0 + np.arange(40.0)]] * 2)
+
+
+@pytest.mark.parametrize(
+    "names",
+    [["theta4_extrema"], ["alpha4_extrema", "alpha4_extrema_error", "d_alpha4_max_d_a2"], ["theta4_max_error"]],
+    ids=",".join,
+)  # fmt: skip
+def test_kernels_of_extremes_are_translated(names):
+    """By our own translator: numba takes a minute for one, and makes it several times slower."""
+    for program in make_plan(PLANAR, names, given=list(PLANAR.inputs)).programs:
+        llvm_text(kernel_of(program).source)  # or `Refused`

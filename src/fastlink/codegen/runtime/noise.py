@@ -69,6 +69,8 @@ TRIALS, FIRST_STEP, NEXT_STEP, MARGIN = 4, 2.0**-20, 2.0**-8, 8.0
 #: change by so much.
 DISTANCES, POSITIONS, FIRST_DISTANCE, NEXT_DISTANCE, APART, CHANGE = 6, 4, 0.5, 2.0**-6, 2.0**-4, 0.3125
 SLOPES = DISTANCES * 2 * POSITIONS
+#: Whose number is one of so many bits, then comes that of the side, as kernels divide by powers of two alone.
+BITS, LAST = 2, POSITIONS - 1
 # How near a fold, in x, rounding is measured: farther away quantities are no small differences of great numbers.
 NEAR = 2.0**-10
 
@@ -96,10 +98,10 @@ def count_folded(s: Any, count: int, w: Any, table: Any) -> int:
 def place_slope(s: Any, count: int, k: int) -> None:
     """Put items near a fold at the k-th position at which the slope is compared."""
     distance = FIRST_DISTANCE
-    for _ in range(k // (2 * POSITIONS)):
+    for _ in range(k >> (BITS + 1)):
         distance = NEXT_DISTANCE * distance
-    away = distance * (1.0 + APART * (k % POSITIONS))
-    times = 1.0 + away if (k // POSITIONS) % 2 == 1 else 1.0 / (1.0 + away)
+    away = distance * (1.0 + APART * (k & LAST))
+    times = 1.0 + away if (k >> BITS) & 1 == 1 else 1.0 / (1.0 + away)
     for i in lanes(padded(count)):
         s[X, i] = s[SAVED, i] * times if s[NOISE, i] > 0.0 else s[SAVED, i]
 
@@ -107,7 +109,7 @@ def place_slope(s: Any, count: int, k: int) -> None:
 @outlined
 def keep_slope(s: Any, count: int, k: int) -> None:
     """Compare the slope at the k-th position with that at the first one of its side, and that with the other side's."""
-    position, side = k % POSITIONS, (k // POSITIONS) % 2
+    position, side = k & LAST, (k >> BITS) & 1
     if position == 0:
         for i in lanes(padded(count)):
             s[BEFORE, i] = s[F, i]
@@ -176,20 +178,21 @@ def _drop_doubtful(lists: Any, best: Any, column: int) -> None:
     n, last = int(best[COUNT, column]), -1
     for k in range(n):
         last = k if lists[LIST_NOISE, column, k] != DOUBTFUL else last
-    before, extreme = lists[LIST_KIND, column, last], -1
+    before, extreme = lists[LIST_KIND, column, max(last, 0)], -1
     for step in range(1, n + 1 if last >= 0 else 1):
-        k = (last + step) % n  # the turn goes on from the last entry to the first one
-        kind, value = lists[LIST_KIND, column, k], lists[LIST_VALUE, column, k]
-        if lists[LIST_NOISE, column, k] != DOUBTFUL:
+        beyond = last + step - n
+        at = beyond if beyond >= 0 else last + step  # the turn goes on from the last entry to the first one
+        kind, value = lists[LIST_KIND, column, at], lists[LIST_VALUE, column, at]
+        if lists[LIST_NOISE, column, at] != DOUBTFUL:
             if extreme >= 0 and kind == before:
                 lists[LIST_NOISE, column, extreme] = 0.0
             before, extreme = kind, -1
         elif kind == -before:
             other = lists[LIST_VALUE, column, max(extreme, 0)]
-            extreme = k if extreme < 0 or kind * (value - other) > 0.0 else extreme
-    for k in range(n - 1, -1, -1):
-        if lists[LIST_NOISE, column, k] == DOUBTFUL:
-            _drop(lists, best, column, k, 1)
+            extreme = at if extreme < 0 or kind * (value - other) > 0.0 else extreme
+    for j in range(n - 1, -1, -1):
+        if lists[LIST_NOISE, column, j] == DOUBTFUL:
+            _drop(lists, best, column, j, 1)
 
 
 @outlined
