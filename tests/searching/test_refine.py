@@ -268,6 +268,20 @@ def test_what_cannot_be_refined_is_refused(rockers, asked, key, remedy):
         fl.best(maps, **({"minimise": "omega4_max"} | asked))
 
 
+def test_extremes_over_positions_that_a_map_does_not_hold_are_refused():
+    space = fl.sobol(16, {"m": (3.0, 5.0), "n": (7.0, 9.0), "d": 6.0, "kappa": (0.3, 0.6)})
+    given = {"input": "F_y", "F_y": np.linspace(-1.0, 1.0, 9), "branch": 1, "progress": False}
+    maps = fl.sweep("hart", space, ["A_y_max"], **given)
+    with refused("minimise", "along F_y"):
+        fl.best(maps, minimise="A_y_max", refine=True)
+    both = fl.sweep("hart", space, ["A_y_max", "A_y"], **given)
+    found = fl.best(both, minimise="A_y_max", top=1, refine=True)
+    assert float(found.A_y_max_gain[0]) > 0.0
+    asked = {name: value for name, value in given.items() if name != "branch"}
+    searched = fl.search("hart", space, minimise="A_y_max", top=1, **asked)
+    assert float(searched.A_y_max[0]) == float(found.A_y_max[0])
+
+
 def test_a_map_in_other_units_is_refused(rockers):
     maps, _ = rockers
     with refused("swing", "before it was converted"):

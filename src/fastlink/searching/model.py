@@ -43,10 +43,13 @@ class Model:
         Its name, or its extension by quantities of one's own.
     options : dict
         Links, input, solver, extrema and angles, as `fastlink.sweep` takes them.
+    knows_positions : bool
+        Whether the input positions of the sweep are known, or there is a usual choice of them.
     """
 
     mechanism: str | Extension
     options: dict[str, Any]
+    knows_positions: bool = True
 
     @classmethod
     def of_map(cls, maps: xr.Dataset, own: Any = None) -> Model:
@@ -64,7 +67,9 @@ class Model:
             if any(name in given for name in names):
                 links = Links(model, {n: float(maps[n]) for n in names if n in given and not maps[n].dims})
         options = {"links": links, "input": input, "solver": attrs.get("solver", ELIMINATED)}
-        return cls(mechanism, options | _positions(catalogue, maps))
+        positions = _positions(catalogue, maps)
+        usual = catalogue.positions is None or maps.attrs.get(f"{catalogue.position.name}_count") is None
+        return cls(mechanism, options | positions, usual or "angles" in positions)
 
     @cached_property
     def catalogue(self) -> Catalogue:

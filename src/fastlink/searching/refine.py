@@ -134,7 +134,11 @@ class Refinement:
                 f"{name!r} is not a quantity of {catalogue.name}, and unknown between the designs of the map"
             )
             raise InputError(what, where=(where,), remedy=remedy)
-        if EXTREMUM in array.dims or request.listed or (request.is_error and where != "where"):
+        if request.reduction is not None and not self.model.knows_positions:
+            what = f"{name!r} is of the values of {self.position} of the sweep, which the map does not hold"
+            remedy = f"ask for a quantity along {self.position} too, or search by fl.search"
+            raise InputError(what, where=(where,), remedy=remedy)
+        if EXTREMUM in array.dims or (where != "where" and (request.listed or request.is_error)):
             what = (
                 f"{name!r} is {'one of a list' if request.listed else 'an error bound'}, which has no slope"
             )
@@ -262,7 +266,7 @@ class Refinement:
         order = np.argsort(points[:, 0], kind="stable") if len(aims) == 1 else nondominated(points)
         beaten = len(points) - len(order)
         endings = Counter(MEANINGS[one.outcome].replace("_", " ") for one in descents)
-        about = ", ".join(f"{count:,} {meaning}" for meaning, count in endings.items())
+        about = ", ".join(f"{count:,} {meaning}" for meaning, count in endings.items()) or "none"
         dropped = f"; {beaten:,} that others beat then are left out" if beaten else ""
         result = result.isel({DESIGN: order})
         result.attrs["selection"] = f"{found.attrs.get('selection', '')}; refined: {about}{dropped}"

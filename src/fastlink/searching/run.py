@@ -75,12 +75,16 @@ def found_by(
         if refining:
             refining.close()
     about = result.attrs.pop("selection", "")
-    rate = request.resolved.space.size / sweep_time
+    axis = request.resolved.scaling_axis
+    resumed = sum(stop - start for start, stop in done) * (axis.length if axis else 1)
+    rate = (request.resolved.space.size - resumed) / sweep_time
     result.attrs |= {**request.about(), **request.counts(stream, kept), "designs_per_second": rate}
     result.attrs |= {
         "run_time_s": time.perf_counter() - started,
         "refinement_time_s": time.perf_counter() - swept,
     }
+    if resumed:
+        result.attrs["designs_of_earlier_runs"] = resumed
     for name in ("configurations", "configurations_per_second", "set_up_time_s"):
         result.attrs.pop(name, None)
     aims = joined([str(one) for one in request.choice.objectives])
