@@ -186,12 +186,19 @@ class _ExtremaWriter(PlacesWriter):
                     self.write_extrema(number, results.extrema_at_zeros, "state, filled, table")
 
     def write_octaves(self, number: int, part: str) -> None:
-        """Write the samples of cells next to a fold, where the function is small."""
+        """Write the samples of cells next to a fold, where the function is small or far greater between."""
         text = self.text
         text.call(octaves.collect_folds, f"w, table, {part}, samples, n_here, ends", "n_ends")
         with text.block(f"for start in range(0, n_ends, {LANES}):"):
             text.call(cells.gather, f"ends, start, n_ends, w, rows_{number}, state", "filled")
             text.call(roots.every_vector, "vectors, filled", "n_open")
+            text.call(octaves.begin_octaves, "state, filled")
+            with text.block(f"for k in range({octaves.FEW}):"):
+                text.call(
+                    octaves.place_octave, f"state, filled, {octaves.COARSE} * k + {octaves.COARSE // 2}, 0"
+                )
+                text.add(f"slope_{number}(state, vectors, n_open)")
+                text.call(octaves.weigh_octave, "state, filled")
             with text.block(f"for trial in range({octaves.TRIALS + 1}):"):
                 text.call(octaves.to_sample, "state, filled, trial, octaves", "n_octaves")
                 with text.block("for k in range(n_octaves):"):

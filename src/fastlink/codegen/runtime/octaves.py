@@ -2,8 +2,9 @@
 
 A quantity near a fold is a sum of powers of the distance x, negative ones among them, whose factors may differ by any
 power of ten: what it does there it may do at 1e-10 of the cell, where equally spaced samples show nothing, and the
-function that is searched, the slope times a power of x, is far below its value at the next sample anyway. So it is
-sampled at half the distance, a quarter and so on.
+function that is searched, the slope times a power of x, is far below its value at the next sample anyway. Or a point
+far away swings round there, and the function is far above both. So it is sampled at half the distance, a quarter and so
+on, where one of a few of these octaves shows that it is worth it.
 
 Close to a fold the slope may be nothing but rounding. A smooth function changes by a millionth with its argument,
 rounding errors do as they like: signs count where the function stays what it is. Arrays are as in `sampling`.
@@ -15,11 +16,13 @@ from typing import Any
 
 from fastlink.codegen.runtime.cells import (
     CELLS,
+    FA,
     FB,
     FIRST,
     HALF,
     HALVES,
     LANE,
+    OPEN,
     ROOTS,
     START,
     TOGGLE,
@@ -38,14 +41,26 @@ from fastlink.codegen.runtime.sampling import ROOT, UNRESOLVED_CELL
 from fastlink.numerics.compiler import lanes, outlined
 
 __all__ = [
-    *("OCTAVES", "TRIALS", "collect_folds", "collect_octaves", "keep_octave", "place_octave", "to_sample"),
+    *(
+        "COARSE",
+        "FEW",
+        "OCTAVES",
+        "TRIALS",
+        "begin_octaves",
+        "collect_folds",
+        "collect_octaves",
+        "keep_octave",
+    ),
+    *("place_octave", "to_sample", "weigh_octave"),
 ]
 
 #: From the first sample, 2^-60 of the scale, to the second one, less than 2^-4 of it.
 OCTAVES = 57
 #: How often signs are tried.
 TRIALS = 3
-# The function at the end over that at the next sample, where the octaves are sampled.
+#: So many octaves tell whether all are sampled, every eighth one.
+FEW, COARSE = 7, 8
+# The function at the end over that at the next sample, where the octaves are sampled; or that of both over one between.
 SMALL = 2.0**-10
 # Changes of the position by which signs are tried, and that of the function which rounding errors exceed.
 STEP, CHANGE = 2.0**-20, 2.0**-8
@@ -53,7 +68,7 @@ STEP, CHANGE = 2.0**-20, 2.0**-8
 
 @outlined
 def collect_folds(w: Any, table: Any, part: Any, samples: Any, count: int, items: Any) -> int:
-    """Make items of the cells next to folds where the function is small; return how many there are.
+    """Make items of the cells next to folds; return how many there are.
 
     Parameters
     ----------
@@ -80,11 +95,29 @@ def collect_folds(w: Any, table: Any, part: Any, samples: Any, count: int, items
             for i in range(count):
                 f, after = samples[end, i], samples[inner, i]
                 fold = (w[start, i] != 0.0) & (w[toggle, i] == 0.0)
-                if fold & (abs(f) <= SMALL * abs(after)):
+                if fold:
                     set_bracket(items, total, samples[position, i], f, samples[position + 1, i], after)
                     items[XC, total] = end - upper
                     total = append_item(items, total, i, half, upper == 1)
     return total
+
+
+@outlined
+def begin_octaves(s: Any, count: int) -> None:
+    """Open the items whose octaves are sampled in any case: the function is small at the end."""
+    for i in lanes(padded(count)):
+        s[OPEN, i] = 1.0 if abs(s[FA, i]) <= SMALL * abs(s[FB, i]) else 0.0
+
+
+@outlined
+def weigh_octave(s: Any, count: int) -> None:
+    """Open the items of which an octave is of another sign than the next sample, or far greater than both ends."""
+    for i in lanes(padded(count)):
+        f, end, after = s[F, i], abs(s[FA, i]), s[FB, i]
+        most = end if end > abs(after) else abs(after)
+        great = SMALL * abs(f) > most
+        turned = ((f < 0.0) & (after > 0.0)) | ((f > 0.0) & (after < 0.0))
+        s[OPEN, i] = 1.0 if great | turned else s[OPEN, i]
 
 
 @outlined
@@ -103,7 +136,7 @@ def keep_octave(s: Any, count: int, k: int, trial: int, octaves: Any) -> None:
     """Keep the values at the k-th positions; after a trial those alone that are the same beside them, else 0."""
     if trial == 0:
         for i in lanes(padded(count)):
-            octaves[k, i] = s[F, i]
+            octaves[k, i] = s[F, i] if s[OPEN, i] > 0.0 else 0.0
     else:
         for i in lanes(padded(count)):
             f = octaves[k, i]
@@ -112,11 +145,12 @@ def keep_octave(s: Any, count: int, k: int, trial: int, octaves: Any) -> None:
 
 @outlined
 def to_sample(s: Any, count: int, trial: int, octaves: Any) -> int:
-    """Return how many octaves are sampled: all at first, and for a trial where any item has values of both signs."""
-    both = 1 if trial == 0 else 0
+    """Return how many octaves are sampled: all if an item is open, and for a trial if one has values of both signs."""
+    both = 0
     for i in range(count):
+        both = 1 if (trial == 0) & (s[OPEN, i] > 0.0) else both
         above = s[FB, i] > 0.0
-        for k in range(OCTAVES):
+        for k in range(OCTAVES if trial > 0 else 0):
             f = octaves[k, i]
             both = 1 if (f == f) & (f != 0.0) & ((f > 0.0) != above) else both
     return both * OCTAVES
