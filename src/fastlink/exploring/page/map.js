@@ -186,7 +186,8 @@ function drawColourBar(pen, box, of, width) {
     line(pen, [[left + wide, y], [left + wide + 4, y]], {strokeStyle: INK, lineWidth: 1});
     write(pen, short(tick, 4), left + wide + 7, y, {textAlign: "left"});
   }
-  write(pen, symbolText(of.symbol).slice(0, 12) + (unitsText(of.units) && ` [${unitsText(of.units).trim()}]`), width - 4, box.top + box.height + 20, {fillStyle: INK, textAlign: "right"});
+  const symbol = symbolText(of.symbol), short_ = symbol.length > 12 ? "" : symbol;  // the menu says what is shown
+  write(pen, short_ + (unitsText(of.units) && ` [${unitsText(of.units).trim()}]`), width - 4, box.top + box.height + 20, {fillStyle: INK, textAlign: "right"});
 }
 
 function drawLegend(of) {
