@@ -11,7 +11,6 @@ import re
 import shutil
 import subprocess
 import sys
-import tomllib
 from pathlib import Path
 
 import nbformat
@@ -203,12 +202,6 @@ def test_the_reduction_of_contributing_works():
         # one subtraction
         "assert result.omega4_range.attrs['error_max_roundings'] <= 1\n"
     )
-
-
-def test_versions_agree():
-    project = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
-    changelog = (ROOT / "CHANGELOG.md").read_text()
-    assert f"## {project['version']}" in changelog
 
 
 def test_the_notebook_runs(tmp_path):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 import shutil
 import subprocess
 import sys
@@ -39,6 +40,15 @@ def test_the_citation_is_of_this_version_and_names_the_three_papers():
     assert citation["license"] == PROJECT["license"]
     titles = " ".join(paper["title"] for paper in citation["references"])
     assert all(word in titles for word in ("Minkowskian", "Angular Velocity", "Focal"))
+
+
+def test_the_changelog_has_a_dated_section_of_this_version():
+    sections = re.findall(r"^## (.*)$", (ROOT / "CHANGELOG.md").read_text(), flags=re.MULTILINE)
+    assert sections[0] == "[Unreleased]"
+    version, _, date = sections[1].partition(" - ")
+    assert version == f"[{PROJECT['version']}]"
+    released = str(yaml.safe_load((ROOT / "CITATION.cff").read_text())["date-released"])
+    assert date == released
 
 
 def run(*command, **options):
