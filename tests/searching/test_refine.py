@@ -178,7 +178,7 @@ def test_a_position_is_found_too(rockers):
 
 
 def test_a_front_moves_out(rockers):
-    maps, _ = rockers
+    maps = rockers[0].isel(design=slice(0, 64))
     aims = {"minimise": "omega4_max", "maximise": "swing", "where": {"status": "rotates_fully"}}
     front, finer = fl.best(maps, **aims), fl.best(maps, **aims, refine=True)
     assert ((finer.omega4_max_gain >= 0.0) & (finer.swing_gain >= 0.0)).all()

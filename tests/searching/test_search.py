@@ -69,7 +69,7 @@ def test_of_grids_and_tables_in_both_modes(space, block):
 
 
 def test_rows_at_each_position():
-    space, asked = sample(40), {"maximise": "omega4", "where": {"theta1": (0.5, 3.0)}, "top": 5}
+    space, asked = sample(20), {"maximise": "omega4", "where": {"theta1": (0.5, 3.0)}, "top": 2}
     whole = fl.sweep("planar_4r", space, ["omega4"], theta1=24, branch=[1, 2], progress=False)
     found = fl.search("planar_4r", space, **asked, theta1=24, branch=[1, 2], refine=False)
     check_rows(found, fl.best(whole, **asked))
