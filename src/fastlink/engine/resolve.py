@@ -245,9 +245,11 @@ def resolve(
 
 def _without_unread(space: DesignSpace, plan: Plan) -> DesignSpace:
     """Return designs without the default values of a user's inputs that nothing computed depends on."""
+    if not plan.catalogue.definition:
+        return space
     own = {one.name for one in plan.catalogue.definition if getattr(one, "default", None) is not None}
     read = {name for program in plan.programs for name in program.inputs}
-    return without(space, own.intersection(space.constants) - read) if own else space
+    return without(space, own.intersection(space.constants) - read)
 
 
 def _space_of(space: Any, allow_invalid: bool) -> DesignSpace:
