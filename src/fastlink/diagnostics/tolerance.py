@@ -20,7 +20,7 @@ from fastlink.errors import InputError, Problems
 from fastlink.facts.names import Change, Quantity
 from fastlink.io.reader import as_map
 from fastlink.mechanisms import catalogue as find_catalogue
-from fastlink.options import check_switch
+from fastlink.options import check_path, check_switch
 from fastlink.plan.query import check_names, parse_request
 from fastlink.report.tolerances import CONTRIBUTION, TOLERANCED
 from fastlink.searching.model import Model
@@ -164,7 +164,7 @@ def tolerance(
     with problems.at():
         names = None if quantities is None else check_names("quantities", quantities)
     with problems.at():
-        if isinstance(maps, (str, os.PathLike)) and Path(maps).suffix.lower() == ".toml":
+        if isinstance(maps, (str, os.PathLike)) and check_path(("maps",), maps).suffix.lower() == ".toml":
             subject = Subject.of_study(maps, trust_code)
         else:
             with as_map(maps) as dataset:
