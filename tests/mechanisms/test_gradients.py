@@ -222,3 +222,30 @@ def test_verification_leaves_derivatives_of_extremes_out():
 def test_what_has_no_derivative_is_refused_with_the_reason(name, options, remedy):
     with refused("quantity ", remedy):
         swept([name], **options)
+
+
+def test_an_extreme_at_a_limit_of_motion_changes_with_what_moves_the_limit_alone():
+    # A_y = a1 sin theta1, whose range a3 and a4 limit
+    names, step = ["A_y_max", "theta1_at_A_y_max", "A_x_max"], 2.0**-17
+    for by, place in (("a3", 2), ("a4", 3)):
+        lengths = [1.0, 0.6, 0.7, 1.2]
+        slopes = swept([*(f"d_{name}_d_{by}" for name in names), "A_y_max_gradient_status"], lengths)
+        assert (slopes["A_y_max_gradient_status"] == AT_LIMIT).all()
+        below, above = (
+            swept(names, [x + sign * step * (k == place) for k, x in enumerate(lengths)]) for sign in (-1, 1)
+        )
+        for name in names:
+            # differences are off by a third power, 2^-34, and by roundings of 2^-52 over 2^-16
+            differences = (above[name] - below[name]) / (2 * step)
+            np.testing.assert_allclose(slopes[f"d_{name}_d_{by}"], differences, rtol=1e-8, atol=1e-9)
+        assert (abs(slopes[f"d_A_y_max_d_{by}"]) > 0.1).all()
+        numbers = fl.function(
+            "planar_4r", [by], names, **{key: x for key, x in zip(LENGTHS, lengths, strict=True) if key != by}
+        )
+        of_function = numbers.gradient([lengths[place]])[:, 0]
+        np.testing.assert_array_equal(of_function, [slopes[f"d_{name}_d_{by}"][0] for name in names])
+    # where the crank turns fully, nothing moves
+    assert (swept(["d_A_y_max_d_a3"])["d_A_y_max_d_a3"] == 0.0).all()
+    tolerances = {"a1": 1.0, "a2": 0.6, "a3": 0.7, "a4": 1.2, "a3_tolerance": 1e-4}
+    changed = fl.sweep("planar_4r", fl.grid(tolerances), ["A_y_max_worst_change"], progress=False)
+    assert (changed["A_y_max_worst_change"] > 1e-5).all()

@@ -102,9 +102,14 @@ class Catalogue(DesignInputs):
         given: Iterable[str] = (),
         *,
         over_cycle: bool = False,
+        at_limits: bool = False,
     ) -> tuple[Term, ...]:
         """Return the terms of the changes of a fact by the tolerances that are given, see `Selection.change_terms`."""
-        return self._selection(tuple(variants), given).change_terms(name, over_cycle)
+        return self._selection(tuple(variants), given).change_terms(name, over_cycle, at_limits)
+
+    def moves_at_limits(self, name: str, by: str, variants: Iterable[str], given: Iterable[str]) -> bool:
+        """Tell whether a fact changes with an input at limits of motion, see `Selection.moves`."""
+        return self._selection(tuple(variants), given).moves(name, by)
 
     def _derived(self, tree: Derivative | ErrorBound | Trust | Change, selection: Selection) -> Fact:
         """Return the fact of a derivative, an error bound, a trust or a change."""

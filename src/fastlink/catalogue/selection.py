@@ -18,7 +18,7 @@ from fastlink.symbolic.changes import (
     tolerance_name,
     toleranced,
 )
-from fastlink.symbolic.derivative import Derivation, NoDependence
+from fastlink.symbolic.derivative import Derivation, NoDependence, NoDerivative
 from fastlink.symbolic.error_bound import ErrorBounds
 
 if TYPE_CHECKING:
@@ -73,10 +73,11 @@ class Selection:
         of = set(map(toleranced, filter(is_tolerance, self.given)))
         return tuple(name for name in self.catalogue.variables if name in of)
 
-    def change_terms(self, name: str, over_cycle: bool = False) -> tuple[Term, ...]:
+    def change_terms(self, name: str, over_cycle: bool = False, at_limits: bool = False) -> tuple[Term, ...]:
         """Return the terms of the change of a fact by the tolerances that are given.
 
-        A property of the cycle (`over_cycle`) does not change with the input position.
+        A property of the cycle (`over_cycle`) does not change with the input position; an extreme that is searched
+        (`at_limits`) does with what moves the limits of motion.
 
         Raises
         ------
@@ -84,7 +85,11 @@ class Selection:
             No tolerance is given of an input on which it depends.
         """
         of = {self.catalogue.position.name} if over_cycle else set()
-        needed = [by for by in self.toleranced if by not in of and self._depends(name, by)]
+        needed = [
+            by
+            for by in self.toleranced
+            if by not in of and (self._depends(name, by) or (at_limits and self.moves(name, by)))
+        ]
         if not needed:
             what = f"the change of {name} needs the tolerance of an input on which {name} depends"
             known = self.catalogue.known_inputs(self.variants)
@@ -105,6 +110,17 @@ class Selection:
         except NoDependence:
             return False
         return True
+
+    def moves(self, name: str, by: str) -> bool:
+        """Tell whether a fact changes at a place that moves with the limits of motion as an input does."""
+        graded = self.catalogue.graded
+        if graded is None:
+            return False
+        try:
+            moving = derivative_name(name, by, moving=True)
+            return self.catalogue.resolve(moving, (graded.name, *self.variants), self.given) is not None
+        except NoDerivative:
+            return False
 
     def change(self, name: str, how: str) -> Fact:
         """Return the change of a fact by the tolerances that are given."""

@@ -177,6 +177,8 @@ def _text(gradient: Gradient, at_limit: bool) -> tuple[str, tuple[str, ...]]:
     """Return the kernel text of a derivative, and the values that it reads."""
     if at_limit:
         return (gradient.moving, (gradient.moving,)) if gradient.moving else ("0.0", ())
+    if not gradient.held:
+        return "0.0", ()
     if gradient.is_position:
         along, bend = gradient.held
         return f"-({along} / {bend})", gradient.held

@@ -43,7 +43,8 @@ def write_gradients(
         *held, moving = [*writer.values_at(gradient.held, label, endings), "0.0"]
         if gradient.moving:
             (moving,) = writer.values_at((gradient.moving,), label, endings)
-        still = f"-({held[0]} / {held[1]})" if gradient.is_position else held[0]
+        quotient = gradient.is_position and bool(held)
+        still = f"-({held[0]} / {held[1]})" if quotient else (held or ["0.0"])[0]
         turned = gradient.is_position or search.parity < 0
         name = f"d_{'place' if gradient.is_position else 'value'}_{gradient.by}__{label}"
         writer.text.add(f"{name} = {moving} if {at_limit} else {still}")

@@ -241,9 +241,8 @@ def _slopes(subject: Subject, names: Sequence[str]) -> dict[str, dict[str, str]]
     found: dict[str, dict[str, str]] = {}
     for name in names:
         of = parse_request(name, catalogue)
-        terms = catalogue.change_terms(
-            of.quantity, plan.variants, request.space.names, over_cycle=of.reduction is not None
-        )
+        output = next(one for one in plan.outputs if one.name == _change(name))
+        terms = output.terms or catalogue.change_terms(of.quantity, plan.variants, request.space.names)
         found[name] = {term.by: derivative_of(of, term.by, catalogue.position.name) for term in terms}
     return found
 

@@ -113,12 +113,13 @@ def _names_of(resolved: ResolvedSweep, inputs: Sequence[str]) -> dict[str, tuple
             for j, by in enumerate(inputs):
                 name = derivative_of(output.request, by, catalogue.position.name)
                 parse_request(name, catalogue)
-                at_one = derivative_name(output.request.quantity, by)
+                at_one = derivative_name(of := output.request.quantity, by)
                 catalogue.public_fact(at_one)  # codes have none
                 try:
                     catalogue.resolve(at_one, variants, given)
                 except NoDependence:
-                    continue
+                    if not output.refined or not catalogue.moves_at_limits(of, by, variants, given):
+                        continue
                 names[name] = k, j
     problems.stop()
     return names

@@ -15,7 +15,7 @@ from fastlink.numerics.vectors import absolute, choice, magnitude
 from fastlink.plan.known import find_known_extremes, is_of_known, known_program
 from fastlink.plan.program import ExtremaProgram, ExtremumSearch, Gradient, KnownProgram, Output
 from fastlink.symbolic.asymptotics import asymptotics
-from fastlink.symbolic.derivative import NoDerivative
+from fastlink.symbolic.derivative import NoDependence, NoDerivative
 
 __all__ = ["extrema_programs", "find_extremum_search"]
 
@@ -238,15 +238,19 @@ def _gradients(
     position, found = catalogue.position.name, []
     for place, by in dict.fromkeys(sorted(own, key=lambda pair: pair[0])):
         of = position if place else search.quantity
-        held = (
-            (derivative_name(search.slope, by), derivative_name(search.slope, position))
-            if place
-            else (derivative_name(of, by),)
-        )
-        moving = derivative_name(of, by, moving=True)
+        own_slope = derivative_name(search.slope if place else search.quantity, by)
+        held: tuple[str, ...] = (own_slope,)
+        held += (derivative_name(search.slope, position),) if place else ()
+        moving, absent = derivative_name(of, by, moving=True), None
+        try:
+            _steps(catalogue, (own_slope,), given, variants)
+        except NoDependence as error:
+            held, absent = (), error
         try:
             _steps(catalogue, (moving,), given, variants)
         except NoDerivative:
             moving = ""  # limits of motion do not depend on it
+        if absent is not None and not moving:
+            raise absent
         found.append(Gradient(by, place, held, moving))
     return tuple(found)

@@ -125,7 +125,7 @@ def make_plan(
             catalogue,
             refined=r.name in refined,
             toggles=toggles,
-            terms=terms_of(r, catalogue, given, variants),
+            terms=terms_of(r, catalogue, given, variants, refined=r.name in refined),
         )
         for r, toggles in zip(requests, met, strict=True)
     )

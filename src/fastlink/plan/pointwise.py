@@ -143,9 +143,14 @@ def output_of(
 
 
 def terms_of(
-    request: Request, catalogue: Catalogue, given: Iterable[str], variants: Sequence[str]
+    request: Request,
+    catalogue: Catalogue,
+    given: Iterable[str],
+    variants: Sequence[str],
+    *,
+    refined: bool = False,
 ) -> tuple[Term, ...]:
     """Return the terms of a change of a reduction by tolerances, none of another request."""
     if not request.change:
         return ()
-    return catalogue.change_terms(request.quantity, variants, given, over_cycle=True)
+    return catalogue.change_terms(request.quantity, variants, given, over_cycle=True, at_limits=refined)

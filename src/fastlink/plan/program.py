@@ -188,7 +188,7 @@ class Gradient:
         Whether it is that of the place.
     held : tuple of str
         The derivative of the quantity at one input position; for the place those of the slope by the input and by the
-        position, whose quotient times -1 it is.
+        position, whose quotient times -1 it is. Empty where the input moves nothing but the limits of motion.
     moving : str
         The derivative at a place that moves with the limits of motion, empty where nothing moves.
     """
