@@ -69,6 +69,7 @@ OF_KERNELS = (
     *("n_open", "n_tries", "n_vectors", "nan", "note_kinks", "note_winners", "nothing_yet", "octaves"),
     *("of_better", "off_at_end", "outlined", "padded", "piece", "place_beside", "place_beside_fold"),
     *("place_ends", "place_fine", "place_lost", "place_octave", "place_samples", "place_slope"),
+    *("begin_octaves", "weigh_octave"),
     *("position", "range", "rest", "roots", "samples", "set_bracket", "settle_jumps", "settle_noise"),
     *("settle_slopes", "side", "signs", "silence_rest", "silenced", "solve_lanes", "split", "square"),
     *("start", "state", "step", "store_best", "store_bound", "store_change", "store_counts"),
