@@ -25,11 +25,12 @@ class Family:
     whole number of vectors.
     """
 
-    mechanism: str
+    mechanism: str | fl.Extension
     names: Sequence[str]
     angles: int = 9
     options: Mapping[str, Any] = field(default_factory=dict)
     designs: int = 11
+    more: Mapping[str, float] = field(default_factory=dict)
 
     def request(self) -> Any:
         """Return the request, resolved."""
@@ -43,9 +44,19 @@ class Family:
         columns[first] = np.where(np.arange(self.designs) % 3, 0.3, 1.0) * columns[first]
         if "completion" in columns:
             columns["completion"] = 1.0 + np.arange(self.designs) % 2
+        columns |= {name: np.full(self.designs, value) for name, value in self.more.items()}
         # Only angles have a turn that a number of them can share.
         angles = self.angles if found.position.units == "rad" else np.linspace(-2.0, 2.0, self.angles)
         return resolve(self.mechanism, fl.table(columns), self.names, angles=angles, **self.options)
+
+
+OWN = fl.extend("planar_4r")
+
+
+@OWN.quantity(units="N")
+def load(F21, F41):
+    """Greater force on the bearings of the crank."""
+    return max(F21, F41)
 
 
 SAMPLED = {"extrema": "sampled"}
@@ -53,14 +64,14 @@ MOTION = ["A_x", "theta4", "omega4", "alpha2"]
 REDUCED = ["omega4_max", "omega4_min", "theta1_at_omega4_max", "T41_mean", "alpha4_rms", "T41_fluctuation"]
 FORCES = ["F32_x", "T41", "shaking_moment"]
 GRADIENTS = ["d_omega4_max_d_a2", "d_theta4_min_d_a1", "d_theta1_at_omega4_max_d_a3"]
+DRIVEN = {"input": "joint_angle_2"}
+TOLERANCES = {"a1_tolerance": 1e-3, "a3_relative_tolerance": 1e-2, "m2_tolerance": 1e-2}
 FAMILIES: dict[str, Family] = {
     # Lanes are angles: the last vector of angles overlaps the one before.
     "curves": Family("planar_4r", MOTION, 37),
     "curves of forces": Family("planar_4r", FORCES, 41),
     "curves of one branch": Family("planar_4r", MOTION, 37, {"branch": 2}),
-    "curves by another joint": Family(
-        "planar_4r", ["joint_angle_1", "joint_omega_4"], 37, {"input": "joint_angle_2"}
-    ),
+    "curves by another joint": Family("planar_4r", ["joint_angle_1", "joint_omega_4"], 37, DRIVEN),
     "curves of rapidity": Family("minkowski_4r", ["psi"], 37),
     "curves in pieces": Family("minkowski_4r", ["psi", "A_x"], 517, designs=2),
     "curves of the focal mechanism": Family("focal", ["T_x", "S_x", "psi_rate"], 37, {"input": "sigma"}),
@@ -81,7 +92,17 @@ FAMILIES: dict[str, Family] = {
     "error bounds of extremes": Family(
         "planar_4r", ["omega4_max_error", "theta4_min_error", "F41_min_error", "omega4_extrema_error"], 5
     ),
-    "derivatives of extremes": Family("planar_4r", [*GRADIENTS, "theta4_min_gradient_status"]),
+    "derivatives of extremes": Family("planar_4r", [*GRADIENTS, "omega4_min_gradient_status"]),
+    "changes by tolerances": Family(
+        "planar_4r",
+        ["omega4_worst_change", "theta4_min_worst_change", "transmission_angle_min_worst_change"],
+        9,
+        more=TOLERANCES,
+    ),
+    "derivatives of extremes by another joint": Family(
+        "planar_4r", ["d_joint_angle_4_max_d_a1", "joint_angle_4_min_gradient_status"], options=DRIVEN
+    ),
+    "derivatives of extremes with kinks": Family(OWN, ["d_load_min_d_a2", "load_min_gradient_status"]),
     "derivatives of reductions": Family(
         "planar_4r", ["d_omega4_rms_d_a2", GRADIENTS[0], "omega4_mean_gradient_status"], 9, SAMPLED
     ),
@@ -93,7 +114,7 @@ FAMILIES: dict[str, Family] = {
     "extremes of one branch": Family("planar_4r", ["omega4_min"], 9, {"branch": 1}),
     "lists of extremes": Family("planar_4r", ["alpha4_extrema", "T41_extrema"]),
     "angles that jump": Family("planar_4r", ["theta4_max", "theta4_min", "theta2_extrema"]),
-    "extremes by another joint": Family("planar_4r", ["joint_omega_4_max"], 9, {"input": "joint_angle_2"}),
+    "extremes by another joint": Family("planar_4r", ["joint_omega_4_max"], 9, DRIVEN),
     "extremes of the focal mechanism": Family("focal", ["psi_rate_max"], 9, {"input": "sigma"}),
 }
 
