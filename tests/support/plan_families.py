@@ -25,7 +25,7 @@ class Family:
     whole number of vectors.
     """
 
-    mechanism: str | fl.Extension
+    mechanism: Any
     names: Sequence[str]
     angles: int = 9
     options: Mapping[str, Any] = field(default_factory=dict)

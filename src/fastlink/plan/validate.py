@@ -193,8 +193,8 @@ def unknown_input(
             return Problem(f"belongs to links of model {model!r}", (parent, name), mend)
     if "tol" in name and (near := nearest(name, catalogue.tolerances)):
         return Problem(f"is unknown to {catalogue.name}", (parent, name), did_you_mean([near]))
-    inputs = {*known, *(key for inputs in catalogue.variant_inputs.values() for key in inputs)}
-    names = sorted(key for key in inputs if not is_tolerance(key))  # each input has two, which is a rule
+    every = {*known, *(key for inputs in catalogue.variant_inputs.values() for key in inputs)}
+    names = sorted(key for key in every if not is_tolerance(key))  # each input has two, by a rule
     option = nearest(name, options)
     near_an_option = option and not nearest(name, names) and not suggest_input(name, catalogue)
     remedy = suggest(name, options) if near_an_option else input_remedy(name, catalogue, names)
