@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
@@ -10,7 +11,8 @@ import numpy as np
 
 from fastlink.doors import door
 from fastlink.errors import InputError, Problems
-from fastlink.facts.names import Derivative, Quantity, Reduced, derivative_name
+from fastlink.facts.names import Derivative, GradientStatus, Quantity, Reduced, derivative_name
+from fastlink.numerics.gradient_status import MOVING, NOTHING
 from fastlink.plan.query import parse_request
 from fastlink.symbolic.changes import is_tolerance
 from fastlink.symbolic.derivative import NoDependence
@@ -20,9 +22,13 @@ if TYPE_CHECKING:
 
     from fastlink.engine.function import Function
     from fastlink.engine.resolve import ResolvedSweep
+    from fastlink.plan.program import Output
     from fastlink.plan.query import Request
 
 __all__ = ["WithGradient", "derivative_of"]
+
+#: Codes of the status of derivatives where there is none of a mean, whatever the input.
+NONE = (MOVING, NOTHING)
 
 
 class WithGradient:
@@ -51,7 +57,7 @@ class WithGradient:
         -------
         array (outputs, inputs, ...)
             The derivatives, followed by the axes of the function's result; 0 where an output does not depend on an
-            input.
+            input, and NaN where it has no value there, or is a mean over a range whose limits move.
 
         Raises
         ------
@@ -66,31 +72,54 @@ class WithGradient:
         array([[  7.846495, -17.870504]])
         """
         rows = self._rows(x)
-        function, places = self._derivatives
+        function, wanted = self._derivatives
         result = np.zeros((len(self.outputs), len(self.inputs), *rows.shape[1:], *self.shape))
-        if function is not None:
-            for (k, j), found in zip(places, function(rows), strict=True):
-                result[k, j] = found
+        found = dict(zip(function.outputs, function(rows), strict=True))
+        for name, place in wanted.by_name.items():
+            result[place] = found[name]
+        for name, places in wanted.zero_unless.items():
+            none = np.isin(found[name], NONE) if name in wanted.statuses else np.isnan(found[name])
+            for place in places:
+                result[place] = np.where(none, np.nan, 0.0)
         return result
 
     @property
     def without_gradient(self) -> tuple[str, ...]:
         """The outputs that have no derivatives: codes, lists, error bounds."""
         try:
-            _names_of(self._resolved, self.inputs)
+            _wanted(self._resolved, self.inputs)
         except InputError as error:
             return tuple({self.outputs[int(one.where[1])]: None for one in error.problems})
         return ()
 
     @cached_property
-    def _derivatives(self) -> tuple[Function | None, list[tuple[int, int]]]:
-        """The function that gives the derivatives that are not zero everywhere, and output and input of each."""
-        places = _names_of(self._resolved, self.inputs)
-        return self._recipe(list(places)) if places else None, list(places.values())
+    def _derivatives(self) -> tuple[Function, _Wanted]:
+        """The function that gives what derivatives are made of, and what that is."""
+        wanted = _wanted(self._resolved, self.inputs)
+        return self._recipe(list(dict.fromkeys((*wanted.by_name, *wanted.zero_unless)))), wanted
 
 
-def _names_of(resolved: ResolvedSweep, inputs: Sequence[str]) -> dict[str, tuple[int, int]]:
-    """Return the names of the derivatives of the outputs by the inputs, with the numbers of both.
+@dataclass
+class _Wanted:
+    """Quantities of which derivatives are made, each with the numbers of the output and of the input.
+
+    Attributes
+    ----------
+    by_name : dict
+        The derivatives.
+    zero_unless : dict
+        Outputs that do not depend on inputs, NaN where that has no derivative: the outputs themselves, or `statuses`.
+    statuses : set of str
+        Those that are the status of derivatives.
+    """
+
+    by_name: dict[str, tuple[int, int]] = field(default_factory=dict)
+    zero_unless: dict[str, list[tuple[int, int]]] = field(default_factory=dict)
+    statuses: set[str] = field(default_factory=set)
+
+
+def _wanted(resolved: ResolvedSweep, inputs: Sequence[str]) -> _Wanted:
+    """Return what the derivatives of the outputs by the inputs are made of.
 
     Raises
     ------
@@ -98,7 +127,7 @@ def _names_of(resolved: ResolvedSweep, inputs: Sequence[str]) -> dict[str, tuple
         An output has no derivative: a code, a list, an error bound.
     """
     catalogue, variants, given = resolved.catalogue, resolved.plan.variants, resolved.space.names
-    names: dict[str, tuple[int, int]] = {}
+    wanted = _Wanted()
     problems = Problems()
     for j, by in enumerate(inputs):
         if is_tolerance(by):
@@ -118,11 +147,23 @@ def _names_of(resolved: ResolvedSweep, inputs: Sequence[str]) -> dict[str, tuple
                 try:
                     catalogue.resolve(at_one, variants, given)
                 except NoDependence:
-                    if not output.refined or not catalogue.moves_at_limits(of, by, variants, given):
+                    moves = catalogue.moves_at_limits(of, by, variants, given)
+                    if not (output.refined and moves):
+                        test = _none_of(output, moves)
+                        wanted.statuses.update({test} - {output.name})
+                        wanted.zero_unless.setdefault(test, []).append((k, j))
                         continue
-                names[name] = k, j
+                wanted.by_name[name] = k, j
     problems.stop()
-    return names
+    return wanted
+
+
+def _none_of(output: Output, moves: bool) -> str:
+    """Return the quantity that tells where an output that does not depend on an input has no derivative by it."""
+    how = output.request.reduction
+    if how is None or not moves or how.has_position:
+        return output.name  # NaN
+    return str(GradientStatus(Reduced(Quantity(output.request.quantity), how.suffix)))
 
 
 def derivative_of(request: Request, by: str, position: str) -> str:

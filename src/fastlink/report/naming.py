@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 from fastlink._text import joined
 from fastlink.facts.names import (
+    Change,
     Derivative,
     ErrorBound,
     GradientStatus,
@@ -56,6 +57,8 @@ def naming(catalogue: Catalogue) -> str:
         "Configurations that do not assemble are NaN and do not count. "
         f"`{Derivative(NAME, 'PARAM')}` is the derivative of NAME with respect to an input or to "
         f"`{position.name}`, and is itself such a NAME. "
+        f"`{Change(NAME, 'worst')}` and `{Change(NAME, 'rss')}` are the changes of any of these numbers by the "
+        "tolerances of the inputs. "
         f"`{ErrorBound(NAME)}` bounds the rounding error of NAME, and `{Trust(NAME)}` flags where that bound "
         f"exceeds a millionth of NAME. `{DESIGN}` stands for the swept dimensions."
     )

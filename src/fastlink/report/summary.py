@@ -112,7 +112,7 @@ def _searched(dataset: xr.Dataset, told: _Numbers) -> list[tuple[str, str]]:
     rows = [("searched", f"{told['searched_designs']:,.0f} designs for {dataset.attrs['search']}")]
     left_out = [
         (
-            name.removeprefix("excluded_").replace("_", " ") if name.startswith("excluded_as") else name[9:],
+            in_words(name.removeprefix("excluded_")) if name.startswith("excluded_as") else name[9:],
             count,
         )
         for name, count in told.items()

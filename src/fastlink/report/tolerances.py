@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from fastlink._text import aligned, counted, short_number
+from fastlink._text import aligned, counted, in_words, short_number
 from fastlink.facts.names import Change, GradientStatus, Quantity
 
 if TYPE_CHECKING:
@@ -71,5 +71,5 @@ def _flagged(found: xr.Dataset, name: str) -> str:
     meanings = dict(zip(flags["flag_values"].tolist(), flags["flag_meanings"].split(), strict=True))
     bad = codes[codes != 0]
     if codes.size == 1:
-        return meanings[int(codes.ravel()[0])].replace("_", " ") if bad.size else "-"
+        return in_words(meanings[int(codes.ravel()[0])]) if bad.size else "-"
     return f"{bad.size} of {codes.size}"

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from fastlink._text import short_number
+from fastlink._text import in_words, short_number
 from fastlink.engine.labels import request_labels
 from fastlink.errors import InputError, Problems
 from fastlink.maps.best import ACTIVE, GAIN, REFINEMENT
@@ -265,7 +265,7 @@ class Refinement:
         points = np.stack([one.sign * result[one.name].values for one in aims], axis=1)
         order = np.argsort(points[:, 0], kind="stable") if len(aims) == 1 else nondominated(points)
         beaten = len(points) - len(order)
-        endings = Counter(MEANINGS[one.outcome].replace("_", " ") for one in descents)
+        endings = Counter(in_words(MEANINGS[one.outcome]) for one in descents)
         about = ", ".join(f"{count:,} {meaning}" for meaning, count in endings.items()) or "none"
         dropped = f"; {beaten:,} that others beat then are left out" if beaten else ""
         result = result.isel({DESIGN: order})
