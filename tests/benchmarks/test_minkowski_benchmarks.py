@@ -83,6 +83,7 @@ def test_the_table_of_the_docs_is_the_one_that_is_measured():
         assert all(float(time) > 0.0 for time in times + others)
 
 
+@pytest.mark.stress
 def test_facts_are_positive_numbers():
     found = minkowski.measure(quick=True)
     assert all(math.isfinite(value) and value > 0 for _, value, _, _ in found)

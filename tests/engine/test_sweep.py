@@ -164,13 +164,14 @@ def test_bits_depend_neither_on_threads_nor_on_blocks(options):
     assert_same_bits(small_map(threads=1, block=4096), small_map(**options))
 
 
-def test_bits_depend_neither_on_what_else_is_asked_nor_on_the_lanes():
+@pytest.mark.parametrize("step", [5, pytest.param(1, marks=pytest.mark.stress)])
+def test_bits_depend_neither_on_what_else_is_asked_nor_on_the_lanes(step):
     everything = [name for name in PLANAR.public if name not in AT_P]
     # Curves alone: lanes are angles. With an extreme: lanes are designs. With few angles too.
     curves = fl.sweep("planar_4r", MIXED, everything, links=BARS, theta1=45)
     mixed = fl.sweep("planar_4r", MIXED, [*everything, "alpha4_max"], links=BARS, theta1=45)
     assert_same_bits(curves, mixed)
-    for name in everything:
+    for name in everything[::step]:
         alone = fl.sweep("planar_4r", MIXED, [name], links=BARS, theta1=45)
         assert_same_bits(alone, curves)
     few = fl.sweep("planar_4r", MIXED, everything, links=BARS, theta1=curves.theta1.values[:9])

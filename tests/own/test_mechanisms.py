@@ -39,7 +39,12 @@ CASES = {
 }
 
 
-@pytest.mark.parametrize("name", CASES)
+LATER = ("focal", "hart")
+
+
+@pytest.mark.parametrize(
+    "name", [pytest.param(name, marks=pytest.mark.stress if name in LATER else ()) for name in CASES]
+)
 def test_it_is_compiled_searched_and_differentiated(name):
     mechanism, design = CASES[name]
     own, first = f"of_{name}", next(iter(design))

@@ -46,7 +46,7 @@ def write_gradients(
         quotient = gradient.is_position and bool(held)
         still = f"-({held[0]} / {held[1]})" if quotient else (held or ["0.0"])[0]
         turned = gradient.is_position or search.parity < 0
-        name = f"d_{'place' if gradient.is_position else 'value'}_{gradient.by}__{label}"
+        name = f"slope_{'of_place' if gradient.is_position else 'of_value'}_{gradient.by}__{label}"
         writer.text.add(f"{name} = {moving} if {at_limit} else {still}")
         if turned:
             writer.text.add(f"{name} = -{name} if {best['mirrored']} > 0.0 else {name}")

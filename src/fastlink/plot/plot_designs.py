@@ -162,7 +162,7 @@ def plot_front(
     >>> maps = fl.sweep("planar_4r", space, ["omega4_max", "transmission_angle_min"], branch=1)
     >>> figure = fl.plot_front(maps, minimise="omega4_max", maximise="a1", where="rotates_fully")
     >>> print(figure.get_suptitle())
-    the front of 9 of 80 rows by the least omega4_max and greatest a1 where status is
+    The front of 9 of 80 rows by the least omega4_max and greatest a1, where status is
     rotates fully
     """
     path = checked_request(to, degrees)
