@@ -14,6 +14,7 @@ from typing import Any
 from fastlink._text import short_repr
 from fastlink.catalogue.sizes import UNITS, dimensions
 from fastlink.errors import InputError, KeyPath
+from fastlink.symbolic.condition import Condition
 
 __all__ = ["Dimension", "WrongDimension", "check_units", "dimension_of_text", "units_text"]
 
@@ -93,16 +94,8 @@ class Dimension:
     __hash__ = None  # type: ignore[assignment]
 
 
-class _Condition:
+class _Condition(Condition):
     """The result of a comparison."""
-
-    def __and__(self, other: Any) -> _Condition:
-        return self
-
-    __rand__ = __or__ = __ror__ = __and__
-
-    def __bool__(self) -> bool:
-        return True
 
     def choose(self, if_true: Any, if_false: Any) -> Any:
         """Return the dimension of both values of `fastlink.numerics.elementary.select`."""

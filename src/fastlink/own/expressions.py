@@ -27,13 +27,14 @@ MOST_POWER = 16
 NUMBER, CONDITION = "number", "condition"
 SIGNS = (ast.Add, ast.Sub, ast.Mult, ast.Div)
 COMPARISONS = (ast.Lt, ast.LtE, ast.Gt, ast.GtE, ast.Eq, ast.NotEq)
+A_LOOP = "is a loop", "write each term"
 #: What is no number.
 EXPRESSIONS: dict[type[ast.AST], tuple[str, str]] = {
     ast.Lambda: ("is a lambda", "write its formula here"),
-    ast.ListComp: ("is a loop", "write each term"),
-    ast.GeneratorExp: ("is a loop", "write each term"),
-    ast.SetComp: ("is a loop", "write each term"),
-    ast.DictComp: ("is a loop", "write each term"),
+    ast.ListComp: A_LOOP,
+    ast.GeneratorExp: A_LOOP,
+    ast.SetComp: A_LOOP,
+    ast.DictComp: A_LOOP,
     ast.List: ("is a list", "write numbers"),
     ast.Tuple: ("is several values", "return one number; declare a quantity for each"),
     ast.Dict: ("is a dict", "write numbers"),

@@ -14,14 +14,12 @@ from fastlink.own.source import FunctionText
 __all__ = ["FactText", "fact_text"]
 
 CHOOSE = "write `a if condition else b`, or max and min"
+A_LOOP = "is a loop", "write each term: only straight-line code is compiled for any number of designs"
 #: What is not straight-line code, and what to write instead.
 STATEMENTS: dict[type[ast.AST], tuple[str, str]] = {
     ast.If: ("branches", CHOOSE),
-    ast.For: ("is a loop", "write each term: only straight-line code is compiled for any number of designs"),
-    ast.While: (
-        "is a loop",
-        "write each term: only straight-line code is compiled for any number of designs",
-    ),
+    ast.For: A_LOOP,
+    ast.While: A_LOOP,
     ast.Match: ("branches", CHOOSE),
     ast.FunctionDef: (
         "defines a function",

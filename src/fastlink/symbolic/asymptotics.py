@@ -12,6 +12,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from fastlink.facts.fact import Fact, GradedRange, System
+from fastlink.symbolic.condition import Condition
 
 __all__ = ["Asymptotics", "asymptotics"]
 
@@ -84,16 +85,8 @@ class Asymptotics:
     __hash__ = None  # type: ignore[assignment]
 
 
-class _Condition:
+class _Condition(Condition):
     """The result of a comparison, by which either value may be chosen."""
-
-    def __and__(self, other: Any) -> _Condition:
-        return self
-
-    __rand__ = __or__ = __ror__ = __and__
-
-    def __bool__(self) -> bool:
-        return True
 
     def choose(self, if_true: Any, if_false: Any) -> Asymptotics:
         """Return what is known of both values of `fastlink.numerics.elementary.select`."""

@@ -12,6 +12,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from fastlink.facts.fact import Fact, System
+from fastlink.symbolic.condition import Condition
 
 __all__ = ["Homogeneity", "homogeneity_degrees"]
 
@@ -66,17 +67,8 @@ class Homogeneity:
     __hash__ = None  # type: ignore[assignment]
 
 
-class _Condition:
+class _Condition(Condition):
     """The result of a comparison: the same for any positive factor."""
-
-    def __and__(self, other: Any) -> _Condition:
-        return self
-
-    __rand__ = __or__ = __ror__ = __and__
-
-    def __bool__(self) -> bool:
-        """Satisfy `sqrt` of `numerics.elementary`, which tests the sign of its argument."""
-        return True
 
     def choose(self, if_true: Any, if_false: Any) -> Any:
         """Return the power of both values of `fastlink.numerics.elementary.select`."""
