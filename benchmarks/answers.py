@@ -113,6 +113,10 @@ def import_all():
     ):
         if importlib.util.find_spec(name):
             importlib.import_module(name)
+    import xarray as xr
+
+    # xarray imports dask and pint, where they are installed, with the first variable: 0.45 s.
+    xr.Dataset(coords={"a2": [1.0]})
 
 
 def first(label, is_known):

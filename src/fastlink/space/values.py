@@ -62,6 +62,10 @@ def _unit_of_quantity(given: Any) -> Any:
 def numbers_of(where: str, name: str, given: Any, most_dims: int = 1) -> Floats:
     """Return the values given for an input as a new array of at most so many dimensions, or refuse them."""
     path = (where, name)
+    if type(given) is float or (  # the most common ones, at once: a third of the time
+        type(given) is np.ndarray and given.dtype == np.float64 and given.ndim <= most_dims
+    ):
+        return np.array(given)
     check_no_quantity(where, name, given)
     if isinstance(given, (bytes, bytearray, memoryview)):
         raise InputError(f"is {short_repr(given)}, not a number", where=path, remedy=NUMBERS)
@@ -187,14 +191,15 @@ def as_real(value: object) -> float | None:
 
 def constant(where: str, name: str, given: Any) -> float:
     """Return the number given for one input, or refuse it."""
-    value = numbers_of(where, name, given)
-    if value.ndim:
+    values = numbers_of(where, name, given)
+    if values.ndim:
         raise InputError(
-            f"holds {counted(len(value), 'value')}", where=(where, name), remedy="write one number"
+            f"holds {counted(len(values), 'value')}", where=(where, name), remedy="write one number"
         )
-    if not np.isfinite(value):
+    value = float(values)
+    if not math.isfinite(value):
         raise InputError(f"is {value}", where=(where, name), remedy="write a finite number")
-    return float(value)
+    return value
 
 
 def axis_of(where: str, name: str, values: Floats) -> Floats:
