@@ -46,6 +46,10 @@ class Catalogue(DesignInputs):
         The default input positions of an input without bounds; without them the input turns in equal steps.
     """
 
+    #: A fact that is a number exactly where the loop closes, and further ones by which only such values are made. Empty
+    #: where no quantity has a value elsewhere.
+    closes: tuple[str, ...] = ()
+
     def copied(self) -> Self:
         """Return the same declarations, to which others can be added."""
         copied = object.__new__(type(self))  # copy.copy takes what travels by its name for the same thing

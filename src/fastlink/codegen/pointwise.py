@@ -170,6 +170,9 @@ class _PointwiseWriter(Schedule):
         text = self.text
         text.use("numerics.elementary", "select", "sqrt")
         written: set[str] = set()
+        for value in {value.name: value for value in self.cycle_values if value.counted}.values():
+            counts = f"{value.counted} == {value.counted}"
+            text.add(f"{value.name} = select({counts}, {value.value}, nan)")
         for value in self.accumulated:
             better = f"{value.name}_{value.reduction.suffix}__better"
             if better not in written:

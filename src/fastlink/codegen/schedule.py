@@ -44,17 +44,22 @@ class CycleValue:
         The ending of the copy's name.
     slopes : tuple of str
         The copies of the derivatives by inputs, of a result that is that of the reduction or made of several.
+    value, counted : str
+        The copies of the quantity, and of the fact that is a number where a position counts, if not all do.
     """
 
     output: Output
     reduction: Reduction
     suffix: str
     slopes: tuple[str, ...] = ()
+    value: str = ""
+    counted: str = ""
 
     @property
     def name(self) -> str:
-        """Name of the copy."""
-        return f"{self.output.request.quantity}{self.suffix}"
+        """Name of the copy, of which only values at counted positions are numbers."""
+        quantity = self.output.request.quantity
+        return f"{quantity}__counted{self.suffix}" if self.counted else f"{quantity}{self.suffix}"
 
     @property
     def slots(self) -> dict[str, str]:
@@ -108,10 +113,12 @@ class Schedule:
                 reduction,
                 suffix,
                 tuple(self.copy_for(slope, k) for slope in output.slopes),
+                self.copy_for(output.request.quantity, k),
+                self.copy_for(output.counted, k) if output.counted else "",
             )
             for output in program.outputs
             if (reduction := output.request.reduction) is not None
-            for suffix, k in self.suffixes(output.request.quantity)
+            for suffix, k in self.suffixes(*_read_by(output))
         ]
         #: The facts of the design that tell where an integral over the turn meets a toggle.
         self.toggles = list(dict.fromkeys(name for o in program.outputs for name in o.toggles))
@@ -120,20 +127,20 @@ class Schedule:
         self.whole_curves = list(dict.fromkeys(v.name for v in self.cycle_values if v.reduction.whole))
         #: The quantities of results that need the loop over input positions.
         reduced = [value.output for value in self.cycle_values]
-        slopes = (slope for output in reduced for slope in output.slopes)
+        further = (name for output in reduced for name in (*output.slopes, output.counted) if name)
         #: The tolerances that changes are made of, of the design.
         self.tolerances = list(dict.fromkeys(term.tolerance for o in program.outputs for term in o.terms))
         self.varying = list(
-            dict.fromkeys([*(output.request.quantity for output in (*self.curves, *reduced)), *slopes])
+            dict.fromkeys([*(output.request.quantity for output in (*self.curves, *reduced)), *further])
         )
 
     def axes(self, step: Step) -> frozenset[str]:
         """Return the axes on which the values of a step depend."""
         return self.program.axes[step.names[0]]
 
-    def suffixes(self, name: str) -> list[tuple[str, int]]:
-        """Return the copies of a value: one, or one for each branch, with the branch's number."""
-        if "branch" in self.program.axes[name]:
+    def suffixes(self, *names: str) -> list[tuple[str, int]]:
+        """Return the copies of what is made of values: one, or one for each branch, with the branch's number."""
+        if any("branch" in self.program.axes[name] for name in names):
             return [(f"__{branch}", k) for k, branch in enumerate(self.program.branches)]
         return [("", 0)]
 
@@ -150,8 +157,10 @@ class Schedule:
 
     def branches_of(self, value: CycleValue) -> list[int]:
         """Return the numbers of the branches whose result a copy gives."""
-        quantity, branches = value.output.request.quantity, range(len(self.program.branches))
-        return [k for k in branches if self.copy_for(quantity, k) == value.name]
+        copies = self.suffixes(*_read_by(value.output))
+        return [
+            k for k in range(len(self.program.branches)) if copies[min(k, len(copies) - 1)][0] == value.suffix
+        ]
 
     def row(self, name: str) -> str:
         """Return a lane value in the scratch array, reserving its row on first use."""
@@ -239,6 +248,11 @@ def needed_steps(steps: Sequence[S], names: Iterable[str]) -> list[S]:
             needed.update(step.depends_on)
             result.append(step)
     return result[::-1]
+
+
+def _read_by(output: Output) -> list[str]:
+    """Return what the accumulators of a reduction read that may differ by branch."""
+    return [output.request.quantity, *([output.counted] if output.counted else [])]
 
 
 def _computed(steps: Iterable[Step]) -> set[str]:

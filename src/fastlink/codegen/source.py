@@ -138,9 +138,11 @@ class Text:
     def block(self, head: str, per: str = "", times: str = "once") -> Iterator[None]:
         """Append the head of a block, then one level in what is appended meanwhile.
 
-        The work of a loop counts where `per` says for what each of its passes is, see `Loop`.
+        The work of a loop counts where `per` says for what each of its passes is, see `Loop`. A block that stays empty
+        is left out.
         """
         self.lines.append("    " * self.indent + head)
+        before = len(self.lines)
         around = self.statements
         if per:
             self.statements = self.loops.setdefault((per, times), Loop(per, times, [])).statements
@@ -148,6 +150,8 @@ class Text:
         yield
         self.indent -= 1
         self.statements = around
+        if len(self.lines) == before:
+            self.lines.pop()
 
     @contextmanager
     def blocks_of_designs(self) -> Iterator[None]:

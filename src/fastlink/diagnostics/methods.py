@@ -157,15 +157,21 @@ def methods_for(subject: Subject, with_numpy: bool) -> list[Method]:
 
 
 def curves_by_numpy(resolved: ResolvedSweep, designs: int) -> NDArray[Any]:
-    """Return a quantity (designs, branches, positions) from facts read by NumPy."""
+    """Return a quantity (designs, branches, positions) from facts read by NumPy, NaN where positions do not count."""
     values: dict[str, Any] = {
         name: column[:, None, None] for name, column in resolved.space.at(np.arange(designs)).items()
     }
     values["branch"] = np.array(resolved.branches, dtype=float)[:, None]
     plan, positions = resolved.plan, resolved.positions
-    quantity = plan.outputs[0].request.quantity
-    samples = read_curves(resolved.catalogue, quantity, values, positions, plan.variants)
-    return np.broadcast_to(samples, (designs, len(resolved.branches), positions.size))
+    output, shape = plan.outputs[0], (designs, len(resolved.branches), positions.size)
+    samples, *counted = (
+        read_curves(resolved.catalogue, name, values, positions, plan.variants)
+        for name in (output.request.quantity, output.counted)
+        if name
+    )
+    for numbers in counted:
+        samples = np.where(np.isnan(numbers), np.nan, samples)
+    return np.broadcast_to(samples, shape)
 
 
 def by_numpy(resolved: ResolvedSweep, designs: int) -> NDArray[Any]:

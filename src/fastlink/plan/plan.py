@@ -15,7 +15,7 @@ from fastlink.plan.pointwise import output_of, pointwise_programs, terms_of
 from fastlink.plan.program import ExtremumSearch, Output, Program
 from fastlink.plan.query import Extrema, Request, parse_request
 from fastlink.plan.reductions import REDUCTIONS
-from fastlink.plan.toggles import toggles_of
+from fastlink.plan.toggles import counted_by, toggles_of
 
 __all__ = ["Plan", "all_declared", "make_plan", "planned_again"]
 
@@ -125,6 +125,7 @@ def make_plan(
             catalogue,
             refined=r.name in refined,
             toggles=toggles,
+            counted="" if r.name in refined else counted_by(catalogue, r, given, variants),
             terms=terms_of(r, catalogue, given, variants, refined=r.name in refined),
         )
         for r, toggles in zip(requests, met, strict=True)

@@ -13,7 +13,7 @@ from fastlink.catalogue.catalogue import Catalogue, System
 from fastlink.plan.gradients import check_sampled
 from fastlink.plan.program import Lanes, Output, Program
 from fastlink.plan.query import Request, parse_request
-from fastlink.plan.toggles import toggles_of
+from fastlink.plan.toggles import counted_by, toggles_of
 from fastlink.space.design_space import BRANCH, EXTREMUM
 from fastlink.symbolic.changes import Term
 
@@ -70,10 +70,17 @@ def make_program(
         name for toggles in met.values() for name in toggles
     ]
     outputs = tuple(
-        output_of(r, catalogue, toggles=met[r.name], terms=terms_of(r, catalogue, given, variants))
+        output_of(
+            r,
+            catalogue,
+            toggles=met[r.name],
+            counted=counted_by(catalogue, r, given, variants),
+            terms=terms_of(r, catalogue, given, variants),
+        )
         for r in requests
     )
     needed += [name for o in outputs for name in (*o.slopes, *(term.tolerance for term in o.terms))]
+    needed += [output.counted for output in outputs if output.counted]
     steps = tuple(catalogue.dependencies(dict.fromkeys(needed), leaves, variants))
     read = {need for step in steps for need in step.depends_on}
     read_tables = tuple(name for name in tables if name in read)
@@ -126,6 +133,7 @@ def output_of(
     *,
     refined: bool = False,
     toggles: tuple[str, ...] = (),
+    counted: str = "",
     terms: tuple[Term, ...] = (),
 ) -> Output:
     """Return the result of a request."""
@@ -139,7 +147,7 @@ def output_of(
         axes = (BRANCH, catalogue.position.name)
     is_code = (bool(fact.flags) and request.is_of_quantity) or request.listed in ("count", "kind")
     is_code = is_code or request.is_status
-    return Output(request, axes, "int8" if is_code else "float64", refined, toggles, terms)
+    return Output(request, axes, "int8" if is_code else "float64", refined, toggles, counted, terms)
 
 
 def terms_of(

@@ -33,6 +33,8 @@ class Output:
     refined: bool = False
     #: The facts of the design that are positive where its integral over the turn meets a toggle that it cannot pass.
     toggles: tuple[str, ...] = ()
+    #: The fact that is a number where its positions count, if the quantity has values at others; else empty.
+    counted: str = ""
     #: Of a change by tolerances, the inputs that have some, with the facts of these.
     terms: tuple[Term, ...] = ()
 

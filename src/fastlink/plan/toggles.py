@@ -1,4 +1,4 @@
-"""Decide where an integral over the turn does not exist: at toggles, by how a quantity grows there."""
+"""Decide over what a reduction runs: positions where the loop closes, no toggle that an integral cannot pass."""
 
 from __future__ import annotations
 
@@ -10,7 +10,21 @@ from fastlink.plan.query import Request
 from fastlink.symbolic.asymptotics import asymptotics
 from fastlink.symbolic.derivative import NoDerivative
 
-__all__ = ["order_at_toggles", "toggles_of"]
+__all__ = ["counted_by", "order_at_toggles", "toggles_of"]
+
+
+def counted_by(catalogue: Catalogue, request: Request, given: Iterable[str], variants: Sequence[str]) -> str:
+    """Return the fact that is a number where a position counts, empty if the quantity has no value at others.
+
+    A crank pin has a place where the linkage cannot be assembled, too: that is no part of the motion. Codes have one
+    for such positions.
+    """
+    if not catalogue.closes or request.reduction is None or catalogue.public_fact(request.quantity).flags:
+        return ""
+    tables = (catalogue.position.name, *catalogue.tables, *catalogue.table_low_parts)
+    steps = catalogue.dependencies([request.quantity], (*given, *tables, "branch"), variants)
+    made_of = {name for step in steps for name in step.names}
+    return "" if made_of.intersection(catalogue.closes) else catalogue.closes[0]
 
 
 def toggles_of(

@@ -113,6 +113,8 @@ def sampled(sample: Sample, outputs: Sequence[Output], share: int) -> dict[str, 
     facts = sample.facts([quantity])
     count = sample.affordable(facts, share, sample.count)
     curves = sample.curves(quantity, count)
+    if counted := next((output.counted for output in outputs if output.counted), ""):
+        curves = np.where(np.isnan(sample.curves(counted, count)), np.nan, curves)
     independent = IndependentValues(sample.catalogue, [quantity])
     errors: dict[str, MeasuredErrors] = {}
     for output in outputs:

@@ -25,6 +25,7 @@ focal = Catalogue(
     },
     position=Input("phi", "rad", "phi", "direction of MA in the ground frame"),
 )
+focal.closes = ("bar_sigma", "bar_p", "bar_q")
 
 focal.input("a", units="m", symbol="a", meaning=f"length of the {LINKS['a']}", rule="positive")
 focal.input("b", units="m", symbol="b", meaning=f"length of the {LINKS['b']}", rule="positive")

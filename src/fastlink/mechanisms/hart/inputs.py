@@ -20,6 +20,7 @@ hart = Catalogue(
     },
     position=Input("phi", "rad", "phi", "direction of MA in the ground frame"),
 )
+hart.closes = ("sigma", "past_Z0", "past_C0")
 
 hart.input("m", units="m", symbol="m", meaning="length of MP", rule="positive")
 hart.input("n", units="m", symbol="n", meaning="length of NQ", rule="positive")

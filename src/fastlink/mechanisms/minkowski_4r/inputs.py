@@ -22,6 +22,7 @@ minkowski_4r = Catalogue(
     position=Input("theta", "1", "theta", "input rapidity: of OA in the ground frame"),
     positions=(-4.0, 4.0, 401),
 )
+minkowski_4r.closes = ("half_root", "inside", "outside")
 
 length = partial(minkowski_4r.input, units="m", rule="positive")
 length("a", symbol="a", meaning=f"hyperbolic length of the {LINKS['a']}")

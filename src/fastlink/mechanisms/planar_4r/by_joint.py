@@ -111,6 +111,7 @@ def moved_name(name: str, joint: int) -> str:
 def driven_by(joint: int) -> Catalogue:
     """Return the catalogue of the planar 4R with this joint's angle as input."""
     driven = _declared(joint)
+    driven.closes = planar_4r.closes
     graded = planar_4r.graded
     assert graded is not None
     places = [fact for fact in planar_4r.variants[graded.name].values() if isinstance(fact, Fact)]

@@ -23,6 +23,7 @@ planar_4r = Catalogue(
     },
     position=Input("theta1", "rad", "theta_1", "input angle: direction of OA in the ground frame"),
 )
+planar_4r.closes = ("sigma", "p", "q")
 
 length = partial(planar_4r.input, units="m", rule="positive")
 length("a1", symbol="a_1", meaning="length of the input crank OA")

@@ -25,6 +25,7 @@ slider_crank = Catalogue(
     },
     position=Input("theta", "rad", "theta", "crank angle: direction of OA, from the line of the slider"),
 )
+slider_crank.closes = ("sigma", "p", "q")
 
 slider_crank.input("r", units="m", symbol="r", meaning="length of the crank OA", rule="positive")
 slider_crank.input("l", units="m", symbol="l", meaning="length of the connecting rod AB", rule="positive")
