@@ -71,14 +71,14 @@ def test_of_every_mechanism(mechanism):
     ranges = {name: ends for name, ends in inputs.items() if isinstance(ends, tuple)}
     found = fl.best(maps, **asked, top=2, refine=True)
     starts = fl.best(maps, **asked, top=2)
-    # better than the starts, by what it says
-    assert (value_of(found, asked) <= np.sort(value_of(starts, asked))).all()
+    # better than all starts, by what it says
+    assert value_of(found, asked)[0] <= value_of(starts, asked).min()
     name = asked.get("minimise", asked.get("maximise"))
     assert (found[f"{name}_gain"] > 0.0).all()
     # within the ranges and the conditions, to the bits of a sweep
     for key, (low, high) in ranges.items():
         assert ((found[key] >= low) & (found[key] <= high)).all()
-    assert fl.best(found, **asked, top=2).sizes["design"] == 2
+    assert fl.best(found, **asked, top=2).sizes == found.sizes
     again = fl.sweep(mechanism, found.fastlink.designs.drop_vars("active"), [*map(str, maps.data_vars)][:-1],
                      branch=1, progress=False)  # fmt: skip
     for key in maps.data_vars:

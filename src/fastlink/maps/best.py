@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterable
-from dataclasses import dataclass, field
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -20,13 +20,26 @@ from fastlink.maps.rows import Rows, numeric
 from fastlink.options import check_choice, check_switch, check_whole
 
 __all__ = [
-    *("ACTIVE", "GAIN", "REFINEMENT", "Choice", "Objective", "choice_of", "chosen", "least", "listed"),
+    *(
+        "ACTIVE",
+        "GAIN",
+        "REFINEMENT",
+        "STARTS",
+        "Choice",
+        "Objective",
+        "Selection",
+        "choice_of",
+        "chosen",
+        "least",
+        "listed",
+    ),
     *("objective", "ranked"),
 ]
 
 DEFAULT_TOP = 10
-#: What a refinement adds to a table of designs: how it ended, what holds each design back, what was gained.
-REFINEMENT, ACTIVE, GAIN = "refinement", "active", "gain"
+#: What a refinement adds to a table of designs: how it ended, what holds each design back, what was gained, from how
+#: many starts it was reached.
+REFINEMENT, ACTIVE, GAIN, STARTS = "refinement", "active", "gain", "starts"
 NOT_A_NUMBER, INFINITE = "not a number", "infinite"
 
 
@@ -84,13 +97,42 @@ def choice_of(
     return Choice(sought, wanted, top or DEFAULT_TOP, bool(infinite))
 
 
-def chosen(maps: xr.Dataset, choice: Choice) -> xr.Dataset:
+@dataclass(frozen=True)
+class Selection:
+    """The best rows of a map, the best first, and what was left out.
+
+    Attributes
+    ----------
+    rows : Rows
+        All rows.
+    places : array of int64
+        The numbers of those that are selected.
+    about : str
+        How they were.
+    """
+
+    rows: Rows
+    places: NDArray[np.int64]
+    about: str
+
+    def of(self, maps: xr.Dataset) -> xr.Dataset:
+        """Return everything that a map says of them, along ``design``."""
+        found = self.rows.taken(maps, self.places)
+        found.attrs["selection"] = self.about
+        return found
+
+    def only(self, numbers: Sequence[int]) -> Selection:
+        """Return some of them, by their numbers among these."""
+        return replace(self, places=self.places[list(numbers)])
+
+
+def chosen(maps: xr.Dataset, choice: Choice) -> Selection:
     """Return the best rows of a map, see `fastlink.best`; it is read block by block."""
     sought, wanted, infinite = choice.objectives, choice.wanted, choice.infinite
     rows = Rows.of([*(one.array for one in sought), *(one.array for one in wanted)])
     if len(sought) == 1:
-        return ranked(maps, rows, sought[0], wanted, top=choice.top, infinite=infinite)
-    return _front(maps, rows, sought, wanted, infinite=infinite)
+        return ranked(rows, sought[0], wanted, top=choice.top, infinite=infinite)
+    return _front(rows, sought, wanted, infinite=infinite)
 
 
 def _objectives(maps: xr.Dataset, minimise: Any, maximise: Any) -> list[Objective]:
@@ -165,9 +207,7 @@ class Reading:
         return f", without {', '.join(parts)}" if parts else ""
 
 
-def ranked(
-    maps: xr.Dataset, rows: Rows, one: Objective, wanted: list[Condition], *, top: int, infinite: bool
-) -> xr.Dataset:
+def ranked(rows: Rows, one: Objective, wanted: list[Condition], *, top: int, infinite: bool) -> Selection:
     """Return the rows with the least or greatest values of one objective."""
     reading = Reading(rows, [one], wanted, infinite)
     chosen, kept = np.empty(0, dtype=np.int64), np.empty(0)
@@ -175,11 +215,9 @@ def ranked(
         chosen, kept = np.concatenate((chosen, places)), np.concatenate((kept, points[:, 0]))
         again = least(kept, top)
         chosen, kept = chosen[again], kept[again]
-    found = rows.taken(maps, chosen[np.lexsort((chosen, kept))])
     word = "least" if one.sign > 0 else "greatest"
     about = f"{len(chosen)} {word} of {reading.considered:,} values of {one.array.name}"
-    found.attrs["selection"] = about + reading.noted()
-    return found
+    return Selection(rows, chosen[np.lexsort((chosen, kept))], about + reading.noted())
 
 
 def least(values: NDArray[np.float64], n: int) -> NDArray[np.int64]:
@@ -192,9 +230,7 @@ def least(values: NDArray[np.float64], n: int) -> NDArray[np.int64]:
     return np.sort(np.concatenate((below, equal)))
 
 
-def _front(
-    maps: xr.Dataset, rows: Rows, sought: list[Objective], wanted: list[Condition], *, infinite: bool
-) -> xr.Dataset:
+def _front(rows: Rows, sought: list[Objective], wanted: list[Condition], *, infinite: bool) -> Selection:
     """Return the rows that no other row beats."""
     reading = Reading(rows, sought, wanted, infinite)
     chosen, front = np.empty(0, dtype=np.int64), np.empty((0, len(sought)))
@@ -203,9 +239,7 @@ def _front(
         chosen, front = np.concatenate((chosen, places[left])), np.concatenate((front, points[left]))
         again = nondominated(front)
         chosen, front = chosen[again], front[again]
-    found = rows.taken(maps, chosen)
     about = (
         f"the front of {len(chosen):,} of {reading.considered:,} rows by the {joined(list(map(str, sought)))}"
     )
-    found.attrs["selection"] = about + reading.noted()
-    return found
+    return Selection(rows, chosen, about + reading.noted())

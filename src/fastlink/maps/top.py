@@ -25,4 +25,4 @@ def top(maps: xr.Dataset, n: int, by: str, *, largest: bool, where: Any, infinit
     for condition in wanted:
         for dim, length in condition.array.sizes.items():
             check_along(condition.array.name, str(dim), length, rows.sizes)
-    return ranked(maps, rows, key, wanted, top=n, infinite=infinite)
+    return ranked(rows, key, wanted, top=n, infinite=infinite).of(maps)

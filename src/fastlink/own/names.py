@@ -14,6 +14,7 @@ __all__ = ["TAKEN", "check_name"]
 
 #: Names of options and coordinates.
 OPTIONS = (
+    *("active", "refinement", "starts"),
     *(
         "allow_invalid",
         "angles",

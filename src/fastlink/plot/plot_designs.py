@@ -171,7 +171,7 @@ def plot_front(
     with as_map(maps) as dataset:
         if branch is not None:
             dataset = one_branch(dataset, branch)
-        found = chosen(dataset, choice_of(dataset, minimise, maximise, where))
+        found = chosen(dataset, choice_of(dataset, minimise, maximise, where)).of(dataset)
         names = [*listed(minimise), *listed(maximise)]
         low, high = KINDS["corner"]
         if not low <= len(names) <= high:

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 from fastlink._text import aligned, short_number
-from fastlink.maps.best import GAIN, REFINEMENT
+from fastlink.maps.best import GAIN, REFINEMENT, STARTS
 from fastlink.maps.flags import flags_of
 from fastlink.maps.units import degrees as in_degrees
 from fastlink.space.degrees import angle_of
@@ -56,10 +56,11 @@ def listed(found: xr.Dataset, names: Sequence[str], *, degrees: bool = False) ->
 
 
 def refinement_columns(found: xr.Dataset) -> list[str]:
-    """Return the columns that a refinement has added: what was gained, and how it ended."""
+    """Return the columns that a refinement has added: what was gained, how it ended, from how many starts."""
     names = [str(name) for name in found.data_vars]
-    return [name for name in names if name.endswith(f"_{GAIN}")] + [
-        name for name in names if name == REFINEMENT
+    return [
+        *(name for name in names if name.endswith(f"_{GAIN}")),
+        *(name for name in names if name in (REFINEMENT, STARTS)),
     ]
 
 

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 from fastlink.doors import door
@@ -50,7 +52,8 @@ def best(
         meanings of a code, such as ``{"status": "rotates_fully"}``,
         or ``"rotates_fully"`` alone; or a mask, such as ``maps.a1 < 0.5``.
     top : int, default 10
-        How many rows, of one objective. The front has as many as it has.
+        How many rows, of one objective; of refined designs how many different ones at most. The front has as many as it
+        has.
     infinite : bool, default False
         Consider infinite objectives too.
     refine : bool or sequence of str, default False
@@ -68,8 +71,9 @@ def best(
         assembly mode, all results of that row. Of rows that are equal in all objectives a front has the first one.
         The attribute ``selection`` says how many rows were considered and left out. It can be swept again.
         Refined designs have their results anew, to the bits of a sweep, and besides what was gained of each objective
-        (``NAME_gain``), how it ended (``refinement``, a code) and which limits hold it back (``active``, a text). A
-        design that cannot be refined stays as it is, and the code says why.
+        (``NAME_gain``), how it ended (``refinement``, a code), which limits hold it back (``active``, a text), and how
+        many starts ended there (``starts``): designs that are the same but for what a refinement leaves undone are told
+        once, and the next different ones follow. A design that cannot be refined stays as it is, and the code says why.
 
     Raises
     ------
@@ -106,16 +110,25 @@ def best(
         problems.stop()
         assert choice is not None
         if only is None:
-            return chosen(dataset, choice)
+            return chosen(dataset, choice).of(dataset)
         from fastlink.searching.model import Model
         from fastlink.searching.refine import Refinement
         from fastlink.searching.spans import spans_of
+        from fastlink.searching.starts import candidates
 
         with as_map(dataset) as own:
             model = Model.of_map(own, mechanism)
         spans = spans_of(model.catalogue, own, only)
         refinement = Refinement(own, model, spans, choice.objectives, choice.wanted)
-        return refinement.of(chosen(own, choice).load())
+        one = len(choice.objectives) == 1
+        top = choice.top if one else None
+        selected = chosen(own, replace(choice, top=candidates(choice.top)) if one else choice)
+        looked = {result.name for result in refinement.results}
+        starts = selected.of(own.drop_vars([name for name in own.data_vars if name not in looked])).load()
+        searched = math.prod(selected.rows.shape)
+        return refinement.of(
+            starts, searched=searched, top=top, whole=lambda k: selected.only(k).of(own).load()
+        )
 
 
 def inputs_to_refine(refine: Any) -> tuple[str, ...] | None:

@@ -84,6 +84,8 @@ class Descent:
         The best design of all that were looked at, and its results.
     outcome : Outcome
         How it ended.
+    size : array
+        The sizes of its results, in which what is left undone is measured.
     limits, ends : set of (int, int)
         The results whose limits hold it back, and the inputs whose ends do; each with -1 for the lower one, 1 for the
         upper one.
@@ -92,6 +94,7 @@ class Descent:
     point: Floats
     values: Floats
     outcome: Outcome
+    size: Floats
     limits: set[tuple[int, int]] = field(default_factory=set)
     ends: set[tuple[int, int]] = field(default_factory=set)
 
@@ -112,7 +115,7 @@ def descend(task: Task, start: Floats) -> Descent:
     """
     walk = _Walk(task, np.clip(start, 0.0, 1.0))
     if not walk.can_start:
-        return Descent(walk.start, walk.first, Outcome.NO_DERIVATIVE)
+        return Descent(walk.start, walk.first, Outcome.NO_DERIVATIVE, walk.size)
     with np.errstate(all="ignore"):
         walk.by_slsqp()
         outcome = walk.by_programs()
@@ -282,4 +285,4 @@ class _Walk:
     def result(self, outcome: Outcome) -> Descent:
         """Return the best point with what holds it back."""
         limits = (set(), set()) if self.program is None else self.program.limits()
-        return Descent(self.best, self.best_values, outcome, *limits)
+        return Descent(self.best, self.best_values, outcome, self.size, *limits)

@@ -8,6 +8,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from fastlink.searching.spans import ON_A_LINE
+
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
@@ -81,6 +83,25 @@ class Points:
         self.read = [(k, places[one.name]) for k, one in enumerate(self.shown) if one.name in places]
         self.own = [(k, inputs.index(one.name)) for k, one in enumerate(self.shown) if one.name not in places]
         self.codes = [(places[one.name], one.condition) for one in looked if one.is_code]
+        self.periods = np.array([span.period for span in spans])
+
+    @property
+    def limits(self) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
+        """The least and greatest values of the results, and their aims: 1 to be least, -1 greatest, 0 neither."""
+        low, high, signs = np.array([(one.low, one.high, one.sign) for one in self.shown]).T
+        return low, high, signs
+
+    def place_of(self, design: NDArray[np.float64]) -> NDArray[np.float64] | None:
+        """Return a design as a point, None of one that cannot be reached from this start."""
+        own, turns = design[self.leaders], self.periods > 0.0
+        own[turns] = self.low[turns] + (own[turns] - self.low[turns]) % self.periods[turns]
+        width = self.high - self.low
+        place = np.divide(own - self.low, width, out=np.zeros(len(own)), where=width > 0.0)
+        inside = (place >= 0.0).all() and (place <= 1.0).all()
+        again = self.designs(place[None])[:, 0]
+        again[self.leaders] = design[self.leaders]
+        # inputs that follow others are a rounding or two off their line
+        return place if inside and np.allclose(again, design, rtol=ON_A_LINE, atol=0.0) else None
 
     def designs(self, points: NDArray[np.float64]) -> NDArray[np.float64]:
         """Return the inputs (inputs, points) of points (points, changing)."""

@@ -2,23 +2,22 @@
 
 from __future__ import annotations
 
-from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from fastlink._text import in_words, short_number
 from fastlink.engine.labels import request_labels
 from fastlink.errors import InputError, Problems
-from fastlink.maps.best import ACTIVE, GAIN, REFINEMENT
-from fastlink.maps.front import nondominated
 from fastlink.maps.units import check_units, units_of
 from fastlink.plan.query import Request, parse_request
 from fastlink.searching.descent import Descent, Outcome, Task, descend
+from fastlink.searching.ends import Aim, End, labelled
 from fastlink.searching.model import Model, Results
 from fastlink.searching.points import Looked, Points
 from fastlink.searching.spans import Span, swept_inputs, within
+from fastlink.searching.starts import Starts, is_one_design
 from fastlink.space.design_space import BRANCH, DESIGN, EXTREMUM
 
 if TYPE_CHECKING:
@@ -30,15 +29,6 @@ if TYPE_CHECKING:
 
 __all__ = ["Refinement"]
 
-MEANINGS = {
-    Outcome.CONVERGED: "converged",
-    Outcome.NOTHING_TO_GAIN: "nothing_to_gain",
-    Outcome.OUT_OF_STEPS: "out_of_steps",
-    Outcome.BLOCKED: "blocked_by_a_code_or_where_there_is_no_value",
-    Outcome.NO_DERIVATIVE: "no_derivative_at_the_start",
-    Outcome.NOT_REPRODUCED: "not_what_the_map_says",
-}
-REFERENCE = "docs/design_search.md"
 #: How far the value of a map may be from that which the mechanism has there: results may be in single precision.
 REPRODUCED = 1e-6
 
@@ -156,38 +146,108 @@ class Refinement:
         except InputError:
             return None
 
-    def of(self, found: xr.Dataset, show: Callable[[int], None] = lambda count: None) -> xr.Dataset:
-        """Return selected designs after their refinement, the best first, with what was gained.
+    def of(
+        self,
+        found: xr.Dataset,
+        *,
+        searched: int,
+        top: int | None = None,
+        whole: Callable[[list[int]], xr.Dataset] | None = None,
+        show: Callable[[int], None] = lambda count: None,
+    ) -> xr.Dataset:
+        """Return selected designs after their refinement, each once, the best first, with what was gained.
 
         Parameters
         ----------
         found : xarray.Dataset
-            Designs of the map along ``design``, in memory.
+            Designs of the map along ``design``, in memory, the best first.
+        searched : int
+            How many rows they are the best of.
+        top : int, optional
+            How many different designs are wanted; all that these lead to unless given.
+        whole : callable, optional
+            Returns rows of `found` by their numbers with all that the map says of them.
         show : callable
             Is told how many designs are done.
         """
-        descents, designs = list[Descent](), np.empty((len(self.inputs), found.sizes[DESIGN]))
-        for row in range(found.sizes[DESIGN]):
-            one = found.isel({DESIGN: row})
-            descent, designs[:, row] = self._descended(one)
-            descents.append(descent)
-            show(1)
-        return self._labelled(self._again(found, designs), found, descents)
+        ends = list[End]()
+        starts = self._starts(found, searched, top)
+        for row in starts:
+            one = self._ended(found.isel({DESIGN: row}), row)
+            if isinstance(starts, Starts):
+                starts.ended(row, self._shares(one.design))
+            if self._noted(ends, one):
+                show(1)
+            if len(ends) == top:
+                break
+        kept = [one.row for one in ends]
+        own = whole(kept) if whole is not None else found.isel({DESIGN: kept})
+        designs = np.array([one.design for one in ends]).reshape(-1, len(self.inputs)).T
+        aim = Aim(self.results, self.spans, self.units, found.sizes[DESIGN])
+        return labelled(self._again(own, designs), own, ends, aim)
 
-    def _descended(self, row: xr.Dataset) -> tuple[Descent, NDArray[np.float64]]:
-        """Return the descent from one design, and the inputs of where it ends."""
+    def _starts(self, found: xr.Dataset, searched: int, top: int | None) -> Starts | range:
+        """Return the numbers of the rows from which to start."""
+        if top is None:
+            return range(found.sizes[DESIGN])
+        inputs = np.array([found[name].values for name in self.inputs])
+        changing = [self.inputs.index(span.name) for span in self.spans]
+        other = [k for k in range(len(self.inputs)) if k not in changing]
+        followers = {name for span in self.spans for name, _ in span.followers}
+        other = [k for k in other if self.inputs[k] not in followers]
+        codes = [
+            str(n)
+            for n in found.coords
+            if n not in self.inputs and found[n].dtype.kind in "iuf" and n != DESIGN
+        ]
+        fixed = [inputs[k] for k in other] + [
+            np.broadcast_to(found[name].values, inputs.shape[1]) for name in codes
+        ]
+        groups = [*zip(*fixed, strict=True)] or [()] * inputs.shape[1]
+        return Starts(self._shares(inputs).T, groups, searched, top)
+
+    def _shares(self, designs: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Return the inputs that may change, as shares of their ranges."""
+        widths = [max(span.high - span.low, span.period) for span in self.spans]
+        rows = designs[[self.inputs.index(span.name) for span in self.spans]]
+        shares: NDArray[np.float64] = (rows.T / np.array(widths)).T
+        return shares
+
+    def _noted(self, ends: list[End], new: End) -> bool:
+        """Add an end, or count it with one that is the same design; tell whether it is a new one."""
+        for k, old in enumerate(ends):
+            if old.reader is not new.reader:
+                continue
+            worse, better = (old, new) if self._is_better(new, old) else (new, old)
+            if is_one_design(worse.points, worse.descent, better.design):
+                ends[k] = replace(better, starts=old.starts + 1)
+                return False
+        ends.append(new)
+        return True
+
+    def _is_better(self, one: End, other: End) -> bool:
+        """Tell whether an end is better in the first objective."""
+        return bool(
+            one.descent.values[0] * self.results[0].sign < other.descent.values[0] * self.results[0].sign
+        )
+
+    def _ended(self, row: xr.Dataset, number: int) -> End:
+        """Return the end of the descent from one design."""
+        reader = self._reader(row)
         start = np.array([float(row[name]) for name in self.inputs])
-        points = Points(self._reader(row), self.results, self.spans, start)
+        points = Points(reader, self.results, self.spans, start)
+        descent = self._descent(points, row)
+        design = start if descent.point is points.begin else points.designs(descent.point[None])[:, 0]
+        return End(number, reader, points, descent, design if design is start else self._wrapped(design))
+
+    def _descent(self, points: Points, row: xr.Dataset) -> Descent:
         aims = [one for one in self.results if one.sign]
         expected = np.array([float(row[one.name]) for one in aims])
-        own = points.values(points.begin[None])[0][0][: len(aims)]
-        if not np.allclose(own, expected, rtol=REPRODUCED, atol=0.0, equal_nan=True):
-            return Descent(points.begin, own, Outcome.NOT_REPRODUCED), start
-        signs, lows, highs = np.array([(r.sign, r.low, r.high) for r in self.results if not r.is_code]).T
-        descent = descend(Task(points.values, points.slopes, signs, lows, highs), points.begin)
-        if descent.point is points.begin:
-            return descent, start
-        return descent, self._wrapped(points.designs(descent.point[None])[:, 0])
+        own = points.values(points.begin[None])[0][0]
+        if not np.allclose(own[: len(aims)], expected, rtol=REPRODUCED, atol=0.0, equal_nan=True):
+            return Descent(points.begin, own, Outcome.NOT_REPRODUCED, np.ones(len(own)))
+        low, high, signs = points.limits
+        return descend(Task(points.values, points.slopes, signs, low, high), points.begin)
 
     def _wrapped(self, design: NDArray[np.float64]) -> NDArray[np.float64]:
         """Return a design whose input position, where it goes all around, is in the turn of the map."""
@@ -243,50 +303,6 @@ class Refinement:
         for name in names:
             result[name] = (DESIGN,), values[name], _unmeasured(found[name].attrs)
         return result
-
-    def _labelled(self, result: xr.Dataset, found: xr.Dataset, descents: Sequence[Descent]) -> xr.Dataset:
-        """Return the designs with how each was refined, best first; of a front those that none beats."""
-        aims = [one for one in self.results if one.sign]
-        for one in aims:
-            before, after = found[one.name].values, result[one.name].values
-            of = result[one.name].attrs
-            attrs = {"units": of.get("units", "1"), "references": REFERENCE}
-            attrs["long_name"] = f"Gain by refinement of: {of.get('long_name', one.name)}"
-            with np.errstate(invalid="ignore"):
-                result[f"{one.name}_{GAIN}"] = (DESIGN,), one.sign * (before - after), attrs
-        codes = np.array([int(one.outcome) for one in descents], dtype=np.int8)
-        attrs = {"long_name": "How the refinement ended", "references": REFERENCE}
-        attrs["flag_values"] = np.array([int(one) for one in MEANINGS], dtype=np.int8)
-        attrs["flag_meanings"] = " ".join(MEANINGS.values())
-        result[REFINEMENT] = (DESIGN,), codes, attrs
-        attrs = {"long_name": "What holds the design back", "references": REFERENCE}
-        texts = np.array([self._active(one) for one in descents], dtype=str)
-        result = result.assign_coords({ACTIVE: ((DESIGN,), texts, attrs)})
-        points = np.stack([one.sign * result[one.name].values for one in aims], axis=1)
-        order = np.argsort(points[:, 0], kind="stable") if len(aims) == 1 else nondominated(points)
-        beaten = len(points) - len(order)
-        endings = Counter(in_words(MEANINGS[one.outcome]) for one in descents)
-        about = ", ".join(f"{count:,} {meaning}" for meaning, count in endings.items()) or "none"
-        dropped = f"; {beaten:,} that others beat then are left out" if beaten else ""
-        result = result.isel({DESIGN: order})
-        result.attrs["selection"] = f"{found.attrs.get('selection', '')}; refined: {about}{dropped}"
-        return result
-
-    def _active(self, descent: Descent) -> str:
-        """Return the limits that hold a design back."""
-        shown = [one for one in self.results if not one.is_code]
-        held: list[tuple[Looked | Span, int]] = [(shown[k], sign) for k, sign in sorted(descent.limits)]
-        held += [(self.spans[j], sign) for j, sign in sorted(descent.ends)]
-
-        def units(one: Looked | Span) -> str:
-            of = self.units.get(one.name, "1")
-            return "" if of == "1" else f" {of}"
-
-        texts = (
-            f"{one.name} {'<=' if sign > 0 else '>='} {short_number(one.high if sign > 0 else one.low)}{units(one)}"
-            for one, sign in held
-        )
-        return ", ".join(texts)
 
 
 def _unmeasured(attrs: Mapping[Any, Any]) -> dict[Any, Any]:

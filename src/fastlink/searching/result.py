@@ -19,10 +19,11 @@ from fastlink.errors import InputError
 from fastlink.io.dataset import Variable, plain_attrs
 from fastlink.io.history import HISTORY, history
 from fastlink.io.writing.writer import Writer
-from fastlink.maps.best import ACTIVE, GAIN, REFINEMENT, Choice, choice_of
+from fastlink.maps.best import ACTIVE, GAIN, REFINEMENT, STARTS, Choice, choice_of
 from fastlink.searching.model import Model, angles_of
 from fastlink.searching.refine import Refinement
 from fastlink.searching.spans import spans_of_space
+from fastlink.searching.starts import candidates
 from fastlink.searching.stream import Kept, Stream
 from fastlink.space.dataset import FORMAT
 from fastlink.space.design_space import DESIGN
@@ -109,13 +110,28 @@ class Request:
         return {str(dim): self.labels[dim].values for dim in self.labels.dims if dim != DESIGN}
 
     @property
+    def kept(self) -> Choice:
+        """Which rows the sweep keeps: of one objective more than are wanted, where several may lead to one design."""
+        refined = self.refinement is not None and len(self.choice.objectives) == 1
+        return replace(self.choice, top=candidates(self.choice.top)) if refined else self.choice
+
+    @property
     def fingerprint(self) -> str:
         """A hash of all that the result depends on."""
         choice = self.choice
         aims = [(one.array.name, one.sign) for one in choice.objectives]
         wanted = [(one.array.name, one.codes, one.low, one.high) for one in choice.wanted]
         spans = None if self.refinement is None else self.refinement.spans
-        own = (aims, wanted, choice.top, choice.infinite, spans, self.quantities, self.options.get("links"))
+        own = (
+            aims,
+            wanted,
+            choice.top,
+            self.kept.top,
+            choice.infinite,
+            spans,
+            self.quantities,
+            self.options.get("links"),
+        )
         attrs = sorted((name, repr(value)) for name, value in plain_attrs(self.attrs).items())
         return hashlib.sha256(repr((self.resolved.fingerprint, own, attrs)).encode()).hexdigest()
 
@@ -165,14 +181,18 @@ class Request:
         names = list(self.quantities) or ["status"]
         if self.refinement is None:
             return self.rows(columns, places, names, verify)
-        refined = self.refinement.of(self.rows(columns, places, searched), show)
+        top = None if stream.several else self.choice.top
+        starts, size = self.rows(columns, places, searched), space.size * stream.rows.of_design
+        refined = self.refinement.of(starts, searched=size, top=top, show=show)
         if self.refinement.at_position:
             return refined
         moved = {name: refined[name].values if name in refined else given for name, given in columns.items()}
         moved = {name: values if np.ndim(values) else values[()] for name, values in moved.items()}
         places = {dim: np.searchsorted(self.along[dim], refined[dim].values) for dim in places}
         result = self.rows(moved, places, names, verify)
-        added = [str(n) for n in refined.data_vars if str(n).endswith(f"_{GAIN}") or n == REFINEMENT]
+        added = [
+            str(n) for n in refined.data_vars if str(n).endswith(f"_{GAIN}") or n in (REFINEMENT, STARTS)
+        ]
         result = result.assign({name: refined[name].variable for name in added})
         result.attrs["selection"] = refined.attrs["selection"]
         return result.assign_coords({ACTIVE: refined[ACTIVE].variable})

@@ -52,7 +52,7 @@ def found_by(
     restart : bool
         Whether to throw away a state that is there.
     """
-    stream = Stream(request.resolved, request.choice, request.along)
+    stream = Stream(request.resolved, request.kept, request.along)
     unfinished = None if path is None else Unfinished(path, request.fingerprint)
     if unfinished is not None and restart:
         unfinished.remove()
@@ -68,7 +68,8 @@ def found_by(
             unfinished.remove()
         raise _nothing(request, stream, kept)
     verify = (0 if path is None else DESIGNS) if verify is None else verify
-    swept, refining = time.perf_counter(), progress_bar(len(kept.rows), " designs refined", progress)
+    most = len(kept.rows) if stream.several else min(request.choice.top, len(kept.rows))
+    swept, refining = time.perf_counter(), progress_bar(most, " designs refined", progress)
     try:
         result = request.found(stream, kept, verify, refining.update if refining else lambda count: None)
     finally:

@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from fastlink.maps.conditions import Condition
     from fastlink.space.design_space import DesignSpace
 
-__all__ = ["Span", "spans_of", "spans_of_space", "swept_inputs", "within"]
+__all__ = ["ON_A_LINE", "Span", "spans_of", "spans_of_space", "swept_inputs", "within"]
 
 #: Rows of a table in which inputs are compared; how far from a line two of them may be, of their size.
 MOST_COMPARED = 1 << 20
