@@ -172,6 +172,18 @@ def planar_4r(rng, n, joint=0):
     return design | {"theta1": angles(rng, n, *toggles)}
 
 
+def folded_planar_4r(rng, n):
+    """Return designs of the planar 4R whose links come to lie in one line, but for the rounding of the lengths."""
+    while True:
+        design = planar_4r(rng, 12 * n)
+        a = np.array([design[f"a{i + 1}"] for i in range(4)])
+        gaps = [a.sum(axis=0) - 2.0 * part for part in (a[0] + a[1], a[0] + a[2], a[0] + a[3], *a)]
+        folds = (np.abs(gaps) <= 4.0 * ULP * a.max(axis=0)).any(axis=0)
+        (kept,) = np.nonzero(folds & (a.max(axis=0) < 1e6 * a.min(axis=0)))
+        if kept.size >= n:
+            return {name: values[kept[:n]] for name, values in design.items() if name != "theta1"}
+
+
 def _loads(rng):
     return [load for load in LOADS if rng.random() < 0.3]
 

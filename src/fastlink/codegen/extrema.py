@@ -55,7 +55,7 @@ class _ExtremaWriter(PlacesWriter):
             for search in filter(self.needs_ends, searches):
                 self.write_ends(searches.index(search))
             if self.kept:
-                text.call(noise.thin, f"lists, best, {self.kept}")
+                self.write_thinning()
             for row in self.doubts:
                 text.call(results.doubt, f"w, {row}, n_here, lists, best")
             for number in range(len(searches)):
@@ -78,7 +78,8 @@ class _ExtremaWriter(PlacesWriter):
         tables = {"table": [*sizes, *own, *mirror]}
         for k, search in enumerate(program.searches):
             onto, flags = self.number_of(search.quantity), [int(search.at_limit), int(search.jumps)]
-            tables[f"search_{k}"] = [k, onto, search.order, search.parity, *flags]
+            sizes = [self.room(search), *self.most_items(search)]
+            tables[f"search_{k}"] = [k, onto, search.order, search.parity, *flags, *sizes]
             tables[f"rows_{k}"] = [self.row(name) for name in self.item_needs(search)] or [0]
             if search.gradients:
                 tables[f"places_{k}"] = [self.row(name) for name in self.gradient_needs(search)] or [0]
@@ -157,7 +158,7 @@ class _ExtremaWriter(PlacesWriter):
     def write_search(self, number: int) -> None:
         """Write the search for the cells that hold a zero of one function, their refinement, and the extrema there."""
         text, search = self.text, self.program.searches[number]
-        text.call(cells.nothing_yet, "counts")
+        text.call(cells.nothing_yet, f"counts, search_{number}")
         parts = self.parts_of(number)
         for part in self.parts_that_may_rest(number):
             text.call(resting.silence_rest, f"w, table, samples, marks, {part}, n_here")
@@ -278,6 +279,14 @@ class _ExtremaWriter(PlacesWriter):
                 text.call(noise.place_beside_fold, "state, filled, trial")
                 self.write_value(number)
                 text.call(noise.keep_beside_fold, "state, filled")
+
+    def write_thinning(self) -> None:
+        """Write that lists of extremes leave out what is rounding."""
+        columns = len(self.program.branches) * LANES
+        for number, search in enumerate(self.program.searches):
+            if not search.onto:
+                first = number * columns
+                self.text.call(noise.thin, f"lists, best, {first}, {first + columns}, {self.room(search)}")
 
     def write_ends(self, number: int) -> None:
         """Write the values at the ends of the range, where these may be extreme."""

@@ -109,7 +109,7 @@ class ExtremaSchedule:
         searches, samples = self.program.searches, self.sample_row(len(self.program.searches), 0)
         columns = len(searches) * len(self.program.branches) * LANES
         room = LANES * self.halves
-        kept = self.kept + results.MORE if self.kept else 0
+        kept = max(map(self.room, searches))
         return (
             Array("w", "float64", (len(self.rows), LANES)),
             Array("samples", "float64", (samples, LANES)),
@@ -153,22 +153,29 @@ class ExtremaSchedule:
         has_lists = any(output.request.listed for output in self.program.outputs)
         return max(search.most for search in self.program.searches) if has_lists else 0
 
-    def item_lists(self) -> tuple[Array, ...]:
-        """Return the lists of items, with as much room for each lane; a smooth function fills little of it.
+    def room(self, search: ExtremumSearch) -> int:
+        """Return how many entries a list of extremes has room for, 0 where none is requested."""
+        return search.most + results.MORE if self.kept else 0
 
-        Rounding errors fill it: each cell has a zero and a valley, which splits into two zeros more; where cells are
-        divided, each part of a cell has.
+    def most_items(self, search: ExtremumSearch) -> tuple[int, ...]:
+        """Return how many valleys, roots and unresolved cells a design may have; a smooth function has few.
+
+        Rounding errors have as many: each cell has a zero and a valley, which splits into two zeros more; where cells
+        are divided, each part of a cell has.
         """
+        own = (other for other in self.program.searches if other.quantity == search.quantity)
+        of_cell = (10, 10, 4) if any(other.divided for other in own) else (1, 3, 0)
+        return tuple(number * self.halves * self.samples for number in of_cell)
 
-        def items(name: str, of_cell: int) -> Array:
-            return Array(
-                name, "float64", (ITEM_ROWS, of_cell * LANES * self.halves * self.samples + MOST_LANES)
-            )
-
+    def item_lists(self) -> tuple[Array, ...]:
+        """Return the lists of items, with as much room for each lane."""
+        most = zip(*map(self.most_items, self.program.searches), strict=True)
+        sizes = [(ITEM_ROWS, LANES * max(numbers) + MOST_LANES) for numbers in most]
+        names = ("valleys", "roots", "unresolved")
+        lists = tuple(Array(name, "float64", size) for name, size in zip(names, sizes, strict=True))
         if not any(search.divided for search in self.program.searches):
-            return items("valleys", 1), items("roots", 3)
-        fine = Array("fine_marks", "int8", (cells.FINE_SAMPLES, LANES))
-        return items("valleys", 10), items("roots", 10), items("unresolved", 4), fine
+            return lists[:2]
+        return *lists, Array("fine_marks", "int8", (cells.FINE_SAMPLES, LANES))
 
     # -- names of values ---------------------------------------------------------------------------
 

@@ -75,7 +75,7 @@ def test_of_doubtful_entries_one_stays_between_two_of_a_kind(entries, stay):
     kinds = {"+": 1.0, "-": -1.0}
     told = [(float(e[1]), kinds[e[0]], DOUBTFUL if "?" in e else 0.0) for e in entries.split()]
     lists, best = listed(*told)
-    thin(lists, best, 8)
+    thin(lists, best, 0, 1, 8)
     assert lists[LIST_THETA, 0, : len(stay)].tolist() == stay
     assert np.isnan(lists[LIST_THETA, 0, len(stay) :]).all()
     assert best[COUNT, 0] == len(stay)

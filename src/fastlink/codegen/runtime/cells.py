@@ -41,6 +41,8 @@ SAVED, NOISE, LOWEST, HIGHEST = XA, XB, XC, FC
 # Whether the slope changes its sign there, and while that is sought one slope, whether others of its side agree, and
 # that of the other side, 0 where they do not; in rows that the iteration has left.
 CERTAIN, BEFORE, AGREES, ONE_SIDE = STEPS, F1, TOLERANCE, OPEN
+# What the slope was at the end of the iteration, until values beside are evaluated.
+FOUND = X2
 # Of a cell that is divided: the fine samples' positions, negative beyond an end of the range, and values there.
 PARTS = 8
 FINE_SAMPLES = PARTS + 3
@@ -55,15 +57,19 @@ FLAT = 2.0**-40
 START, TOGGLE, SIDES, HALVES, BRANCHES, OWN, MIRROR = 0, 1, 2, 3, 4, 5, 7
 # Entries of the table of a search: its number; the search that it adds to, itself or another; the power of 1/sigma by
 # which the quantity grows at a toggle; what the mirror does to it; whether it has a value exactly at a toggle; whether
-# it is for the places where an angle passes pi.
-NUMBER, ONTO, ORDER, PARITY, AT_LIMIT, JUMPS = range(6)
+# it is for the places where an angle passes pi; how many entries each of its lists of extremes has room for; how many
+# valleys, roots and unresolved cells one design may have. None of these depends on the other searches.
+NUMBER, ONTO, ORDER, PARITY, AT_LIMIT, JUMPS, ROOM, MOST_VALLEYS = range(8)
+MOST_ITEMS = 3
 # Entries of the table of one half of the range in one search: rows of its first sample and of that of the half that
 # continues it beyond both ends, number of the half, -1 where a zero at a sample counts for the cell on its other side
 # (else 1), half the number of cells, the sign with which the half beyond continues the function (1 or -1).
 FIRST, BEYOND, PART, SIGN, CELLS, CONTINUED = range(6)
-# How many designs, valleys, roots and unresolved cells there are; then how many each lane has of the last three.
-DESIGNS, VALLEYS, ROOTS, UNRESOLVED, SHARES = range(5)
-COUNTS = SHARES + 3 * LANES
+# How many designs, valleys, roots and unresolved cells there are; how many of the last three one lane may have, and how
+# many each has.
+DESIGNS, VALLEYS, ROOTS, UNRESOLVED, MOST = range(5)
+SHARES = MOST + MOST_ITEMS
+COUNTS = SHARES + MOST_ITEMS * LANES
 
 
 @inlined
@@ -103,16 +109,18 @@ def append_of_lane(items: Any, counts: Any, kind: int, lane: int, half: int, upp
     items[LANE, count] = lane
     items[HALF, count] = half
     items[UPPER, count] = 1.0 if upper else 0.0
-    one = 1 if (counts[own] + 1) * LANES <= items.shape[1] else 0
+    one = 1 if counts[own] < counts[MOST + (kind - 1)] else 0
     counts[own] = counts[own] + one
     counts[kind] = count + one
 
 
 @outlined
-def nothing_yet(counts: Any) -> None:
+def nothing_yet(counts: Any, search: Any) -> None:
     """Begin the lists of a search: no items of any kind, of no lane."""
     for k in range(VALLEYS, COUNTS):
         counts[k] = 0
+    for k in range(MOST_ITEMS):
+        counts[MOST + k] = search[MOST_VALLEYS + k]
 
 
 @merged

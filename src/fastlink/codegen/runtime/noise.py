@@ -21,6 +21,7 @@ from fastlink.codegen.runtime.cells import (
     AGREES,
     BEFORE,
     CERTAIN,
+    FOUND,
     HIGHEST,
     LANE,
     LOWEST,
@@ -38,8 +39,6 @@ from fastlink.codegen.runtime.cells import (
 from fastlink.codegen.runtime.results import (
     COUNT,
     DOUBTFUL,
-    GREATEST,
-    LEAST,
     LIST_KIND,
     LIST_NOISE,
     LIST_THETA,
@@ -77,12 +76,13 @@ NEAR = 2.0**-10
 
 @outlined
 def count_folded(s: Any, count: int, w: Any, table: Any) -> int:
-    """Return how many items are near a fold; mark these, and keep their positions."""
+    """Return how many items are near a fold; mark these, and keep all positions and slopes."""
     near = 0
     for i in range(count):
         lane, upper = int(s[LANE, i]), int(s[UPPER, i])
         fold = (w[table[START] + upper, lane] != 0.0) & (w[table[TOGGLE] + upper, lane] == 0.0)
         s[SAVED, i] = s[X, i]
+        s[FOUND, i] = s[F, i]
         s[NOISE, i] = 0.0
         s[CERTAIN, i] = 1.0
         s[LOWEST, i] = INFINITY
@@ -131,6 +131,7 @@ def settle_slopes(s: Any, count: int) -> None:
     """Put items back."""
     for i in lanes(padded(count)):
         s[X, i] = s[SAVED, i]
+        s[F, i] = s[FOUND, i]
 
 
 @outlined
@@ -196,26 +197,34 @@ def _drop_doubtful(lists: Any, best: Any, column: int) -> None:
 
 
 @outlined
-def thin(lists: Any, best: Any, kept: int) -> None:
-    """Take pairs of extremes out of the lists that differ by rounding alone.
+def thin(lists: Any, best: Any, first: int, last: int, room: int) -> None:
+    """Take pairs of extremes out of the lists of a search that differ by rounding alone.
 
     Parameters
     ----------
     lists, best : array
         The results, see `store_extrema`.
-    kept : int
-        How many entries are returned.
+    first, last : int
+        The first column of the search, and that of the next one.
+    room : int
+        How many entries its lists have room for.
     """
-    for column in range(lists.shape[1]):
+    for column in range(first, last):
         n, noisy, doubtful = int(best[COUNT, column]), 0, 0
-        for k in range(min(n, lists.shape[2])):
+        for k in range(min(n, room)):
             noisy = noisy + (1 if lists[LIST_NOISE, column, k] > 0.0 else 0)
             doubtful = doubtful + (1 if lists[LIST_NOISE, column, k] == DOUBTFUL else 0)
-        if (noisy + doubtful == 0) | (n > lists.shape[2]):
+        if (noisy + doubtful == 0) | (n > room):
             continue
+        before = n
         if doubtful > 0:
             _drop_doubtful(lists, best, column)
         n = int(best[COUNT, column])
+        # of the list: whether ends of the range count, too, hangs on what else is requested
+        greatest, lowest = -INFINITY, INFINITY
+        for k in range(n):
+            greatest = max(greatest, lists[LIST_VALUE, column, k])
+            lowest = min(lowest, lists[LIST_VALUE, column, k])
         pair = 0
         while pair >= 0:
             pair, least = -1, INFINITY
@@ -224,13 +233,13 @@ def thin(lists: Any, best: Any, kept: int) -> None:
                 low, high = min(value, after), max(value, after)
                 turns = lists[LIST_KIND, column, k] != lists[LIST_KIND, column, k + 1]
                 one, other = lists[LIST_NOISE, column, k], lists[LIST_NOISE, column, k + 1]
-                inner = (high < best[GREATEST, column]) & (low > best[LEAST, column])
+                inner = (high < greatest) & (low > lowest)
                 if turns & inner & (high - low <= min(one, other)) & (high - low < least):
                     pair, least = k, high - low
             if pair >= 0:
                 n = n - 2
                 _drop(lists, best, column, pair, 2)
-        for k in range(n, kept):
+        for k in range(n, before):
             lists[LIST_THETA, column, k] = NOT_A_NUMBER
             for r in range(LIST_VALUE, lists.shape[0]):
                 lists[r, column, k] = 0.0 if r == LIST_KIND else NOT_A_NUMBER

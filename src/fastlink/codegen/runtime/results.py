@@ -26,6 +26,7 @@ from fastlink.codegen.runtime.cells import (
     ONTO,
     OWN,
     PARITY,
+    ROOM,
     SIDES,
     START,
     THETA,
@@ -80,12 +81,12 @@ def clear(lists: Any, best: Any, kept: int) -> None:
 
 
 @outlined
-def _insert(lists: Any, column: int, count: int, theta: float) -> int:
-    """Make room in a sorted list of so many extrema, the last of which drops out beyond its length; return where."""
-    k = count if count < lists.shape[2] else int(lists.shape[2])
+def _insert(lists: Any, column: int, count: int, theta: float, room: int) -> int:
+    """Make room in a sorted list of so many extrema, the last of which drops out beyond its room; return where."""
+    k = count if count < room else room
     while k > 0 and lists[LIST_THETA, column, k - 1] > theta:
         k -= 1
-    for move in range(min(count, lists.shape[2] - 1), k, -1):
+    for move in range(min(count, room - 1), k, -1):
         for r in range(lists.shape[0]):
             lists[r, column, move] = lists[r, column, move - 1]
     return k
@@ -161,7 +162,7 @@ def store_extrema(s: Any, count: int, table: Any, search: Any, lists: Any, best:
     """
     sides, branches = table[SIDES], table[BRANCHES]
     onto, parity = search[ONTO], float(search[PARITY])
-    jumps = search[JUMPS] > 0
+    jumps, room = search[JUMPS] > 0, search[ROOM]
     for i in range(count):
         value, theta, kind, bound = s[VALUE, i], s[THETA, i], s[KIND, i], s[BOUND, i]
         if kind != kind:
@@ -178,13 +179,11 @@ def store_extrema(s: Any, count: int, table: Any, search: Any, lists: Any, best:
                 kind = parity * kind
             column = (onto * branches + target) * LANES + lane
             # a function that is nothing but rounding would leave no room for extremes
-            room = lists.shape[2] if s[NOISE, i] != DOUBTFUL else lists.shape[2] >> 1
-            if (kind != 0.0) & (
-                (lists.shape[2] == 0) | (room == lists.shape[2]) | (best[COUNT, column] < room)
-            ):
-                if lists.shape[2] > 0:
-                    k = _insert(lists, column, int(best[COUNT, column]), theta)
-                    if k < lists.shape[2]:
+            doubtful = (room > 0) & (s[NOISE, i] == DOUBTFUL)
+            if (kind != 0.0) & ((not doubtful) | (best[COUNT, column] < (room >> 1))):
+                if room > 0:
+                    k = _insert(lists, column, int(best[COUNT, column]), theta, room)
+                    if k < room:
                         lists[LIST_THETA, column, k] = theta
                         lists[LIST_VALUE, column, k] = value
                         lists[LIST_KIND, column, k] = kind
