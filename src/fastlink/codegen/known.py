@@ -129,14 +129,18 @@ class KnownWriter:
         self.written.add(place)
         text, (low, high, _) = self.text, self.program.coordinates
         end = place.removesuffix("_beside")
-        upper = f"{place} > 1.0" if end not in ENDS else ""
+        upper = f"{place} > 1.0"
         if end in ENDS:
             first = self.program.graded.ends[ENDS.index(end)][1]
             beside = place != end
             text.add(f"x__{place} = {f'abs({first})' if beside else f'-{first} if {first} < 0.0 else 0.0'}")
+            near, far = (low, high) if end == ENDS[0] else (high, low)
+            # the first place is at most 2^-60, and 1 + 2^-120 is 1
+            text.add(f"{near}__{place} = x__{place} * x__{place}")
+            text.add(f"{far}__{place} = 1.0")
         else:
             text.add(f"x__{place} = 1.0 / {place} if {upper} else {place}")
-        self.write_parts(place, {"low": "", "high": "always"}.get(end, upper), (low, high))
+            self.write_parts(place, upper, (low, high))
 
     def write_parts(self, place: str, upper: str, names: tuple[str, str]) -> None:
         """Write the distances of a place from both ends; `upper` is where its position counts from the upper one."""
@@ -144,10 +148,8 @@ class KnownWriter:
         text.add(f"square__{place} = x__{place} * x__{place}")
         text.add(f"rest__{place} = 1.0 / (1.0 + square__{place})")
         text.add(f"part__{place} = square__{place} * rest__{place}")
-        for name, of_lower, of_upper in ((names[0], "part", "rest"), (names[1], "rest", "part")):
-            lower, higher = f"{of_lower}__{place}", f"{of_upper}__{place}"
-            chosen = {"": lower, "always": higher}.get(upper, f"{higher} if {upper} else {lower}")
-            text.add(f"{name}__{place} = {chosen}")
+        for name, lower, higher in ((names[0], "part", "rest"), (names[1], "rest", "part")):
+            text.add(f"{name}__{place} = {higher}__{place} if {upper} else {lower}__{place}")
 
     def is_upper(self, place: str) -> str:
         """Return kernel text that is 1 where the position of a place is counted from the upper end, else 0."""

@@ -65,6 +65,34 @@ for _name, _where, _factors, _links in PLACES:
     )
 
 
+def root_of_either(
+    low_part: Any, high_part: Any, one: Any, other: Any, turning: Any, fixed: Any,
+    one_else: Any, other_else: Any, turning_else: Any, fixed_else: Any, Z0: Any, C0: Any, range_width: Any
+) -> Any:  # fmt: skip
+    """As `root_of_ratio` of that of two places which there is: of the second one the ratio of factors is opposite."""
+    ratio, low, high = low_part / high_part, Z0 > 0.0, C0 > 0.0
+    first = ratio >= 0.0
+    this, that = select(first, one, one_else), abs(select(first, other, other_else))
+    turns, stays = select(first, turning, turning_else), select(first, fixed, fixed_else)
+    above = select(low, select(high, this, turns), select(high, stays, that))
+    below = select(low, select(high, that, stays), select(high, turns, this))
+    root = sqrt(abs(ratio)) * sqrt(above / below)
+    return select(range_width > 0.0, root, NOT_A_NUMBER)
+
+
+# Of two places of one branch, with opposite ratios of factors, one exists: half as much to evaluate.
+EITHER = (
+    ("place_folded_or_back", PLACES[1], PLACES[2]),
+    ("place_on_or_stretched", PLACES[3], PLACES[0]),
+)
+for _name, (_, _where, _factors, _links), (_, _else, _others, _other_links) in EITHER:
+    _given = dict(zip(PARAMETERS, (*_factors, *_links), strict=True))
+    _else_given = dict(zip(PARAMETERS, (*_others, *_other_links), strict=True))
+    _given |= {f"{key}_else": _else_given[key] for key in PARAMETERS[2:]}
+    _meaning = f"root of the ratio of the distances from both ends where {_where} or {_else}"
+    step(root_of_either, _name, "x", _meaning, **_given)
+
+
 @planar_4r.quantity(units="1", symbol="x", source=EXTREMES, internal=True)
 def place_crosswise(Z0: Any, C0: Any) -> Any:
     """Root of the ratio of the distances from both ends where the crank stands across the ground link."""
@@ -76,7 +104,8 @@ REST_OF_OUTPUT = {1: ("place_folded",), 2: ("place_stretched",)}
 OUTPUT = KnownExtremes(REST_OF_OUTPUT, {1: ("place_output_back",)})
 COUPLER = KnownExtremes({1: ("place_opposite",), 2: ("place_parallel",)}, {1: ("place_coupler_back",)})
 IN_GROUND_LINE = {1: ("place_output_back",), 2: ("place_output_on",)}
-ALONG = KnownExtremes({branch: REST_OF_OUTPUT[branch] + IN_GROUND_LINE[branch] for branch in (1, 2)})
+#: Where the output link rests or points along the ground link: of a place of each kind there is one.
+ALONG = KnownExtremes({1: ("place_folded_or_back",), 2: ("place_on_or_stretched",)})
 #: Z alone determines these, and they grow with it or fall.
 AT_ENDS = dict.fromkeys(("transmission_angle", "joint_angle_3", "A_x"), KnownExtremes())
 
