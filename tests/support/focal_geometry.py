@@ -68,6 +68,16 @@ class Design:
         self.r = MP.sqrt(self.S**2 - power)  # eq. (1.6) over n q (1 + rho), at the centre
 
 
+def crossing(one: Any, along: Any, other: Any, way: Any) -> Any:
+    """Return where two lines meet, each through a point along a direction."""
+    return one + along * ((other - one) / way).imag / (along / way).imag
+
+
+def middle_of_circle(one: Any, two: Any, three: Any) -> Any:
+    """Return the centre of the circle through three points: where the bisectors of two chords meet."""
+    return crossing((one + two) / 2, 1j * (two - one), (one + three) / 2, 1j * (three - one))
+
+
 def nearest(points: Iterable[Any], origin: Any, length: Any) -> Any:
     """Return the point whose distance from another one is nearest to a length."""
     return min(points, key=lambda z: abs(abs(z - origin) - length))
@@ -120,9 +130,24 @@ class Position:
         found["omega_angle"] = angle((design.m - F / self.u) / design.p)
         return found
 
+    def figure(self) -> dict[str, Any]:
+        """Return where opposite sides meet, the circles of section 4, and joints in the frame of AB."""
+        M, N, S, F, A = self.M, self.N, self.S, self.F, self.A
+        X, Y = crossing(M, self.u, N, self.v), crossing(A, self.e, M, N - M)
+        found = {"X_x": X.real, "X_y": X.imag, "Y_x": Y.real}
+        circles = {"PFQX": (self.P, F, self.Q), "SFTY": (S, F, self.T), "PSQT": (self.P, S, self.Q)}
+        for name, points in circles.items():
+            centre = middle_of_circle(*points)
+            found |= {f"{name}_x": centre.real, f"{name}_y": centre.imag}
+            found[f"{name}_radius"] = abs(points[0] - centre)
+        for name, joint in {"M": M, "N": N, "S": S, "F": F}.items():
+            seen = (joint - A) / self.e
+            found |= {f"{name}_along_AB": seen.real, f"{name}_across_AB": seen.imag}
+        return found
+
     def quantities(self) -> dict[str, Any]:
         """Return what a map has of this position, but for rates."""
-        found = self.angles()
+        found = self.angles() | self.figure()
         for name in "ABFPQT":
             point = getattr(self, name)
             found |= {f"{name}_x": point.real, f"{name}_y": point.imag}

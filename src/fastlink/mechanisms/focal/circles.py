@@ -3,22 +3,24 @@
 X = MA.NB and Y = MN.AB. With the directions u, v, e, g, w of `points` as complex numbers, (u, v) for the sine of the
 angle from u to v, and k the sign of rho, the circles have the centres
 
-    of P, F, Q, X:  F - i w (q u + p v)/(2 (u, v)),
+    of P, F, Q, X:  (P + Q + i PQ cot)/2, cot that of the angle from u to v,
     of S, F, T, Y:  S + g (r e_y + i (r e_x + k FT))/(2 e_y),
     of P, S, Q, T:  S + i SP SQ conj(L)/(2 (SP, L)),        L = (e + t) = PQ lambda/c,
 
-and the radii are their distances from F, S and S. Where its points lie in line, a circle is that line.
+and the radii are their distances from F, S and S: F is at -i w (q u + p v)/(2 (u, v)) from the first, as its chord PQ
+may be short and far away. S and Y are on MN, so the second is halfway between them. Where its points lie in line, a
+circle is that line.
 """
 
 from __future__ import annotations
 
 from typing import Any
 
-from fastlink.mechanisms._shared.laws import along, half, moment, product, turned
+from fastlink.mechanisms._shared.laws import along, half, moment, product, quotient, turned
 from fastlink.mechanisms.focal.by_crank import quantities, steps
 from fastlink.mechanisms.focal.inputs import WUNDERLICH
 from fastlink.mechanisms.focal.points import POSITION
-from fastlink.numerics.elementary import sqrt
+from fastlink.numerics.elementary import NOT_A_NUMBER, select, sqrt
 
 CIRCLES = f"{WUNDERLICH}, section 4"
 #: What passes infinity where lines are parallel or points in line, within the range of the input.
@@ -35,17 +37,19 @@ def reach_of_X(d: Any, v_y: Any, u_v: Any) -> Any:
     return d * v_y / u_v
 
 
-def meets_ground(a: Any, u_x: Any, u_y: Any, e_x: Any, e_y: Any) -> Any:
-    """Return where AB meets MN, x."""
-    return a * (u_x * e_y - u_y * e_x) / e_y
-
-
 step = steps(units="1", source=POSITION)
 step(moment, "u_v", "(u, v)", "Sine of the angle from MA to NB", x="u_x", y="u_y", F_x="v_x", F_y="v_y")
 steps(units="m", source=CIRCLES)(reach_of_X, "MX", "MX")
 place = quantities(units="m", source=CIRCLES)
 place.vector(product, "X_*", "X_*", "Point X of MA and NB, infinite where they are parallel", x="MX", y="u_*")
-place(meets_ground, "Y_x", "Y_x", "Point Y of MN and AB, infinite where they are parallel, x")
+place(
+    quotient,
+    "Y_x",
+    "Y_x",
+    "Point Y of MN and AB, infinite where they are parallel, x",
+    x="M_across_AB",
+    y="e_y",
+)
 
 # -- centres as seen from F or S, scaled --------------------------------------------------------------------------
 
@@ -63,6 +67,31 @@ def from_F_x(w_x: Any, w_y: Any, dyads_x: Any, dyads_y: Any, u_v: Any) -> Any:
 def from_F_y(w_x: Any, w_y: Any, dyads_x: Any, dyads_y: Any, u_v: Any) -> Any:
     """Vector from F to the centre of P, F, Q, X, y."""
     return (w_y * dyads_y - w_x * dyads_x) / (2.0 * u_v)
+
+
+def cotangent(u_v: Any, u_x: Any, u_y: Any, v_x: Any, v_y: Any) -> Any:
+    """Cotangent of the angle from MA to NB, that of the angle at which PQ is seen from F."""
+    return (u_x * v_x + u_y * v_y) / u_v
+
+
+def chord(c: Any, lambda_: Any, way: Any) -> Any:
+    """Return a component of the vector from P to Q."""
+    return c / lambda_ * way
+
+
+def beside_chord_x(P_x: Any, Q_x: Any, PQ_y: Any, seen_PQ: Any) -> Any:
+    """Return the centre of a circle through P and Q, from where PQ is seen at an angle, x."""
+    return 0.5 * ((P_x + Q_x) - PQ_y * seen_PQ)
+
+
+def beside_chord_y(P_y: Any, Q_y: Any, PQ_x: Any, seen_PQ: Any) -> Any:
+    """Return the centre of a circle through P and Q, from where PQ is seen at an angle, y."""
+    return 0.5 * ((P_y + Q_y) + PQ_x * seen_PQ)
+
+
+def between(S_x: Any, Y_x: Any) -> Any:
+    """Return the middle of S and Y on MN; NaN where S is at infinity."""
+    return select(S_x == S_x, 0.5 * (S_x + Y_x), NOT_A_NUMBER)
 
 
 def across_crank(s_r: Any, ratio_sign: Any, s_FT: Any, e_x: Any, e_y: Any) -> Any:
@@ -94,6 +123,10 @@ step.vector(
     y="v_*",
 )
 step.vector((from_F_x, from_F_y), "PFQX_off_*", "C - F", "Vector from F to the centre of P, F, Q, X")
+step(cotangent, "seen_PQ", "cot(u, v)")
+lengths = steps(units="m", source=CIRCLES)
+lengths(chord, "PQ_x", "PQ_x", "Vector from P to Q, x", way="QP_x")
+lengths(chord, "PQ_y", "PQ_y", "Vector from P to Q, y", way="e_y")
 step(half, "half_r", "r/2", "Half the crank", x="s_r")
 step(across_crank, "crank_off", "h")
 step.vector(
@@ -121,20 +154,17 @@ def radius(scale: Any, x: Any, y: Any) -> Any:
     return scale * sqrt(x * x + y * y)
 
 
-def declare_circle(points: str, start: str, start_y: str = "") -> None:
-    """Declare centre and radius of a circle, from the vector to the centre from a point of it."""
-    of = f"the circle through {', '.join(points)}"
-    centre = quantities(units="m", source=CIRCLES)
-    name, off = f"{points}_x", f"{points}_off_x"
-    centre(along, name, "C_x", f"Centre of {of}, x", start=start, length="scale", direction=off)
-    name, off = f"{points}_y", f"{points}_off_y"
-    if start_y:
-        centre(along, name, "C_y", f"Centre of {of}, y", start=start_y, length="scale", direction=off)
+for _points in ("PFQX", "SFTY", "PSQT"):
+    _of = f"of the circle through {', '.join(_points)}"
+    centre, _off = quantities(units="m", source=CIRCLES), f"{_points}_off"
+    if _points == "PFQX":
+        centre(beside_chord_x, "PFQX_x", "C_x", f"Centre {_of}, x")
+        centre(beside_chord_y, "PFQX_y", "C_y", f"Centre {_of}, y")
     else:
-        centre(product, name, "C_y", f"Centre of {of}, y", x="scale", y=off)
-    centre(radius, f"{points}_radius", "R", f"Radius of {of}", x=f"{points}_off_x", y=f"{points}_off_y")
-
-
-declare_circle("PFQX", "F_x", "F_y")
-declare_circle("SFTY", "S_x")
-declare_circle("PSQT", "S_x")
+        if _points == "SFTY":
+            centre(between, "SFTY_x", "C_x", f"Centre {_of}, x")
+        else:
+            _from_S = {"start": "S_x", "length": "scale", "direction": f"{_off}_x"}
+            centre(along, "PSQT_x", "C_x", f"Centre {_of}, x", **_from_S)
+        centre(product, f"{_points}_y", "C_y", f"Centre {_of}, y", x="scale", y=f"{_off}_y")
+    centre(radius, f"{_points}_radius", "R", f"Radius {_of}", x=f"{_off}_x", y=f"{_off}_y")

@@ -1,6 +1,7 @@
 """The motion with AB held fixed (section 3): joints in the frame of AB, with its origin in A and its x-axis towards B.
 
-With the directions u, v, e, g of `points` M is -a u/e there, and T = AT. F hangs on T and on P,
+With the directions u, v, e, g of `points` M is -a u/e there, a point of MN at x is (x - a u)/e, or by way of B
+c + (x - d - b v)/e: by the shorter bars, of which c is not across AB. T = AT. F hangs on T and on P,
 
     F = AT -+ FT g = -((lambda - 1) m + p w) u/e,    - where rho is positive,
 
@@ -11,21 +12,88 @@ from __future__ import annotations
 
 from typing import Any
 
-from fastlink.mechanisms._shared.frame import ACROSS, ALONG, M_across, M_along, across, along
+from fastlink.mechanisms._shared.frame import ACROSS, ALONG, across
 from fastlink.mechanisms._shared.laws import product
-from fastlink.mechanisms.focal.by_crank import by_crank, quantities
+from fastlink.mechanisms.focal.by_crank import by_crank, quantities, steps
 from fastlink.mechanisms.focal.inputs import WUNDERLICH, focal
 from fastlink.mechanisms.focal.joint_F import unless, where, whether_nearer
 from fastlink.numerics.elementary import NOT_A_NUMBER, select
 
 HELD = f"{WUNDERLICH}, sections 3 and 7"
 
+# -- joints of MN -----------------------------------------------------------------------------------------------------
+
+
+def reach(place: Any, bar: Any) -> Any:
+    """Return how long the way to a joint of MN is from an end of AB."""
+    return abs(place) + bar
+
+
+def shorter(by_B: Any, by_A: Any) -> Any:
+    """1 where the way by B is the shorter one, else 0."""
+    return select(by_B < by_A, 1.0, 0.0)
+
+
+def shorter_with_AB(by_B: Any, by_A: Any, c: Any) -> Any:
+    """1 where the way by B is the shorter one along AB, too, else 0."""
+    return select(by_B + c < by_A, 1.0, 0.0)
+
+
+def of_way(way: Any, by_B: Any, by_A: Any) -> Any:
+    """Return what belongs to the way that is taken."""
+    return select(way == 1.0, by_B, by_A)
+
+
+def from_N(way: Any, back: Any) -> Any:
+    """Return where M is, from the foot of the way that is taken."""
+    return select(way == 1.0, -back, 0.0)
+
+
+def from_M(way: Any, ahead: Any) -> Any:
+    """Return where N is, from the foot of the way that is taken."""
+    return select(way == 1.0, 0.0, ahead)
+
+
+def from_either(way: Any, back: Any, ahead: Any) -> Any:
+    """Return where a point between is, from the foot of the way that is taken."""
+    return select(way == 1.0, -back, ahead)
+
+
+def along_by(way: Any, c: Any, place: Any, bar: Any, x: Any, y: Any, e_x: Any, e_y: Any) -> Any:
+    """Return how far a point of MN is along AB from A."""
+    return select(way == 1.0, c, 0.0) + ((place - bar * x) * e_x - bar * y * e_y)
+
+
+step, lengths = steps(units="1", source=HELD), steps(units="m", source=HELD)
 seen = quantities(units="m", source=HELD)
-seen(M_along, "M_along_AB", "M_AB", ALONG.format("M"))
-seen(M_across, "M_across_AB", "M_AB", ACROSS.format("M"))
-for _joint, _place in (("N", "d"), ("S", "S_x")):
-    seen(along, f"{_joint}_along_AB", f"{_joint}_AB", ALONG.format(_joint), place=_place)
-    seen(across, f"{_joint}_across_AB", f"{_joint}_AB", ACROSS.format(_joint), place=_place)
+lengths(product, "SN", "SN", "Distance from S to N along MN", x="s_SN", y="scale")
+lengths(reach, "reach_BM", "b + d", place="d", bar="b")
+lengths(reach, "reach_AN", "a + d", place="d", bar="a")
+lengths(reach, "reach_BS", "b + |SN|", place="SN", bar="b")
+lengths(reach, "reach_AS", "a + |s|", place="S_x", bar="a")
+#: The ways to a joint by B and by A, and where it is from the feet of both.
+WAYS: dict[str, tuple[str, str, Any, dict[str, str]]] = {
+    "M": ("reach_BM", "a", from_N, {"back": "d"}),
+    "N": ("b", "reach_AN", from_M, {"ahead": "d"}),
+    "S": ("reach_BS", "reach_AS", from_either, {"back": "SN", "ahead": "S_x"}),
+}
+for _joint, (_by_B, _by_A, _place, _ends) in WAYS.items():
+    for _to, _shorter, _law, _meaning in (
+        ("along", shorter_with_AB, along_by, ALONG),
+        ("across", shorter, across, ACROSS),
+    ):
+        _way = f"{_joint}_{_to}_by_B"
+        _of = {name: f"{_joint}_{_to}_{name}" for name in ("place", "bar", "x", "y")}
+        step(_shorter, _way, "way", by_B=_by_B, by_A=_by_A)
+        lengths(_place, _of["place"], "x", way=_way, **_ends)
+        lengths(of_way, _of["bar"], "a or b", way=_way, by_B="b", by_A="a")
+        step(of_way, _of["x"], "u_x or v_x", way=_way, by_B="v_x", by_A="u_x")
+        step(of_way, _of["y"], "u_y or v_y", way=_way, by_B="v_y", by_A="u_y")
+        if _law is across:
+            _of = {"place": _of["place"], "a": _of["bar"], "u_x": _of["x"], "u_y": _of["y"]}
+        else:
+            _of["way"] = _way
+        seen(_law, f"{_joint}_{_to}_AB", f"{_joint}_AB", _meaning.format(_joint), **_of)
 
 # -- F ---------------------------------------------------------------------------------------------------------------
 
