@@ -327,13 +327,15 @@ DOORS: list[Door] = [
     ),
     Door(
         "tolerance",
-        "fl.tolerance($maps, $quantities, contributions=$contributions, to=$to, overwrite=$overwrite, a1=$a1)",
+        "fl.tolerance($maps, $quantities, contributions=$contributions, to=$to, overwrite=$overwrite, "
+        "mechanism=$mechanism, a1=$a1)",
         _slots(
             maps=("dataset", "MAPS", "MAPS", DATASETS[-1]),
             quantities=("names", "['omega4_max']", "omega4_max", "None"),
             contributions=("flag", "False"),
             to=("path", "None", "a.h5"),
             overwrite=("flag", "False"),
+            mechanism=("thing", "None", "1.0", "None"),
             a1=("real", "1e-4", "1e-4", "0.0"),
         ),
         "",

@@ -9,22 +9,27 @@ import threading
 import warnings
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from pathlib import Path
-from typing import Annotated, Any, TypeVar, get_type_hints
+from typing import TYPE_CHECKING, Annotated, Any, TypeVar, get_type_hints
 
 import typer
 import typer.core
 
 from fastlink.errors import InputError, InputWarning, KeyPath, Piece, Setting, Wording, suggest
 
+if TYPE_CHECKING:
+    from fastlink.engine.extending import Extension
+
 __all__ = [
     "MapFile",
     "MechanismName",
     "Overwrite",
+    "QuantitiesFile",
     "StudyFile",
     "TrustCode",
     "app",
     "by_name",
     "command",
+    "extension_of",
     "numbers_of",
     "text_of",
 ]
@@ -38,7 +43,15 @@ MechanismName = Annotated[
     str, typer.Argument(metavar="MECHANISM", help="Such as planar_4r.", show_default=False)
 ]
 TrustCode = Annotated[
-    bool, typer.Option("--trust-code", help="Run the Python file of quantities that the study names.")
+    bool, typer.Option("--trust-code", help="Run the Python file of quantities that is named.")
+]
+QuantitiesFile = Annotated[
+    Path | None,
+    typer.Option(
+        "--quantities-file",
+        metavar="FILE.py",
+        help="The Python file that declares the map's own quantities, as a study names it; with --trust-code.",
+    ),
 ]
 Overwrite = Annotated[bool, typer.Option("--overwrite", help="Replace an existing file.")]
 
@@ -103,7 +116,8 @@ class _Options(Wording):
             for declared in getattr(hint, "__metadata__", ()):
                 # typer takes the first name of an option for its default until the command runs
                 spelt = (declared.default, *(getattr(declared, "param_decls", None) or ()), declared.metavar)
-                self.names[name] = next((one for one in spelt if isinstance(one, str)), name)
+                option = self.names[name] = next((one for one in spelt if isinstance(one, str)), name)
+                self.names.setdefault(option.strip("-").replace("-", "_"), option)
 
     def path(self, where: KeyPath) -> str:
         if not where or where[0] not in self.names:
@@ -269,3 +283,14 @@ def options(
     ] = False,
 ) -> None:
     """Planar linkages by the million: a design space in, one labelled HDF5 map out."""
+
+
+def extension_of(file: Path, own: Path | None, trusted: bool) -> Extension | None:
+    """Return the extension that a Python file declares for a map, None where no file is named."""
+    from fastlink.io.reader import open_map
+    from fastlink.study.own import load_extension
+
+    if own is None:
+        return None
+    with open_map(file) as maps:
+        return load_extension(Path(), str(own), str(maps.attrs.get("mechanism")), trusted)

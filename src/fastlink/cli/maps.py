@@ -7,7 +7,17 @@ from typing import Annotated, Any
 
 import typer
 
-from fastlink.cli.app import MapFile, Overwrite, by_name, command, numbers_of, text_of
+from fastlink.cli.app import (
+    MapFile,
+    Overwrite,
+    QuantitiesFile,
+    TrustCode,
+    by_name,
+    command,
+    extension_of,
+    numbers_of,
+    text_of,
+)
 from fastlink.errors import InputError, Setting
 
 __all__ = ["best", "check", "convert", "explore", "info", "join", "plot"]
@@ -112,6 +122,8 @@ def best(
         ),
     ] = None,
     overwrite: Overwrite = False,
+    mechanism: QuantitiesFile = None,
+    trust_code: TrustCode = False,
 ) -> None:
     """List the best designs of a map, by several objectives the Pareto front."""
     from fastlink.io.converting.convert import check_conversion
@@ -126,10 +138,14 @@ def best(
         "minimise": minimise or (),
         "maximise": maximise or (),
         "where": wanted or None,
-        "top": top,
     }
+    options |= {"top": top, "mechanism": extension_of(file, mechanism, trust_code)}
     if changing is not None and not refine:
         raise InputError("is given without --refine", where=("changing",), remedy="add --refine")
+    if mechanism is not None and not refine:
+        raise InputError(
+            "is given without --refine", where=("mechanism",), remedy="add --refine, or leave it out"
+        )
     options["refine"] = refine if changing is None else [name.strip() for name in changing.split(",")]
     with open_map(file) as maps:
         if to is not None:

@@ -10,7 +10,17 @@ from typing import Annotated, Any
 
 import typer
 
-from fastlink.cli.app import Overwrite, StudyFile, TrustCode, by_name, command, text_of
+from fastlink.cli.app import (
+    Overwrite,
+    QuantitiesFile,
+    StudyFile,
+    TrustCode,
+    by_name,
+    command,
+    extension_of,
+    text_of,
+)
+from fastlink.errors import InputError
 
 __all__ = ["accuracy", "explain", "run", "tolerance"]
 
@@ -172,6 +182,7 @@ def tolerance(
     ] = False,
     to: Annotated[Path | None, typer.Option("--to", metavar="FILE", help="Write a map of it.")] = None,
     overwrite: Overwrite = False,
+    mechanism: QuantitiesFile = None,
     trust_code: TrustCode = False,
 ) -> None:
     """Tell what manufacturing tolerances do to the results of a map or a study.
@@ -185,6 +196,10 @@ def tolerance(
     names = None if quantities is None else [name.strip() for name in quantities.split(",")]
     options: dict[str, Any] = {"contributions": contributions, "to": to, "overwrite": overwrite}
     options["trust_code"] = trust_code
+    if mechanism is not None and source.suffix.lower() == ".toml":
+        what = "is for a map: a study names the file of its quantities itself"
+        raise InputError(what, where=("mechanism",), remedy="leave it out")
+    options["mechanism"] = extension_of(source, mechanism, trust_code)
     with found_by(source, names, **options, **given) as found:
         typer.echo(changes_listed(found))
 

@@ -4,31 +4,32 @@ from __future__ import annotations
 
 import os
 from collections.abc import Mapping, Sequence
+from contextlib import ExitStack
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from fastlink.diagnostics.changes import HOWS, change_name, from_derivatives, with_contributions
 from fastlink.doors import door
+from fastlink.engine.declared import is_own, own_refused
 from fastlink.engine.designs import without
 from fastlink.engine.gradient import derivative_of
 from fastlink.engine.resolve import resolve
 from fastlink.engine.sweep import sweep
 from fastlink.engine.tolerances import given_tolerances
 from fastlink.errors import InputError, Problems
-from fastlink.facts.names import Change, Quantity
 from fastlink.io.reader import as_map
 from fastlink.mechanisms import catalogue as find_catalogue
 from fastlink.options import check_path, check_switch
 from fastlink.plan.query import check_names, parse_request
-from fastlink.report.tolerances import CONTRIBUTION, TOLERANCED
 from fastlink.searching.model import Model
 from fastlink.space.design_space import BRANCH, DESIGN
 from fastlink.space.links import MODELS
 from fastlink.space.table import as_space
 from fastlink.study.study import read_study
-from fastlink.symbolic.changes import is_tolerance, tolerance_name, toleranced
+from fastlink.symbolic.changes import is_tolerance, toleranced
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -38,8 +39,6 @@ if TYPE_CHECKING:
     from fastlink.space.design_space import DesignSpace
 
 __all__ = ["tolerance"]
-
-HOWS = ("worst", "rss")
 
 
 @dataclass(frozen=True)
@@ -72,9 +71,12 @@ class Subject:
         return find_catalogue(self.mechanism, self.options.get("input"))
 
     @classmethod
-    def of_map(cls, maps: xr.Dataset) -> Subject:
-        """Return that of a map."""
-        model, rows, options = Model.of_map(maps), None, dict[str, Any]()
+    def of_map(cls, maps: xr.Dataset, own: Any, names: Sequence[str] | None) -> Subject:
+        """Return that of a map, with quantities of a user if these are given; what depends on others is refused."""
+        model, rows, options = Model.of_map(maps, own), None, dict[str, Any]()
+        text = str(maps.attrs.get("own_quantities", "")) if own is None else ""
+        if others := [name for name in map(str, names or maps.data_vars) if is_own(name, text)]:
+            raise own_refused(("quantities",), others[0])
         if BRANCH in maps.coords:
             modes = np.asarray(maps[BRANCH].values)
             if maps[BRANCH].dims == (DESIGN,):
@@ -83,6 +85,10 @@ class Subject:
                 options = {BRANCH: int(modes) if modes.ndim == 0 else [int(mode) for mode in modes]}
         cycle = [name for name in (BRANCH, model.catalogue.position.name) if name in maps.coords]
         of_links = [name for names in MODELS.values() for name in names if name in maps.coords]
+        if fixed := [str(name) for name in maps.coords if is_own(str(name), text)]:
+            if fixed[0] in maps.dims:
+                raise own_refused(("maps",), fixed[0])
+            cycle += fixed  # what the named results do not depend on
         space = as_space(maps.drop_vars([*map(str, maps.data_vars), *cycle, *of_links]))
         return cls(model.mechanism, space, model.options | options, list(map(str, maps.data_vars)), rows)
 
@@ -103,13 +109,14 @@ def tolerance(
     overwrite: bool = False,
     progress: bool | None = None,
     trust_code: bool = False,
+    mechanism: Extension | None = None,
     **tolerances: Any,
 ) -> xr.Dataset:
     """Tell what manufacturing tolerances do to the results of a map or a study.
 
-    The designs are swept again with their tolerances: the changes come from the derivatives by the inputs, to first
-    order, see docs/design_search.md. What a derivative is worth is told by ``NAME_gradient_status``; where there is
-    none, as at an infinite value, the change is NaN.
+    The changes come from the derivatives by the inputs, to first order, see docs/design_search.md: those that a map has
+    already, else the designs are swept again. What a derivative is worth is told by ``NAME_gradient_status``; where
+    there is none, as at an infinite value, the change is NaN.
 
     Parameters
     ----------
@@ -117,7 +124,7 @@ def tolerance(
         A map, such as one of `fastlink.sweep` or `fastlink.best`, its file, or the path of a study (``.toml``).
     quantities : sequence of str, optional
         Quantities, or their extremes, places and means over the cycle, as in `fastlink.sweep`; by default all of the
-        map that change with these tolerances.
+        map that change with these tolerances, but for the derivatives of others.
     contributions : bool, default False
         Add ``NAME_contribution``: the change by each input alone, with its sign, along ``toleranced``.
     to : path, optional
@@ -126,6 +133,9 @@ def tolerance(
         As in `fastlink.sweep`.
     trust_code : bool, default False
         Run the Python file of quantities that a study names, as in `fastlink.run_study`.
+    mechanism : Extension, optional
+        For results of a map that are of quantities of one's own: what `fastlink.extend` returned, with which the map
+        was made. What a map says of them is not run.
     **tolerances : float or str
         For each input how far it may be off, in its own unit, ``F_deg=0.1`` in degrees, or as a text in per cent of its
         value, such as ``a1="0.1 %"``. What a map has of tolerances already stays unless it is given.
@@ -155,39 +165,49 @@ def tolerance(
     >>> found.transmission_angle_min_contribution.sel(toleranced="a1").values.round(6)
     array([-0.000128, -0.000141])
     """
-    problems, subject = Problems(), None
+    problems, is_study = Problems(), False
     with problems.at():
         check_switch(("contributions",), contributions)
         if contributions and to is not None:
             remedy = "leave one of them out; derivatives such as d_omega4_max_d_a1 can be swept into a file"
             raise InputError("is given with to", where=("contributions",), remedy=remedy)
+    names = None
     with problems.at():
         names = None if quantities is None else check_names("quantities", quantities)
     with problems.at():
-        if isinstance(maps, (str, os.PathLike)) and check_path(("maps",), maps).suffix.lower() == ".toml":
+        is_study = (
+            isinstance(maps, (str, os.PathLike)) and check_path(("maps",), maps).suffix.lower() == ".toml"
+        )
+        if is_study and mechanism is not None:
+            what = "is for a map: a study names the file of its quantities itself"
+            raise InputError(what, where=("mechanism",), remedy="leave it out")
+    problems.stop()
+    with ExitStack() as stack:
+        dataset = None
+        if is_study:
             subject = Subject.of_study(maps, trust_code)
         else:
-            with as_map(maps) as dataset:
-                subject = Subject.of_map(dataset)
-    problems.stop()
-    assert subject is not None
-    subject = replace(subject, space=_with_tolerances(subject, tolerances))
-    names = _checked(subject, names) if names is not None else _that_change(subject)
-    wanted = [name for of in names for name in (of, *(_change(of, how) for how in HOWS))]
-    slopes = _slopes(subject, names) if contributions else {}
-    further = [name for of in slopes.values() for name in of.values()]
-    asked = list(dict.fromkeys([*wanted, *further]))
-    given: dict[str, Any] = {"to": to, "overwrite": overwrite, "progress": progress}
-    found = sweep(subject.mechanism, subject.space, asked, **subject.options, **given)
-    found = _with_contributions(found, slopes).drop_vars([name for name in further if name not in wanted])
+            dataset = stack.enter_context(as_map(maps))
+            subject = Subject.of_map(dataset, mechanism, names)
+        subject = replace(subject, space=_with_tolerances(subject, tolerances))
+        slopes = _slopes(subject, _checked(subject, names) if names is not None else _that_change(subject))
+        if names is None:  # what a map has for the changes of others
+            known = {name for of in slopes.values() for name in of.values()}
+            slopes = {name: of for name, of in slopes.items() if name not in known}
+        further = [name for of in slopes.values() for name in of.values()] if contributions else []
+        found = None if dataset is None or to is not None else from_derivatives(dataset, subject, slopes)
+    wanted = [name for of in slopes for name in (of, *(change_name(of, how) for how in HOWS))]
+    if found is None:
+        given: dict[str, Any] = {"to": to, "overwrite": overwrite, "progress": progress}
+        asked = list(dict.fromkeys([*wanted, *further]))
+        found = sweep(subject.mechanism, subject.space, asked, **subject.options, **given)
+    found = with_contributions(found, slopes if contributions else {})
+    found = found.drop_vars(
+        [n for of in slopes.values() for n in of.values() if n in found and n not in wanted]
+    )
     if subject.rows is None or to is not None:
         return found
     return _of_rows(found, subject.rows)
-
-
-def _change(name: str, how: str = "worst") -> str:
-    """Return the name of the change of a result."""
-    return str(Change(Quantity(name), how))
 
 
 def _with_tolerances(subject: Subject, tolerances: Mapping[str, Any]) -> DesignSpace:
@@ -211,7 +231,7 @@ def _checked(subject: Subject, names: tuple[str, ...]) -> tuple[str, ...]:
     for k, name in enumerate(names):
         with problems.at("quantities", k):
             parse_request(name, subject.catalogue)
-            changed = parse_request(_change(name), subject.catalogue)
+            changed = parse_request(change_name(name), subject.catalogue)
             subject.catalogue.public_fact(changed.quantity)  # codes have none
     problems.stop()
     return names
@@ -222,8 +242,8 @@ def _that_change(subject: Subject) -> tuple[str, ...]:
     found = []
     for name in subject.names:
         try:
-            parse_request(_change(name), subject.catalogue)
-            resolve(subject.mechanism, subject.space, [_change(name)], **subject.options)
+            parse_request(change_name(name), subject.catalogue)
+            resolve(subject.mechanism, subject.space, [change_name(name)], **subject.options)
         except InputError:
             continue
         found.append(name)
@@ -236,41 +256,17 @@ def _that_change(subject: Subject) -> tuple[str, ...]:
 
 def _slopes(subject: Subject, names: Sequence[str]) -> dict[str, dict[str, str]]:
     """Return for each result its derivatives, by the inputs that have tolerances."""
-    request = resolve(subject.mechanism, subject.space, [_change(name) for name in names], **subject.options)
+    request = resolve(
+        subject.mechanism, subject.space, [change_name(name) for name in names], **subject.options
+    )
     catalogue, plan = request.catalogue, request.plan
     found: dict[str, dict[str, str]] = {}
     for name in names:
         of = parse_request(name, catalogue)
-        output = next(one for one in plan.outputs if one.name == _change(name))
+        output = next(one for one in plan.outputs if one.name == change_name(name))
         terms = output.terms or catalogue.change_terms(of.quantity, plan.variants, request.space.names)
         found[name] = {term.by: derivative_of(of, term.by, catalogue.position.name) for term in terms}
     return found
-
-
-def _with_contributions(found: xr.Dataset, slopes: Mapping[str, Mapping[str, str]]) -> xr.Dataset:
-    """Return results with the change of each by each input alone."""
-    if not slopes:
-        return found
-    import xarray as xr
-
-    inputs = list(dict.fromkeys(by for of in slopes.values() for by in of))
-    added: dict[str, Any] = {}
-    for name, of in slopes.items():
-        blank = xr.zeros_like(found[name])
-        parts = [(found[of[by]] * _size(found, by) if by in of else blank).values for by in inputs]
-        labels = {key: found[name].attrs[key] for key in ("units", "references") if key in found[name].attrs}
-        meaning = f"Change by the tolerance of each input of: {found[name].attrs.get('long_name', name)}"
-        labels |= {"long_name": meaning}
-        added[f"{name}_{CONTRIBUTION}"] = (*found[name].dims, TOLERANCED), np.stack(parts, axis=-1), labels
-    result = found.assign(added)
-    label = {"long_name": "input that has a tolerance"}
-    return result.assign_coords({TOLERANCED: ((TOLERANCED,), np.array(inputs), label)})
-
-
-def _size(found: xr.Dataset, by: str) -> Any:
-    """Return how far an input may be off."""
-    own, share = tolerance_name(by), tolerance_name(by, relative=True)
-    return abs(found[by]) * found[share] if share in found.variables else found[own]
 
 
 def _of_rows(found: xr.Dataset, modes: Any) -> xr.Dataset:

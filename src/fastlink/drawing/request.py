@@ -12,8 +12,9 @@ import numpy as np
 from fastlink._text import in_words
 from fastlink.drawing.motion import Motion, as_draw
 from fastlink.drawing.source import Source
+from fastlink.engine.declared import is_own
 from fastlink.engine.evaluate import evaluate
-from fastlink.errors import InputError, Problems, suggest
+from fastlink.errors import InputError, Problems, Setting, suggest
 from fastlink.mechanisms import catalogue as find_catalogue
 from fastlink.mechanisms import name_of
 from fastlink.options import check_choice, check_switch, check_whole
@@ -133,7 +134,7 @@ def request_of(source: Source, options: Options) -> Request:
         Motion(source.mechanism, catalogue, picture, numbers | one, tuple(sorted(branches)), links, reach)
         for one in choices
     )
-    show, curves = _words(motions[0], options.show), _curves(motions[0], options.curves)
+    show, curves = _words(motions[0], options.show), _curves(motions[0], options.curves, source.own)
     degrees = options.degrees or in_degrees
     key = degrees_name(catalogue.position.name) if in_degrees else catalogue.position.name
     drawable = tuple(motion for motion in motions if motion.ranges) or motions[:1]
@@ -264,7 +265,7 @@ def _listed(parameter: str, given: Any) -> tuple[str, ...]:
     return () if type(given) in (list, tuple) and not given else check_names(parameter, given)
 
 
-def _curves(motion: Motion, curves: Any) -> tuple[str, ...]:
+def _curves(motion: Motion, curves: Any, own: str) -> tuple[str, ...]:
     """Return the quantities whose curves stand beside, or refuse what has none."""
     names = _listed("curves", curves)
     if len(names) > MOST_CURVES:
@@ -273,6 +274,14 @@ def _curves(motion: Motion, curves: Any) -> tuple[str, ...]:
     problems = Problems()
     for k, name in enumerate(names):
         with problems.at("curves", k):
+            if is_own(name, own):
+                what = f"{name!r} is of quantities of a user's own, of which a map has the text and runs none"
+                remedy = (
+                    "draw the study that made the map, with ",
+                    Setting("trust_code", True),
+                    ", or the extension",
+                )
+                raise InputError(what, remedy=remedy)
             _check_curve(motion, name, k)
     problems.stop()
     return names

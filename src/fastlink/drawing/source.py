@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -50,6 +50,8 @@ class Source:
         Where mass data come from.
     input : str or None
         What drives.
+    own : str
+        The text of a map's own quantities, which is not run.
     """
 
     mechanism: str | Extension
@@ -57,6 +59,7 @@ class Source:
     branch: Any = None
     links: Links | None = None
     input: str | None = None
+    own: str = ""
 
 
 def read_source(
@@ -69,7 +72,7 @@ def read_source(
         read = partial(_of_study, trust_code) if _ends(mechanism) == STUDY else _of_map
         found = read(mechanism, design, at)
         own = {key: value for key, value in found.inputs.items() if not _is_given(key, inputs)}
-        return Source(found.mechanism, {**own, **inputs}, found.branch, found.links, found.input)
+        return replace(found, inputs={**own, **inputs})
     find_catalogue(mechanism)
     if at is not None:
         remedy = "leave it out, and give inputs by name"
@@ -137,8 +140,9 @@ def _of_map(maps: Any, design: Any, at: Any) -> Source:
                 units = row[name].attrs.get("units")
                 inputs[degrees_name(name) if units in DEGREES else name] = float(row[name])
         branch = int(row[BRANCH]) if BRANCH in row.coords and row[BRANCH].ndim == 0 else None
+        own = str(dataset.attrs.get("own_quantities", ""))
     links = taken_links(inputs)
-    return Source(mechanism, inputs, branch, links, input)
+    return Source(mechanism, inputs, branch, links, input, own)
 
 
 def _places(along: Mapping[str, Any], design: Any, at: Any) -> tuple[int, ...]:

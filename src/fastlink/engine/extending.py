@@ -10,12 +10,12 @@ from typing import Any, TypeVar
 from fastlink._text import short_repr
 from fastlink.catalogue.catalogue import Catalogue
 from fastlink.doors import door
-from fastlink.errors import InputError, KeyPath, Problems
+from fastlink.errors import InputError, Problems
 from fastlink.facts.fact import Rule
 from fastlink.mechanisms import base_catalogue
 from fastlink.options import check_choice
-from fastlink.own.catalogue import extended, used
-from fastlink.own.definition import Definition, OwnInput, OwnQuantity, declared_names, definition_text
+from fastlink.own.catalogue import extended
+from fastlink.own.definition import Definition, OwnInput, OwnQuantity, definition_text
 from fastlink.own.dimension import check_units
 from fastlink.own.names import check_name
 from fastlink.own.source import function_text
@@ -253,31 +253,6 @@ def _number(value: Any, rule: Rule, units: str) -> float | None:
         least = {"any": "", "positive": " greater than 0", "non-negative": " of at least 0"}[rule]
         raise InputError(f"is {short_repr(value)}", where=where, remedy=f"write a finite number{least}")
     return number
-
-
-def check_declared(where: KeyPath, given: Any, mechanism: str, text: str) -> Extension:
-    """Return the extension by which a map was made, or refuse another one.
-
-    Parameters
-    ----------
-    where : tuple
-        The option.
-    given : Extension
-        The extension.
-    mechanism, text : str
-        What the map tells of its mechanism, and of quantities of a user.
-    """
-    if not isinstance(given, Extension):
-        remedy = "give what fastlink.extend returned"
-        raise InputError(f"is {short_repr(given)}, not an extended mechanism", where=where, remedy=remedy)
-    catalogue = given.catalogue()
-    names = declared_names(text)
-    if given.mechanism != mechanism or (
-        text and definition_text(mechanism, used(catalogue, (), names)) != text
-    ):
-        what = f"is {short_repr(given)}, and the map is of {mechanism} with other declarations"
-        raise InputError(what, where=where, remedy="give the extension by which it was made")
-    return given
 
 
 @door

@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from fastlink.catalogue.declare import ELIMINATED
+from fastlink.engine.declared import check_declared
 from fastlink.engine.evaluate import evaluate
-from fastlink.engine.extending import check_declared
 from fastlink.engine.function import function
 from fastlink.errors import InputError
 from fastlink.facts.names import derivative_name

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from fastlink.engine.declared import is_own, own_refused
 from fastlink.engine.labels import request_labels
 from fastlink.errors import InputError, Problems
 from fastlink.maps.units import check_units, units_of
@@ -19,6 +20,7 @@ from fastlink.searching.points import Looked, Points
 from fastlink.searching.spans import Span, swept_inputs, within
 from fastlink.searching.starts import Starts, is_one_design
 from fastlink.space.design_space import BRANCH, DESIGN, EXTREMUM
+from fastlink.symbolic.changes import is_tolerance
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -111,14 +113,14 @@ class Refinement:
         """Return the name of a variable that is computed anywhere, or refuse it."""
         name, catalogue = str(array.name), self.model.catalogue
         remedy = "name quantities of the mechanism, or leave refine out"
-        if maps.attrs.get("own_quantities"):
-            remedy = "write mechanism=..., what fastlink.extend returned when the map was made, or leave refine out"
         if name in self.inputs and array.dtype.kind != "b":
             return name
         if array.name is None or array.dtype.kind == "b":
             what = "is a mask, which is known for the designs of the map alone"
             raise InputError(what, where=(where,), remedy="write ranges such as {'a1': (None, 0.5)}")
         request = self._request(name)
+        if request is None and is_own(name, str(maps.attrs.get("own_quantities", ""))):
+            raise own_refused((where,), name)
         if request is None:
             what = (
                 f"{name!r} is not a quantity of {catalogue.name}, and unknown between the designs of the map"
@@ -264,7 +266,10 @@ class Refinement:
         catalogue = self.model.catalogue
         fixed = {
             name: float(row[name])
-            for name in catalogue.known_inputs(catalogue.variant_inputs)
+            for name in (
+                *catalogue.known_inputs(catalogue.variant_inputs),
+                *filter(is_tolerance, map(str, row.coords)),
+            )
             if name in row.variables and name not in self.inputs and name not in own
         }
         key = (branch, *fixed.items())

@@ -34,7 +34,7 @@ if TYPE_CHECKING:
 
     from fastlink.engine.resolve import ResolvedSweep
 
-__all__ = ["Request", "write"]
+__all__ = ["Request", "labels_of", "write"]
 
 #: What the attributes begin with that are true of the designs that were searched, not of those that were found.
 SEARCHED = "searched_"
@@ -88,7 +88,7 @@ class Request:
         options = {name: ways[name] for name in names if name in ways}
         options |= {"extrema": resolved.plan.extrema or None, "threads": None}
         options |= angles_of(resolved.catalogue, resolved.positions)
-        return cls(mechanism, resolved, options, labels=_labels(resolved), **given)
+        return cls(mechanism, resolved, options, labels=labels_of(resolved), **given)
 
     def choose(self, **asked: Any) -> None:
         """Set what is searched for, and how it is refined, or refuse it."""
@@ -212,7 +212,7 @@ class Request:
         return attrs | {f"{SEARCHED}rows_considered": kept.considered}
 
 
-def _labels(resolved: ResolvedSweep) -> xr.Dataset:
+def labels_of(resolved: ResolvedSweep) -> xr.Dataset:
     """Return the labels of a sweep with its first design, and zeros for results."""
     space = resolved.space.consecutive(0, 1)
     columns = {name: np.asarray(values) for name, values in space.columns.items()}

@@ -39,9 +39,7 @@ def load_extension(study: Path, name: Any, mechanism: str, trusted: bool) -> Ext
     """
     path = study.parent / check_path((KEY,), name, "mine.py")
     if not trusted:
-        what = (
-            f"names {str(name)!r}, Python code that is run to declare quantities, and a study alone runs none"
-        )
+        what = f"names {str(name)!r}, Python code that is run to declare quantities, by who has read it alone"
         remedy = (f"read {path}, and if you trust it write ", Setting(TRUST, True))
         raise InputError(what, where=(KEY,), remedy=remedy)
     scope = _run(path)
