@@ -139,7 +139,6 @@ def best(
         "maximise": maximise or (),
         "where": wanted or None,
     }
-    options |= {"top": top, "mechanism": extension_of(file, mechanism, trust_code)}
     if changing is not None and not refine:
         raise InputError("is given without --refine", where=("changing",), remedy="add --refine")
     if mechanism is not None and not refine:
@@ -147,6 +146,7 @@ def best(
             "is given without --refine", where=("mechanism",), remedy="add --refine, or leave it out"
         )
     options["refine"] = refine if changing is None else [name.strip() for name in changing.split(",")]
+    options |= {"top": top, "mechanism": extension_of(file, mechanism, trust_code)}
     with open_map(file) as maps:
         if to is not None:
             check_conversion(maps, to, overwrite)
