@@ -147,3 +147,14 @@ def test_pairs_of_the_paper_alone_have_rates():
     for pair in ("11", "15", 14, None):
         with refused("pair", "12, 13, 14"):
             fl.planar.rate_extrema(TABLE_1, pair=pair)
+
+
+def test_the_rate_of_the_crank_may_have_its_usual_name():
+    lengths = {"a1": 0.4, "a2": [1.1, 1.2], "a3": 0.8, "a4": 1.0}
+    usual = [lengths | {"omega1": [25.0, 30.0]}, fl.grid(**lengths, omega1=[25.0, 30.0])]
+    other = [lengths | {"joint_omega_1": [25.0, 30.0]}, fl.grid(**lengths, joint_omega_1=[25.0, 30.0])]
+    for one, two in zip(usual, other, strict=True):
+        found = fl.planar.rate_extrema(one, pair="13")
+        assert found.identical(fl.planar.rate_extrema(two, pair="13").assign_attrs(found.attrs))
+    with refused("omega1", "joint_omega_2"):
+        fl.planar.rate_extrema(usual[0], pair="23")

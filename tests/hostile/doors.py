@@ -627,8 +627,8 @@ DOORS: list[Door] = [
     ),
     Door(
         "planar.force_hypothesis",
-        "fl.planar.force_hypothesis($maps)",
-        _slots(maps=("dataset", "RATES", "RATES", DATASETS[-1])),
+        "fl.planar.force_hypothesis($maps, $more)",
+        _slots(maps=("dataset", "RATES", "RATES", DATASETS[-1])) | MORE,
         "",
     ),
     _by_name("focal.cubic", **POSITION),

@@ -11,11 +11,13 @@ import xarray as xr
 from fastlink._text import short_repr
 from fastlink.doors import door
 from fastlink.engine.evaluate import evaluate
+from fastlink.engine.sweep import sweep
 from fastlink.errors import InputError, Problems
 from fastlink.facts.names import Quantity, Reduced
 from fastlink.io.reader import as_map
 from fastlink.maps.units import check_units
 from fastlink.mechanisms.planar_4r import planar_4r
+from fastlink.space.design_space import DesignSpace
 from fastlink.space.links import Links
 
 __all__ = ["force_hypothesis"]
@@ -24,12 +26,14 @@ WHERE = ("force_hypothesis", "maps")
 GIVE_ALL = "give the whole result of the sweep"
 THETA1 = planar_4r.position.name
 ENDS = ("max", "min")
+#: What designs are swept with.
+LOADS, RATES = ("shaking_force", "shaking_moment", "F41", "F43"), ("omega4", "alpha4")
 #: Configurations that are evaluated at once, each of which takes some hundred doubles.
 BLOCK = 50_000
 
 
 @door
-def force_hypothesis(maps: Any) -> xr.Dataset:
+def force_hypothesis(maps: Any, **options: Any) -> xr.Dataset:
     """Compare the greatest forces of a planar 4R with those where its rates are extreme.
 
     Hayes, Hninn and Irani propose that shaking force and moment are greatest in the configurations where the
@@ -40,7 +44,10 @@ def force_hypothesis(maps: Any) -> xr.Dataset:
     maps : xarray.Dataset or path
         A sweep of ``"planar_4r"``, or its file, with ``theta1_at_NAME_max`` and ``theta1_at_NAME_min`` of one or more
         rates (such as ``omega4``, ``alpha4``), and the same with ``NAME_max`` and ``NAME_min`` of one or more forces
-        or moments (such as ``shaking_force``, ``shaking_moment``, ``F41``).
+        or moments (such as ``shaking_force``, ``shaking_moment``, ``F41``). Designs instead, as a design space or a
+        mapping, are swept first, with all of these.
+    **options
+        Of designs, the options of `fastlink.sweep`, such as ``links``.
 
     Returns
     -------
@@ -53,7 +60,7 @@ def force_hypothesis(maps: Any) -> xr.Dataset:
     Raises
     ------
     InputError
-        Not a map of the planar 4R driven by theta1, or names are missing or not in SI units.
+        Not a map of the planar 4R driven by theta1, or names are missing or not in SI units; options of a map.
 
     Examples
     --------
@@ -62,20 +69,22 @@ def force_hypothesis(maps: Any) -> xr.Dataset:
 
     >>> import numpy as np
     >>> import fastlink as fl
-    >>> names = [f"{name}_{end}" for name in ("shaking_force", "omega4", "alpha4") for end in ("max", "min")]
-    >>> maps = fl.sweep(
-    ...     "planar_4r",
-    ...     fl.grid(a1=0.4, a2=1.2, a3=0.8, a4=1.0, omega1=25.0),
-    ...     [*names, *(f"theta1_at_{name}" for name in names)],
-    ...     links=fl.round_bar(density=7750.0, radius=0.01),
-    ...     branch=2,
-    ... )
-    >>> found = fl.planar.force_hypothesis(maps).sel(load="shaking_force").squeeze()
+    >>> paper, bars = dict(a1=0.4, a2=1.2, a3=0.8, a4=1.0, omega1=25.0), fl.round_bar(density=7750.0, radius=0.01)
+    >>> found = fl.planar.force_hypothesis(paper, links=bars, branch=2).sel(load="shaking_force").squeeze()
     >>> np.degrees(found.distance).round(1).to_series().to_dict()
     {'omega4_max': 89.2, 'omega4_min': 27.4, 'alpha4_max': 2.2, 'alpha4_min': 54.3}
     >>> float(found.ratio.sel(extreme="alpha4_max").round(3))
     0.995
     """
+    if isinstance(maps, (DesignSpace, Mapping)) and not isinstance(maps, xr.Dataset):
+        of_all = [each for name in (*LOADS, *RATES) for each in _named(name)]
+        maps, options = sweep(planar_4r.name, maps, of_all, **options), {}
+    if options:
+        where, remedy = (
+            ("force_hypothesis", next(iter(options))),
+            "leave it out, or give designs instead of a map",
+        )
+        raise InputError("is an option of the sweep that made the map", where=where, remedy=remedy)
     with as_map(maps) as dataset:
         loads, extremes = _loads_and_extremes(dataset)
         inputs = {str(name): dataset[name] for name in dataset.variables if name in _known_inputs()}

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 from fastlink._text import short_repr
@@ -10,6 +11,8 @@ from fastlink.engine.sweep import sweep
 from fastlink.errors import InputError, listed
 from fastlink.facts.names import ListOfExtrema, Quantity
 from fastlink.mechanisms.planar_4r.residuals import IO_PRODUCTS
+from fastlink.space.design_space import DesignSpace
+from fastlink.space.table import as_space
 
 __all__ = ["rate_extrema"]
 
@@ -29,7 +32,7 @@ def rate_extrema(space: Any, *, pair: str = "14", **options: Any) -> Any:
     ----------
     space : DesignSpace, mapping, DataFrame or others
         The designs, as in `fastlink.sweep`: the lengths ``a1`` ... ``a4`` and the constant rate of the first joint of
-        the pair, such as ``joint_omega_1``.
+        the pair, such as ``joint_omega_1``, which may be called ``omega1``, too.
     pair : {"12", "13", "14", "21", "23", "24", "31", "32", "34", "41", "42", "43"}
         Input and output joint: eqs. (1) to (6) are those of 14, 12, 13, 23, 24 and 34.
     **options
@@ -62,4 +65,23 @@ def rate_extrema(space: Any, *, pair: str = "14", **options: Any) -> Any:
         raise InputError(f"{short_repr(pair)} is unknown", where=where, remedy=remedy)
     i, j = pair[0], pair[1]
     names = [str(ListOfExtrema(Quantity(f"{rate}_{j}"))) for rate in ("joint_omega", "joint_alpha")]
+    if i == "1" and getattr(space := _designs(space, options), "names", ()).count("omega1"):
+        space = _renamed(space, {"omega1": "joint_omega_1"})
     return sweep("planar_4r", space, names, input=f"joint_angle_{i}", **options)
+
+
+def _designs(source: Any, options: dict[str, Any]) -> Any:
+    """Return the design space that something stands for, itself if the sweep has to refuse it."""
+    try:
+        return as_space(source, allow_invalid=bool(options.get("allow_invalid", False)))
+    except InputError:
+        return source
+
+
+def _renamed(space: DesignSpace, names: dict[str, str]) -> DesignSpace:
+    """Return a design space with other names of inputs."""
+    by_name = ("constants", "axes", "columns", "units", "doubtful", "comments")
+    renamed: dict[str, Any] = {
+        part: {names.get(name, name): of for name, of in getattr(space, part).items()} for part in by_name
+    }
+    return replace(space, dims=tuple(names.get(name, name) for name in space.dims), **renamed)
