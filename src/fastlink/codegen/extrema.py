@@ -24,6 +24,7 @@ from fastlink.codegen.runtime import (
     winners,
 )  # fmt: skip
 from fastlink.codegen.runtime.cells import LANES
+from fastlink.codegen.schedule import needed_steps
 from fastlink.codegen.source import Source, paste_fact
 
 if TYPE_CHECKING:
@@ -81,14 +82,13 @@ class _ExtremaWriter(PlacesWriter):
             sizes = [self.room(search), *self.most_items(search)]
             tables[f"search_{k}"] = [k, onto, search.order, search.parity, *flags, *sizes]
             tables[f"rows_{k}"] = [self.row(name) for name in self.item_needs(search)] or [0]
-            if search.gradients:
-                tables[f"places_{k}"] = [self.row(name) for name in self.gradient_needs(search)] or [0]
             for half in range(self.halves):
                 first, beyond = self.sample_row(k, half), self.sample_row(k, self.half_beyond(half))
                 sign, along = self.sign_of(search, half), self.continued(search)
                 tables[f"part_{k}_{half}"] = [first, beyond, half, sign, self.cells, along]
         if self.program.has_gradients:
             tables["signs"] = [int(sign in self.gradient_signs) for sign in (1, -1)]
+        self.reserve_for_gradients()
         for name, numbers in tables.items():
             self.text.add(f"{name} = array({numbers})")
 
@@ -98,10 +98,11 @@ class _ExtremaWriter(PlacesWriter):
         with text.block("for i in lanes(width):", "design"):
             for k, name in enumerate(self.program.inputs):
                 text.add(f"{name} = designs[{k}, i0 + i]")
-            for step in self.design_steps:
+            early = [name for name in self.rows if name not in self.late]
+            for step in needed_steps(self.design_steps, early):
                 paste_fact(step, step.depends_on, "", text)
-            for name, row in self.rows.items():
-                text.add(f"w[{row}, i] = {name}")
+            for name in early:
+                text.add(f"w[{self.row(name)}, i] = {name}")
 
     def write_samples(self) -> None:
         """Write the derivatives at all samples of the graded range, on both sides: both branches side by side."""

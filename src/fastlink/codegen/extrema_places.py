@@ -12,7 +12,7 @@ from contextlib import contextmanager
 from typing import TYPE_CHECKING
 
 from fastlink.codegen.extrema_schedule import ExtremaSchedule
-from fastlink.codegen.runtime import cells, ends, roots, winners
+from fastlink.codegen.runtime import cells, winners
 from fastlink.codegen.runtime.cells import LANES, MOST_LANES, STATE_ROWS
 from fastlink.codegen.source import Text, paste_fact
 
@@ -109,48 +109,97 @@ class PlacesWriter(ExtremaSchedule):
         own = [output for output in own if output.request.is_of_gradient]
         if not own:
             return
-        magnitude = int(search.magnitude)
-        text.call(winners.judge_winners, f"winners, w, n_here, table, search_{number}, {magnitude}")
-        for sign in sorted({_sign(output) for output in own if output.inputs}):
-            for at_limit, function in enumerate(FUNCTIONS):
-                pick = f"pick_{number}_{int(sign < 0)}_{at_limit}"
-                text.add(f"{pick} = array({self.pick(number, sign, at_limit)})")
-                text.call(winners.collect_winners, f"winners, w, n_here, table, {pick}, ends", "n_ends")
-                with text.block(f"for start in range(0, n_ends, {LANES}):"):
-                    text.call(cells.gather, f"ends, start, n_ends, w, places_{number}, state", "filled")
-                    text.call(ends.place_ends, "state, filled, 1.0")
-                    text.call(roots.every_vector, "vectors, filled", "n_open")
-                    text.add(f"{function}_{number}(state, vectors, n_open)")
-                    text.call(winners.take_gradients, f"state, filled, {pick}, gradients")
-            if any(other.jumps and other.onto == search.quantity for other in self.program.searches):
-                text.call(winners.settle_jumps, f"winners, n_here, table, {pick}, gradients")
+        asked = [int(sign in self.gradient_signs) for sign in (1, -1)]
+        text.add(f"asked_{number} = array({[*asked, int(search.magnitude)]})")
+        columns = len(self.program.branches) * LANES
+        text.add(f"columns_{number} = array({[number * columns, (number + 1) * columns]})")
+        judged = f"winners, w, n_here, table, search_{number}, asked_{number}"
+        text.call(winners.judge_winners, judged, "n_moving")
+        signs = sorted({_sign(output) for output in own if output.inputs})
+        calls = {sign: self.gradient_arguments(number, sign) for sign in signs}
+        for arguments in calls.values():
+            text.add(f"gradient_{number}({arguments})")
+        if any(gradient.moving for gradient in search.gradients):
+            with text.block("if n_moving > 0:"):
+                self.write_late(search)
+                for arguments in calls.values():
+                    text.add(f"limit_{number}({arguments})")
+        if any(other.jumps and other.onto == search.quantity for other in self.program.searches):
+            values = sum(not gradient.is_position for gradient in search.gradients)
+            for sign in signs:
+                row, base = winners.WINNER_ROWS * (sign < 0), self.gradient_base(sign)
+                text.call(
+                    winners.settle_jumps, f"winners, {row}, columns_{number}, gradients, {base}, {values}"
+                )
 
     @property
     def gradient_signs(self) -> set[int]:
         """The signs of the extremes whose derivatives or status are requested."""
         return {_sign(output) for output in self.program.outputs if output.request.is_of_gradient}
 
-    def pick(self, number: int, sign: int, at_limit: int) -> list[int]:
-        """Return the table of derivatives that are evaluated together, see `runtime.winners`."""
-        search = self.program.searches[number]
-        n_values = sum(not gradient.is_position for gradient in search.gradients)
-        rows = [self.gradient_row, len(search.gradients), n_values, self.gradient_base(sign)]
-        return [number, int(sign < 0), at_limit, *rows, search.parity]
+    def gradient_arguments(self, number: int, sign: int) -> str:
+        """Return what a function of derivatives is called with: arrays, first rows and columns, the width."""
+        row, base = winners.WINNER_ROWS * (sign < 0), self.gradient_base(sign)
+        return f"w, winners, gradients, {row}, {base}, columns_{number}, width"
+
+    def write_late(self, search: ExtremumSearch) -> None:
+        """Write the design values that only derivatives along with limits of motion need."""
+        text = self.text
+        late = [name for name in self.gradient_needs(search, moving=True) if name in self.late]
+        early = self.rows.keys() - self.late
+        steps, needed = [], set(late)
+        for step in reversed(self.design_steps):
+            if needed.intersection(step.names) - early:
+                steps.append(step)
+                needed.update(step.depends_on)
+        with text.block("for i in lanes(width):", "design", f"for {search.quantity} at limits of motion"):
+            read = {name for step in steps for name in step.depends_on}
+            for k, name in enumerate(self.program.inputs):
+                if name in read | set(late) and name not in early:
+                    text.add(f"{name} = designs[{k}, i0 + i]")
+            for name in sorted(read & early):
+                text.add(f"{name} = w[{self.row(name)}, i]")
+            for step in reversed(steps):
+                paste_fact(step, step.depends_on, "", text)
+            for name in late:
+                text.add(f"w[{self.row(name)}, i] = {name}")
 
     def write_gradient_functions(self, number: int, search: ExtremumSearch) -> None:
-        """Write the functions of their own that evaluate derivatives at the places of items."""
-        if not search.gradients:
-            return
+        """Write the functions of their own that evaluate derivatives, lanes being designs."""
         for at_limit, function in enumerate(FUNCTIONS):
-            stores: dict[int, str] = {}
-            names: list[str] = []
+            if search.gradients and (not at_limit or any(one.moving for one in search.gradients)):
+                self.write_gradient_function(f"{function}_{number}", search, at_limit > 0)
+
+    def write_gradient_function(self, name: str, search: ExtremumSearch, at_limit: bool) -> None:
+        """Write the function that evaluates derivatives at one input position, or along with limits of motion."""
+        text, wanted = self.text, winners.ALONG if at_limit else winners.HELD
+        needs = self.gradient_needs(search, moving=at_limit)
+        times = f"for derivatives of {search.quantity}" + (" at limits of motion" if at_limit else "")
+        text.add("@outlined")
+        with (
+            text.block(f"def {name}(w, winners, gradients, row__0, base__0, columns__of, width):"),
+            text.block(f"for column__0 in range(columns__of[0], columns__of[1], {LANES}):"),
+            text.block("for i in lanes(width):", "extreme", times),
+        ):
+            text.add(f"x__of = winners[row__0 + {winners.AT_X}, column__0 + i]")
+            text.add(f"upper = winners[row__0 + {winners.IN_UPPER}, column__0 + i] > 0.0")
+            self.write_position("x__of", "upper")
+            text.add(f"half__of = winners[row__0 + {winners.IN_HALF}, column__0 + i]")
+            self.write_half("half__of")
+            for need in needs:
+                text.add(f"{need} = w[{self.row(need)}, i]")
+            for step in self.needed_for(self.gradient_names(search, moving=at_limit)):
+                self.paste(step)
+            text.add(f"mirrored__of = winners[row__0 + {winners.MIRRORED}, column__0 + i] > 0.0")
+            text.add(f"counts__of = winners[row__0 + {winners.WHERE}, column__0 + i] == {wanted}")
             for k, gradient in enumerate(search.gradients):
-                stores[self.gradient_row + k], read = _text(gradient, at_limit > 0)
-                names += read
-            with self.evaluation(
-                f"{function}_{number}", "extreme", f"once, for derivatives of {search.quantity}"
-            ):
-                self.write_values(names, stores, self.gradient_needs(search))
+                target = f"gradients[base__0 + {k}, column__0 + i]"
+                text.add(f"slope__{k} = {_text(gradient, at_limit)}")
+                if gradient.is_position or search.parity < 0:
+                    text.add(f"slope__{k} = -slope__{k} if mirrored__of else slope__{k}")
+                otherwise = target if at_limit else "nan"
+                text.add(f"{target} = slope__{k} if counts__of else {otherwise}")
+        text.lines += ["", ""]
 
     def write_gradient_result(self, output: Output, number: int) -> None:
         """Write the copy of a derivative of extremes, of their status, or of a change by tolerances."""
@@ -173,16 +222,13 @@ class PlacesWriter(ExtremaSchedule):
         self.text.call(winners.store_change, f"{target}, gradients, w, {table}")
 
 
-def _text(gradient: Gradient, at_limit: bool) -> tuple[str, tuple[str, ...]]:
-    """Return the kernel text of a derivative, and the values that it reads."""
+def _text(gradient: Gradient, at_limit: bool) -> str:
+    """Return the kernel text of a derivative."""
     if at_limit:
-        return (gradient.moving, (gradient.moving,)) if gradient.moving else ("0.0", ())
+        return gradient.moving or "0.0"
     if not gradient.held:
-        return "0.0", ()
-    if gradient.is_position:
-        along, bend = gradient.held
-        return f"-({along} / {bend})", gradient.held
-    return gradient.held[0], gradient.held
+        return "0.0"
+    return f"-({' / '.join(gradient.held)})" if gradient.is_position else gradient.held[0]
 
 
 def _sign(output: Output) -> int:

@@ -31,6 +31,8 @@ class ExtremaSchedule:
         self.design_steps = [step for step in steps if program.axes[step.name] <= {"design"}]
         self.lane_steps = [step for step in steps if step not in self.design_steps]
         self.rows: dict[str, int] = {}
+        #: Those that are written where a greatest or least value is at a limit of motion, and only there.
+        self.late: set[str] = set()
         # Both ends of each: kernels know the row of the lower end.
         for ends in zip(*program.graded.ends, strict=True):
             for name in ends:
@@ -59,22 +61,26 @@ class ExtremaSchedule:
         names = [*self.slope_names(search), search.quantity, self.program.catalogue.position.name]
         return self.design_needs(self.needed_for([*names, *search.bounded_by]))
 
-    def gradient_names(self, search: ExtremumSearch) -> list[str]:
+    def gradient_names(self, search: ExtremumSearch, *, moving: bool) -> list[str]:
         """Return the derivatives by inputs that are evaluated at the extremes of a search."""
-        return list(dict.fromkeys(name for gradient in search.gradients for name in gradient.names))
+        if moving:
+            return list(dict.fromkeys(gradient.moving for gradient in search.gradients if gradient.moving))
+        return list(dict.fromkeys(name for gradient in search.gradients for name in gradient.held))
 
-    def gradient_needs(self, search: ExtremumSearch) -> list[str]:
-        """Return the design values that a place carries whose derivatives by inputs are evaluated."""
-        names = self.gradient_names(search)
+    def gradient_needs(self, search: ExtremumSearch, *, moving: bool) -> list[str]:
+        """Return the design values that are read where derivatives by inputs are evaluated."""
+        names = self.gradient_names(search, moving=moving)
         own = [name for name in names if self.program.axes[name] <= {"design"}]
         return list(dict.fromkeys([*self.design_needs(self.needed_for(names)), *own]))
 
-    @property
-    def gradient_row(self) -> int:
-        """The first row of the state that holds derivatives by inputs."""
-        searches = self.program.searches
-        needs = (max(len(self.item_needs(s)), len(self.gradient_needs(s))) for s in searches)
-        return STATE_ROWS + max(needs)
+    def reserve_for_gradients(self) -> None:
+        """Reserve the rows that derivatives by inputs read; what only those at limits of motion do is written late."""
+        for moving in (False, True):
+            early = set(self.rows)
+            for search in self.program.searches:
+                for name in self.gradient_needs(search, moving=moving):
+                    self.row(name)
+        self.late = set(self.rows) - early
 
     def gradient_base(self, sign: int) -> int:
         """Return the first row of the derivatives of the greatest or least values among the results."""
@@ -134,8 +140,6 @@ class ExtremaSchedule:
     @property
     def state_rows(self) -> int:
         """The number of rows of the state."""
-        if self.program.has_gradients:
-            return self.gradient_row + self.most_gradients
         return STATE_ROWS + max(map(len, map(self.item_needs, self.program.searches)))
 
     def places(self, columns: int) -> tuple[Array, ...]:

@@ -59,14 +59,24 @@ OF_KERNELS = (
     *("abs", "advance_roots", "advance_valleys", "append_item", "append_of_lane", "append_unresolved"),
     *("array", "at", "begin_roots", "begin_valleys", "best", "bound_at_zero", "bound_ends"),
     *("bound_zeros", "clear", "collect", "collect_ends", "collect_fine", "collect_folds"),
-    *("collect_octaves", "collect_rest", "collect_unresolved", "collect_winners", "count_folded"),
+    *("collect_octaves", "collect_rest", "collect_unresolved", "count_folded"),
     *("counts", "designs", "divide", "divided", "doubt", "drop_folds", "end_values", "ends", "entries"),
     *("every_vector", "extrema_at_zeros", "filled", "fine_marks", "flags", "flattened"),
     *("fluctuation_lanes", "forget_winners", "from_high", "from_low", "from_upper", "gather"),
     *("gradients", "has_no_bound", "i", "i0", "inf", "j", "j0", "j1", "j2", "judge_winners", "k"),
     *("keep_beside", "keep_beside_fold", "keep_fine", "keep_octave", "keep_slope", "kernel", "known"),
     *("lanes", "lists", "mark", "mark_ends", "mark_fine", "mark_unresolved", "marks", "max", "min"),
-    *("mirror_image", "n_angles", "n_designs", "n_ends", "n_here", "n_lost", "n_near", "n_octaves"),
+    *(
+        "mirror_image",
+        "n_angles",
+        "n_designs",
+        "n_ends",
+        "n_here",
+        "n_lost",
+        "n_moving",
+        "n_near",
+        "n_octaves",
+    ),
     *("n_open", "n_tries", "n_vectors", "nan", "note_kinks", "note_winners", "nothing_yet", "octaves"),
     *("of_better", "off_at_end", "outlined", "padded", "piece", "place_beside", "place_beside_fold"),
     *("place_ends", "place_fine", "place_lost", "place_octave", "place_samples", "place_slope"),
@@ -74,13 +84,13 @@ OF_KERNELS = (
     *("position", "range", "rest", "roots", "samples", "set_bracket", "settle_jumps", "settle_noise"),
     *("settle_slopes", "side", "signs", "silence_rest", "silenced", "solve_lanes", "split", "square"),
     *("start", "state", "step", "store_best", "store_bound", "store_change", "store_counts"),
-    *("store_extrema", "store_gradient", "store_list", "store_status", "sums", "table", "take_gradients"),
+    *("store_extrema", "store_gradient", "store_list", "store_status", "sums", "table"),
     *("thin", "tile", "to_sample", "trial", "tries", "turn", "unresolved", "upper", "v", "valleys"),
     *("vectors", "w", "w2", "width", "winners"),
 )
 TAKEN = frozenset({*OPTIONS, *OF_KERNELS, *HELPERS, *NAMESPACE})
 #: The beginnings of names that kernels make.
-MADE = r"out_|whole_|(f|part|places|rows|search|slope|value)_\d"
+MADE = r"out_|whole_|(asked|columns|f|gradient|limit|part|rows|search|slope|value)_\d"
 #: Letters of the longest name: results have endings, and files room for 255.
 LONGEST = 60
 

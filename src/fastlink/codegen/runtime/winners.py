@@ -1,8 +1,8 @@
 """Where the greatest and the least value of a search are, for their derivatives by the inputs if these are requested.
 
 Two places for each design, branch and search: of the greatest value, and of the least one with its sign changed.
-Derivatives are evaluated there, once for each, at the input position that was found; at a limit of motion beside it, at
-2^-60 of the scale, with the place kept at that distance from the limit.
+Derivatives are evaluated there, once for each, lanes being designs: at the input position that was found; at a limit of
+motion beside it, at 2^-60 of the scale, with the place kept at that distance from the limit.
 """
 
 from __future__ import annotations
@@ -30,11 +30,8 @@ from fastlink.codegen.runtime.cells import (
     TOGGLE,
     UPPER,
     VALUE,
-    XB,
     F,
     X,
-    append_item,
-    set_bracket,
 )
 from fastlink.codegen.runtime.results import FOLDED
 from fastlink.numerics.compiler import lanes, outlined
@@ -55,24 +52,23 @@ from fastlink.numerics.vectors import magnitude
 __all__ = [
     *(
         "CODE",
+        "HELD",
+        "ALONG",
         "WINNER_ROWS",
-        "collect_winners",
         "forget_winners",
         "judge_winners",
         "note_kinks",
         "note_winners",
     ),
-    *("settle_jumps", "store_change", "store_gradient", "store_status", "take_gradients"),
+    *("settle_jumps", "store_change", "store_gradient", "store_status"),
 ]
 
 # Rows of a place: the value (of a least one with its sign changed), the input position, the place in the range, whether
-# it is of a mirror image, its kind; the next best value elsewhere; the code of what derivatives there are worth.
-BEST, PLACE, AT_X, IN_HALF, IN_UPPER, MIRRORED, OF_KIND, SECOND, CODE = range(9)
-WINNER_ROWS = 9
-#: Entries of the table of derivatives that are evaluated together: the search, whether of least values, whether at
-#: limits of motion; the first row of the state that holds them, how many they are, how many of these are of values, the
-#: first row of the results that holds them, what the mirror does to the quantity.
-SEARCH, LEAST, LIMITS, FIRST_ROW, TOTAL, VALUES, BASE, SIGN = range(8)
+# it is of a mirror image, its kind; the next best value elsewhere; the code of what derivatives there are worth; and
+# whether these are taken at one input position, along with a limit of motion, or not at all (0).
+BEST, PLACE, AT_X, IN_HALF, IN_UPPER, MIRRORED, OF_KIND, SECOND, CODE, WHERE = range(10)
+WINNER_ROWS = 10
+HELD, ALONG = 1.0, 2.0
 #: Entries of the table of a change by tolerances: see `store_change`.
 FIRST, SQUARES, COUNT, TERMS = range(4)
 #: The kinds of a jump by a full turn, and of a place where a quotient is divided by almost nothing and has its extreme
@@ -121,6 +117,8 @@ def note_winners(s: Any, count: int, table: Any, search: Any, winners: Any, sign
             for least in range(1 - signs[0], 1 + signs[1]):
                 high = PI if jumps else (-value if least == 1 else value)
                 row = least * WINNER_ROWS
+                if not high > winners[row + SECOND, column]:
+                    continue
                 apart = abs(theta - winners[row + PLACE, column])
                 same = (apart < SAME) | (abs(apart - TWO_PI) < SAME)
                 if high > winners[row + BEST, column]:
@@ -135,7 +133,7 @@ def note_winners(s: Any, count: int, table: Any, search: Any, winners: Any, sign
                     winners[row + OF_KIND, column] = (
                         TURN if jumps else (NEARLY_POLE if beside else s[KIND, i])
                     )
-                elif high > winners[row + SECOND, column] and not same:
+                elif not same:
                     winners[row + SECOND, column] = high
 
 
@@ -162,8 +160,8 @@ def note_kinks(s: Any, count: int, table: Any, search: Any, winners: Any, signs:
 
 
 @outlined
-def judge_winners(winners: Any, w: Any, count: int, table: Any, search: Any, magnitude: int) -> None:
-    """Find what the derivatives of the greatest and least values of a search are worth, see `plan.gradients`.
+def judge_winners(winners: Any, w: Any, count: int, table: Any, search: Any, asked: Any) -> int:
+    """Find what derivatives of greatest and least values are worth; return how many are at limits of motion.
 
     Parameters
     ----------
@@ -173,10 +171,11 @@ def judge_winners(winners: Any, w: Any, count: int, table: Any, search: Any, mag
         The number of designs.
     table, search : array of int
         Tables of the kernel and of the search, see `cells`.
-    magnitude : int
-        1 for the magnitude of a vector, else 0.
+    asked : array of int
+        Whether greatest values are requested (1, else 0), whether least ones are; 1 for the magnitude of a vector.
     """
-    for least in range(2):
+    moving = 0
+    for least in range(1 - asked[0], 1 + asked[1]):
         row = least * WINNER_ROWS
         for branch in range(table[BRANCHES]):
             for i in range(count):
@@ -193,64 +192,34 @@ def judge_winners(winners: Any, w: Any, count: int, table: Any, search: Any, mag
                     beside = (kind == 0.0) | (winners[row + AT_X, column] < FOLDED * first)
                     code = AT_LIMIT if kind == 0.0 else SMOOTH
                     code = TIED if winners[row + SECOND, column] >= best - TIE * abs(best) else code
-                    code = KINK if (kind == NEARLY_POLE) | ((magnitude > 0) & (best == 0.0)) else code
+                    code = KINK if (kind == NEARLY_POLE) | ((asked[2] > 0) & (best == 0.0)) else code
                     code = CONSTANT if (kind == 0.0) & (not toggle) else code
                     code = AT_CHANGE_POINT if (first > 0.0) & (not toggle) & beside else code
                 winners[row + CODE, column] = float(code)
+                where = 0.0
+                if (code == SMOOTH) | (code == TIED) | (code == AT_LIMIT) | (code == CONSTANT):
+                    where = HELD
+                    if kind == 0.0 and code != CONSTANT:
+                        where = ALONG
+                        moving = moving + 1
+                        upper = int(winners[row + IN_UPPER, column])
+                        first = abs(w[table[START] + upper, i])
+                        if winners[row + AT_X, column] < first:
+                            winners[row + AT_X, column] = first
+                winners[row + WHERE, column] = where
+    return moving
 
 
 @outlined
-def collect_winners(winners: Any, w: Any, count: int, table: Any, pick: Any, ends: Any) -> int:
-    """Make items of the places of greatest or least values at limits of motion, or of all others; return how many.
+def settle_jumps(winners: Any, row: int, columns: Any, gradients: Any, base: int, values: int) -> None:
+    """Store zeros as the derivatives of values that are pi because an angle jumps by a full turn.
 
-    Parameters
-    ----------
-    winners, w : array
-        The places, and the lane values.
-    count : int
-        The number of designs.
-    table, pick : array of int
-        Table of the kernel, and that of the derivatives.
-    ends : array
-        The items.
+    `row` is the first one of the places, `base` that of the derivatives, of which so many are of values.
     """
-    total, row = 0, pick[LEAST] * WINNER_ROWS
-    for branch in range(table[BRANCHES]):
-        for i in range(count):
-            column = (pick[SEARCH] * table[BRANCHES] + branch) * LANES + i
-            code = winners[row + CODE, column]
-            if (code == SMOOTH) | (code == TIED) | (code == AT_LIMIT) | (code == CONSTANT):
-                upper = int(winners[row + IN_UPPER, column])
-                at_limit = winners[row + OF_KIND, column] == 0.0 and code != CONSTANT
-                if at_limit == (pick[LIMITS] > 0):
-                    x, first = winners[row + AT_X, column], abs(w[table[START] + upper, i])
-                    x = first if at_limit and x < first else x
-                    set_bracket(ends, total, x, winners[row + MIRRORED, column], float(column), 0.0)
-                    total = append_item(ends, total, i, int(winners[row + IN_HALF, column]), upper == 1)
-    return total
-
-
-@outlined
-def take_gradients(s: Any, count: int, pick: Any, gradients: Any) -> None:
-    """Store the derivatives at items; the mirror turns the sign of those of places, and perhaps of values."""
-    for i in range(count):
-        column, mirrored = int(s[XB, i]), s[FA, i] > 0.0
-        for j in range(pick[TOTAL]):
-            sign = float(pick[SIGN]) if j < pick[VALUES] else -1.0
-            found = s[pick[FIRST_ROW] + j, i]
-            gradients[pick[BASE] + j, column] = sign * found if mirrored else found
-
-
-@outlined
-def settle_jumps(winners: Any, count: int, table: Any, pick: Any, gradients: Any) -> None:
-    """Store zeros as the derivatives of values that are pi because an angle jumps by a full turn."""
-    row = pick[LEAST] * WINNER_ROWS
-    for branch in range(table[BRANCHES]):
-        for i in range(count):
-            column = (pick[SEARCH] * table[BRANCHES] + branch) * LANES + i
-            if winners[row + CODE, column] == JUMP:
-                for j in range(pick[VALUES]):
-                    gradients[pick[BASE] + j, column] = 0.0
+    for column in range(columns[0], columns[1]):
+        if winners[row + CODE, column] == JUMP:
+            for j in range(values):
+                gradients[base + j, column] = 0.0
 
 
 @outlined
