@@ -32,13 +32,22 @@ POLES = (
 # -- where opposite sides meet ----------------------------------------------------------------------------------
 
 
+def sine_by_others(
+    u_cross_v: Any, s_b: Any, s_c: Any, s_d: Any, u_x: Any, u_y: Any, e_x: Any, e_y: Any
+) -> Any:  # fmt: skip
+    """Sine of the angle from MA to NB: long rockers are nearly parallel, by as much as AB and MN are across them."""
+    by_others = (s_c * (u_x * e_y - u_y * e_x) + s_d * u_y) / s_b
+    return select(s_c + s_d < s_b, by_others, u_cross_v)
+
+
 def reach_of_X(d: Any, v_y: Any, u_v: Any) -> Any:
     """Distance of X from M along MA."""
     return d * v_y / u_v
 
 
 step = steps(units="1", source=POSITION)
-step(moment, "u_v", "(u, v)", "Sine of the angle from MA to NB", x="u_x", y="u_y", F_x="v_x", F_y="v_y")
+step(moment, "u_cross_v", "(u, v)", "Sine of the angle from MA to NB", x="u_x", y="u_y", F_x="v_x", F_y="v_y")
+step(sine_by_others, "u_v", "(u, v)")
 steps(units="m", source=CIRCLES)(reach_of_X, "MX", "MX")
 place = quantities(units="m", source=CIRCLES)
 place.vector(product, "X_*", "X_*", "Point X of MA and NB, infinite where they are parallel", x="MX", y="u_*")
@@ -104,6 +113,26 @@ def from_S(length: Any, direction: Any, s_s: Any) -> Any:
     return length * direction - s_s
 
 
+def length_of_chord(s_c: Any, lambda_: Any, t: Any) -> Any:
+    """Return what PQ is at most, scaled."""
+    return s_c / abs(lambda_) * (1.0 + abs(t))
+
+
+def shorter_by(one: Any, two: Any, s_PQ: Any, far: Any, other: Any) -> Any:
+    """1 where the way along PQ is shorter than the own one, else 0."""
+    return select(abs(one) + abs(two) + s_PQ < abs(far) + abs(other), 1.0, 0.0)
+
+
+def less_chord(P_by_Q: Any, own: Any, other: Any, chord: Any) -> Any:
+    """Return a component of the vector to P, by way of Q where that is the shorter one."""
+    return select(P_by_Q == 1.0, other - chord, own)
+
+
+def plus_chord(Q_by_P: Any, own: Any, other: Any, chord: Any) -> Any:
+    """Return a component of the vector to Q, by way of P where that is the shorter one."""
+    return select(Q_by_P == 1.0, other + chord, own)
+
+
 def from_triangle_x(SP_SQ_x: Any, SP_SQ_y: Any, QP_x: Any, e_y: Any, SP_QP: Any) -> Any:
     """Vector from S to the centre of P, S, Q, T, x."""
     return (SP_SQ_x * e_y - SP_SQ_y * QP_x) / (2.0 * SP_QP)
@@ -136,10 +165,23 @@ step.vector(
     x="g_x",
     y="g_y",
 )
-step(from_S, "SP_x", "SP_x", "Vector from S to P, scaled, x", length="s_m", direction="u_x")
-step(product, "SP_y", "SP_y", "Vector from S to P, scaled, y", x="s_m", y="u_y")
-step(along, "SQ_x", "SQ_x", "Vector from S to Q, scaled, x", start="s_SN", length="s_n", direction="v_x")
-step(product, "SQ_y", "SQ_y", "Vector from S to Q, scaled, y", x="s_n", y="v_y")
+step(from_S, "SMP_x", "SP_x", "Vector from S to P by M, scaled, x", length="s_m", direction="u_x")
+step(product, "SMP_y", "SP_y", "Vector from S to P by M, scaled, y", x="s_m", y="u_y")
+step(
+    along, "SNQ_x", "SQ_x", "Vector from S to Q by N, scaled, x", start="s_SN", length="s_n", direction="v_x"
+)
+step(product, "SNQ_y", "SQ_y", "Vector from S to Q by N, scaled, y", x="s_n", y="v_y")
+step(chord, "s_PQ_x", "PQ_x", "Vector from P to Q, scaled, x", c="s_c", way="QP_x")
+step(chord, "s_PQ_y", "PQ_y", "Vector from P to Q, scaled, y", c="s_c", way="e_y")
+step(length_of_chord, "s_PQ", "PQ")
+step(shorter_by, "P_by_Q", "way", one="s_n", two="s_SN", far="s_m", other="s_s")
+step(shorter_by, "Q_by_P", "way", one="s_m", two="s_s", far="s_n", other="s_SN")
+step.vector(
+    less_chord, "SP_*", "SP", "Vector from S to P, scaled", own="SMP_*", other="SNQ_*", chord="s_PQ_*"
+)
+step.vector(
+    plus_chord, "SQ_*", "SQ", "Vector from S to Q, scaled", own="SNQ_*", other="SMP_*", chord="s_PQ_*"
+)
 step.vector(turned, "SP_SQ_*", "SP SQ", "Product of SP and SQ", u="SP_x", v="SP_y", x="SQ_x", y="SQ_y")
 _AREA = "Twice the area of S, P, Q, scaled, over c/lambda"
 step(moment, "SP_QP", "(SP, L)", _AREA, x="SP_x", y="SP_y", F_x="QP_x", F_y="e_y")
