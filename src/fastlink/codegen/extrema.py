@@ -78,9 +78,9 @@ class _ExtremaWriter(PlacesWriter):
         sizes = [start, toggle, program.sides, self.halves, len(program.branches)]
         tables = {"table": [*sizes, *own, *mirror]}
         for k, search in enumerate(program.searches):
-            onto, flags = self.number_of(search.quantity), [int(search.at_limit), int(search.jumps)]
-            sizes = [self.room(search), *self.most_items(search)]
-            tables[f"search_{k}"] = [k, onto, search.order, search.parity, *flags, *sizes]
+            flags = [int(search.at_limit), int(search.jumps) - int(search.piece)]
+            about = [k, self.number_of(search.quantity), search.order, search.parity]
+            tables[f"search_{k}"] = [*about, *flags, self.room(search), *self.most_items(search)]
             tables[f"rows_{k}"] = [self.row(name) for name in self.item_needs(search)] or [0]
             for half in range(self.halves):
                 first, beyond = self.sample_row(k, half), self.sample_row(k, self.half_beyond(half))

@@ -167,6 +167,8 @@ class GradedRange:
     divisors : mapping of str to (str, int)
         For a quantity the fact that it is divided by and that may come close to zero anywhere in the range, never
         negative, and the power of it by which its derivative is divided.
+    kinks : mapping of str to (tuple of str, tuple of str)
+        For a quantity that chooses between smooth ones the facts that vanish where it does, and the smooth ones.
     axis : float
         The input position that the mirror leaves: it exchanges `axis` + x and `axis` - x.
     known : mapping of str to KnownExtremes
@@ -192,6 +194,7 @@ class GradedRange:
     max_extrema_otherwise: int = 16
     axis: float = 0.0
     known: Mapping[str, KnownExtremes] = field(default_factory=dict)
+    kinks: Mapping[str, tuple[tuple[str, ...], tuple[str, ...]]] = field(default_factory=dict)
 
 
 def parameters(function: Callable[..., Any]) -> tuple[str, ...]:

@@ -21,7 +21,8 @@ from fastlink.facts.names import (
     error_name,
     root_of,
 )
-from fastlink.own.definition import Definition, OwnInput, OwnQuantity, check_dimension
+from fastlink.own.definition import Definition, OwnInput, OwnQuantity, check_dimension, function_of
+from fastlink.own.kinks import only_name, split
 from fastlink.symbolic.derivative import NoDerivative
 
 __all__ = ["extended", "own_names", "used"]
@@ -121,6 +122,38 @@ def _declare(catalogue: Catalogue, one: OwnQuantity) -> None:
     if catalogue.graded is not None and (one.jumps or jumping):
         names = (*catalogue.graded.not_differentiable, one.name)
         catalogue.graded = replace(catalogue.graded, not_differentiable=names)
+    elif catalogue.graded is not None:
+        _declare_kinks(catalogue, one, labels)
+
+
+def _declare_kinks(catalogue: Catalogue, one: OwnQuantity, labels: dict[str, Any]) -> None:
+    """Declare what vanishes at the kinks of a quantity, and the smooth ones that it is between them."""
+    graded = catalogue.graded
+    assert graded is not None
+    known = {name: pieces for name, (_, pieces) in graded.kinks.items()}
+    found = split(one.fact, one.parameters, known)
+    if found is None:
+        return
+    inner = tuple(switch for name in one.parameters if name in known for switch in graded.kinks[name][0])
+    kinks = *inner, *_steps_of(catalogue, one.name, "kink", found.switches, labels, one.file)
+    pieces = _steps_of(catalogue, one.name, "piece", found.pieces, labels, one.file)
+    catalogue.graded = replace(graded, kinks={**graded.kinks, one.name: (kinks, pieces)})
+
+
+def _steps_of(
+    catalogue: Catalogue, name: str, noun: str, texts: Iterable[str], labels: dict[str, Any], file: str
+) -> tuple[str, ...]:
+    """Declare texts as steps within the facts, and return their names; one that is a parameter is that."""
+    names = []
+    for k, text in enumerate(texts):
+        if (own := only_name(text)) and catalogue.is_quantity(own):
+            names.append(own)
+            continue
+        names.append(step := f"{name}_{noun}{k}")
+        function = function_of(step, text.replace(f"def {name}(", f"def {step}(", 1) + "\n")
+        catalogue.quantity(**labels, source=f"declared in {file}", internal=True)(function)
+        catalogue.facts[step] = replace(catalogue.facts[step], own=True)
+    return tuple(names)
 
 
 def _not_differentiable(catalogue: Catalogue) -> tuple[str, ...]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import ast
-from collections.abc import Container, Iterable, Sequence
+from collections.abc import Callable, Container, Iterable, Iterator, Sequence
 from dataclasses import replace
 from functools import partial
 from typing import Any
@@ -74,6 +74,11 @@ def _is_magnitude(step: Fact | System) -> bool:
     return isinstance(called, ast.Name) and step.function.__globals__.get(called.id) is magnitude
 
 
+def _is_sharp(catalogue: Catalogue, name: str) -> bool:
+    """Tell whether a quantity is the magnitude of a vector, sharp where that almost vanishes."""
+    return name in catalogue.public and _is_magnitude(catalogue.facts[name])
+
+
 def _may_have_kinks(step: Fact | System) -> bool:
     """Tell whether a user's fact chooses between values that may meet."""
     return isinstance(step, Fact) and step.own and not KINKS.isdisjoint(step.function.__code__.co_names)
@@ -91,12 +96,13 @@ def _steps(
 
 
 def _further_searches(
-    catalogue: Catalogue, searches: Iterable[ExtremumSearch], bounded: Container[str]
+    catalogue: Catalogue, searches: Iterable[ExtremumSearch], bounded: Container[str], steps_of: Any
 ) -> list[ExtremumSearch]:
     """Return the searches for places where a quantity may be greatest or least, though its slope is not 0.
 
     Where the greatest or least value of an angle is requested, its jumps by 2 pi are searched too; where that of a
     quotient is, the places where what it is divided by is least: next to zero three extremes may be too close to tell.
+    So may be those on both sides of a kink: of what has kinks these are searched, and the extremes of its smooth parts.
     """
     graded, position = catalogue.graded, catalogue.position.name
     assert graded is not None
@@ -117,6 +123,7 @@ def _further_searches(
         for s in searches
         if s.quantity in bounded and s.quantity in graded.wraps_at
     ]
+    kinks = [one for s in searches if s.quantity in bounded for one in _at_kinks(catalogue, s, steps_of)]
     nearly_poles = [
         replace(
             s,
@@ -126,10 +133,50 @@ def _further_searches(
             onto=s.quantity,
             gradients=(),
         )
-        for s in searches
+        for s in (*searches, *kinks)
         if s.quantity in bounded and s.divisors
     ]
-    return jumps + nearly_poles
+    return jumps + kinks + nearly_poles
+
+
+def _at_kinks(
+    catalogue: Catalogue, search: ExtremumSearch, steps_of: Callable[[Sequence[str]], Sequence[Fact | System]]
+) -> Iterator[ExtremumSearch]:
+    """Yield the searches for the kinks of a quantity, and for the extremes of what it is between them."""
+    graded = catalogue.graded
+    assert graded is not None
+    switches, pieces = graded.kinks.get(search.quantity, ((), ()))
+    slopes = [(name, name) for name in switches]
+    fact = catalogue.facts.get(search.quantity)
+    magnitudes = [name for name in fact.depends_on if _is_sharp(catalogue, name)] if fact and fact.own else []
+    smooth = dict.fromkeys((*pieces, *magnitudes))
+    slopes += [(name, derivative_name(name, catalogue.position.name)) for name in smooth]
+    for name, slope in slopes:
+        try:
+            steps = steps_of((name, slope))
+        except (CatalogueError, NoDerivative, NoDependence):
+            continue  # the same at all positions, or of those of the whole alone
+        divisor, power = graded.divisors.get(name, (name, 0)) if slope != name else (name, 0)
+        if slope != name and _is_magnitude(next(step for step in steps if name in step.names)):
+            divisor, power = name, 1  # half the derivative of the square, which has no kink
+        grades = asymptotics(graded, steps, (*graded.coordinates, "branch"))
+        parity = grades[slope].parity if slope == name else -grades[name].parity  # the position is odd
+        if search.mirrored and not parity:
+            continue  # its mirror image is that of another part, which is searched where this one is not
+        order = max(round(grades[slope].order + power * grades[divisor].order), 0)
+        own: dict[str, Any] = {
+            "slope": slope,
+            "slope_order": order,
+            "slope_parity": parity,
+            "divisors": (divisor,) * power,
+        }
+        of: dict[str, Any] = {
+            "onto": search.quantity,
+            "piece": slope != name,
+            "magnitude": False,
+            "gradients": (),
+        }
+        yield replace(search, **own, **of, kinked=False)
 
 
 def extrema_programs(
@@ -154,7 +201,8 @@ def extrema_programs(
     searches = [_asked(catalogue, search, outputs, given=given, variants=variants) for search in searches]
     bounded = {output.request.quantity for output in outputs if output.request.can_be_refined}
     groups: dict[tuple[int, bool], list[ExtremumSearch]] = {}
-    for search in (*searches, *_further_searches(catalogue, searches, bounded)):
+    steps_of = partial(_steps, catalogue, given=given, variants=variants)
+    for search in (*searches, *_further_searches(catalogue, searches, bounded, steps_of)):
         groups.setdefault((search.cells, search.mirrored), []).append(search)
     programs: list[ExtremaProgram] = [*known]
     for group in groups.values():

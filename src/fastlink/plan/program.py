@@ -142,6 +142,8 @@ class ExtremumSearch:
         The values other than 1/sigma by whose product the slope is divided.
     onto : str
         Where `slope` is another one, at whose zeros the quantity may be greatest or least too: the quantity.
+    piece : bool
+        Whether `slope` is the derivative of a smooth quantity that the quantity is in some places.
     jumps : bool
         Whether these are jumps of an angle by 2 pi, which reaches pi and -pi there.
     bounded_by : tuple of str
@@ -167,6 +169,7 @@ class ExtremumSearch:
     kinked: bool = False
     divisors: tuple[str, ...] = ()
     onto: str = ""
+    piece: bool = False
     jumps: bool = False
     bounded_by: tuple[str, ...] = ()
     gradients: tuple[Gradient, ...] = ()

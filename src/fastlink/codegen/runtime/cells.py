@@ -57,7 +57,8 @@ FLAT = 2.0**-40
 START, TOGGLE, SIDES, HALVES, BRANCHES, OWN, MIRROR = 0, 1, 2, 3, 4, 5, 7
 # Entries of the table of a search: its number; the search that it adds to, itself or another; the power of 1/sigma by
 # which the quantity grows at a toggle; what the mirror does to it; whether it has a value exactly at a toggle; whether
-# it is for the places where an angle passes pi; how many entries each of its lists of extremes has room for; how many
+# it is for the places where an angle passes pi (1), or for a smooth part of what has kinks (-1); how many entries each
+# of its lists of extremes has room for; how many
 # valleys, roots and unresolved cells one design may have. None of these depends on the other searches.
 NUMBER, ONTO, ORDER, PARITY, AT_LIMIT, JUMPS, ROOM, MOST_VALLEYS = range(8)
 MOST_ITEMS = 3

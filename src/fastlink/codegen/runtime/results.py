@@ -119,7 +119,7 @@ def extrema_at_zeros(s: Any, count: int, table: Any, search: Any) -> None:
             lower_side = half - (half >> (sides - 1)) * sides == 0
             rises = (s[FA, i] > 0.0) | (s[FB, i] < 0.0)
             s[KIND, i] = 1.0 if rises == lower_side else -1.0
-    elif search[JUMPS] == 0:
+    elif search[JUMPS] <= 0:
         for i in lanes(padded(count)):
             s[KIND, i] = 0.0
     else:

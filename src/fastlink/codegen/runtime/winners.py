@@ -102,7 +102,7 @@ def note_winners(s: Any, count: int, table: Any, search: Any, winners: Any, sign
     `signs` tells whether greatest values are requested (1, else 0), and whether least ones are.
     """
     sides, branches = table[SIDES], table[BRANCHES]
-    jumps, beside = search[JUMPS] > 0, search[ONTO] != search[NUMBER]
+    jumps, piece, beside = search[JUMPS] > 0, search[JUMPS] < 0, search[ONTO] != search[NUMBER]
     for i in range(count):
         if s[KIND, i] != s[KIND, i]:
             continue
@@ -131,7 +131,7 @@ def note_winners(s: Any, count: int, table: Any, search: Any, winners: Any, sign
                     winners[row + IN_UPPER, column] = s[UPPER, i]
                     winners[row + MIRRORED, column] = float(mirror)
                     winners[row + OF_KIND, column] = (
-                        TURN if jumps else (NEARLY_POLE if beside else s[KIND, i])
+                        TURN if jumps else (1.0 if piece else (NEARLY_POLE if beside else s[KIND, i]))
                     )
                 elif not same:
                     winners[row + SECOND, column] = high
