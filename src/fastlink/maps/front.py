@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import math
+from bisect import bisect_right
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -40,6 +43,8 @@ def nondominated(points: NDArray[np.float64]) -> NDArray[np.int64]:
         return (
             order[np.flatnonzero(np.concatenate(([True], rest[1:, 0] < least[:-1])))] if len(order) else order
         )
+    if rest.shape[1] == 2:
+        return order[_above_stairs(rest)]
     kept = np.empty(0, dtype=np.int64)
     for start in range(0, len(rest), CHUNK):
         chunk = np.arange(start, min(start + CHUNK, len(rest)))
@@ -48,6 +53,26 @@ def nondominated(points: NDArray[np.float64]) -> NDArray[np.int64]:
             chunk = chunk[~(before & (other[:, None] < chunk[None])).any(axis=0)]
         kept = np.concatenate((kept, chunk))
     return order[kept]
+
+
+def _above_stairs(rest: NDArray[np.float64]) -> list[int]:
+    """Return the rows that none before them equals or betters in both columns.
+
+    Those that none before beats are stairs, which fall in the second column where they grow in the first: one search
+    among these tells of each row (Kung, Luccio and Preparata, On finding the maxima of a set of vectors, 1975).
+    """
+    kept, first, second = list[int](), [-math.inf], [math.inf]
+    for row, (y, z) in enumerate(zip(*rest.T.tolist(), strict=True)):
+        place = bisect_right(first, y)
+        if second[place - 1] <= z and kept and place > 1:
+            continue
+        kept.append(row)
+        last = place
+        while last < len(second) and second[last] >= z:
+            last += 1
+        start = place - 1 if place > 1 and first[place - 1] == y else place
+        first[start:last], second[start:last] = [y], [z]
+    return kept
 
 
 def undominated(points: NDArray[np.float64], front: NDArray[np.float64]) -> NDArray[np.int64]:
