@@ -144,6 +144,10 @@ borrow_range(
         "psi": planar_4r.graded.max_extrema["theta4"],
         "dpsi_dphi": planar_4r.graded.max_extrema["omega4"],
     },
+    # Not psi, B_x and Q_x: their places need the eight factors to a relative rounding, with one scale. They would be
+    # A1, D1, B2, C2 = (1 + K) sign(lambda) (near_sum - e, near_sum + e, near_difference - e, near_difference + e) and
+    # A2, D2, B1, C1 = |1 - K| (far_sum - e, far_sum + e, far_difference - e, far_difference + e); `sure_A1` and what
+    # stands for sure_B1 and sure_C1 here are without the first factor.
     known={"A_x": "A_x", "A_y": "A_y", "P_x": "A_x", "P_y": "A_y"},
     not_differentiable=("F_x", "F_along_AB", "F_deviation", "closure_residual"),
     wraps_at={"psi": "B_y", "omega_angle": "sine_part"},
