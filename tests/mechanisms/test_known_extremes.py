@@ -21,6 +21,9 @@ MANY = [e for e in KNOWN if len(e.catalogue.graded.known) > 4 and e.mechanism !=
 #: Both ways evaluate by the same facts, at places that differ by roundings: their bounds are the same but for a few
 #: of the second order. A place where nothing is extreme is not told from its neighbours by rounding.
 ALIKE = 1.01
+#: Beside kites of Hart's linkage the slope that is computed at a place is not 0 but within its bound: the square of the
+#: sum of both, which the bound of the value has, is four times that of the bound alone. 2.8 at most in 2,000 designs.
+ALIKE_OF = {"hart": 4.0}
 LENGTHS = ("a1", "a2", "a3", "a4")
 #: Change points, kites, parallelograms, rhombi, rigid and impossible linkages.
 FOLDING = "1221 2112 1122 2211 1212 2121 1111 2345 5432 4523 1234 6123 1623 1236 7123"
@@ -61,7 +64,8 @@ def assert_alike(mechanism: str, input: str | None, designs: dict[str, np.ndarra
         assert np.array_equal(np.isnan(bound), np.isnan(other_bound)), name
         there = ~np.isnan(one)
         assert np.all(abs(one - other)[there] <= (bound + other_bound)[there]), name
-        assert np.all(bound[there] <= ALIKE * other_bound[there] + np.spacing(abs(other))[there]), name
+        alike = ALIKE_OF.get(mechanism, ALIKE)
+        assert np.all(bound[there] <= alike * other_bound[there] + np.spacing(abs(other))[there]), name
 
 
 @pytest.mark.parametrize("entry", MANY, ids=lambda e: f"{e.mechanism} by {e.input}")

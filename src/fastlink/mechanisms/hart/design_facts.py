@@ -101,7 +101,6 @@ declare_reach("far_sum", "(1 + K)(m + n)", K="K", s_n="s_n")
 declare_reach("far_difference", "(1 + K)(m - n)", K="K", s_n="minus_s_n")
 declare_reach("near_sum", "(1 - K)(m + n)", K="minus_K", s_n="s_n")
 declare_reach("near_difference", "(1 - K)(m - n)", K="minus_K", s_n="minus_s_n")
-step(product, "sure_A1", "A_1", "factor A1 of MABN over 1 + K", x="lambda_sign", y="near_sum_less")
 
 
 @hart.quantity(units="1", symbol="assembles", source=f"{PAGE}#stroke", internal=True)

@@ -95,13 +95,38 @@ def range_width(
     return select(assembles == 1.0, width, NOT_A_NUMBER)
 
 
+def near_factor(K: Any, lambda_sign: Any, reach: Any) -> Any:
+    """Return a factor of MABN that has 1 + K as a factor, from the other one."""
+    return (1.0 + K) * (lambda_sign * reach)
+
+
+def far_factor(K: Any, reach: Any) -> Any:
+    """Return a factor of MABN that has 1 - K as a factor, from the other one; with its size."""
+    return abs(1.0 - K) * reach
+
+
+for _law, _name, _reach in (
+    (near_factor, "sure_A1", "near_sum_less"),
+    (near_factor, "factor_B2", "near_difference_less"),
+    (near_factor, "factor_C2", "near_difference_plus"),
+    (far_factor, "factor_A2", "far_sum_less"),
+    (far_factor, "factor_D2", "far_sum_plus"),
+    (far_factor, "sure_B1", "far_difference_less"),
+    (far_factor, "sure_C1", "far_difference_plus"),
+):
+    _letters = f"{_name[-2]}_{_name[-1]}"
+    step(_law, _name, _letters, f"factor {_name[-2:]} of MABN, zero within rounding", reach=_reach)
+
 PREFIX = "bar_"
 #: The names of MABN's values as a planar 4R.
 NAMES = {"a1": "size_a", "a2": "size_c", "a3": "size_b", "a4": "d"}
 NAMES |= {"s1": "s_a", "s2": "s_c", "s3": "s_b", "s4": "s_d"}
 NAMES |= {"theta1": "phi", "cos_theta1": "cos_phi", "sin_theta1": "sin_phi", "p": "past_Z0", "q": "past_C0"}
 NAMES |= {"DB_x": "NB_x", "DB_y": "B_y", "theta4": "psi", "output_ratio": "dpsi_dphi"}
-NAMES |= {"sure_B1": "far_difference_less", "sure_C1": "far_difference_plus"}
+NAMES |= {
+    name: name
+    for name in ("sure_A1", "sure_B1", "sure_C1", "factor_A2", "factor_B2", "factor_C2", "factor_D2")
+}
 NAMES |= {
     name: name for name in ("Z", "Z_low", "C", "C_low", "Z0", "Z0_low", "C0", "C0_low", "sigma", "per_sigma")
 }
@@ -110,7 +135,7 @@ NAMES |= {
     for name in ("coupler_offset", "branch_sign", "output_offset", "gamma0", "crank_excess", "range_width")
 }
 NAMES |= {"kappa": "squares_excess", "AD_x": "AN_x", "assembles": "assembles", "valid": "valid"}
-NAMES |= {name: name for name in ("A_x", "A_y", "AB_x", "AB_y", "sure_A1", "grashof_class")}
+NAMES |= {name: name for name in ("A_x", "A_y", "AB_x", "AB_y", "grashof_class")}
 
 borrow_tables(hart, planar_4r, NAMES)
 
@@ -144,11 +169,15 @@ borrow_range(
         "psi": planar_4r.graded.max_extrema["theta4"],
         "dpsi_dphi": planar_4r.graded.max_extrema["omega4"],
     },
-    # Not psi, B_x and Q_x: their places need the eight factors to a relative rounding, with one scale. They would be
-    # A1, D1, B2, C2 = (1 + K) sign(lambda) (near_sum - e, near_sum + e, near_difference - e, near_difference + e) and
-    # A2, D2, B1, C1 = |1 - K| (far_sum - e, far_sum + e, far_difference - e, far_difference + e); `sure_A1` and what
-    # stands for sure_B1 and sure_C1 here are without the first factor.
-    known={"A_x": "A_x", "A_y": "A_y", "P_x": "A_x", "P_y": "A_y"},
+    known={
+        "psi": "theta4",
+        "A_x": "A_x",
+        "A_y": "A_y",
+        "P_x": "A_x",
+        "P_y": "A_y",
+        "B_x": "B_x",
+        "Q_x": "B_x",
+    },
     not_differentiable=("F_x", "F_along_AB", "F_deviation", "closure_residual"),
     wraps_at={"psi": "B_y", "omega_angle": "sine_part"},
 )
