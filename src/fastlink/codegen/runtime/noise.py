@@ -6,11 +6,15 @@ on the other, at some distance at which a slight change of the position leaves t
 as they like. Of others between two maxima, or two minima, one is left, as there is one; else all leave. They still
 count for the greatest and the least value, within whose bounds they are.
 
+At a toggle a curvature goes on in the other branch, and its slope in the input position is infinite: a small difference
+of great numbers there. An entry within 2^-20 of the scale from a toggle is listed only if its slope is certain, too.
+
 Where a slope has three zeros in place of one, two of these are rounding. What that does to the value is measured, too:
 it is evaluated at positions beside, which differ by so little that an extreme would not change in its last digits. A
 maximum and the minimum next to it whose values differ by less than rounding does to each of them leave the list
 together; the nearest values first. The greatest and the least of all stay. Where more entries are certain than the
-lists have room for, all stay.
+lists have room for, all stay. Of a list from which uncertain ones were taken, or that has no room for all, the error
+bounds are infinite: it may lack an extreme, or hold one too many.
 """
 
 from __future__ import annotations
@@ -39,10 +43,12 @@ from fastlink.codegen.runtime.cells import (
 from fastlink.codegen.runtime.results import (
     COUNT,
     DOUBTFUL,
+    LIST_BOUND,
     LIST_KIND,
     LIST_NOISE,
     LIST_THETA,
     LIST_VALUE,
+    SPURIOUS,
 )
 from fastlink.numerics.compiler import lanes, outlined
 from fastlink.numerics.elementary import INFINITY, NOT_A_NUMBER
@@ -72,11 +78,15 @@ SLOPES = DISTANCES * 2 * POSITIONS
 BITS, LAST = 2, POSITIONS - 1
 # How near a fold, in x, rounding is measured: farther away quantities are no small differences of great numbers.
 NEAR = 2.0**-10
+# So many distances of the first sample from a toggle its slope is looked at: within 2^-20 of the scale.
+NEAR_TOGGLE = 2.0**40
+#: What marks items next to a fold, and those next to a toggle.
+FOLDED, TOGGLED = 1.0, 2.0
 
 
 @outlined
 def count_folded(s: Any, count: int, w: Any, table: Any) -> int:
-    """Return how many items are near a fold; mark these, and keep all positions and slopes."""
+    """Return how many items are near a fold or toggle; mark these, and keep all positions and slopes."""
     near = 0
     for i in range(count):
         lane, upper = int(s[LANE, i]), int(s[UPPER, i])
@@ -87,8 +97,9 @@ def count_folded(s: Any, count: int, w: Any, table: Any) -> int:
         s[CERTAIN, i] = 1.0
         s[LOWEST, i] = INFINITY
         s[HIGHEST, i] = -INFINITY
-        if fold & (abs(s[X, i]) < NEAR):
-            s[NOISE, i] = 1.0
+        beside = (not fold) & (s[X, i] < NEAR_TOGGLE * abs(w[table[START] + upper, lane]))
+        if beside | (fold & (abs(s[X, i]) < NEAR)):
+            s[NOISE, i] = TOGGLED if beside else FOLDED
             s[CERTAIN, i] = 0.0
             near = near + 1
     return near
@@ -160,8 +171,9 @@ def settle_noise(s: Any, count: int) -> None:
     for i in lanes(padded(count)):
         value = s[VALUE, i]
         above, below = s[HIGHEST, i] - value, value - s[LOWEST, i]
-        noise = MARGIN * (above if above > below else below) if s[NOISE, i] > 0.0 else 0.0
-        s[NOISE, i] = noise if s[CERTAIN, i] > 0.0 else DOUBTFUL
+        beside = s[NOISE, i] == TOGGLED
+        noise = MARGIN * (above if above > below else below) if s[NOISE, i] == FOLDED else 0.0
+        s[NOISE, i] = noise if s[CERTAIN, i] > 0.0 else (SPURIOUS if beside else DOUBTFUL)
 
 
 @outlined
@@ -214,6 +226,9 @@ def thin(lists: Any, best: Any, first: int, last: int, room: int) -> None:
         for k in range(min(n, room)):
             noisy = noisy + (1 if lists[LIST_NOISE, column, k] > 0.0 else 0)
             doubtful = doubtful + (1 if lists[LIST_NOISE, column, k] == DOUBTFUL else 0)
+        if ((doubtful > 0) | (n > room)) & (lists.shape[0] > LIST_BOUND):
+            for k in range(min(n, room)):
+                lists[LIST_BOUND, column, k] = INFINITY
         if (noisy + doubtful == 0) | (n > room):
             continue
         before = n

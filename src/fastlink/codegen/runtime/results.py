@@ -53,6 +53,8 @@ MORE = 27
 LIST_ROW_OF = {"position": LIST_THETA, "value": LIST_VALUE, "kind": LIST_KIND, "error": LIST_BOUND}
 #: What stands for the rounding of a value that may be no extreme: its slope is certain on neither side.
 DOUBTFUL = -1.0
+#: And for that of one next to a toggle, where there is none: no list holds it.
+SPURIOUS = -2.0
 # Rows of the best: greatest and least value with their positions, and how many extrema there are; where error bounds
 # are requested, those of both.
 GREATEST, AT_GREATEST, LEAST, AT_LEAST, COUNT, GREATEST_BOUND, LEAST_BOUND = range(7)
@@ -180,7 +182,8 @@ def store_extrema(s: Any, count: int, table: Any, search: Any, lists: Any, best:
             column = (onto * branches + target) * LANES + lane
             # a function that is nothing but rounding would leave no room for extremes
             doubtful = (room > 0) & (s[NOISE, i] == DOUBTFUL)
-            if (kind != 0.0) & ((not doubtful) | (best[COUNT, column] < (room >> 1))):
+            spurious = (room > 0) & (s[NOISE, i] == SPURIOUS)
+            if (kind != 0.0) & (not spurious) & ((not doubtful) | (best[COUNT, column] < (room >> 1))):
                 if room > 0:
                     k = _insert(lists, column, int(best[COUNT, column]), theta, room)
                     if k < room:

@@ -1,0 +1,99 @@
+"""Lists of extremes against exact algebra, which misses none and makes none up: the roots of polynomials."""
+
+from __future__ import annotations
+
+import itertools
+
+import numpy as np
+import pytest
+from tests.support.configurations import LENGTHS
+from tests.support.exact_extrema import LISTED, exact_extrema
+from tests.support.neighbourhoods import folded_planar_4r
+
+import fastlink as fl
+
+#: Quantities that need masses.
+FORCES = ("T41", "F41", "F21", "F32", "F43", "shaking_force", "F41_x", "F32_y")
+
+
+def ordinary(rng, n, *, masses):
+    """Return designs of links of about one length."""
+    design = {name: rng.uniform(0.3, 2.0, n) for name in LENGTHS} | {"omega1": np.ones(n)}
+    design |= {f"P_{axis}": rng.uniform(-1.0, 2.0, n) for axis in "uv"}
+    if masses:
+        design |= {f"{name}{k}": rng.uniform(0.0, 2.0, n) for k in (1, 2, 3) for name in "mI"}
+        design |= {f"G{k}_{axis}": rng.uniform(-1.0, 1.0, n) for k in (1, 2, 3) for axis in "uv"}
+    return design
+
+
+def differing(designs, name):
+    """Return how many lists differ from the exact ones, how many of these do not tell so by their bounds, and all."""
+    asked = [f"{name}_extrema{part}" for part in ("_kind", "", "_error", "_count")]
+    maps = fl.sweep("planar_4r", fl.table(designs), asked, verify=0, allow_invalid=True)
+    found = [maps[one].transpose("design", "branch", ...).values for one in asked]
+    differ = silent = 0
+    for k in range(len(found[0])):
+        inputs = {key: float(values[k]) for key, values in designs.items()}
+        wrong = {1, 2}
+        for zeroes in (
+            True,
+            False,
+        ):  # neither the gap that counts as zero nor that of the lengths as they are is wrong
+            places = exact_extrema(inputs, name, zeroes=zeroes) if wrong else []
+            exact = {b: [place.kind for place in places if place.branch == b] for b in wrong}
+            lists = {b: [part[k, b - 1] for part in found] for b in wrong}
+            if zeroes:
+                differ += sum(not alike(exact[b], lists[b][0], lists[b][3]) for b in wrong)
+            wrong = {b for b in wrong if not told(exact[b], *lists[b])}
+        silent += len(wrong)
+    return differ, silent, 2 * len(found[0])
+
+
+def alike(exact, kinds, count):
+    """Tell whether a list has the exact kinds; it may have no room for all of them."""
+    return count == len(exact) and exact[: len(kinds)] == kinds[:count].tolist()
+
+
+def told(exact, kinds, values, bounds, count):
+    """Tell whether a list is right, or its bounds tell that nothing is known, or that pairs of it may be none."""
+    # no bound can tell that an empty list lacks an extreme; of a list that is not shown whole the count tells it
+    if (
+        count > len(kinds)
+        or alike(exact, kinds, count)
+        or (count > 0 and np.isinf(bounds[: min(count, len(kinds))]).all())
+    ):
+        return True
+    runs: list[list[int]] = [[0]]
+    for k in range(1, count):
+        near = abs(values[k] - values[k - 1]) <= bounds[k] + bounds[k - 1]
+        runs = [*runs[:-1], [*runs[-1], k]] if near else [*runs, [k]]
+    # a run of entries within their bounds of each other is one extreme, or none, beside a fold
+    ways = ([run] if len(run) == 1 else [run[: len(run) % 2], []] for run in runs)
+    choices = itertools.product(*ways)
+    return any([int(kinds[k]) for run in choice for k in run] == exact for choice in choices)
+
+
+@pytest.mark.parametrize("name", ["curvature"])
+def test_lists_hold_the_exact_extremes(name):
+    assert differing(ordinary(np.random.default_rng(3), 16, masses=False), name) == (0, 0, 32)
+
+
+def test_lists_beside_folds_hold_the_exact_extremes_or_have_no_bound():
+    designs = folded_planar_4r(np.random.default_rng(11), 60)
+    differ, silent, of = differing(designs, "alpha4")
+    assert silent == 0
+    assert differ < 0.1 * of
+
+
+@pytest.mark.stress
+@pytest.mark.parametrize("name", LISTED)
+def test_many_lists_hold_the_exact_extremes(name):
+    designs = ordinary(np.random.default_rng(4), 60, masses=name in FORCES)
+    assert differing(designs, name) == (0, 0, 120)
+
+
+@pytest.mark.stress
+def test_many_lists_beside_folds_hold_the_exact_extremes_or_have_no_bound():
+    differ, silent, of = differing(folded_planar_4r(np.random.default_rng(12), 2000), "alpha4")
+    assert silent == 0
+    assert differ < 0.1 * of
