@@ -254,3 +254,23 @@ def test_an_extreme_at_a_limit_of_motion_changes_with_what_moves_the_limit_alone
     tolerances = {"a1": 1.0, "a2": 0.6, "a3": 0.7, "a4": 1.2, "a3_tolerance": 1e-4}
     changed = fl.sweep("planar_4r", fl.grid(tolerances), ["A_y_max_worst_change"], progress=False)
     assert (changed["A_y_max_worst_change"] > 1e-5).all()
+
+
+def test_an_angle_that_folds_at_pi_keeps_its_greatest_value():
+    # the bars at P pass the straight line in the middle of the motion: mu_P is pi there whatever the lengths
+    bars = {
+        "a": 1.3828348684464724,
+        "b": 0.9522518422452018,
+        "c": 1.6380671227307617,
+        "d": 1.0228886622434283,
+    }
+    names = ["transmission_angle_P_max", "d_transmission_angle_P_max_d_d"]
+    found = fl.sweep(
+        "focal",
+        fl.grid(**bars, rho=-0.21249720035072545, omega=1.9386164640461634, completion=1),
+        [*names, "transmission_angle_P_max_gradient_status"],
+        verify=0,
+    )
+    assert (found[names[0]] > np.pi - 1e-15).all()
+    assert (found[names[1]] == 0.0).all()
+    assert (found["transmission_angle_P_max_gradient_status"] == JUMP).all()

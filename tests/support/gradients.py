@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -19,6 +21,8 @@ SIGNS = {"max": 1, "min": -1}
 #: Of an input, by which it is moved for a difference, and twice that: the powers of both beyond the second are left.
 #: With 50 digits nothing is lost to cancellation; a step of 2**-12 was off by 3e-7 for one least force.
 STEP = 2.0**-16
+#: What a derivative that vanishes may be off, its terms being of the size of the inputs over the one that is moved.
+ROUNDINGS = 2.0**-46
 
 
 @dataclass(frozen=True)
@@ -55,8 +59,10 @@ def compared(
         for end in ends
         for by in inputs
     }
+    extremes = {end: str(Reduced(Quantity(end[0]), end[1])) for end in ends}
     options = {"input": entry.input, "allow_invalid": True, "progress": False, "verify": 0}
-    found = fl.sweep(entry.mechanism, fl.table(designs), [*wanted.values(), *status.values()], **options)
+    names = [*wanted.values(), *status.values(), *extremes.values()]
+    found = fl.sweep(entry.mechanism, fl.table(designs), names, **options)
     for (quantity, how, by), name in wanted.items():
         for k in range(len(next(iter(designs.values())))):
             for b, branch in enumerate(found["branch"].values.tolist()):
@@ -64,21 +70,38 @@ def compared(
                 if code not in (SMOOTH, AT_LIMIT):
                     continue
                 inputs_of = {key: float(column[k]) for key, column in designs.items()}
+                at_k = inputs_of[by]
                 moved = {key: np.full(4, value) for key, value in inputs_of.items()}
-                moved[by] = inputs_of[by] * (1.0 + STEP * np.array([1.0, -1.0, 2.0, -2.0]))
+                moved[by] = at_k * (1.0 + STEP * np.array([1.0, -1.0, 2.0, -2.0]))
                 exact = _difference(
                     Stationary(catalogue, quantity, moved, np.full(4, branch), variants),
                     moved[by],
                     SIGNS[how],
                     places,
                 )
-                if exact is not None:
-                    yield Compared(name, inputs_of, code, float(found[name].values[k, b]), *exact)
+                extreme = float(found[extremes[quantity, how]].values[k, b])
+                if exact is not None and not _on_another_turn(extreme, exact.of):
+                    tolerance = exact.tolerance + ROUNDINGS * (
+                        1 + max(map(abs, inputs_of.values())) / abs(at_k)
+                    )
+                    value = float(found[name].values[k, b])
+                    yield Compared(name, inputs_of, code, value, exact.value, tolerance)
 
 
-def _difference(
-    stationary: Stationary, at: np.ndarray, sign: int, places: bool
-) -> tuple[float, float] | None:
+class Difference(NamedTuple):
+    """A derivative by differences, how far it may be off, and the extreme that it is of."""
+
+    value: float
+    tolerance: float
+    of: float
+
+
+def _on_another_turn(found: float, exact: float) -> bool:
+    """Tell whether an angle that reaches pi at a limit of motion alone is pi there for one, and -pi for the other."""
+    return abs(abs(exact) - math.pi) < 1e-15 and abs(found - exact) > 1e-6
+
+
+def _difference(stationary: Stationary, at: np.ndarray, sign: int, places: bool) -> Difference | None:
     """Return the derivative by central differences, and how far it may be off; None where they do not settle."""
     extremes = [outermost(stationary, k, sign, of_all=True) for k in range(4)]
     values = [extreme.position if places else extreme.value for extreme in extremes]
@@ -90,4 +113,4 @@ def _difference(
     if off > 1e-4 * size:  # an extreme that another one overtakes, or a change point nearby
         return None
     # what is left of the differences is a power of the step more; what is computed has a millionth of its digits left
-    return float(exact), float(1e-2 * off + 1e-10 * size)
+    return Difference(float(exact), float(1e-2 * off + 1e-10 * size), float(extremes[0].value))

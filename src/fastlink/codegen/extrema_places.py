@@ -110,7 +110,7 @@ class PlacesWriter(ExtremaSchedule):
         if not own:
             return
         asked = [int(sign in self.gradient_signs) for sign in (1, -1)]
-        text.add(f"asked_{number} = array({[*asked, int(search.magnitude)]})")
+        text.add(f"asked_{number} = array({[*asked, int(search.magnitude), int(search.folds)]})")
         columns = len(self.program.branches) * LANES
         text.add(f"columns_{number} = array({[number * columns, (number + 1) * columns]})")
         judged = f"winners, w, n_here, table, search_{number}, asked_{number}"
@@ -124,7 +124,7 @@ class PlacesWriter(ExtremaSchedule):
                 self.write_late(search)
                 for arguments in calls.values():
                     text.add(f"limit_{number}({arguments})")
-        if any(other.jumps and other.onto == search.quantity for other in self.program.searches):
+        if search.folds or any(o.jumps and o.onto == search.quantity for o in self.program.searches):
             values = sum(not gradient.is_position for gradient in search.gradients)
             for sign in signs:
                 row, base = winners.WINNER_ROWS * (sign < 0), self.gradient_base(sign)

@@ -11,7 +11,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from fastlink.codegen.known_gradients import write_gradients
+from fastlink.codegen.known_gradients import kind_at_end, write_gradients
 from fastlink.codegen.runtime.cells import LANES
 from fastlink.codegen.schedule import needed_steps
 from fastlink.codegen.source import Array, Source, Text, paste_fact
@@ -207,7 +207,7 @@ class KnownWriter:
             kind = "0.0"
             if self.program.has_gradients and search.known is not None and not search.known.places:
                 (slope,) = self.values([search.slope], place, half)  # not a number where nothing can move
-                kind = f"(1.0 if ({first} == 0.0) & ({slope} == {slope}) else 0.0)"
+                kind = kind_at_end(self, search, value, f"({first} == 0.0) & ({slope} == {slope})")
         bound = self.bound(search, place, half, label)
         return Candidate(name, name, self.place(place, half), bound, place, half, kind)
 

@@ -13,11 +13,24 @@ if TYPE_CHECKING:
     from fastlink.codegen.known import Candidate, KnownWriter
     from fastlink.plan.program import ExtremumSearch
 
-__all__ = ["write_gradients"]
+__all__ = ["kind_at_end", "write_gradients"]
 
 #: What is known of the best candidate: its value, input position, place and kind, where that is, and the next best.
 FIRST = {"best": "-inf", "place": "nan", "x": "nan", "upper": "0.0", "kind": "nan", "mirrored": "0.0"}
 FIRST |= {"branch": "1.0", "side": "1.0", "second": "-inf"}
+
+
+def kind_at_end(writer: KnownWriter, search: ExtremumSearch, value: str, rests: str) -> str:
+    """Return the kind of an extreme at an end of the range: 0 at limits of motion, else 1 or, where an angle folds, 2.
+
+    Driven past 0 or pi an angle from 0 to pi turns back there, whatever the lengths: its extreme is one or the other.
+    """
+    if not search.folds:
+        return f"(1.0 if {rests} else 0.0)"
+    writer.text.use("codegen.runtime.winners", "FOLD")
+    writer.text.use("numerics.elementary", "PI")
+    folded = f"({value} < FOLD) | ({value} > PI - FOLD)"
+    return f"(2.0 if {folded} else (1.0 if {rests} else 0.0))"
 
 
 def write_gradients(

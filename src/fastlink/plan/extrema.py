@@ -11,6 +11,7 @@ from typing import Any
 from fastlink.catalogue.catalogue import Catalogue, CatalogueError, Fact, System
 from fastlink.facts.names import derivative_name, error_name
 from fastlink.numerics.compiler import syntax
+from fastlink.numerics.elementary import atan2
 from fastlink.numerics.vectors import absolute, choice, magnitude
 from fastlink.plan.known import find_known_extremes, is_of_known, known_program
 from fastlink.plan.program import ExtremaProgram, ExtremumSearch, Gradient, KnownProgram, Output
@@ -49,6 +50,7 @@ def find_extremum_search(
     divisor, power = graded.divisors.get(quantity, (quantity, 0))
     own = _steps(catalogue, (quantity,), given, variants)
     needed = {name for step in own for name in step.names}
+    by_name = {name: step for step in steps for name in step.names}
     return ExtremumSearch(
         quantity,
         slope,
@@ -60,7 +62,8 @@ def find_extremum_search(
         -grade.parity,  # the input position is odd
         at_limit=graded.reciprocal not in needed and not grade.choice,
         divided=quantity not in graded.cells,
-        magnitude=_is_magnitude(next(step for step in steps if quantity in step.names)),
+        magnitude=_is_magnitude(by_name[quantity]),
+        folds=_folds(by_name[quantity]),
         kinked=any(map(_may_have_kinks, own)),
         divisors=(divisor,) * power,
         known=find_known_extremes(catalogue, quantity, own, variants),
@@ -69,9 +72,27 @@ def find_extremum_search(
 
 def _is_magnitude(step: Fact | System) -> bool:
     """Tell whether a fact is the magnitude of a vector and nothing else."""
-    result = syntax(step.function).body[-1]
-    called = getattr(getattr(result, "value", None), "func", None)
-    return isinstance(called, ast.Name) and step.function.__globals__.get(called.id) is magnitude
+    called = _last_call(step)
+    return called is not None and _called(step, called) is magnitude
+
+
+def _folds(step: Fact | System) -> bool:
+    """Tell whether a fact is an angle by the size of its sine: it turns back at 0 and at pi."""
+    called = _last_call(step)
+    if called is None or _called(step, called) is not atan2:
+        return False
+    sine = called.args[0]
+    return isinstance(sine, ast.Call) and isinstance(sine.func, ast.Name) and sine.func.id == "abs"
+
+
+def _last_call(step: Fact | System) -> ast.Call | None:
+    """Return the call that is all of what a fact returns."""
+    result = getattr(syntax(step.function).body[-1], "value", None)
+    return result if isinstance(result, ast.Call) else None
+
+
+def _called(step: Fact | System, call: ast.Call) -> object:
+    return step.function.__globals__.get(call.func.id) if isinstance(call.func, ast.Name) else None
 
 
 def _is_sharp(catalogue: Catalogue, name: str) -> bool:

@@ -56,7 +56,7 @@ STATUS_FLAGS = {
     KINK: "none at a kink or next to a pole",
     OF_SAMPLES: "of the sampled positions that assemble",
     CONSTANT: "one-sided as nothing changes over the cycle",
-    JUMP: "zero at a jump by a full turn",
+    JUMP: "zero where an angle jumps by a full turn or folds at pi or 0",
     MOVING: "none as limits of motion move",
 }
 

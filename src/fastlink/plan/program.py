@@ -136,6 +136,8 @@ class ExtremumSearch:
         Whether cells are divided whose samples cannot exclude further extrema; the others have none that hide.
     magnitude : bool
         Whether it is the magnitude of a vector: its square is smooth where it comes close to zero.
+    folds : bool
+        Whether it is an angle from 0 to pi, which turns back at both.
     kinked : bool
         Whether its slope may jump over zero: it chooses the larger of two values, or takes the size of one.
     divisors : tuple of str
@@ -166,6 +168,7 @@ class ExtremumSearch:
     at_limit: bool
     divided: bool
     magnitude: bool
+    folds: bool = False
     kinked: bool = False
     divisors: tuple[str, ...] = ()
     onto: str = ""

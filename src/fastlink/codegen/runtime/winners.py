@@ -76,6 +76,8 @@ FIRST, SQUARES, COUNT, TERMS = range(4)
 TURN, NEARLY_POLE = 2.0, 3.0
 # A zero is found to 2^-51 of its place: there a slope without a jump is below this part of that at the bracket's ends.
 KINKED = 2.0**-20
+# An angle whose sine is 0 is within some roundings of 0 or pi.
+FOLD = 2.0**-46
 # Input positions that are nearer are one place; values that differ by less tie.
 SAME, TIE = 2.0**-20, 2.0**-40
 
@@ -172,7 +174,8 @@ def judge_winners(winners: Any, w: Any, count: int, table: Any, search: Any, ask
     table, search : array of int
         Tables of the kernel and of the search, see `cells`.
     asked : array of int
-        Whether greatest values are requested (1, else 0), whether least ones are; 1 for the magnitude of a vector.
+        Whether greatest values are requested (1, else 0), whether least ones are; whether it is the magnitude of a
+        vector; whether it is an angle that turns back at 0 and pi, its extremes whatever the lengths.
     """
     moving = 0
     for least in range(1 - asked[0], 1 + asked[1]):
@@ -181,8 +184,9 @@ def judge_winners(winners: Any, w: Any, count: int, table: Any, search: Any, ask
             for i in range(count):
                 column = (search[NUMBER] * table[BRANCHES] + branch) * LANES + i
                 best, kind = winners[row + BEST, column], winners[row + OF_KIND, column]
+                folded = (asked[3] > 0) & ((abs(best) < FOLD) | (abs(abs(best) - PI) < FOLD))
                 code = NOTHING
-                if kind == TURN:
+                if (kind == TURN) | (folded & (kind == kind)):
                     code = JUMP
                 elif kind == kind and abs(best) == INFINITY:
                     code = INFINITE
@@ -212,7 +216,7 @@ def judge_winners(winners: Any, w: Any, count: int, table: Any, search: Any, ask
 
 @outlined
 def settle_jumps(winners: Any, row: int, columns: Any, gradients: Any, base: int, values: int) -> None:
-    """Store zeros as the derivatives of values that are pi because an angle jumps by a full turn.
+    """Store zeros as the derivatives of values that are pi or 0 because an angle jumps or folds.
 
     `row` is the first one of the places, `base` that of the derivatives, of which so many are of values.
     """
