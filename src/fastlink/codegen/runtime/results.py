@@ -133,7 +133,7 @@ def extrema_at_zeros(s: Any, count: int, table: Any, search: Any) -> None:
 
 @outlined
 def drop_folds(s: Any, count: int, w: Any, table: Any) -> None:
-    """Drop extrema that are nothing but the end of the range at a fold.
+    """Drop extrema that are nothing but the end of the range at a fold, or have no value.
 
     Parameters
     ----------
@@ -145,7 +145,7 @@ def drop_folds(s: Any, count: int, w: Any, table: Any) -> None:
     for i in range(count):
         upper, lane = int(s[UPPER, i]), int(s[LANE, i])
         first, fold = abs(w[table[START] + upper, lane]), w[table[TOGGLE] + upper, lane] == 0.0
-        if fold and s[KIND, i] != 0.0 and s[X, i] < FOLDED * first:
+        if (fold and s[KIND, i] != 0.0 and s[X, i] < FOLDED * first) or s[VALUE, i] != s[VALUE, i]:
             s[KIND, i] = NOT_A_NUMBER
 
 
