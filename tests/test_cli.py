@@ -473,7 +473,7 @@ def test_best_refines(folder):
     line = ("best", "study.h5", "--minimise", "omega4_max", "--where", "a2=1.13:", "--top", 1)
     about, names, *_ = called(*line, "--refine", "--to", "finer.h5").stdout.splitlines()
     assert "refined: 1 converged" in about
-    assert names.split()[-3:] == ["omega4_max_gain", "refinement", "active"]
+    assert names.split()[-4:] == ["omega4_max_gain", "refinement", "starts", "active"]
     with fl.open("study.h5") as maps, fl.open("finer.h5") as finer:
         expected = fl.best(maps, minimise="omega4_max", where={"a2": (1.13, None)}, top=1, refine=True)
         assert str(finer.active[0].item()) == str(expected.active[0].item())
