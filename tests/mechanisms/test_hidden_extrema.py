@@ -320,3 +320,12 @@ def test_a_half_at_rest_has_no_extreme_and_may_have_the_least_value(name):
         there = fl.evaluate("planar_4r", [name, f"{name}_error"], theta1=theta, branch=2, **AT_REST)
         value, error = float(there[name]), float(there[f"{name}_error"])
         assert least - below - error <= value <= most + above + error
+
+
+def test_a_toggle_is_no_extreme_of_what_is_finite_there():
+    # N along AB hangs on the direction of NB alone, linearly in its cosine: greatest or least at phi = pi, nowhere else
+    bars = {"a": 0.9520510301671605, "b": 1.986387252757659, "c": 1.808315185841849, "d": 0.9082143395944786}
+    space = fl.grid(**bars, rho=0.3749409009690977, omega=-1.7308643709937686, completion=2)
+    maps = fl.sweep("focal", space, ["N_along_AB_extrema_count", "phi_at_N_along_AB_extrema"], verify=0)
+    assert (maps.N_along_AB_extrema_count == 1).all()
+    assert (abs(maps.phi_at_N_along_AB_extrema[..., 0] - np.pi) < 1e-15).all()

@@ -62,6 +62,9 @@ BEST_ROWS = 5
 # Zeros of a slope within so many distances of the first sample from a fold are the fold itself, which is listed no more
 # than a toggle: towards a pole the sampled function falls with a power of the distance, and looks like zero there.
 FOLDED = 2.0**8
+# An extreme within 2^-26 of the scale from a toggle is as great as the quantity at the toggle to a rounding, where
+# that is finite; the slope is a small difference of great numbers there, which changes its sign as it likes.
+TOGGLED = 2.0**34
 
 
 @outlined
@@ -132,8 +135,8 @@ def extrema_at_zeros(s: Any, count: int, table: Any, search: Any) -> None:
 
 
 @outlined
-def drop_folds(s: Any, count: int, w: Any, table: Any) -> None:
-    """Drop extrema that are nothing but the end of the range at a fold, or have no value.
+def drop_folds(s: Any, count: int, w: Any, table: Any, of_toggle: float) -> None:
+    """Drop extrema that are nothing but the end of the range at a fold or toggle, or have no value.
 
     Parameters
     ----------
@@ -141,11 +144,14 @@ def drop_folds(s: Any, count: int, w: Any, table: Any) -> None:
         State of the items, and how many they are.
     w, table : array
         Lane values, and the table of the kernel, see `cells`.
+    of_toggle : float
+        So many distances of the first sample from a toggle it is the toggle itself; 0 where the quantity is infinite.
     """
     for i in range(count):
         upper, lane = int(s[UPPER, i]), int(s[LANE, i])
         first, fold = abs(w[table[START] + upper, lane]), w[table[TOGGLE] + upper, lane] == 0.0
-        if (fold and s[KIND, i] != 0.0 and s[X, i] < FOLDED * first) or s[VALUE, i] != s[VALUE, i]:
+        is_end = s[X, i] < (FOLDED if fold else of_toggle) * first
+        if (is_end and s[KIND, i] != 0.0) or s[VALUE, i] != s[VALUE, i]:
             s[KIND, i] = NOT_A_NUMBER
 
 
