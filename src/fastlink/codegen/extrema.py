@@ -248,8 +248,7 @@ class _ExtremaWriter(PlacesWriter):
                 self.write_value(number)
         text.call(classify, f"{state}, search_{number}")
         if classify is results.extrema_at_zeros:
-            of_toggle = 0.0 if search.order > 0 else results.TOGGLED
-            text.call(results.drop_folds, f"state, filled, w, table, {of_toggle}")
+            text.call(results.drop_folds, f"state, filled, w, table, search_{number}")
         if self.program.has_bounds and classify is results.extrema_at_zeros:
             text.call(bounds.bound_zeros, f"state, filled, search_{number}, {int(search.magnitude)}")
         elif self.program.has_bounds:

@@ -24,6 +24,7 @@ from fastlink.codegen.runtime.cells import (
     NOISE,
     NUMBER,
     ONTO,
+    ORDER,
     OWN,
     PARITY,
     ROOM,
@@ -135,7 +136,7 @@ def extrema_at_zeros(s: Any, count: int, table: Any, search: Any) -> None:
 
 
 @outlined
-def drop_folds(s: Any, count: int, w: Any, table: Any, of_toggle: float) -> None:
+def drop_folds(s: Any, count: int, w: Any, table: Any, search: Any) -> None:
     """Drop extrema that are nothing but the end of the range at a fold or toggle, or have no value.
 
     Parameters
@@ -144,9 +145,12 @@ def drop_folds(s: Any, count: int, w: Any, table: Any, of_toggle: float) -> None
         State of the items, and how many they are.
     w, table : array
         Lane values, and the table of the kernel, see `cells`.
-    of_toggle : float
-        So many distances of the first sample from a toggle it is the toggle itself; 0 where the quantity is infinite.
+    search : array of int
+        Table of the search.
     """
+    of_toggle = (
+        TOGGLED if search[ORDER] == 0 else 0.0
+    )  # a quantity that grows towards a toggle has no value there
     for i in range(count):
         upper, lane = int(s[UPPER, i]), int(s[LANE, i])
         first, fold = abs(w[table[START] + upper, lane]), w[table[TOGGLE] + upper, lane] == 0.0
