@@ -9,9 +9,30 @@ from typing import Any
 from fastlink.catalogue.catalogue import Catalogue, Fact
 from fastlink.facts.names import Derivative, Quantity
 
-__all__ = ["borrow", "borrow_range", "borrow_tables", "build_on", "facts_of", "renaming", "with_derivatives"]
+__all__ = [
+    "KNOWN_OF_MABN",
+    "borrow",
+    "borrow_range",
+    "borrow_tables",
+    "build_on",
+    "facts_of",
+    "renaming",
+    "with_derivatives",
+]
 
 Renaming = Callable[[str], str]
+
+#: What is known of the four-bar MABN, by names of the focal mechanism and of Hart's linkage: the quantity of the planar
+#: 4R whose extremes are at the same places. P and Q are on MA and NB.
+KNOWN_OF_MABN = {
+    "psi": "theta4",
+    "A_x": "A_x",
+    "A_y": "A_y",
+    "P_x": "A_x",
+    "P_y": "A_y",
+    "B_x": "B_x",
+    "Q_x": "B_x",
+}
 
 
 def facts_of(lender: Catalogue, names: Iterable[str], known: Iterable[str] = ()) -> list[Fact]:

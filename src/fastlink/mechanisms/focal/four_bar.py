@@ -5,7 +5,7 @@ It moves as without its completion, so its ranges are those where the crank SF d
 
 from __future__ import annotations
 
-from fastlink.mechanisms._shared.reuse import borrow, borrow_range
+from fastlink.mechanisms._shared.reuse import KNOWN_OF_MABN, borrow, borrow_range
 from fastlink.mechanisms.focal.circles import POLES
 from fastlink.mechanisms.focal.design_facts import FOUR_BAR, PREFIX
 from fastlink.mechanisms.focal.inputs import DESIGN, focal
@@ -53,15 +53,7 @@ borrow_range(
     PREFIX,
     cells={"psi": _lent.cells["theta4"], "dpsi_dphi": _lent.cells["omega4"]},
     max_extrema={"psi": _lent.max_extrema["theta4"], "dpsi_dphi": _lent.max_extrema["omega4"]},
-    known={
-        "psi": "theta4",
-        "A_x": "A_x",
-        "A_y": "A_y",
-        "P_x": "A_x",
-        "P_y": "A_y",
-        "B_x": "B_x",
-        "Q_x": "B_x",
-    },
+    known=KNOWN_OF_MABN,
     not_differentiable=("closure_residual", "F_path_residual", *POLES),
     wraps_at={
         "psi": "NB_y",

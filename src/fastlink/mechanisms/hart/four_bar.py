@@ -8,7 +8,7 @@ from __future__ import annotations
 from typing import Any
 
 from fastlink.mechanisms._shared.laws import product, size
-from fastlink.mechanisms._shared.reuse import borrow, borrow_range, borrow_tables
+from fastlink.mechanisms._shared.reuse import KNOWN_OF_MABN, borrow, borrow_range, borrow_tables
 from fastlink.mechanisms.hart.design_facts import NUMERICS
 from fastlink.mechanisms.hart.inputs import WUNDERLICH, hart
 from fastlink.mechanisms.planar_4r import planar_4r
@@ -169,15 +169,7 @@ borrow_range(
         "psi": planar_4r.graded.max_extrema["theta4"],
         "dpsi_dphi": planar_4r.graded.max_extrema["omega4"],
     },
-    known={
-        "psi": "theta4",
-        "A_x": "A_x",
-        "A_y": "A_y",
-        "P_x": "A_x",
-        "P_y": "A_y",
-        "B_x": "B_x",
-        "Q_x": "B_x",
-    },
+    known=KNOWN_OF_MABN,
     not_differentiable=("F_x", "F_along_AB", "F_deviation", "closure_residual"),
     wraps_at={"psi": "B_y", "omega_angle": "sine_part"},
 )
