@@ -25,6 +25,11 @@ def nested(lesser, F32_x, F32_y):
     return max(lesser, size / 2) - min(size, lesser)
 
 
+@mine.quantity(units="N")
+def joint(F32_x, F32_y, F21):
+    return np.hypot(F32_x, F32_y) + F21
+
+
 BARS = fl.round_bar(density=7750.0, radius=0.01)
 NAMES = [f"{name}_{how}" for name in ("lesser", "apart", "nested") for how in ("min", "max")]
 #: The forces on the crank almost vanish close to where they are equal: both kinks and two extremes in one cell.
@@ -54,6 +59,11 @@ def check(names, count, samples, bounds=True):
 
 def test_none_of_dense_samples_is_beyond_an_extreme():
     check(NAMES[:2], 12, 4001, bounds=False)
+
+
+def test_a_magnitude_that_nothing_else_computes_is_searched():
+    """Its slope is multiplied by it, and neither the slope nor the quantity is computed from it by its name."""
+    check(["joint_min", "joint_max"], 4, 2001)
 
 
 @pytest.mark.stress

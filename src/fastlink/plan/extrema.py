@@ -232,7 +232,7 @@ def extrema_programs(
             graded.bounded_factor,
             *(name for end in graded.ends for name in end),
         ]
-        names += [name for s in group for name in (s.slope, s.quantity, *s.bounded_by)]
+        names += [name for s in group for name in (s.slope, s.quantity, *s.divisors, *s.bounded_by)]
         names += [name for s in group for gradient in s.gradients for name in gradient.names]
         of_group = [o for s in group for o in outputs if o.request.quantity == s.quantity and not s.onto]
         names += [term.tolerance for o in of_group for term in o.terms]
