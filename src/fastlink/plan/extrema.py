@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import ast
 from collections.abc import Callable, Container, Iterable, Iterator, Sequence
 from dataclasses import replace
 from functools import partial
@@ -10,19 +9,13 @@ from typing import Any
 
 from fastlink.catalogue.catalogue import Catalogue, CatalogueError, Fact, System
 from fastlink.facts.names import derivative_name, error_name
-from fastlink.numerics.compiler import syntax
-from fastlink.numerics.elementary import atan2
-from fastlink.numerics.vectors import absolute, choice, magnitude
+from fastlink.plan.kinks import FINER, folds, has_sharp_terms, is_magnitude, is_sharp, may_have_kinks
 from fastlink.plan.known import find_known_extremes, is_of_known, known_program
 from fastlink.plan.program import ExtremaProgram, ExtremumSearch, Gradient, KnownProgram, Output
 from fastlink.symbolic.asymptotics import asymptotics
 from fastlink.symbolic.derivative import NoDependence, NoDerivative
 
 __all__ = ["extrema_programs", "find_extremum_search"]
-
-
-#: What a user's fact calls where it has kinks.
-KINKS = {absolute.__name__, choice.__name__}
 
 
 def find_extremum_search(
@@ -54,7 +47,7 @@ def find_extremum_search(
     return ExtremumSearch(
         quantity,
         slope,
-        graded.cells.get(quantity, graded.cells_otherwise),
+        graded.cells.get(quantity, graded.cells_otherwise) * (FINER if has_sharp_terms(own) else 1),
         graded.max_extrema.get(quantity, graded.max_extrema_otherwise),
         round(grade.order),
         max(round(grades[slope].order + power * grades[divisor].order), 0),
@@ -62,47 +55,12 @@ def find_extremum_search(
         -grade.parity,  # the input position is odd
         at_limit=graded.reciprocal not in needed and not grade.choice,
         divided=quantity not in graded.cells,
-        magnitude=_is_magnitude(by_name[quantity]),
-        folds=_folds(by_name[quantity]),
-        kinked=any(map(_may_have_kinks, own)),
+        magnitude=is_magnitude(by_name[quantity]),
+        folds=folds(by_name[quantity]),
+        kinked=any(map(may_have_kinks, own)),
         divisors=(divisor,) * power,
         known=find_known_extremes(catalogue, quantity, own, variants),
     )
-
-
-def _is_magnitude(step: Fact | System) -> bool:
-    """Tell whether a fact is the magnitude of a vector and nothing else."""
-    called = _last_call(step)
-    return called is not None and _called(step, called) is magnitude
-
-
-def _folds(step: Fact | System) -> bool:
-    """Tell whether a fact is an angle by the size of its sine: it turns back at 0 and at pi."""
-    called = _last_call(step)
-    if called is None or _called(step, called) is not atan2:
-        return False
-    sine = called.args[0]
-    return isinstance(sine, ast.Call) and isinstance(sine.func, ast.Name) and sine.func.id == "abs"
-
-
-def _last_call(step: Fact | System) -> ast.Call | None:
-    """Return the call that is all of what a fact returns."""
-    result = getattr(syntax(step.function).body[-1], "value", None)
-    return result if isinstance(result, ast.Call) else None
-
-
-def _called(step: Fact | System, call: ast.Call) -> object:
-    return step.function.__globals__.get(call.func.id) if isinstance(call.func, ast.Name) else None
-
-
-def _is_sharp(catalogue: Catalogue, name: str) -> bool:
-    """Tell whether a quantity is the magnitude of a vector, sharp where that almost vanishes."""
-    return name in catalogue.public and _is_magnitude(catalogue.facts[name])
-
-
-def _may_have_kinks(step: Fact | System) -> bool:
-    """Tell whether a user's fact chooses between values that may meet."""
-    return isinstance(step, Fact) and step.own and not KINKS.isdisjoint(step.function.__code__.co_names)
 
 
 def _steps(
@@ -169,7 +127,7 @@ def _at_kinks(
     switches, pieces = graded.kinks.get(search.quantity, ((), ()))
     slopes = [(name, name) for name in switches]
     fact = catalogue.facts.get(search.quantity)
-    magnitudes = [name for name in fact.depends_on if _is_sharp(catalogue, name)] if fact and fact.own else []
+    magnitudes = [name for name in fact.depends_on if is_sharp(catalogue, name)] if fact and fact.own else []
     smooth = dict.fromkeys((*pieces, *magnitudes))
     slopes += [(name, derivative_name(name, catalogue.position.name)) for name in smooth]
     for name, slope in slopes:
@@ -178,7 +136,7 @@ def _at_kinks(
         except (CatalogueError, NoDerivative, NoDependence):
             continue  # the same at all positions, or of those of the whole alone
         divisor, power = graded.divisors.get(name, (name, 0)) if slope != name else (name, 0)
-        if slope != name and _is_magnitude(next(step for step in steps if name in step.names)):
+        if slope != name and is_magnitude(next(step for step in steps if name in step.names)):
             divisor, power = name, 1  # half the derivative of the square, which has no kink
         grades = asymptotics(graded, steps, (*graded.coordinates, "branch"))
         parity = grades[slope].parity if slope == name else -grades[name].parity  # the position is odd
