@@ -18,10 +18,10 @@ from fastlink.plan.extrema import find_extremum_search
 DRIVES = [entry for entry in ENTRIES if entry.catalogue.graded is not None and not entry.about]
 #: The functions that are not smooth where their argument vanishes; `sqrt` and `select` choose and scale within facts.
 SHARP = {"abs", "magnitude", "largest", "sign", "absolute", "choice", "zero_where"}
-#: What is searched without being told, and why: dense samples are compared with these all the same.
+#: What is searched without being told, and why; dense samples say whether that is enough.
 SMOOTH_ELSEWHERE = {
-    "P_speed": "the size of an input, times a speed whose search stands for itself",
-    "transmission_angle_F": "the size of a sine over the root of what it is the square of: no fold inside",
+    "P_speed": "the size is that of an input; the one magnitude turns sharply at cusps, as the tests below make it do",
+    "transmission_angle_F": "a size in one of two forms of the same angle; no sample was beyond, which is no proof",
 }
 #: How many quantities are sharp by their text, of the drives that have such: one less is one that is not looked at.
 KNOWN = {("planar_4r", "theta1"): 6, ("slider_crank", "theta"): 4, ("focal", "phi"): 3, ("focal", "sigma"): 3}
@@ -105,21 +105,24 @@ def compare(entry, kind, n, samples):
     drawn = entry.drawn(kind, 5, n)
     columns = {name: value for name, value in drawn.items() if name in entry.catalogue.inputs}
     names = sharp_by_text(entry)
-    assert assert_none_beyond(
+    return assert_none_beyond(
         entry.mechanism, entry.input, columns, names, np.linspace(0.0, 2 * np.pi, samples)
     )
 
 
 @pytest.mark.parametrize("entry", [one for one in SHARP_DRIVES if one.mechanism == "slider_crank"], ids=str)
 def test_none_of_dense_samples_is_beyond(entry):
-    compare(entry, "random", 8, 1001)
+    assert compare(entry, "random", 8, 1001)
 
 
 @pytest.mark.stress
 @pytest.mark.parametrize("entry", SHARP_DRIVES, ids=str)
 def test_none_of_many_samples_is_beyond(entry):
-    for kind in entry.families:
-        compare(entry, kind, 300, 4001)
+    seen = {kind: compare(entry, kind, 300, 4001) for kind in entry.families}
+    # a rod of 1e-8 moves between two samples, where no loop closes at any
+    assert [kind for kind, count in seen.items() if not count] == [
+        kind for kind in seen if kind == "short 1e-8"
+    ]
 
 
 #: Where the magnitudes of `almost_vanishing` almost vanish.
