@@ -16,10 +16,10 @@ from __future__ import annotations
 
 from typing import Any
 
-from fastlink.mechanisms._shared.laws import along, half, moment, product, quotient, turned
+from fastlink.mechanisms._shared.laws import along, half, moment, opposite, product, quotient, turned
 from fastlink.mechanisms.focal.by_crank import quantities, steps
 from fastlink.mechanisms.focal.inputs import WUNDERLICH
-from fastlink.mechanisms.focal.points import POSITION
+from fastlink.mechanisms.focal.joint_F import of_nearer
 from fastlink.numerics.elementary import NOT_A_NUMBER, select, sqrt
 
 CIRCLES = f"{WUNDERLICH}, section 4"
@@ -32,22 +32,11 @@ POLES = (
 # -- where opposite sides meet ----------------------------------------------------------------------------------
 
 
-def sine_by_others(
-    u_cross_v: Any, s_b: Any, s_c: Any, s_d: Any, u_x: Any, u_y: Any, e_x: Any, e_y: Any
-) -> Any:  # fmt: skip
-    """Sine of the angle from MA to NB: long rockers are nearly parallel, by as much as AB and MN are across them."""
-    by_others = (s_c * (u_x * e_y - u_y * e_x) + s_d * u_y) / s_b
-    return select(s_c + s_d < s_b, by_others, u_cross_v)
-
-
 def reach_of_X(d: Any, v_y: Any, u_v: Any) -> Any:
     """Distance of X from M along MA."""
     return d * v_y / u_v
 
 
-step = steps(units="1", source=POSITION)
-step(moment, "u_cross_v", "(u, v)", "Sine of the angle from MA to NB", x="u_x", y="u_y", F_x="v_x", F_y="v_y")
-step(sine_by_others, "u_v", "(u, v)")
 steps(units="m", source=CIRCLES)(reach_of_X, "MX", "MX")
 place = quantities(units="m", source=CIRCLES)
 place.vector(product, "X_*", "X_*", "Point X of MA and NB, infinite where they are parallel", x="MX", y="u_*")
@@ -98,29 +87,77 @@ def beside_chord_y(P_y: Any, Q_y: Any, PQ_x: Any, seen_PQ: Any) -> Any:
     return 0.5 * ((P_y + Q_y) + PQ_x * seen_PQ)
 
 
-def between(S_x: Any, Y_x: Any) -> Any:
-    """Return the middle of S and Y on MN; NaN where S is at infinity."""
-    return select(S_x == S_x, 0.5 * (S_x + Y_x), NOT_A_NUMBER)
+def between(S_x: Any, Y_x: Any, s_r: Any) -> Any:
+    """Return the middle of S and Y on MN; NaN where S is at infinity or there is no F."""
+    return select(s_r >= 0.0, 0.5 * (S_x + Y_x), NOT_A_NUMBER)
 
 
-def across_crank(s_r: Any, ratio_sign: Any, s_FT: Any, e_x: Any, e_y: Any) -> Any:
+def FT_less_crank(lesser_root: Any, rho_plus_1: Any) -> Any:
+    """FT less the crank, scaled: a root of the gaps of the four-bar."""
+    return lesser_root / abs(rho_plus_1)
+
+
+def across_crank(
+    s_r: Any, ratio_sign: Any, s_FT: Any, s_FT_r: Any, e_x: Any, e_y: Any, parallel_share: Any,
+    opposite_share: Any,
+) -> Any:  # fmt: skip
     """Distance of the centre of S, F, T, Y from SF."""
-    return (s_r * e_x + ratio_sign * s_FT) / (2.0 * e_y)
+    # r e_x + k FT cancels where k e_x is near -1: it is k (FT - r + r (1 + k e_x)), too
+    share = select(ratio_sign > 0.0, parallel_share, opposite_share)
+    apart = ratio_sign * (s_FT_r + 2.0 * (s_r * share))
+    return select(ratio_sign * e_x < 0.0, apart, s_r * e_x + ratio_sign * s_FT) / (2.0 * e_y)
 
 
-def from_S(length: Any, direction: Any, s_s: Any) -> Any:
-    """Return the component along MN of the vector from S to P."""
-    return length * direction - s_s
+def size(length: Any) -> Any:
+    """Return a length without its sign."""
+    return abs(length)
 
 
-def length_of_chord(s_c: Any, lambda_: Any, t: Any) -> Any:
-    """Return what PQ is at most, scaled."""
+def along_MN(start: Any, length: Any) -> Any:
+    """Return how long the way from S along MN and a rocker is."""
+    return abs(start) + abs(length)
+
+
+def by_crank_and(s_r: Any, bar: Any) -> Any:
+    """Return how long the way from S along the crank and PF or QF is."""
+    return s_r + abs(bar)
+
+
+def whether_shorter(by_F: Any, by_MN: Any) -> Any:
+    """1 where the way by F is far shorter, else 0."""
+    # the directions of its bars are products of four that the other way has as they are: some 16 roundings
+    return select(16.0 * by_F < by_MN, 1.0, 0.0)
+
+
+def shorter_of(way: Any, by_F: Any, by_MN: Any) -> Any:
+    """Return the length of the way that is taken."""
+    return select(way == 1.0, by_F, by_MN)
+
+
+def from_S(by_F: Any, s_r: Any, g: Any, bar: Any, back: Any, start: Any, length: Any, direction: Any) -> Any:
+    """Return the component along MN of the vector from S to P or Q."""
+    return select(by_F == 1.0, s_r * g + bar * back, start + length * direction)
+
+
+def length_across(s_c: Any, lambda_: Any) -> Any:
+    """Return how far PQ leads away from MN at most, scaled."""
+    return s_c / abs(lambda_)
+
+
+def length_along(s_c: Any, lambda_: Any, t: Any) -> Any:
+    """Return how far PQ leads along MN at most, scaled."""
     return s_c / abs(lambda_) * (1.0 + abs(t))
 
 
-def shorter_by(one: Any, two: Any, s_PQ: Any, far: Any, other: Any) -> Any:
+def shorter_by(own: Any, s_PQ: Any, far: Any) -> Any:
     """1 where the way along PQ is shorter than the own one, else 0."""
-    return select(abs(one) + abs(two) + s_PQ < abs(far) + abs(other), 1.0, 0.0)
+    return select(own + s_PQ < far, 1.0, 0.0)
+
+
+def nearer_to_S(own_P_x: Any, own_P_y: Any, own_Q_x: Any, own_Q_y: Any, t: Any) -> Any:
+    """1 where the area of S, P, Q has less of the rounding of SQ than of SP, else 0."""
+    share = 1.0 + abs(t)
+    return select(own_Q_x + share * own_Q_y < own_P_x + share * own_P_y, 1.0, 0.0)
 
 
 def less_chord(P_by_Q: Any, own: Any, other: Any, chord: Any) -> Any:
@@ -157,6 +194,7 @@ lengths = steps(units="m", source=CIRCLES)
 lengths(chord, "PQ_x", "PQ_x", "Vector from P to Q, x", way="QP_x")
 lengths(chord, "PQ_y", "PQ_y", "Vector from P to Q, y", way="e_y")
 step(half, "half_r", "r/2", "Half the crank", x="s_r")
+step(FT_less_crank, "s_FT_r", "FT - r")
 step(across_crank, "crank_off", "h")
 step.vector(
     *(turned, "SFTY_off_*", "C - S", "Vector from S to the centre of S, F, T, Y"),
@@ -165,26 +203,49 @@ step.vector(
     x="g_x",
     y="g_y",
 )
-step(from_S, "SMP_x", "SP_x", "Vector from S to P by M, scaled, x", length="s_m", direction="u_x")
-step(product, "SMP_y", "SP_y", "Vector from S to P by M, scaled, y", x="s_m", y="u_y")
-step(
-    along, "SNQ_x", "SQ_x", "Vector from S to Q by N, scaled, x", start="s_SN", length="s_n", direction="v_x"
-)
-step(product, "SNQ_y", "SQ_y", "Vector from S to Q by N, scaled, y", x="s_n", y="v_y")
+step(opposite, "minus_s_s", "-s", "Scaled distance from S to M", x="s_s")
+step(opposite, "back_q", "-q", "Minus the scaled length QF", x="s_q")
+step(length_along, "s_PQ_along", "PQ")
+step(length_across, "s_PQ_across", "PQ")
+#: The way from S to P and Q: along MN and a rocker, or along the crank and back along PF = -p f or QF = q h.
+BARS = {"P": ("M", "minus_s_s", "s_m", "u", "s_p", "f"), "Q": ("N", "s_SN", "s_n", "v", "back_q", "h")}
+for _to, (_pivot, _start, _length, _direction, _bar, _back) in BARS.items():
+    _bars, _lengths = {"start": _start, "length": _length}, {"by_F": f"crank_{_to}", "by_MN": f"bars_{_to}"}
+    _meaning = f"Vector from S to {_to} by {_pivot}{{}}, scaled"
+    step(by_crank_and, f"crank_{_to}", "r + p", bar=_bar)
+    step(along_MN, f"bars_{_to}", "|s| + m", **_bars)
+    step(whether_shorter, f"{_to}_by_F", "way", **_lengths)
+    step(shorter_of, f"own_{_to}_x", "length", way=f"{_to}_by_F", **_lengths)
+    step(size, f"own_{_to}_y", "length", length=_length)
+    _bars |= {"by_F": f"{_to}_by_F", "bar": _bar, "back": f"{_back}_x", "g": "g_x"}
+    _label = f"S{_to}_x", _meaning.format(" or F") + ", x"
+    step(from_S, f"own_S{_to}_x", *_label, direction=f"{_direction}_x", **_bars)
+    step(product, f"own_S{_to}_y", f"S{_to}_y", _meaning.format("") + ", y", x=_length, y=f"{_direction}_y")
 step(chord, "s_PQ_x", "PQ_x", "Vector from P to Q, scaled, x", c="s_c", way="QP_x")
 step(chord, "s_PQ_y", "PQ_y", "Vector from P to Q, scaled, y", c="s_c", way="e_y")
-step(length_of_chord, "s_PQ", "PQ")
-step(shorter_by, "P_by_Q", "way", one="s_n", two="s_SN", far="s_m", other="s_s")
-step(shorter_by, "Q_by_P", "way", one="s_m", two="s_s", far="s_n", other="s_SN")
-step.vector(
-    less_chord, "SP_*", "SP", "Vector from S to P, scaled", own="SMP_*", other="SNQ_*", chord="s_PQ_*"
-)
-step.vector(
-    plus_chord, "SQ_*", "SQ", "Vector from S to Q, scaled", own="SNQ_*", other="SMP_*", chord="s_PQ_*"
-)
+for _part, _size in (("x", "s_PQ_along"), ("y", "s_PQ_across")):
+    _P, _Q, _SP, _SQ = (f"{_name}_{_part}" for _name in ("own_P", "own_Q", "own_SP", "own_SQ"))
+    step(shorter_by, f"P_by_Q_{_part}", "way", own=_Q, s_PQ=_size, far=_P)
+    step(shorter_by, f"Q_by_P_{_part}", "way", own=_P, s_PQ=_size, far=_Q)
+    _ends = {"chord": f"s_PQ_{_part}"}
+    _meaning = f"Vector from S to {{}}, scaled, {_part}"
+    _labels = f"SP_{_part}", "SP", _meaning.format("P")
+    step(less_chord, *_labels, P_by_Q=f"P_by_Q_{_part}", own=_SP, other=_SQ, **_ends)
+    _labels = f"SQ_{_part}", "SQ", _meaning.format("Q")
+    step(plus_chord, *_labels, Q_by_P=f"Q_by_P_{_part}", own=_SQ, other=_SP, **_ends)
 step.vector(turned, "SP_SQ_*", "SP SQ", "Product of SP and SQ", u="SP_x", v="SP_y", x="SQ_x", y="SQ_y")
+step(nearer_to_S, "Q_nearer_S", "way")
+step.vector(
+    of_nearer,
+    "near_S_*",
+    "SP or SQ",
+    "Vector from S to P or Q, scaled",
+    near_N="Q_nearer_S",
+    from_M="own_SP_*",
+    from_N="own_SQ_*",
+)
 _AREA = "Twice the area of S, P, Q, scaled, over c/lambda"
-step(moment, "SP_QP", "(SP, L)", _AREA, x="SP_x", y="SP_y", F_x="QP_x", F_y="e_y")
+step(moment, "SP_QP", "(SP, L)", _AREA, x="near_S_x", y="near_S_y", F_x="QP_x", F_y="e_y")
 _OFF = "Vector from S to the centre of P, S, Q, T"
 step.vector((from_triangle_x, from_triangle_y), "PSQT_off_*", "C - S", _OFF)
 

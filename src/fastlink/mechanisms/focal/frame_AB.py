@@ -64,6 +64,17 @@ def along_by(way: Any, c: Any, place: Any, bar: Any, x: Any, y: Any, e_x: Any, e
     return select(way == 1.0, c, 0.0) + ((place - bar * x) * e_x - bar * y * e_y)
 
 
+def across_or_by_F(
+    place: Any, a: Any, u_x: Any, u_y: Any, e_x: Any, e_y: Any, F_x: Any, F_y: Any, QP_x: Any
+) -> Any:
+    """Return how far M is to the left of AB, by its rockers or by F, whichever terms are smaller."""
+    # F is at -t F_y, the height of M over F F_x e_y - F_y e_x; by the crank F_y is a product of its own direction
+    ahead, aside = (place - a * u_x) * e_y, a * u_y * e_x
+    back, over = F_x * e_y, F_y * QP_x
+    by_F = abs(back) + abs(over) < abs(ahead) + abs(aside)
+    return select(by_F, back - over, -(ahead + aside))
+
+
 step, lengths = steps(units="1", source=HELD), steps(units="m", source=HELD)
 seen = quantities(units="m", source=HELD)
 lengths(product, "SN", "SN", "Distance from S to N along MN", x="s_SN", y="scale")
@@ -93,6 +104,11 @@ for _joint, (_by_B, _by_A, _place, _ends) in WAYS.items():
             _of = {"place": _of["place"], "a": _of["bar"], "u_x": _of["x"], "u_y": _of["y"]}
         else:
             _of["way"] = _way
+        if (_joint, _to) == ("M", "across"):
+            focal.quantities(units="m", source=HELD)(_law, "M_across_AB", "M_AB", _meaning.format("M"), **_of)
+            seen_by_crank = by_crank.quantities(units="m", source=HELD)
+            seen_by_crank(across_or_by_F, "M_across_AB", "M_AB", _meaning.format("M"), **_of)
+            continue
         seen(_law, f"{_joint}_{_to}_AB", f"{_joint}_AB", _meaning.format(_joint), **_of)
 
 # -- F ---------------------------------------------------------------------------------------------------------------

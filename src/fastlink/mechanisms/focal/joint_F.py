@@ -3,7 +3,9 @@
 Every pivot has two bars to F: from M by way of P (m, p) or of S (s, r), from N by way of Q (n, q) or of S. A
 sum of two bars has the rounding of the longer one, and F may be next to M (rho near 0) or to N (rho large),
 while P and Q (lambda near 0) or S (rho near -1) are far away. So from each pivot the shorter way is taken,
-and the place of F is that from the pivot whose way is shorter; the lengths of the other ways count as 0.
+and the place of F is that from the pivot whose way is shorter; the lengths of the other ways count as 0. The
+height of F over MN is that over S, too: by the crank alone where this is shorter than PF or QF, however far S is
+from M and N.
 """
 
 from __future__ import annotations
@@ -178,6 +180,29 @@ step(where, "place_n", "s_n", length="near_n", **by_N)
 step(where, "place_q", "s_q", length="near_q", **by_N)
 
 
+# -- its height, by the crank where that is shorter still: S is on MN ----------------------------------------------
+
+
+@focal.quantity(units="1", symbol="r < p, q", source=POSITION, internal=True)
+def height_by_S(s_r: Any, place_p: Any, place_q: Any) -> Any:
+    """1 where the crank is shorter than PF or QF, whichever is on the way that is taken, else 0."""
+    # heights of P and Q are products, right to roundings of their own: only what stands off them has others
+    return select(s_r < abs(place_p) + place_q, 1.0, 0.0)
+
+
+@focal.quantity(units="1", symbol="r", source=POSITION, internal=True)
+def height_r(height_by_S: Any, s_r: Any, place_r: Any) -> Any:
+    """The crank where the height of F is taken from S, else 0, scaled."""
+    return select(height_by_S == 1.0, s_r, place_r)
+
+
+step = focal.steps(units="1", source=POSITION)
+HEIGHT = {"place_r": "height_r"}
+for _bar in "mpnq":
+    HEIGHT[f"place_{_bar}"] = f"height_{_bar}"
+    step(unless, f"height_{_bar}", f"s_{_bar}", way="height_by_S", length=f"place_{_bar}")
+
+
 def way(
     place_r: Any,
     g: Any,
@@ -204,7 +229,7 @@ _BARS = {"g": "g_*", "u": "u_*", "f": "f_*", "v": "v_*", "h": "h_*"}
 along_x = {name: bar.replace("*", "x") for name, bar in _BARS.items()}
 along_y = {name: bar.replace("*", "y") for name, bar in _BARS.items()}
 step(way, "way_x", "z_x", "Bars of the shorter way to F, scaled, x", **along_x)
-step(way, "MF_y", "z_y", "Vector from M, N or S to F, scaled, y", **along_y)
+step(way, "MF_y", "z_y", "Vector from M, N or S to F, scaled, y", **HEIGHT, **along_y)
 step(way_from, "MF_x", "z_x", "Vector from M to F, scaled, x", start="place_start", way="way_x")
 step(way_from, "SF_x", "z_x - s", "Vector from S to F, scaled, x", start="crank_start", way="way_x")
 angle_of_crank = focal.quantities(units="rad", source=FIGURES)

@@ -13,7 +13,7 @@ from __future__ import annotations
 from typing import Any
 
 from fastlink.catalogue.catalogue import Catalogue
-from fastlink.mechanisms._shared.laws import along, product, total, turned
+from fastlink.mechanisms._shared.laws import along, moment, product, total, turned
 from fastlink.mechanisms.focal.by_crank import by_crank, either, quantities, steps
 from fastlink.mechanisms.focal.design_facts import length_of
 from fastlink.mechanisms.focal.inputs import DESIGN, WUNDERLICH, focal
@@ -167,6 +167,19 @@ def transmission_angle_Q(lambda_sign: Any, w_x: Any, w_y: Any) -> Any:
 # -- mu_F, that of MA and NB ------------------------------------------------------------------------------------
 
 
+def sine_by_others(
+    u_cross_v: Any, s_b: Any, s_c: Any, s_d: Any, u_x: Any, u_y: Any, e_x: Any, e_y: Any
+) -> Any:  # fmt: skip
+    """Sine of the angle from MA to NB: long rockers are nearly parallel, by as much as AB and MN are across them."""
+    by_others = (s_c * (u_x * e_y - u_y * e_x) + s_d * u_y) / s_b
+    return select(s_c + s_d < s_b, by_others, u_cross_v)
+
+
+step = steps(units="1", source=POSITION)
+step(moment, "u_cross_v", "(u, v)", "Sine of the angle from MA to NB", x="u_x", y="u_y", F_x="v_x", F_y="v_y")
+step(sine_by_others, "u_v", "(u, v)")
+
+
 @focal.quantity(units="1", symbol="c d < a b", source=POSITION, internal=True)
 def by_direction_of_AB(
     s_a: Any, s_b: Any, s_c: Any, s_d: Any, sine_parallel: Any, sine_antiparallel: Any, cosine_parallel: Any,
@@ -210,10 +223,10 @@ step(
 @either(units="rad", symbol="mu_F", source=POSITION)
 def transmission_angle_F(
     by_direction_of_AB: Any, swing_sine: Any, swing_cosine: Any, ratio_sign: Any, u_x: Any, u_y: Any,
-    v_x: Any, v_y: Any,
+    v_x: Any, v_y: Any, u_v: Any,
 ) -> Any:  # fmt: skip
     """Transmission angle at F: between FP and FQ."""
     by_AB = by_direction_of_AB == 1.0
-    y = select(by_AB, 2.0 * sqrt(swing_sine * swing_cosine), abs(u_x * v_y - u_y * v_x))
+    y = select(by_AB, 2.0 * sqrt(swing_sine * swing_cosine), abs(u_v))
     x = select(by_AB, swing_cosine - swing_sine, u_x * v_x + u_y * v_y)
     return atan2(y, -(ratio_sign * x))
