@@ -9,13 +9,13 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
-from fastlink.codegen.extrema_places import PlacesWriter
+from fastlink.codegen.extrema_folds import FoldsWriter
 from fastlink.codegen.runtime import (
     bounds,
     cells,
     ends,
+    hidden,
     noise,
-    octaves,
     resting,
     results,
     roots,
@@ -36,7 +36,7 @@ __all__ = ["write_extrema"]
 MOST_STEPS = 200
 
 
-class _ExtremaWriter(PlacesWriter):
+class _ExtremaWriter(FoldsWriter):
     """One kernel while it is written."""
 
     def write(self) -> Source:
@@ -59,6 +59,8 @@ class _ExtremaWriter(PlacesWriter):
                 self.write_thinning()
             for row in self.doubts:
                 text.call(results.doubt, f"w, {row}, n_here, lists, best")
+            if self.flagged:
+                self.write_flags()
             for number in range(len(searches)):
                 self.write_gradients(number)
             for output in self.program.outputs:
@@ -163,6 +165,8 @@ class _ExtremaWriter(PlacesWriter):
         parts = self.parts_of(number)
         for part in self.parts_that_may_rest(number):
             text.call(resting.silence_rest, f"w, table, samples, marks, {part}, n_here")
+            if self.flagged:
+                text.call(hidden.note_rest, f"samples, {part}, n_here, table, search_{number}, best")
         for part in parts:
             text.call(sampling.mark_ends, f"w, table, samples, marks, {part}, width")
             if search.divided:
@@ -186,28 +190,6 @@ class _ExtremaWriter(PlacesWriter):
                     text.call(roots.begin_roots, "state, filled, vectors, flags", "n_open")
                     self.write_steps(number, roots.advance_roots)
                     self.write_extrema(number, results.extrema_at_zeros, "state, filled, table")
-
-    def write_octaves(self, number: int, part: str) -> None:
-        """Write the samples of cells next to a fold, where the function is small or far greater between."""
-        text = self.text
-        text.call(octaves.collect_folds, f"w, table, {part}, samples, n_here, ends", "n_ends")
-        with text.block(f"for start in range(0, n_ends, {LANES}):"):
-            text.call(cells.gather, f"ends, start, n_ends, w, rows_{number}, state", "filled")
-            text.call(roots.every_vector, "vectors, filled", "n_open")
-            text.call(octaves.begin_octaves, "state, filled")
-            with text.block(f"for k in range({octaves.FEW}):"):
-                text.call(
-                    octaves.place_octave, f"state, filled, {octaves.COARSE} * k + {octaves.COARSE // 2}, 0"
-                )
-                text.add(f"slope_{number}(state, vectors, n_open)")
-                text.call(octaves.weigh_octave, "state, filled")
-            with text.block(f"for trial in range({octaves.TRIALS + 1}):"):
-                text.call(octaves.to_sample, "state, filled, trial, octaves", "n_octaves")
-                with text.block("for k in range(n_octaves):"):
-                    text.call(octaves.place_octave, "state, filled, k, trial")
-                    text.add(f"slope_{number}(state, vectors, n_open)")
-                    text.call(octaves.keep_octave, "state, filled, k, trial, octaves")
-            text.call(octaves.collect_octaves, "state, filled, octaves, marks, counts, roots")
 
     def write_division(self, number: int) -> None:
         """Write the division of unresolved cells, and of their parts that are still unresolved."""
@@ -259,35 +241,6 @@ class _ExtremaWriter(PlacesWriter):
             if search.kinked and classify is results.extrema_at_zeros:
                 text.call(winners.note_kinks, arguments)
         text.call(results.store_extrema, f"state, filled, table, search_{number}, lists, best")
-
-    def write_value(self, number: int) -> None:
-        """Write the quantity's evaluation at items of a search."""
-        self.text.call(roots.every_vector, "vectors, filled", "n_open")
-        self.text.add(f"value_{number}(state, vectors, n_open)")
-
-    def write_noise(self, number: int) -> None:
-        """Write the quantity's evaluation beside items that are next to a fold."""
-        text = self.text
-        text.call(noise.count_folded, "state, filled, w, table", "n_near")
-        with text.block("if n_near > 0:"):
-            text.call(roots.every_vector, "vectors, filled", "n_open")
-            with text.block(f"for k in range({noise.SLOPES}):"):
-                text.call(noise.place_slope, "state, filled, k")
-                text.add(f"slope_{number}(state, vectors, n_open)")
-                text.call(noise.keep_slope, "state, filled, k")
-            text.call(noise.settle_slopes, "state, filled")
-            with text.block(f"for trial in range({noise.TRIALS}):"):
-                text.call(noise.place_beside_fold, "state, filled, trial")
-                self.write_value(number)
-                text.call(noise.keep_beside_fold, "state, filled")
-
-    def write_thinning(self) -> None:
-        """Write that lists of extremes leave out what is rounding."""
-        columns = len(self.program.branches) * LANES
-        for number, search in enumerate(self.program.searches):
-            if not search.onto:
-                first = number * columns
-                self.text.call(noise.thin, f"lists, best, {first}, {first + columns}, {self.room(search)}")
 
     def write_ends(self, number: int) -> None:
         """Write the values at the ends of the range, where these may be extreme."""

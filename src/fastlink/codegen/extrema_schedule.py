@@ -127,7 +127,7 @@ class ExtremaSchedule:
             Array("flags", "int8", (LANES,)),
             Array("vectors", "int64", (LANES // MOST_LANES,)),
             Array("counts", "int64", (cells.COUNTS,)),
-            Array("best", "float64", (results.BEST_ROWS + 2 * self.program.has_bounds, columns)),
+            Array("best", "float64", (results.BEST_ROWS + 3 * self.program.has_bounds, columns)),
             Array("lists", "float64", (results.LIST_ROWS + self.program.has_bounds, columns, kept)),
             *self.places(columns),
         )

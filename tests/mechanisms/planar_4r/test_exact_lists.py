@@ -60,7 +60,7 @@ def told(exact, kinds, values, bounds, count):
     if (
         count > len(kinds)
         or alike(exact, kinds, count)
-        or (count > 0 and np.isinf(bounds[: min(count, len(kinds))]).all())
+        or np.isinf(bounds[: max(count, 1)]).all()
     ):
         return True
     runs: list[list[int]] = [[0]]

@@ -13,8 +13,8 @@ Where a slope has three zeros in place of one, two of these are rounding. What t
 it is evaluated at positions beside, which differ by so little that an extreme would not change in its last digits. A
 maximum and the minimum next to it whose values differ by less than rounding does to each of them leave the list
 together; the nearest values first. The greatest and the least of all stay. Where more entries are certain than the
-lists have room for, all stay. Of a list from which uncertain ones were taken, or that has no room for all, the error
-bounds are infinite: it may lack an extreme, or hold one too many.
+lists have room for, all stay. A list from which uncertain ones were taken, or that has no room for all, is undecided:
+it may lack an extreme, or hold one too many, see `hidden`.
 """
 
 from __future__ import annotations
@@ -41,14 +41,15 @@ from fastlink.codegen.runtime.cells import (
     padded,
 )
 from fastlink.codegen.runtime.results import (
+    BEST_ROWS,
     COUNT,
     DOUBTFUL,
-    LIST_BOUND,
     LIST_KIND,
     LIST_NOISE,
     LIST_THETA,
     LIST_VALUE,
     SPURIOUS,
+    UNDECIDED,
 )
 from fastlink.numerics.compiler import lanes, outlined
 from fastlink.numerics.elementary import INFINITY, NOT_A_NUMBER
@@ -226,9 +227,8 @@ def thin(lists: Any, best: Any, first: int, last: int, room: int) -> None:
         for k in range(min(n, room)):
             noisy = noisy + (1 if lists[LIST_NOISE, column, k] > 0.0 else 0)
             doubtful = doubtful + (1 if lists[LIST_NOISE, column, k] == DOUBTFUL else 0)
-        if ((doubtful > 0) | (n > room)) & (lists.shape[0] > LIST_BOUND):
-            for k in range(min(n, room)):
-                lists[LIST_BOUND, column, k] = INFINITY
+        if ((doubtful > 0) | (n > room)) & (best.shape[0] > BEST_ROWS):
+            best[UNDECIDED, column] = 1.0
         if (noisy + doubtful == 0) | (n > room):
             continue
         before = n

@@ -57,8 +57,8 @@ DOUBTFUL = -1.0
 #: And for that of one next to a toggle, where there is none: no list holds it.
 SPURIOUS = -2.0
 # Rows of the best: greatest and least value with their positions, and how many extrema there are; where error bounds
-# are requested, those of both.
-GREATEST, AT_GREATEST, LEAST, AT_LEAST, COUNT, GREATEST_BOUND, LEAST_BOUND = range(7)
+# are requested, those of both, and whether the list of extremes is undecided.
+GREATEST, AT_GREATEST, LEAST, AT_LEAST, COUNT, GREATEST_BOUND, LEAST_BOUND, UNDECIDED = range(8)
 BEST_ROWS = 5
 # Zeros of a slope within so many distances of the first sample from a fold are the fold itself, which is listed no more
 # than a toggle: towards a pole the sampled function falls with a power of the distance, and looks like zero there.
@@ -169,7 +169,7 @@ def store_extrema(s: Any, count: int, table: Any, search: Any, lists: Any, best:
         As for `extrema_at_zeros`.
     lists : array (3 or 4, columns, length)
         Sorted lists of extrema; a column is of one search, branch and design.
-    best : array (5 or 7, columns)
+    best : array (5 or 8, columns)
         The greatest and least values.
     """
     sides, branches = table[SIDES], table[BRANCHES]
@@ -233,7 +233,7 @@ def doubt(w: Any, row: int, count: int, lists: Any, best: Any) -> None:
     for i in range(count):
         if w[row, i] > 0.0:
             for column in range(i, best.shape[1], LANES):
-                for r in range(BEST_ROWS, best.shape[0]):
+                for r in range(BEST_ROWS, UNDECIDED):
                     best[r, column] = INFINITY
                 if lists.shape[0] > LIST_BOUND:
                     for k in range(lists.shape[2]):

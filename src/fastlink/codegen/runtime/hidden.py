@@ -1,0 +1,108 @@
+"""Lists that may lack an extreme, or hold one too many: those that doubles do not decide.
+
+Beside a fold the slope may be certain down to some distance, and below that nothing but rounding. Where it falls
+towards the fold as far as it is certain, it may have one more zero between; where it keeps its size, or grows, it has
+none that a sample would not show. Lists of the first kind are marked, like those from which entries left that may be
+extremes, those of halves at rest, and those without room for all. Their bounds are infinite, and so are those of
+places that no extreme takes: a list that is empty can tell it, too.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+from fastlink.codegen.runtime.cells import (
+    BRANCHES,
+    CELLS,
+    FIRST,
+    HALF,
+    LANE,
+    LANES,
+    MIRROR,
+    NUMBER,
+    OWN,
+    PART,
+    SIDES,
+    SLOPE,
+    SLOPE_BOUND,
+    STEPS,
+    TOLERANCE,
+    padded,
+)
+from fastlink.codegen.runtime.results import LIST_BOUND, UNDECIDED
+from fastlink.numerics.compiler import lanes, outlined
+from fastlink.numerics.elementary import INFINITY
+
+__all__ = ["begin_certain", "flag_undecided", "keep_certain", "note_hidden", "note_rest", "undecided"]
+
+# A slope is certain where it is so many times as great as its error bound.
+TIMES = 2.0
+# A slope that comes down to so little of itself with half the distance falls: as the distance itself it halves.
+FALLING = 0.75
+# While that is found: the slope at the place before that was certain, 0 before there is one; and whether it falls.
+LAST, FALLS = TOLERANCE, STEPS
+
+
+@outlined
+def begin_certain(s: Any, count: int) -> None:
+    """Forget what was certain: as long as nothing is, an extreme may hide."""
+    for i in lanes(padded(count)):
+        s[LAST, i] = 0.0
+        s[FALLS, i] = 1.0
+
+
+@outlined
+def keep_certain(s: Any, count: int) -> None:
+    """Compare a slope at half the distance before with that there; an uncertain one counts for nothing."""
+    for i in lanes(padded(count)):
+        slope, last = s[SLOPE, i], s[LAST, i]
+        certain = slope > TIMES * s[SLOPE_BOUND, i]
+        falls = 1.0 if (slope < FALLING * last) | (last == 0.0) else 0.0
+        s[FALLS, i] = falls if certain else s[FALLS, i]
+        s[LAST, i] = slope if certain else FALLING * last
+
+
+@outlined
+def undecided(best: Any, table: Any, search: Any, lane: int, half: int) -> None:
+    """Mark the lists that the extremes of one half of a design would be in."""
+    branch = half >> (table[SIDES] - 1)
+    for mirror in range(2):
+        target = table[MIRROR + branch] if mirror == 1 else table[OWN + branch]
+        if target >= 0:
+            best[UNDECIDED, (search[NUMBER] * table[BRANCHES] + target) * LANES + lane] = 1.0
+
+
+@outlined
+def note_hidden(s: Any, count: int, table: Any, search: Any, best: Any) -> None:
+    """Mark the lists of items whose cells may hide an extreme next to the fold."""
+    for i in range(count):
+        if s[FALLS, i] > 0.0:
+            undecided(best, table, search, int(s[LANE, i]), int(s[HALF, i]))
+
+
+@outlined
+def note_rest(samples: Any, part: Any, count: int, table: Any, search: Any, best: Any) -> None:
+    """Mark the lists of halves that were silenced: the quantity is constant but for rounding, or for what it hides."""
+    for i in range(count):
+        place, middle = samples[0, i], samples[part[FIRST] + part[CELLS], i]
+        if (middle != middle) & (place == place):  # no place: the linkage does not assemble
+            undecided(best, table, search, i, part[PART])
+
+
+@outlined
+def flag_undecided(lists: Any, best: Any, first: int, last: int, room: int) -> None:
+    """Make the bounds of all places of undecided lists infinite.
+
+    Parameters
+    ----------
+    lists, best : array
+        The results, see `store_extrema`.
+    first, last : int
+        The first column of the search, and that of the next one.
+    room : int
+        How many entries its lists have room for.
+    """
+    for column in range(first, last):
+        if best[UNDECIDED, column] > 0.0:
+            for k in range(room):
+                lists[LIST_BOUND, column, k] = INFINITY
