@@ -313,6 +313,18 @@ AT_REST = {
 }
 
 
+def test_an_extreme_next_to_a_toggle_is_listed_where_the_slope_at_the_toggle_is_rounding():
+    """The slope of the last sample was exactly 0, and stood for the zero at 6e-5 from there."""
+    design = {"a1": 0.68165602665439, "a2": 1.1857785897052784, "a3": 0.6455817174867152}
+    design |= {"a4": 1.221852908872953, "P_u": 0.9839053205308379, "P_v": 1.7795725244785152}
+    maps = fl.sweep("planar_4r", fl.grid(**design), ["curvature_extrema", "curvature_extrema_kind"], branch=1)
+    places = maps.theta1_at_curvature_extrema.values
+    at = int(np.searchsorted(places, 3.7))
+    assert maps.curvature_extrema_kind.values[: at + 2].tolist() == [1, -1, 1, -1, 1]
+    # exact algebra: 3.7183537875380277, which the slope, uncertain by 2^-53 / x of itself at x = 6e-5, tells to 1e-9
+    assert places[at] == pytest.approx(3.7183537875380277, abs=1e-9)
+
+
 @pytest.mark.parametrize("name", ["F21", "F32", "F41"])
 def test_a_half_at_rest_has_no_extreme_and_may_have_the_least_value(name):
     """The least force of branch 2 is in a half in which all else is rounding errors; its place is not sought."""

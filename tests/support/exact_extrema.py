@@ -28,6 +28,10 @@ __all__ = ["LISTED", "Place", "exact_extrema", "zeroed"]
 BITS = 1024
 #: What vanishes at change points: signs of a1 ... a4.
 GAPS = ((1, -1, 1, -1), (1, 1, -1, -1), (1, -1, -1, 1))
+#: Kernels take what is within 2^-52 of the scale from a fold for the fold itself, and what is within 2^-26 from a
+#: toggle, where the quantity is as great as there but for a rounding, for the toggle. Here by the sine of the
+#: transmission angle, which is some tens of that at most.
+AT_FOLD, AT_TOGGLE = 2.0**-46, 2.0**-20
 #: Quantities of which the exact extremes are known here.
 LISTED = ("omega2", "omega4", "alpha2", "alpha4", "P_speed", "curvature", "T41", "F41", "F21", "F32", "F43")
 LISTED += ("shaking_force", "F41_x", "F32_y", "P_ax")
@@ -35,11 +39,15 @@ LISTED += ("shaking_force", "F41_x", "F32_y", "P_ax")
 
 @dataclass(frozen=True)
 class Place:
-    """An extreme: the branch, tan(theta1/2) as a ball (None for pi), and whether it is a maximum (1) or not (-1)."""
+    """An extreme: the branch, tan(theta1/2) as a ball (None for pi), and whether it is a maximum (1) or not (-1).
+
+    `at_end` tells whether it is nearer to where links align than kernels tell apart: no list needs to hold it.
+    """
 
     branch: int
     t: Any
     kind: int
+    at_end: bool
 
     @property
     def theta1(self) -> float:
@@ -305,6 +313,9 @@ class Slopes:
     def __init__(self, inputs: Mapping[str, float], name: str, zeroes: bool) -> None:
         first = Linkage(inputs, 1, zeroes=zeroes)
         self.square, self.root = first.square, first.root
+        self.lengths = [inputs[f"a{i}"] for i in (2, 3)]
+        square = first.square if zeroes else Linkage(inputs).square
+        self.folds = square[0] == 0, square[4] == 0
         self.numbers = [first.slope(name)]
         if self.root is not None:
             self.numbers.append(Linkage(inputs, -1, zeroes=zeroes).slope(name))
@@ -322,6 +333,14 @@ class Slopes:
         while (common := product.gcd(limits)).degree() > 0:
             product = product // common
         return product
+
+    def at_end(self, t: arb | None) -> bool:
+        """Tell whether a place is next to where links align, see `AT_FOLD`."""
+        share = arb(self.square[4]) if t is None else value_at(self.square, t) / (1 + t * t) ** 2
+        sine = float(share.sqrt().mid()) / (2.0 * self.lengths[0] * self.lengths[1])
+        at_0, at_pi = t is not None and abs(t) < 2**-10, t is None or abs(t) > 2**10
+        fold = (at_0 and self.folds[0]) or (at_pi and self.folds[1])
+        return sine < (AT_FOLD if fold else AT_TOGGLE)
 
     def sign(self, branch: int, t: arb) -> int:
         """Return the sign on a branch, 0 where the linkage does not assemble or the quantity is constant."""
@@ -368,7 +387,7 @@ def _changes(slopes: Slopes, marks: list[tuple[Any, bool]]) -> Iterator[Place]:
         after = [*signs[1:], signs[0]]
         for (root, is_zero), before, then in zip(marks, signs, after, strict=True):
             if is_zero and before and then and before != then:
-                yield Place(branch, root, before)
+                yield Place(branch, root, before, slopes.at_end(root))
 
 
 def exact_mid(one: arb, other: arb) -> arb:

@@ -165,8 +165,8 @@ class _ExtremaWriter(FoldsWriter):
         parts = self.parts_of(number)
         for part in self.parts_that_may_rest(number):
             text.call(resting.silence_rest, f"w, table, samples, marks, {part}, n_here")
-            if self.flagged:
-                text.call(hidden.note_rest, f"samples, {part}, n_here, table, search_{number}, best")
+        if (search.divided or not search.parity) and search.order == 0:
+            self.write_toggles(number, parts[0])
         for part in parts:
             text.call(sampling.mark_ends, f"w, table, samples, marks, {part}, width")
             if search.divided:
@@ -233,6 +233,8 @@ class _ExtremaWriter(FoldsWriter):
             text.call(results.drop_folds, f"state, filled, w, table, search_{number}")
         if self.program.has_bounds and classify is results.extrema_at_zeros:
             text.call(bounds.bound_zeros, f"state, filled, search_{number}, {int(search.magnitude)}")
+            if listed and not search.onto:
+                text.call(hidden.note_uncertain, f"state, filled, w, table, search_{number}, best")
         elif self.program.has_bounds:
             text.call(bounds.bound_ends, "state, filled, w, table")
         if self.program.has_gradients:

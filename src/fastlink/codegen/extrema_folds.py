@@ -1,9 +1,9 @@
-"""The parts of a kernel of a search that look beside folds, where slopes may be nothing but rounding."""
+"""The parts of a kernel of a search that look beside folds and toggles, where slopes may be rounding."""
 
 from __future__ import annotations
 
 from fastlink.codegen.extrema_places import PlacesWriter
-from fastlink.codegen.runtime import cells, hidden, noise, octaves, roots
+from fastlink.codegen.runtime import cells, hidden, noise, octaves, roots, toggles
 from fastlink.codegen.runtime.cells import LANES
 
 __all__ = ["FoldsWriter"]
@@ -21,6 +21,17 @@ class FoldsWriter(PlacesWriter):
         """Write the quantity's evaluation at items of a search."""
         self.text.call(roots.every_vector, "vectors, filled", "n_open")
         self.text.add(f"value_{number}(state, vectors, n_open)")
+
+    def write_toggles(self, number: int, part: str) -> None:
+        """Write the function beside toggles at which it vanishes, whose sign counts there."""
+        text = self.text
+        text.call(toggles.collect_toggles, f"w, table, {part}, samples, n_here, ends", "n_ends")
+        with text.block(f"for start in range(0, n_ends, {LANES}):"):
+            text.call(cells.gather, f"ends, start, n_ends, w, rows_{number}, state", "filled")
+            text.call(roots.every_vector, "vectors, filled", "n_open")
+            text.call(toggles.place_toggles, "state, filled")
+            text.add(f"slope_{number}(state, vectors, n_open)")
+            text.call(toggles.settle_toggles, "state, filled, samples")
 
     def write_octaves(self, number: int, part: str) -> None:
         """Write the samples of cells next to a fold, where the function is small or far greater between."""
@@ -43,7 +54,8 @@ class FoldsWriter(PlacesWriter):
                     text.add(f"slope_{number}(state, vectors, n_open)")
                     text.call(octaves.keep_octave, "state, filled, k, trial, octaves")
             text.call(octaves.collect_octaves, "state, filled, octaves, marks, counts, roots")
-            if self.flagged and search.bounded_by and not search.onto:
+            # by its symmetry the slope of one with a parity is 0 at the fold: it falls, and hides nothing
+            if self.flagged and search.bounded_by and not (search.onto or search.parity):
                 self.write_certainty(number)
 
     def write_certainty(self, number: int) -> None:

@@ -56,6 +56,8 @@ OPTIONS = (
 )
 #: Names of variables and functions in the texts of kernels.
 OF_KERNELS = (
+    *("begin_certain", "collect_toggles", "flag_undecided", "keep_certain"),
+    *("note_hidden", "note_uncertain", "place_toggles", "settle_toggles"),
     *("abs", "advance_roots", "advance_valleys", "append_item", "append_of_lane", "append_unresolved"),
     *("array", "at", "begin_roots", "begin_valleys", "best", "bound_at_zero", "bound_ends"),
     *("bound_zeros", "clear", "collect", "collect_ends", "collect_fine", "collect_folds"),

@@ -40,13 +40,19 @@ def differing(designs, name):
             False,
         ):  # neither the gap that counts as zero nor that of the lengths as they are is wrong
             places = exact_extrema(inputs, name, zeroes=zeroes) if wrong else []
-            exact = {b: [place.kind for place in places if place.branch == b] for b in wrong}
+            exact = {b: [place for place in places if place.branch == b] for b in wrong}
             lists = {b: [part[k, b - 1] for part in found] for b in wrong}
             if zeroes:
-                differ += sum(not alike(exact[b], lists[b][0], lists[b][3]) for b in wrong)
-            wrong = {b for b in wrong if not told(exact[b], *lists[b])}
+                differ += sum(not alike([p.kind for p in exact[b]], lists[b][0], lists[b][3]) for b in wrong)
+            wrong = {b for b in wrong if not any(told(kinds, *lists[b]) for kinds in readings(exact[b]))}
         silent += len(wrong)
     return differ, silent, 2 * len(found[0])
+
+
+def readings(places):
+    """Return the kinds of extremes, with and without each that is next to where links align."""
+    choices = itertools.product(*(([place], []) if place.at_end else ([place],) for place in places))
+    return [[place.kind for chosen in choice for place in chosen] for choice in choices]
 
 
 def alike(exact, kinds, count):
@@ -57,11 +63,7 @@ def alike(exact, kinds, count):
 def told(exact, kinds, values, bounds, count):
     """Tell whether a list is right, or its bounds tell that nothing is known, or that pairs of it may be none."""
     # no bound can tell that an empty list lacks an extreme; of a list that is not shown whole the count tells it
-    if (
-        count > len(kinds)
-        or alike(exact, kinds, count)
-        or np.isinf(bounds[: max(count, 1)]).all()
-    ):
+    if count > len(kinds) or alike(exact, kinds, count) or np.isinf(bounds[: max(count, 1)]).all():
         return True
     runs: list[list[int]] = [[0]]
     for k in range(1, count):
@@ -85,6 +87,36 @@ def test_lists_beside_folds_hold_the_exact_extremes_or_have_no_bound():
     assert differ < 0.1 * of
 
 
+#: Of designs beside folds, by how many are drawn: a quantity, and those whose lists doubles do not decide, as entries
+#: are lost in rounding beside the fold (F41, one list of them empty), or may be on its other side (omega2).
+UNDECIDED = {("F41", 60): (3, 15, 54), ("omega2", 150): (75,)}
+
+
+@pytest.mark.parametrize(("name", "drawn"), UNDECIDED)
+def test_lists_that_rounding_hides_extremes_of_have_no_bound(name, drawn):
+    chosen = list(UNDECIDED[name, drawn])
+    designs = {
+        key: values[chosen] for key, values in folded_planar_4r(np.random.default_rng(12), drawn).items()
+    }
+    differ, silent, _ = differing(designs, name)
+    assert differ >= len(chosen)
+    assert silent == 0
+    maps = fl.sweep("planar_4r", fl.table(designs), [f"{name}_extrema{part}" for part in ("", "_error")])
+    values, bounds = maps[f"{name}_extrema"], maps[f"{name}_extrema_error"]
+    undecided = np.isinf(bounds).all("extremum")
+    # of places without an extreme, too, as nothing else of an empty list could tell
+    assert (undecided.any("branch")).all()
+    assert ((~undecided) & (np.isnan(values) != np.isnan(bounds)).any("extremum")).sum() == 0
+
+
+def test_an_extreme_beside_a_fold_is_listed_where_the_slope_at_the_fold_is_rounding():
+    """The slope of the last sample is exactly 0: the zero of rounding stood for that at 1e-6 of the fold."""
+    designs = {
+        key: values[120:121] for key, values in folded_planar_4r(np.random.default_rng(12), 150).items()
+    }
+    assert differing(designs, "F32_y") == (0, 0, 2)
+
+
 @pytest.mark.stress
 @pytest.mark.parametrize("name", LISTED)
 def test_many_lists_hold_the_exact_extremes(name):
@@ -93,7 +125,10 @@ def test_many_lists_hold_the_exact_extremes(name):
 
 
 @pytest.mark.stress
-def test_many_lists_beside_folds_hold_the_exact_extremes_or_have_no_bound():
-    differ, silent, of = differing(folded_planar_4r(np.random.default_rng(12), 2000), "alpha4")
+@pytest.mark.parametrize("name", LISTED)
+def test_many_lists_beside_folds_hold_the_exact_extremes_or_have_no_bound(name):
+    # exact algebra of forces takes a fifth of a second for each design
+    number = 300 if name in FORCES else 1000
+    differ, silent, of = differing(folded_planar_4r(np.random.default_rng(12), number), name)
     assert silent == 0
     assert differ < 0.1 * of

@@ -3,8 +3,9 @@
 Beside a fold the slope may be certain down to some distance, and below that nothing but rounding. Where it falls
 towards the fold as far as it is certain, it may have one more zero between; where it keeps its size, or grows, it has
 none that a sample would not show. Lists of the first kind are marked, like those from which entries left that may be
-extremes, those of halves at rest, and those without room for all. Their bounds are infinite, and so are those of
-places that no extreme takes: a list that is empty can tell it, too.
+extremes, those without room for all, those of halves that were silenced, being at rest but for a slope next to the
+fold, and those of an extreme whose place is as uncertain as its distance from the fold is great. Their bounds are
+infinite, and so are those of places that no extreme takes: a list that is empty can tell it, too.
 """
 
 from __future__ import annotations
@@ -12,28 +13,32 @@ from __future__ import annotations
 from typing import Any
 
 from fastlink.codegen.runtime.cells import (
+    BEND,
     BRANCHES,
-    CELLS,
-    FIRST,
+    FA,
     HALF,
+    KIND,
     LANE,
     LANES,
     MIRROR,
     NUMBER,
     OWN,
-    PART,
     SIDES,
     SLOPE,
     SLOPE_BOUND,
+    START,
     STEPS,
+    TOGGLE,
     TOLERANCE,
+    UPPER,
+    X,
     padded,
 )
 from fastlink.codegen.runtime.results import LIST_BOUND, UNDECIDED
-from fastlink.numerics.compiler import lanes, outlined
+from fastlink.numerics.compiler import lanes, merged, outlined
 from fastlink.numerics.elementary import INFINITY
 
-__all__ = ["begin_certain", "flag_undecided", "keep_certain", "note_hidden", "note_rest", "undecided"]
+__all__ = ["begin_certain", "flag_undecided", "keep_certain", "note_hidden", "note_uncertain"]
 
 # A slope is certain where it is so many times as great as its error bound.
 TIMES = 2.0
@@ -62,8 +67,8 @@ def keep_certain(s: Any, count: int) -> None:
         s[LAST, i] = slope if certain else FALLING * last
 
 
-@outlined
-def undecided(best: Any, table: Any, search: Any, lane: int, half: int) -> None:
+@merged
+def _undecided(best: Any, table: Any, search: Any, lane: int, half: int) -> None:
     """Mark the lists that the extremes of one half of a design would be in."""
     branch = half >> (table[SIDES] - 1)
     for mirror in range(2):
@@ -76,17 +81,21 @@ def undecided(best: Any, table: Any, search: Any, lane: int, half: int) -> None:
 def note_hidden(s: Any, count: int, table: Any, search: Any, best: Any) -> None:
     """Mark the lists of items whose cells may hide an extreme next to the fold."""
     for i in range(count):
-        if s[FALLS, i] > 0.0:
-            undecided(best, table, search, int(s[LANE, i]), int(s[HALF, i]))
+        silenced = s[FA, i] != s[FA, i]
+        if (s[LAST, i] > 0.0) if silenced else (s[FALLS, i] > 0.0):
+            _undecided(best, table, search, int(s[LANE, i]), int(s[HALF, i]))
 
 
 @outlined
-def note_rest(samples: Any, part: Any, count: int, table: Any, search: Any, best: Any) -> None:
-    """Mark the lists of halves that were silenced: the quantity is constant but for rounding, or for what it hides."""
+def note_uncertain(s: Any, count: int, w: Any, table: Any, search: Any, best: Any) -> None:
+    """Mark the lists of extremes of which rounding hides whether they are on this side of a fold, or beyond it."""
     for i in range(count):
-        place, middle = samples[0, i], samples[part[FIRST] + part[CELLS], i]
-        if (middle != middle) & (place == place):  # no place: the linkage does not assemble
-            undecided(best, table, search, i, part[PART])
+        upper, lane, x = int(s[UPPER, i]), int(s[LANE, i]), s[X, i]
+        fold = (w[table[START] + upper, lane] != 0.0) & (w[table[TOGGLE] + upper, lane] == 0.0)
+        if fold & (s[KIND, i] == s[KIND, i]):
+            off, away = s[SLOPE, i] + s[SLOPE_BOUND, i], s[BEND, i] * (x if x < 1.0 else 1.0)
+            if off >= away:
+                _undecided(best, table, search, lane, int(s[HALF, i]))
 
 
 @outlined

@@ -158,7 +158,7 @@ def to_sample(s: Any, count: int, trial: int, octaves: Any) -> int:
 
 @outlined
 def collect_octaves(s: Any, count: int, octaves: Any, marks: Any, counts: Any, roots: Any) -> None:
-    """Make items of the octaves that hold a zero, instead of their cell, where these are more than its ends show.
+    """Make items of the octaves that hold a zero, instead of their cell, whose end at the fold may be rounding.
 
     Parameters
     ----------
@@ -179,7 +179,7 @@ def collect_octaves(s: Any, count: int, octaves: Any, marks: Any, counts: Any, r
             if (f < 0.0) | (f > 0.0):
                 found = found + (1 if (f > 0.0) != (before > 0.0) else 0)
                 before = f
-        if found <= marks[cell, lane] & ROOT:
+        if found == 0:
             continue
         marks[cell, lane] = 0
         other = cell + 1
