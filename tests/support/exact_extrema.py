@@ -51,7 +51,9 @@ class Place:
 
     @property
     def theta1(self) -> float:
-        """The input angle, from 0 to a full turn."""
+        """The input angle, from 0 to a full turn; what differs from 0 by nothing is 0, on either side."""
+        if self.t is not None and abs(self.t) < 2**-200:
+            return 0.0
         return float(np.pi) if self.t is None else float((2 * self.t.atan()).mid()) % (2 * np.pi)
 
 

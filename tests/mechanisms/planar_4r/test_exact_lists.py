@@ -70,7 +70,7 @@ def told(exact, kinds, values, bounds, count):
         near = abs(values[k] - values[k - 1]) <= bounds[k] + bounds[k - 1]
         runs = [*runs[:-1], [*runs[-1], k]] if near else [*runs, [k]]
     # a run of entries within their bounds of each other is one extreme, or none, beside a fold
-    ways = ([run] if len(run) == 1 else [run[: len(run) % 2], []] for run in runs)
+    ways = ([run] if len(run) == 1 else [run[:1], []] for run in runs)
     choices = itertools.product(*ways)
     return any([int(kinds[k]) for run in choice for k in run] == exact for choice in choices)
 

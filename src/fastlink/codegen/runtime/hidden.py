@@ -86,16 +86,25 @@ def note_hidden(s: Any, count: int, table: Any, search: Any, best: Any) -> None:
             _undecided(best, table, search, int(s[LANE, i]), int(s[HALF, i]))
 
 
+@merged
+def _is_fold(w: Any, table: Any, upper: int, lane: int) -> Any:
+    """Tell whether an end of the range is a fold."""
+    return (w[table[START] + upper, lane] != 0.0) & (w[table[TOGGLE] + upper, lane] == 0.0)
+
+
 @outlined
 def note_uncertain(s: Any, count: int, w: Any, table: Any, search: Any, best: Any) -> None:
     """Mark the lists of extremes of which rounding hides whether they are on this side of a fold, or beyond it."""
     for i in range(count):
         upper, lane, x = int(s[UPPER, i]), int(s[LANE, i]), s[X, i]
-        fold = (w[table[START] + upper, lane] != 0.0) & (w[table[TOGGLE] + upper, lane] == 0.0)
-        if fold & (s[KIND, i] == s[KIND, i]):
-            off, away = s[SLOPE, i] + s[SLOPE_BOUND, i], s[BEND, i] * (x if x < 1.0 else 1.0)
-            if off >= away:
-                _undecided(best, table, search, lane, int(s[HALF, i]))
+        off, bend = s[SLOPE, i] + s[SLOPE_BOUND, i], s[BEND, i]
+        if s[KIND, i] != s[KIND, i]:
+            continue
+        # 1 / x is the distance from the other end
+        near = _is_fold(w, table, upper, lane) & ((off >= bend * x) | (off >= bend))
+        far = _is_fold(w, table, 1 - upper, lane) & ((off * x >= bend) | (off >= bend))
+        if near | far:
+            _undecided(best, table, search, lane, int(s[HALF, i]))
 
 
 @outlined
