@@ -371,7 +371,7 @@ def exact_extrema(inputs: Mapping[str, float], name: str, *, zeroes: bool = True
         marks = [(root, False) for root in real_roots(slopes.limits)]
         marks += [(root, True) for root in real_roots(slopes.zeros)]
         marks.sort(key=lambda mark: mark[0].mid())
-        return sorted(_changes(slopes, marks), key=lambda place: (place.branch, place.theta1))
+        return sorted(_changes(slopes, marks), key=lambda place: (place.branch, place.theta1, place.kind))
 
 
 def _changes(slopes: Slopes, marks: list[tuple[Any, bool]]) -> Iterator[Place]:

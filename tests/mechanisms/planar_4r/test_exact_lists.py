@@ -29,6 +29,7 @@ def ordinary(rng, n, *, masses):
 def differing(designs, name):
     """Return how many lists differ from the exact ones, how many of these do not tell so by their bounds, and all."""
     asked = [f"{name}_extrema{part}" for part in ("_kind", "", "_error", "_count")]
+    asked.append(f"theta1_at_{name}_extrema")
     maps = fl.sweep("planar_4r", fl.table(designs), asked, verify=0, allow_invalid=True)
     found = [maps[one].transpose("design", "branch", ...).values for one in asked]
     differ = silent = 0
@@ -41,12 +42,18 @@ def differing(designs, name):
         ):  # neither the gap that counts as zero nor that of the lengths as they are is wrong
             places = exact_extrema(inputs, name, zeroes=zeroes) if wrong else []
             exact = {b: [place for place in places if place.branch == b] for b in wrong}
-            lists = {b: [part[k, b - 1] for part in found] for b in wrong}
+            lists = {b: in_one_order(*(part[k, b - 1] for part in found)) for b in wrong}
             if zeroes:
                 differ += sum(not alike([p.kind for p in exact[b]], lists[b][0], lists[b][3]) for b in wrong)
             wrong = {b for b in wrong if not any(told(kinds, *lists[b]) for kinds in readings(exact[b]))}
         silent += len(wrong)
     return differ, silent, 2 * len(found[0])
+
+
+def in_one_order(kinds, values, bounds, count, places):
+    """Return a list with its entries at one double from minima to maxima: exact places order them by last bits."""
+    order = np.lexsort((kinds, places))  # no place, behind the last entry, is NaN and stays there
+    return kinds[order], values[order], bounds[order], count
 
 
 def readings(places):
