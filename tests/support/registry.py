@@ -293,9 +293,12 @@ FOCAL = (
             # counts, depends on rho through both at once: where S is far away their changes cancel in F, their
             # roundings do not. Of 1218 of these configurations one is beyond 4 (F_x, 4.3); the worst ever met is 6.2
             # (chi, where S is far away). F in the frame of AB follows F_y, centres of circles lie beyond F or S (4.6),
-            # and Y is where AB, by the crank a product of five directions, meets MN (4.1).
+            # and Y is where AB, by the crank a product of five directions, meets MN (4.1). M, N and S in its frame
+            # are turned by that product, too (4.7), and so is what PSQT is drawn through (5.6). Rates of sigma are
+            # quotients of two products of directions, three each (4.6).
             long_chains=dict.fromkeys(("sigma", "alpha", "chi", "F_x", "F_y", "T_x", "T_y", "Y_x"), 8.0)
-            | dict.fromkeys(("F_along_AB", "F_across_AB", "PSQT_x", "PFQX_x", "SFTY_x"), 8.0),
+            | dict.fromkeys(("F_along_AB", "F_across_AB", "PSQT_x", "PFQX_x", "SFTY_x"), 8.0)
+            | dict.fromkeys((*PIVOTS_SEEN_FROM_AB, "PSQT_radius", "sigma_rate", "dsigma_dphi"), 8.0),
             # Of the longest bar: two ends of two coordinates, each right to 8 roundings, and the length itself.
             errors={"closure_residual": 40 * UNIT_ROUNDING},
             elsewhere={"F_path_residual": "is measured by the reach of the dyads: test_focal_motion.py"},
