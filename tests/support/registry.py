@@ -295,10 +295,12 @@ FOCAL = (
             # (chi, where S is far away). F in the frame of AB follows F_y, centres of circles lie beyond F or S (4.6),
             # and Y is where AB, by the crank a product of five directions, meets MN (4.1). M, N and S in its frame
             # are turned by that product, too (4.7), and so is what PSQT is drawn through (5.6). Rates of sigma are
-            # quotients of two products of directions, three each (4.6).
+            # quotients of two products of directions, three each (4.6). S in that frame has the 10 of r and the 5 of
+            # the direction (8.7).
             long_chains=dict.fromkeys(("sigma", "alpha", "chi", "F_x", "F_y", "T_x", "T_y", "Y_x"), 8.0)
             | dict.fromkeys(("F_along_AB", "F_across_AB", "PSQT_x", "PFQX_x", "SFTY_x"), 8.0)
-            | dict.fromkeys((*PIVOTS_SEEN_FROM_AB, "PSQT_radius", "sigma_rate", "dsigma_dphi"), 8.0),
+            | dict.fromkeys((*PIVOTS_SEEN_FROM_AB, "PSQT_radius", "sigma_rate", "dsigma_dphi"), 8.0)
+            | dict.fromkeys(("S_along_AB", "S_across_AB"), 16.0),
             # Of the longest bar: two ends of two coordinates, each right to 8 roundings, and the length itself.
             errors={"closure_residual": 40 * UNIT_ROUNDING},
             elsewhere={"F_path_residual": "is measured by the reach of the dyads: test_focal_motion.py"},
