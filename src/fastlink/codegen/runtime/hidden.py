@@ -109,17 +109,7 @@ def note_uncertain(s: Any, count: int, w: Any, table: Any, search: Any, best: An
 
 @outlined
 def flag_undecided(lists: Any, best: Any, first: int, last: int, room: int) -> None:
-    """Make the bounds of all places of undecided lists infinite.
-
-    Parameters
-    ----------
-    lists, best : array
-        The results, see `store_extrema`.
-    first, last : int
-        The first column of the search, and that of the next one.
-    room : int
-        How many entries its lists have room for.
-    """
+    """Make the bounds of all places of undecided lists infinite; the parameters are those of `noise.thin`."""
     for column in range(first, last):
         if best[UNDECIDED, column] > 0.0:
             for k in range(room):

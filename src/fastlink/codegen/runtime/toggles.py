@@ -39,16 +39,7 @@ AWAY = 2.0**38
 def collect_toggles(w: Any, table: Any, part: Any, samples: Any, count: int, items: Any) -> int:
     """Make items of the ends at toggles where the function vanishes; return how many there are.
 
-    Parameters
-    ----------
-    w, samples : array (rows, lanes)
-        Lane values, and positions and the function's values there.
-    table, part : array of int
-        Tables of the kernel and of the first half, see `cells`.
-    count : int
-        The number of designs.
-    items : array (rows of an item, items)
-        The items; `XC` is the row of the sample.
+    The parameters are those of `octaves.collect_folds`; `XC` of an item is the row of its sample.
     """
     total, cells = 0, part[CELLS]
     for upper in range(2):
