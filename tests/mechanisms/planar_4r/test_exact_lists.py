@@ -6,6 +6,7 @@ import itertools
 
 import numpy as np
 import pytest
+from tests.mechanisms.planar_4r.test_near_cusps import near_cusps
 from tests.support.configurations import LENGTHS
 from tests.support.exact_extrema import LISTED, exact_extrema
 from tests.support.neighbourhoods import folded_planar_4r
@@ -122,6 +123,27 @@ def test_an_extreme_beside_a_fold_is_listed_where_the_slope_at_the_fold_is_round
         key: values[120:121] for key, values in folded_planar_4r(np.random.default_rng(12), 150).items()
     }
     assert differing(designs, "F32_y") == (0, 0, 2)
+
+
+#: A coupler point that passes its instant centre: a curvature below -1e15 between two of 201 within 7e-5 rad.
+CUSP = {
+    "a1": 0.21644546641606582,
+    "a2": 1.1990216170505517,
+    "a3": 2.1434978036656838,
+    "a4": 1.1609216525989083,
+}
+CUSP |= {"omega1": 1.0, "P_u": -6.399469951710982, "P_v": -5.341676966630802}
+
+
+def test_a_list_that_lacks_extremes_within_a_peak_has_no_bound():
+    assert differing({name: np.array([value]) for name, value in CUSP.items()}, "curvature") == (1, 0, 2)
+
+
+@pytest.mark.stress
+def test_many_lists_with_peaks_hold_the_exact_extremes_or_have_no_bound():
+    differ, silent, of = differing(near_cusps(6, 600)[0], "curvature")
+    assert silent == 0
+    assert differ < 0.02 * of
 
 
 @pytest.mark.stress

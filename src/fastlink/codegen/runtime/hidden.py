@@ -4,8 +4,9 @@ Beside a fold the slope may be certain down to some distance, and below that not
 towards the fold as far as it is certain, it may have one more zero between; where it keeps its size, or grows, it has
 none that a sample would not show. Lists of the first kind are marked, like those from which entries left that may be
 extremes, those without room for all, those of halves that were silenced, being at rest but for a slope next to the
-fold, and those of an extreme whose place is as uncertain as its distance from the fold is great. Their bounds are
-infinite, and so are those of places that no extreme takes: a list that is empty can tell it, too.
+fold, those of an extreme whose place is as uncertain as its distance from the fold is great, and those of a peak with
+few certain digits. Their bounds are infinite, and so are those of places that no extreme takes: a list that is empty
+can tell it, too.
 """
 
 from __future__ import annotations
@@ -14,6 +15,7 @@ from typing import Any
 
 from fastlink.codegen.runtime.cells import (
     BEND,
+    BOUND,
     BRANCHES,
     FA,
     HALF,
@@ -31,6 +33,7 @@ from fastlink.codegen.runtime.cells import (
     TOGGLE,
     TOLERANCE,
     UPPER,
+    VALUE,
     X,
     padded,
 )
@@ -44,6 +47,9 @@ __all__ = ["begin_certain", "flag_undecided", "keep_certain", "note_hidden", "no
 TIMES = 2.0
 # A slope that comes down to so little of itself with half the distance falls: as the distance itself it halves.
 FALLING = 0.75
+# A peak that may be off by so much of its height: what it is in the middle of is as uncertain. Of the three extremes of
+# a curvature within a peak above 1e15 two were lost, and the third was so.
+PEAK = 2.0**-16
 # While that is found: the slope at the place before that was certain, 0 before there is one; and whether it falls.
 LAST, FALLS = TOLERANCE, STEPS
 
@@ -94,7 +100,7 @@ def _is_fold(w: Any, table: Any, upper: int, lane: int) -> Any:
 
 @outlined
 def note_uncertain(s: Any, count: int, w: Any, table: Any, search: Any, best: Any) -> None:
-    """Mark the lists of extremes of which rounding hides whether they are on this side of a fold, or beyond it."""
+    """Mark lists of extremes whose side of a fold rounding hides, and of those with few certain digits."""
     for i in range(count):
         upper, lane, x = int(s[UPPER, i]), int(s[LANE, i]), s[X, i]
         off, bend = s[SLOPE, i] + s[SLOPE_BOUND, i], s[BEND, i]
@@ -103,7 +109,9 @@ def note_uncertain(s: Any, count: int, w: Any, table: Any, search: Any, best: An
         # 1 / x is the distance from the other end
         near = _is_fold(w, table, upper, lane) & ((off >= bend * x) | (off >= bend))
         far = _is_fold(w, table, 1 - upper, lane) & ((off * x >= bend) | (off >= bend))
-        if near | far:
+        height = s[KIND, i] * s[VALUE, i]
+        peak = (height > 0.0) & (s[BOUND, i] > PEAK * height)
+        if near | far | peak:
             _undecided(best, table, search, lane, int(s[HALF, i]))
 
 
