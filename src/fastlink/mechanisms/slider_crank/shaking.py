@@ -7,6 +7,7 @@ from typing import Any
 from fastlink.mechanisms._shared.laws import norm
 from fastlink.mechanisms.slider_crank import forces  # noqa: F401 (declare the rates of momentum)
 from fastlink.mechanisms.slider_crank.inputs import HAYES, PAGE, slider_crank
+from fastlink.numerics.elementary import select
 
 SHAKING = f"{HAYES}, section 5; {PAGE}#shaking-force-and-moment"
 
@@ -30,12 +31,16 @@ whole(norm, "shaking_force", "|F|", "Shaking force on the ground, magnitude", x=
 
 @slider_crank.quantity(units="N m", symbol="dL_2/dt", source=SHAKING, internal=True)
 def spin_rate2(
-    moment2_A: Any, m2_omega_squared: Any, AB_x_bend: Any, A_x: Any, A_y: Any, G2_along: Any, G2_across: Any
+    moment2_A: Any, m2_omega_squared: Any, AB_x_bend: Any, A_x: Any, A_y: Any, G2_along: Any, G2_across: Any,
+    one_less_H_squared: Any, A_cross_AG: Any, A_dot_AG: Any, alpha2: Any, I2_A: Any, m2: Any,
 ) -> Any:  # fmt: skip
     """Rate of moment of momentum of the connecting rod about O."""
     # A x p2 without A x A; of a short rod, which B drags along, without what its turning leaves across the line, too.
     across = AB_x_bend * (G2_across * A_x - G2_along * A_y)
-    return moment2_A + m2_omega_squared * (across + A_y * (G2_along * A_x + G2_across * A_y))
+    dragged = moment2_A + m2_omega_squared * (across + A_y * (G2_along * A_x + G2_across * A_y))
+    # Where the rod turns as the crank, folded onto it, what is left of both terms is little: 22 roundings were lost.
+    carried = alpha2 * (I2_A + m2 * A_dot_AG) + m2_omega_squared * (one_less_H_squared * A_cross_AG)
+    return select(abs(one_less_H_squared) < 0.5, carried, dragged)
 
 
 @slider_crank.quantity(units="N m", symbol="M_O", source=SHAKING)
