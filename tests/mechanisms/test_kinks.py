@@ -21,10 +21,11 @@ SHARP = {"abs", "magnitude", "largest", "sign", "absolute", "choice", "zero_wher
 #: What is searched without being told, and why; dense samples say whether that is enough.
 SMOOTH_ELSEWHERE = {
     "P_speed": "the size is that of an input; the one magnitude turns sharply at cusps, as the tests below make it do",
+    "M_across_AB": "sizes choose between two forms of the same coordinate",
     "transmission_angle_F": "a size in one of two forms of the same angle; no sample was beyond, which is no proof",
 }
 #: How many quantities are sharp by their text, of the drives that have such: one less is one that is not looked at.
-KNOWN = {("planar_4r", "theta1"): 6, ("slider_crank", "theta"): 4, ("focal", "phi"): 3, ("focal", "sigma"): 3}
+KNOWN = {("planar_4r", "theta1"): 6, ("slider_crank", "theta"): 4, ("focal", "phi"): 3, ("focal", "sigma"): 4}
 SHARP_DRIVES = [entry for entry in DRIVES if (entry.mechanism, entry.input) in KNOWN]
 
 
