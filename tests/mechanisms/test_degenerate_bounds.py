@@ -216,6 +216,28 @@ def test_extremes_are_within_their_bounds_or_have_none():
     assert assert_extremes_are_within_their_bounds("planar_4r", "theta1", 12) > 20
 
 
+#: A focal mechanism in which MA and NB are parallel within 2^-22 of the scale from where its crank stops.
+NEARLY_STRAIGHT = {
+    "a": 1.9664390820123145,
+    "b": 3.839279211923328,
+    "c": 0.0005705711695696084,
+    "d": 1.8722695587414444,
+    "rho": -1.0000000000003526,
+    "omega": 1.0724489878099615,
+    "completion": 1.0,
+}
+
+
+def test_an_extreme_beside_a_toggle_that_is_not_looked_for_is_in_the_bound():
+    entry = next(one for one in ENTRIES if (one.mechanism, one.input) == ("focal", "sigma"))
+    designs = {name: np.array([value]) for name, value in NEARLY_STRAIGHT.items()}
+    least = [one for one in bounded_extremes(entry, designs, ["transmission_angle_F"]) if "min" in one.of]
+    assert len(least) == 2
+    for one in least:
+        assert one.exact < 1e-50  # they are parallel
+        assert one.error <= one.bound < 1e-12
+
+
 @pytest.mark.stress
 @pytest.mark.parametrize(("mechanism", "drive"), EXTREMES)
 def test_many_extremes_are_within_their_bounds_or_have_none(mechanism, drive):

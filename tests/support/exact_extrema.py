@@ -10,6 +10,7 @@ A gap of the lengths within their rounding is zero, as for the kernels: lengths 
 
 from __future__ import annotations
 
+import contextlib
 import itertools
 import math
 from collections.abc import Iterator, Mapping
@@ -24,8 +25,8 @@ from flint.utils.flint_exceptions import DomainError
 
 __all__ = ["LISTED", "Place", "exact_extrema", "zeroed"]
 
-#: Of balls.
-BITS = 1024
+#: Of balls; where a sign is not settled with the first, with the next: beside a fold much cancels.
+BITS = (1024, 8192, 65536)
 #: What vanishes at change points: signs of a1 ... a4.
 GAPS = ((1, -1, 1, -1), (1, 1, -1, -1), (1, -1, -1, 1))
 #: Kernels take what is within 2^-52 of the scale from a fold for the fold itself, and what is within 2^-26 from a
@@ -309,6 +310,10 @@ def square_root(polynomial: fmpq_poly) -> fmpq_poly | None:
         return None
 
 
+class Unsettled(Exception):
+    """Balls are too wide to tell a sign or an order."""
+
+
 class Slopes:
     """The slope of a quantity on both branches: one number of a field, or two rational functions."""
 
@@ -348,7 +353,8 @@ class Slopes:
         """Return the sign on a branch, 0 where the linkage does not assemble or the quantity is constant."""
         under, side = value_at(self.square, t), 1 if branch == 2 else -1
         if not under > 0:
-            assert under < 0
+            if not under < 0:
+                raise Unsettled
             return 0
         number, area = self.numbers[0], side * under.sqrt()
         if self.root is not None:
@@ -356,7 +362,8 @@ class Slopes:
         if number.a == 0 and number.b == 0:
             return 0
         value = (value_at(number.a, t) + area * value_at(number.b, t)) * value_at(number.d, t)
-        assert value != 0, "sign is not settled"
+        if not value != 0:  # a ball around 0 differs from it neither way
+            raise Unsettled
         return 1 if value > 0 else -1
 
 
@@ -367,18 +374,20 @@ def exact_extrema(inputs: Mapping[str, float], name: str, *, zeroes: bool = True
     is zero.
     """
     slopes = Slopes(inputs, name, zeroes)
-    with flint.ctx.workprec(BITS):
-        marks = [(root, False) for root in real_roots(slopes.limits)]
-        marks += [(root, True) for root in real_roots(slopes.zeros)]
-        marks.sort(key=lambda mark: mark[0].mid())
-        return sorted(_changes(slopes, marks), key=lambda place: (place.branch, place.theta1, place.kind))
+    for bits in BITS:
+        with flint.ctx.workprec(bits), contextlib.suppress(Unsettled):
+            marks = [(root, False) for root in real_roots(slopes.limits)]
+            marks += [(root, True) for root in real_roots(slopes.zeros)]
+            marks.sort(key=lambda mark: mark[0].mid())
+            return sorted(_changes(slopes, marks), key=lambda place: (place.branch, place.theta1, place.kind))
+    raise AssertionError(f"a sign is not settled with {BITS[-1]} bits")
 
 
 def _changes(slopes: Slopes, marks: list[tuple[Any, bool]]) -> Iterator[Place]:
     """Yield where the slope changes its sign; a mark tells whether it is 0 there, or has no value."""
     places = [root for root, _ in marks]
-    for one, other in itertools.pairwise(places):
-        assert one < other, "roots are not apart"
+    if not all(one < other for one, other in itertools.pairwise(places)):
+        raise Unsettled
     between = [exact_mid(one, other) for one, other in itertools.pairwise(places)]
     first = [places[0].lower() - 1] if places else [arb(0)]
     beside = [*first, *between, *([places[-1].upper() + 1] if places else [])]

@@ -113,7 +113,7 @@ FAMILIES: dict[str, Family] = {
     "extremes of forces": Family("planar_4r", ["T41_max", "F32_max"]),
     "extremes of one branch": Family("planar_4r", ["omega4_min"], 9, {"branch": 1}),
     "lists of extremes": Family("planar_4r", ["alpha4_extrema", "T41_extrema"]),
-    "lists of extremes with toggles": Family("planar_4r", ["curvature_extrema_error"]),
+    "lists of extremes with toggles": Family("planar_4r", ["curvature_extrema_error", "P_x_max_error"]),
     "lists of extremes with folds": Family(
         "planar_4r", ["F41_extrema_error"], more={"a1": 1.0, "a2": 2.0, "a3": 3.0, "a4": 2.0}
     ),

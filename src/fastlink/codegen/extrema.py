@@ -21,6 +21,7 @@ from fastlink.codegen.runtime import (
     roots,
     sampling,
     subdivision,
+    toggles,
     winners,
 )  # fmt: skip
 from fastlink.codegen.runtime.cells import LANES
@@ -165,7 +166,7 @@ class _ExtremaWriter(FoldsWriter):
         parts = self.parts_of(number)
         for part in self.parts_that_may_rest(number):
             text.call(resting.silence_rest, f"w, table, samples, marks, {part}, n_here")
-        if (search.divided or not search.parity) and search.order == 0:
+        if self.looks_away(number):
             self.write_toggles(number, parts[0])
         for part in parts:
             text.call(sampling.mark_ends, f"w, table, samples, marks, {part}, width")
@@ -237,6 +238,8 @@ class _ExtremaWriter(FoldsWriter):
                 text.call(hidden.note_uncertain, f"state, filled, w, table, search_{number}, best")
         elif self.program.has_bounds:
             text.call(bounds.bound_ends, "state, filled, w, table")
+            if search.bounded_by and self.looks_away(number):
+                text.call(toggles.bound_hidden, "state, filled")
         if self.program.has_gradients:
             arguments = f"state, filled, table, search_{number}, winners, signs"
             text.call(winners.note_winners, arguments)
@@ -258,6 +261,9 @@ class _ExtremaWriter(FoldsWriter):
                     text.call(ends.place_beside, "state, filled, k")
                     self.write_value(number)
                     text.call(ends.keep_beside, "state, filled, w, table, k")
+            if search.bounded_by and self.looks_away(number):
+                text.call(roots.every_vector, "vectors, filled", "n_open")
+                self.write_hidden(number)
             text.call(ends.place_ends, "state, filled, 1.0")
             self.write_extrema(number, ends.end_values, "state, filled, w, table")
 

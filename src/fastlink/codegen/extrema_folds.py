@@ -33,6 +33,28 @@ class FoldsWriter(PlacesWriter):
             text.add(f"slope_{number}(state, vectors, n_open)")
             text.call(toggles.settle_toggles, "state, filled, samples")
 
+    def looks_away(self, number: int) -> bool:
+        """Whether the sampled function's signs beside toggles stand for those at toggles."""
+        search = self.program.searches[number]
+        return (search.divided or not search.parity) and search.order == 0
+
+    def write_hidden(self, number: int) -> None:
+        """Write which ends of the range have an extreme beside them that is not looked for."""
+        text = self.text
+        text.call(toggles.place_near, "state, filled, w, table, 1.0")
+        text.add(f"slope_{number}(state, vectors, n_open)")
+        text.call(toggles.keep_near, "state, filled")
+        text.call(toggles.place_near, f"state, filled, w, table, {toggles.AWAY}")
+        text.add(f"slope_{number}(state, vectors, n_open)")
+        text.call(toggles.count_turned, "state, filled, w, table", "n_turned")
+        with text.block("if n_turned > 0:"):
+            text.call(toggles.place_near, f"state, filled, w, table, {toggles.BEYOND * toggles.AWAY}")
+            self.write_value(number)
+            text.call(toggles.keep_away, "state, filled")
+            text.call(toggles.place_near, "state, filled, w, table, 1.0")
+            self.write_value(number)
+            text.call(toggles.keep_turned, "state, filled")
+
     def write_octaves(self, number: int, part: str) -> None:
         """Write the samples of cells next to a fold, where the function is small or far greater between."""
         text, search = self.text, self.program.searches[number]

@@ -18,6 +18,8 @@ not the exact place.
   less than 4 x. The value is off by at most 8 x |s|; beside a toggle, where it may change as c x and s grows as 1/x, by
   c x = s s/|b|. What is infinite at a toggle has no bound, nor has what grows as 1/x or more towards a fold: |b| x^2 is
   at least half of it, then.
+- Beside a toggle at which the slope vanishes an extreme may stand that is not looked for (`toggles`): the value at the
+  toggle is off by at most what the quantity changes within four times the distance of that.
 - Where a quantity has a limit at a fold but no value there in doubles, that at 2^-30 of the scale stands for it, and
   has no bound.
 - Where no slope changes its sign, a place in the middle of the turn stands for the extreme. If its slope is within its

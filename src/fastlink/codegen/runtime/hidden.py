@@ -4,8 +4,8 @@ Beside a fold the slope may be certain down to some distance, and below that not
 towards the fold as far as it is certain, it may have one more zero between; where it keeps its size, or grows, it has
 none that a sample would not show. Lists of the first kind are marked, like those from which entries left that may be
 extremes, those without room for all, those of halves that were silenced, being at rest but for a slope next to the
-fold, those of an extreme whose place is as uncertain as its distance from the fold is great, and those of a peak with
-few certain digits. Their bounds are infinite, and so are those of places that no extreme takes: a list that is empty
+fold, those of an extreme whose place is as uncertain as its distance from the fold, or from a toggle that is almost
+one, is great, and those of a peak with few certain digits. Their bounds are infinite, and so are those of places that no extreme takes: a list that is empty
 can tell it, too.
 """
 
@@ -39,7 +39,7 @@ from fastlink.codegen.runtime.cells import (
 )
 from fastlink.codegen.runtime.results import LIST_BOUND, UNDECIDED
 from fastlink.numerics.compiler import lanes, merged, outlined
-from fastlink.numerics.elementary import INFINITY
+from fastlink.numerics.elementary import INFINITY, NOT_A_NUMBER
 
 __all__ = ["begin_certain", "flag_undecided", "keep_certain", "note_hidden", "note_uncertain"]
 
@@ -50,6 +50,10 @@ FALLING = 0.75
 # A peak that may be off by so much of its height: what it is in the middle of is as uncertain. Of the three extremes of
 # a curvature within a peak above 1e15 two were lost, and the third was so.
 PEAK = 2.0**-16
+# The scale of a toggle, beside which the first sample stands.
+PER_FIRST = 2.0**60
+# As near to a toggle rounding may make extremes up.
+BESIDE = 2.0**-20
 # While that is found: the slope at the place before that was certain, 0 before there is one; and whether it falls.
 LAST, FALLS = TOLERANCE, STEPS
 
@@ -93,22 +97,30 @@ def note_hidden(s: Any, count: int, table: Any, search: Any, best: Any) -> None:
 
 
 @merged
-def _is_fold(w: Any, table: Any, upper: int, lane: int) -> Any:
-    """Tell whether an end of the range is a fold."""
-    return (w[table[START] + upper, lane] != 0.0) & (w[table[TOGGLE] + upper, lane] == 0.0)
+def _distance(w: Any, table: Any, upper: int, lane: int, x: float) -> Any:
+    """Return how far a position is from a fold, or from a toggle next to it; NaN where the end of the range is neither.
+
+    Far from a toggle a bound as great as the slope is that of a kink, whose place is certain.
+    """
+    first, is_toggle = abs(w[table[START] + upper, lane]), w[table[TOGGLE] + upper, lane] != 0.0
+    # the input angle goes with x beside a fold, with its square beside a toggle, up to its scale
+    from_toggle = x * (x / (x + PER_FIRST * first))
+    distance = from_toggle if from_toggle < BESIDE else NOT_A_NUMBER
+    return (distance if is_toggle else x) if first > 0.0 else NOT_A_NUMBER
 
 
 @outlined
 def note_uncertain(s: Any, count: int, w: Any, table: Any, search: Any, best: Any) -> None:
-    """Mark lists of extremes whose side of a fold rounding hides, and of those with few certain digits."""
+    """Mark lists of extremes whose side of a fold or toggle rounding hides, and of those with few certain digits."""
     for i in range(count):
         upper, lane, x = int(s[UPPER, i]), int(s[LANE, i]), s[X, i]
         off, bend = s[SLOPE, i] + s[SLOPE_BOUND, i], s[BEND, i]
         if s[KIND, i] != s[KIND, i]:
             continue
-        # 1 / x is the distance from the other end
-        near = _is_fold(w, table, upper, lane) & ((off >= bend * x) | (off >= bend))
-        far = _is_fold(w, table, 1 - upper, lane) & ((off * x >= bend) | (off >= bend))
+        here = _distance(w, table, upper, lane, x)
+        there = _distance(w, table, 1 - upper, lane, 1.0 / x)
+        near = (off >= bend * here) | ((here > 0.0) & (off >= bend))
+        far = (off >= bend * there) | ((there > 0.0) & (off >= bend))
         height = s[KIND, i] * s[VALUE, i]
         peak = (height > 0.0) & (s[BOUND, i] > PEAK * height)
         if near | far | peak:
