@@ -5,8 +5,8 @@ towards the fold as far as it is certain, it may have one more zero between; whe
 none that a sample would not show. Lists of the first kind are marked, like those from which entries left that may be
 extremes, those without room for all, those of halves that were silenced, being at rest but for a slope next to the
 fold, those of an extreme whose place is as uncertain as its distance from the fold, or from a toggle that is almost
-one, is great, and those of a peak with few certain digits. Their bounds are infinite, and so are those of places that no extreme takes: a list that is empty
-can tell it, too.
+one, is great, and those of a peak with few certain digits. Their bounds are infinite, and so are those of places that
+no extreme takes: a list that is empty can tell it, too.
 """
 
 from __future__ import annotations
