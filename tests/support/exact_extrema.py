@@ -176,7 +176,10 @@ def dot(v: Vector, w: Vector) -> Number:
 class Linkage:
     """The planar 4R of some inputs over its field."""
 
-    def __init__(self, inputs: Mapping[str, float], turn: int = 0, *, zeroes: bool = True) -> None:
+    def __init__(
+        self, inputs: Mapping[str, float], turn: int = 0, *, zeroes: bool = True, sense: int = 1
+    ) -> None:
+        self.sense = sense
         self.given = {name: exact(value) for name, value in inputs.items()}
         lengths = [inputs[f"a{i}"] for i in (1, 2, 3, 4)]
         a1, a2, a3, a4 = map(exact, zeroed(lengths) if zeroes else lengths)
@@ -265,6 +268,9 @@ class Linkage:
         turns[1] = turns[1] + cross(add(P, times(-1, self.A)), load)
         rate = self.omega * self.turning(self.output)
         loads = self.of("T_load") + self.of("T_load_linear") * rate
+        loads = (
+            loads + self.of("T_load_quadratic") * self.sense * rate * rate
+        )  # against the rate, so by its sense
         turns[2] = turns[2] - loads
         # at B on the coupler: its moments about A and those of the output link about D
         AB, DB = add(self.B, times(-1, self.A)), add(self.B, times(-1, self.D))
@@ -315,7 +321,10 @@ class Unsettled(Exception):
 
 
 class Slopes:
-    """The slope of a quantity on both branches: one number of a field, or two rational functions."""
+    """The slope of a quantity on both branches: one number of a field, or two rational functions.
+
+    With a load that goes with the square of a rate there are as many for each sense of the rate.
+    """
 
     def __init__(self, inputs: Mapping[str, float], name: str, zeroes: bool) -> None:
         first = Linkage(inputs, 1, zeroes=zeroes)
@@ -323,9 +332,11 @@ class Slopes:
         self.lengths = [inputs[f"a{i}"] for i in (2, 3)]
         square = first.square if zeroes else Linkage(inputs).square
         self.folds = square[0] == 0, square[4] == 0
-        self.numbers = [first.slope(name)]
-        if self.root is not None:
-            self.numbers.append(Linkage(inputs, -1, zeroes=zeroes).slope(name))
+        senses = (1, -1) if inputs.get("T_load_quadratic", 0.0) else (1,)
+        turns = (1, -1) if self.root is not None else (1,)
+        cases = [Linkage(inputs, turn, zeroes=zeroes, sense=sense) for sense in senses for turn in turns]
+        self.numbers = [case.slope(name) for case in cases]
+        self.rates = [case.omega * case.turning(case.output) for case in cases[: len(turns)]]
 
     @property
     def limits(self) -> fmpq_poly:
@@ -356,15 +367,21 @@ class Slopes:
             if not under < 0:
                 raise Unsettled
             return 0
-        number, area = self.numbers[0], side * under.sqrt()
-        if self.root is not None:
-            number = self.numbers[0 if side * value_at(self.root, t) > 0 else 1]
-        if number.a == 0 and number.b == 0:
-            return 0
-        value = (value_at(number.a, t) + area * value_at(number.b, t)) * value_at(number.d, t)
-        if not value != 0:  # a ball around 0 differs from it neither way
-            raise Unsettled
-        return 1 if value > 0 else -1
+        area = side * under.sqrt()
+        k = 1 if self.root is not None and not side * value_at(self.root, t) > 0 else 0
+        if len(self.numbers) > len(self.rates) and _sign(self.rates[k], t, area) < 0:
+            k += len(self.rates)
+        return _sign(self.numbers[k], t, area)
+
+
+def _sign(number: Number, t: arb, area: arb) -> int:
+    """Return the sign of a number where y is `area`."""
+    if number.a == 0 and number.b == 0:
+        return 0
+    value = (value_at(number.a, t) + area * value_at(number.b, t)) * value_at(number.d, t)
+    if not value != 0:  # a ball around 0 differs from it neither way
+        raise Unsettled
+    return 1 if value > 0 else -1
 
 
 def exact_extrema(inputs: Mapping[str, float], name: str, *, zeroes: bool = True) -> list[Place]:
