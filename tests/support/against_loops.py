@@ -44,6 +44,8 @@ EXTREMES = {
     ("hart", "phi"): ("F_y", "dpsi_dphi"),
 }
 SHARE = 0.5
+#: After so many blocks the table so far is shown: a run of hours may be cut off.
+SHOWN = 10
 #: The share of a bound that a ball may have.
 SHARP = 2.0**-20
 
@@ -247,14 +249,16 @@ def _has(known, name, design):
     return True
 
 
-def campaign(mechanism, drive, designs, seed=0, extremes=True):
-    """Return the tally of so many designs."""
+def campaign(mechanism, drive, designs, seed=0, extremes=True, show=False):
+    """Return the tally of so many designs; `show` what it is so far, once in a while."""
     tally = Tally(mechanism, drive)
     rng = np.random.default_rng([seed, *map(ord, mechanism + drive)])
     for start in range(0, designs, BLOCK):
         n = min(BLOCK, designs - start)
         design = DRAWN[mechanism, drive](rng, n) | {"branch": rng.integers(1, 3, n).astype(float)}
         compare(tally, design, rng, extremes)
+        if show and (start // BLOCK) % SHOWN == SHOWN - 1:
+            print("\n".join(filter(None, (tally.row(), tally.report()))), file=sys.stderr, flush=True)
     return tally
 
 
@@ -265,7 +269,7 @@ def main():
     print(HEADER)
     tallies = []
     for mechanism, drive in chosen:
-        tallies.append(campaign(mechanism, drive, designs))
+        tallies.append(campaign(mechanism, drive, designs, show=True))
         print(tallies[-1].row(), flush=True)
     print("\n".join(filter(None, (tally.report() for tally in tallies))))
 
