@@ -16,6 +16,7 @@ import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from fractions import Fraction
+from functools import cached_property
 from typing import Any
 
 import flint
@@ -267,10 +268,9 @@ class Linkage:
         load = self.against("FP")
         turns[1] = turns[1] + cross(add(P, times(-1, self.A)), load)
         rate = self.omega * self.turning(self.output)
-        loads = self.of("T_load") + self.of("T_load_linear") * rate
-        loads = (
-            loads + self.of("T_load_quadratic") * self.sense * rate * rate
-        )  # against the rate, so by its sense
+        # the quadratic part turns with the rate
+        by_rate = self.of("T_load_linear") + self.of("T_load_quadratic") * self.sense * rate
+        loads = self.of("T_load") + by_rate * rate
         turns[2] = turns[2] - loads
         # at B on the coupler: its moments about A and those of the output link about D
         AB, DB = add(self.B, times(-1, self.A)), add(self.B, times(-1, self.D))
@@ -334,16 +334,17 @@ class Slopes:
         self.folds = square[0] == 0, square[4] == 0
         senses = (1, -1) if inputs.get("T_load_quadratic", 0.0) else (1,)
         turns = (1, -1) if self.root is not None else (1,)
-        cases = [Linkage(inputs, turn, zeroes=zeroes, sense=sense) for sense in senses for turn in turns]
+        _, *further = itertools.product(senses, turns)
+        cases = [first, *(Linkage(inputs, turn, zeroes=zeroes, sense=sense) for sense, turn in further)]
         self.numbers = [case.slope(name) for case in cases]
         self.rates = [case.omega * case.turning(case.output) for case in cases[: len(turns)]]
 
-    @property
+    @cached_property
     def limits(self) -> fmpq_poly:
         """What vanishes where the slope has no value."""
         return self.square * math.prod((number.d for number in self.numbers), start=fmpq_poly([1]))
 
-    @property
+    @cached_property
     def zeros(self) -> fmpq_poly:
         """What vanishes where the slope does, but at limits."""
         norms = (n.a * n.a - n.b * n.b * self.square for n in self.numbers)

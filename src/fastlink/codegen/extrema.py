@@ -238,7 +238,7 @@ class _ExtremaWriter(FoldsWriter):
                 text.call(hidden.note_uncertain, f"state, filled, w, table, search_{number}, best")
         elif self.program.has_bounds:
             text.call(bounds.bound_ends, "state, filled, w, table")
-            if search.bounded_by and self.looks_away(number):
+            if self.bounds_hidden(number):
                 text.call(toggles.bound_hidden, "state, filled")
         if self.program.has_gradients:
             arguments = f"state, filled, table, search_{number}, winners, signs"
@@ -261,8 +261,7 @@ class _ExtremaWriter(FoldsWriter):
                     text.call(ends.place_beside, "state, filled, k")
                     self.write_value(number)
                     text.call(ends.keep_beside, "state, filled, w, table, k")
-            if search.bounded_by and self.looks_away(number):
-                text.call(roots.every_vector, "vectors, filled", "n_open")
+            if self.bounds_hidden(number):
                 self.write_hidden(number)
             text.call(ends.place_ends, "state, filled, 1.0")
             self.write_extrema(number, ends.end_values, "state, filled, w, table")

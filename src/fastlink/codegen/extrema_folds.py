@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from fastlink.codegen.extrema_places import PlacesWriter
-from fastlink.codegen.runtime import cells, hidden, noise, octaves, roots, toggles
+from fastlink.codegen.runtime import cells, ends, hidden, noise, octaves, roots, toggles
 from fastlink.codegen.runtime.cells import LANES
 
 __all__ = ["FoldsWriter"]
@@ -29,7 +29,7 @@ class FoldsWriter(PlacesWriter):
         with text.block(f"for start in range(0, n_ends, {LANES}):"):
             text.call(cells.gather, f"ends, start, n_ends, w, rows_{number}, state", "filled")
             text.call(roots.every_vector, "vectors, filled", "n_open")
-            text.call(toggles.place_toggles, "state, filled")
+            text.call(ends.place_ends, f"state, filled, {toggles.AWAY}")
             text.add(f"slope_{number}(state, vectors, n_open)")
             text.call(toggles.settle_toggles, "state, filled, samples")
 
@@ -38,9 +38,14 @@ class FoldsWriter(PlacesWriter):
         search = self.program.searches[number]
         return (search.divided or not search.parity) and search.order == 0
 
+    def bounds_hidden(self, number: int) -> bool:
+        """Whether what is then not looked for is in error bounds."""
+        return bool(self.program.searches[number].bounded_by) and self.looks_away(number)
+
     def write_hidden(self, number: int) -> None:
         """Write which ends of the range have an extreme beside them that is not looked for."""
         text = self.text
+        text.call(roots.every_vector, "vectors, filled", "n_open")
         text.call(toggles.place_near, "state, filled, w, table, 1.0")
         text.add(f"slope_{number}(state, vectors, n_open)")
         text.call(toggles.keep_near, "state, filled")

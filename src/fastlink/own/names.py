@@ -57,7 +57,7 @@ OPTIONS = (
 #: Names of variables and functions in the texts of kernels.
 OF_KERNELS = (
     *("begin_certain", "collect_toggles", "flag_undecided", "keep_certain"),
-    *("note_hidden", "note_uncertain", "place_toggles", "settle_toggles"),
+    *("note_hidden", "note_uncertain", "settle_toggles"),
     *("bound_hidden", "count_turned", "keep_away", "keep_near", "keep_turned", "n_turned", "place_near"),
     *("abs", "advance_roots", "advance_valleys", "append_item", "append_of_lane", "append_unresolved"),
     *("array", "at", "begin_roots", "begin_valleys", "best", "bound_at_zero", "bound_ends"),

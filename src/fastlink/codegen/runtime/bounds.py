@@ -52,8 +52,8 @@ from fastlink.numerics.compiler import inlined, lanes, outlined
 from fastlink.numerics.elementary import INFINITY, PI, TWO_PI
 
 __all__ = [
-    *("MARGIN", "OF_PI", "bound_at_zero", "bound_ends", "bound_zeros", "has_no_bound", "known", "of_better"),
-    "off_at_end",
+    *("MARGIN", "OF_PI", "bound_at_zero", "bound_ends", "bound_zeros", "has_no_bound", "is_certain", "known"),
+    *("of_better", "off_at_end"),
 ]
 
 # For what the powers of E_s beyond the first come to, and for the roundings of the bound itself.
@@ -64,12 +64,20 @@ OF_PI = 2.0**-52
 OF_PLACE = 2.0**-48
 # At a kink rounding may hide the sign of a slope that is far beyond that of rounding, and no step leads to its zero.
 UNRESOLVED, FAR = 2.0**20, 2.0**-7
+# A slope is certain where it is so many times as great as its error bound.
+TIMES = 2.0
 
 
 @inlined
 def known(bound: Any) -> Any:
     """Return a bound, infinite where it is not a number."""
     return bound if bound >= 0.0 else INFINITY
+
+
+@inlined
+def is_certain(slope: Any, slope_bound: Any) -> Any:
+    """Tell whether the sign of a slope of some size is more than rounding."""
+    return slope > TIMES * slope_bound
 
 
 @inlined

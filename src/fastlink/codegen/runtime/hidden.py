@@ -13,6 +13,7 @@ from __future__ import annotations
 
 from typing import Any
 
+from fastlink.codegen.runtime.bounds import is_certain
 from fastlink.codegen.runtime.cells import (
     BEND,
     BOUND,
@@ -43,8 +44,6 @@ from fastlink.numerics.elementary import INFINITY, NOT_A_NUMBER
 
 __all__ = ["begin_certain", "flag_undecided", "keep_certain", "note_hidden", "note_uncertain"]
 
-# A slope is certain where it is so many times as great as its error bound.
-TIMES = 2.0
 # A slope that comes down to so little of itself with half the distance falls: as the distance itself it halves.
 FALLING = 0.75
 # A peak that may be off by so much of its height: what it is in the middle of is as uncertain. Of the three extremes of
@@ -71,7 +70,7 @@ def keep_certain(s: Any, count: int) -> None:
     """Compare a slope at half the distance before with that there; an uncertain one counts for nothing."""
     for i in lanes(padded(count)):
         slope, last = s[SLOPE, i], s[LAST, i]
-        certain = slope > TIMES * s[SLOPE_BOUND, i]
+        certain = is_certain(slope, s[SLOPE_BOUND, i])
         falls = 1.0 if (slope < FALLING * last) | (last == 0.0) else 0.0
         s[FALLS, i] = falls if certain else s[FALLS, i]
         s[LAST, i] = slope if certain else FALLING * last
@@ -98,7 +97,7 @@ def note_hidden(s: Any, count: int, table: Any, search: Any, best: Any) -> None:
 
 @merged
 def _distance(w: Any, table: Any, upper: int, lane: int, x: float) -> Any:
-    """Return how far a position is from a fold, or from a toggle next to it; NaN where the end of the range is neither.
+    """Return how far a position is from a fold, 1 at most, or from a toggle next to it; NaN where there is neither.
 
     Far from a toggle a bound as great as the slope is that of a kink, whose place is certain.
     """
@@ -106,7 +105,7 @@ def _distance(w: Any, table: Any, upper: int, lane: int, x: float) -> Any:
     # the input angle goes with x beside a fold, with its square beside a toggle, up to its scale
     from_toggle = x * (x / (x + PER_FIRST * first))
     distance = from_toggle if from_toggle < BESIDE else NOT_A_NUMBER
-    return (distance if is_toggle else x) if first > 0.0 else NOT_A_NUMBER
+    return (distance if is_toggle else min(x, 1.0)) if first > 0.0 else NOT_A_NUMBER
 
 
 @outlined
@@ -119,11 +118,10 @@ def note_uncertain(s: Any, count: int, w: Any, table: Any, search: Any, best: An
             continue
         here = _distance(w, table, upper, lane, x)
         there = _distance(w, table, 1 - upper, lane, 1.0 / x)
-        near = (off >= bend * here) | ((here > 0.0) & (off >= bend))
-        far = (off >= bend * there) | ((there > 0.0) & (off >= bend))
+        unsettled = (off >= bend * here) | (off >= bend * there)
         height = s[KIND, i] * s[VALUE, i]
         peak = (height > 0.0) & (s[BOUND, i] > PEAK * height)
-        if near | far | peak:
+        if unsettled | peak:
             _undecided(best, table, search, lane, int(s[HALF, i]))
 
 

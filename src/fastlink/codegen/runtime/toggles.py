@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from typing import Any
 
+from fastlink.codegen.runtime.bounds import is_certain
 from fastlink.codegen.runtime.cells import (
     BOUND,
     CELLS,
@@ -24,7 +25,6 @@ from fastlink.codegen.runtime.cells import (
     TOGGLE,
     UPPER,
     VALUE,
-    XA,
     XC,
     F,
     X,
@@ -36,7 +36,7 @@ from fastlink.numerics.compiler import lanes, outlined
 
 __all__ = [
     *("bound_hidden", "collect_toggles", "count_turned", "keep_away", "keep_near", "keep_turned"),
-    *("place_near", "place_toggles", "settle_toggles"),
+    *("place_near", "settle_toggles"),
 ]
 
 # The function at a toggle over that at the next sample, below which it vanishes there.
@@ -47,8 +47,6 @@ AWAY = 2.0**38
 # An extreme within a distance is off by less than what the quantity changes within so many times that: one of its
 # square by an eighth, the kink of a magnitude that is linear in the square by a fourteenth.
 BEYOND = 4.0
-# A slope is certain where it is so many times as great as its error bound.
-TIMES = 2.0
 # While that is found, of the items of ends: the function at the first sample, then the quantity away from it; whether
 # an extreme is between.
 NEAR, HIDES = FA, FB
@@ -74,13 +72,6 @@ def collect_toggles(w: Any, table: Any, part: Any, samples: Any, count: int, ite
                     items[XC, total] = end
                     total = append_item(items, total, i, half, upper == 1)
     return total
-
-
-@outlined
-def place_toggles(s: Any, count: int) -> None:
-    """Put items where the sign is certain."""
-    for i in lanes(padded(count)):
-        s[X, i] = AWAY * s[XA, i]
 
 
 @outlined
@@ -137,7 +128,7 @@ def keep_away(s: Any, count: int) -> None:
 def keep_turned(s: Any, count: int) -> None:
     """Leave the marks where the slope at the first sample is certain: else its sign may be rounding."""
     for i in lanes(padded(count)):
-        s[HIDES, i] = s[HIDES, i] if s[SLOPE, i] > TIMES * s[SLOPE_BOUND, i] else 0.0
+        s[HIDES, i] = s[HIDES, i] if is_certain(s[SLOPE, i], s[SLOPE_BOUND, i]) else 0.0
 
 
 @outlined
