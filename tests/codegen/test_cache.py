@@ -217,10 +217,10 @@ from fastlink.codegen.source import Array, Source
 source = Source({text!r}, 1, 0, (), (Array("out", "float64", (None,)),))
 made = []
 compile_object = kernel.compile_object
-def counted(text):
+def counted(text, **options):
     made.append(text)
     time.sleep({wait})
-    return compile_object(text)
+    return compile_object(text, **options)
 kernel.compile_object = counted
 loaded = kernel.load_kernel(source, {backend!r})
 out = np.zeros(8)
@@ -287,7 +287,7 @@ def test_threads_compile_once(place, monkeypatch):
     from fastlink.codegen import kernel
 
     compile, made = kernel.compile_object, []
-    monkeypatch.setattr(kernel, "compile_object", lambda text: made.append(text) or compile(text))
+    monkeypatch.setattr(kernel, "compile_object", lambda text, **_: made.append(text) or compile(text))
     with ThreadPoolExecutor(8) as pool:
         found = list(pool.map(load_kernel, [source(5)] * 8))
     assert len(set(map(id, found))) == len(made) == 1
@@ -516,9 +516,9 @@ def test_a_kernel_that_compiles_is_told(place, terminal, monkeypatch):
 
     compile = kernel.compile_object
 
-    def slowly(text):
+    def slowly(text, **options):
         wait_for(terminal)
-        return compile(text)
+        return compile(text, **options)
 
     monkeypatch.setattr(kernel, "compile_object", slowly)
     load_kernel(source(6))

@@ -10,10 +10,10 @@ import llvmlite.binding as llvm
 import numpy as np
 import pytest
 from tests.support.compiled import assert_same_bits
-from tests.support.plan_families import FAMILIES, few, kernels, run_as_python, run_compiled
+from tests.support.plan_families import FAMILIES, few, kernels, run_as_python, run_code, run_compiled
 
 import fastlink.codegen.runtime
-from fastlink.codegen.kernel import BACKENDS, MachineCode, llvm_text
+from fastlink.codegen.kernel import BACKENDS, llvm_text
 from fastlink.codegen.machine import compile_object, host, lanes_of_host
 from fastlink.numerics.compiler import OUTLINED
 
@@ -21,9 +21,11 @@ from fastlink.numerics.compiler import OUTLINED
 @pytest.mark.parametrize("name", FAMILIES)
 def test_machine_code_has_the_bits_of_the_text(name):
     for kernel, arguments in kernels(FAMILIES[name].request()):
-        llvm.parse_assembly(llvm_text(kernel.source)).verify()
+        text = llvm_text(kernel.source)
+        llvm.parse_assembly(text).verify()
         found = run_compiled(kernel, arguments)
         assert_same_bits(found, run_as_python(kernel, arguments))
+        assert_same_bits(run_code(kernel, arguments, compile_object(text, soon=True)), found)
         assert_written(kernel, arguments, found)
 
 
@@ -57,9 +59,7 @@ def test_any_width_and_instruction_set_gives_the_same_bits(name):
         others = [(None, lanes) for lanes in (2, 4, 8) if lanes != lanes_of_host()]
         for cpu, lanes in [*others, *zip(levels(), (2, 4, 8), strict=False)]:
             code = compile_object(llvm_text(kernel.source, lanes=lanes), cpu=cpu, check=True)
-            found = [a.copy() if isinstance(a, np.ndarray) else a for a in arguments]
-            MachineCode(kernel.source, code)(*found)
-            assert_same_bits(found[-len(expected) :], expected)
+            assert_same_bits(run_code(kernel, arguments, code), expected)
 
 
 def assert_written(kernel, arguments, found):

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 import fastlink as fl
-from fastlink.codegen.kernel import load_kernel
+from fastlink.codegen.kernel import MachineCode, load_kernel
 from fastlink.codegen.runtime.cells import LANES
 from fastlink.engine.resolve import resolve
 from fastlink.space.design_space import EXTREMUM
@@ -132,7 +132,7 @@ def few(*names):
 def kernels(request: Any) -> list[tuple[Any, list[Any]]]:
     """Return the kernels of a request, each with its arguments: designs, angles, their numbers, fresh arrays."""
     found = []
-    space = request.space if request.scaling_axis is None else request.scaling_axis.space
+    space = request.evaluated
     size = space.size
     for kernel in request.kernels:
         program = kernel.program
@@ -164,6 +164,11 @@ def run_as_python(kernel: Any, arguments: Sequence[Any]) -> list[np.ndarray]:
 def run_compiled(kernel: Any, arguments: Sequence[Any], backend: str = "llvm") -> list[np.ndarray]:
     """Return the results of machine code."""
     return _run(load_kernel(kernel.source, backend), kernel, arguments)
+
+
+def run_code(kernel: Any, arguments: Sequence[Any], code: bytes) -> list[np.ndarray]:
+    """Return the results of object code."""
+    return _run(MachineCode(kernel.source, code), kernel, arguments)
 
 
 def _run(function: Any, kernel: Any, arguments: Sequence[Any]) -> list[np.ndarray]:

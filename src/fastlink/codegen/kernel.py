@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import hashlib
+import math
 import os
 import sys
 import threading
@@ -28,6 +29,7 @@ if TYPE_CHECKING:
 
 __all__ = [
     "BACKENDS",
+    "SOON",
     "Kernel",
     "MachineCode",
     "backend_of",
@@ -40,6 +42,11 @@ __all__ = [
 #: Compilers of kernels: the translator of this package, and numba.
 BACKENDS = ("llvm", "numba")
 KINDS = {"float64": "f", "int64": "i", "int8": "c"}
+#: The first of them where there is little to do: in a third of the time, to code that takes up to twice as long to run.
+SOON = "llvm soon"
+#: Places up to which it does that. What it saves was lost again after 270,000 to 5,000,000 places of curves, and after
+#: 4,000 to 500,000 designs of extremes, over 57 kernels; these count as so many places each.
+FEW, SEARCHED = 1 << 16, 16
 _lock = threading.Lock()
 _loaded: dict[str, Callable[..., None]] = {}
 
@@ -112,23 +119,39 @@ class MachineCode(Loaded):
         self.call(table.ctypes.data)
 
 
-def load_kernel(source: Source, backend: str = BACKENDS[0]) -> Callable[..., None]:
-    """Return a kernel, compiled now or taken from the cache; numba compiles what the translator refuses."""
-    key = kernel_key(source, backend)
+def load_kernel(source: Source, compiler: str = BACKENDS[0]) -> Callable[..., None]:
+    """Return a kernel, compiled now or taken from the cache; numba compiles what the translator refuses.
+
+    Parameters
+    ----------
+    source : Source
+        Its text.
+    compiler : {"llvm", "numba", "llvm soon"}
+        The last is our own in the shortest time; where the code that takes longer is there already, it is returned.
+    """
     with _lock:
+        if compiler == SOON and _is_there(kernel_key(source, BACKENDS[0])):
+            compiler = BACKENDS[0]
+        key = kernel_key(source, compiler)
         if key not in _loaded:
-            _loaded[key] = _load(source, key, backend)
+            _loaded[key] = _load(source, key, compiler)
         return _loaded[key]
 
 
-def _load(source: Source, key: str, backend: str) -> Callable[..., None]:
-    if backend == "llvm":
+def _is_there(key: str) -> bool:
+    return key in _loaded or is_kept(key)
+
+
+def _load(source: Source, key: str, compiler: str) -> Callable[..., None]:
+    if compiler != "numba":
         try:
             return load_or_compile(
-                key, lambda: compile_object(llvm_text(source)), partial(MachineCode, source)
+                key,
+                lambda: compile_object(llvm_text(source), soon=compiler == SOON),
+                partial(MachineCode, source),
             )
         except Refused:
-            pass
+            key = kernel_key(source, BACKENDS[0])
     from fastlink.codegen.numba_backend import compile_by_numba
 
     with notice(), locked(key):
@@ -151,6 +174,7 @@ class Kernel:
     def __init__(self, program: Program) -> None:
         self.program = program
         self._compiled: dict[str, Callable[..., None]] = {}
+        self._places = 0.0
 
     @cached_property
     def source(self) -> Source:
@@ -171,23 +195,36 @@ class Kernel:
         """A hash of the kernel's text and arguments, of fastlink's code and of the machine."""
         return kernel_key(self.source)
 
-    def is_compiled(self, backend: str) -> bool:
-        """Tell whether the kernel need not be compiled: it is loaded, or in the cache."""
-        key = kernel_key(self.source, backend)
-        return backend in self._compiled or key in _loaded or is_kept(key)
+    def places(self, designs: float, positions: int) -> float:
+        """Return how many places it evaluates: each design at each input position."""
+        return designs * (positions if self.program.tables else SEARCHED)
 
-    def compiled(self, backend: str | None = None) -> Any:
+    def compiler(self, backend: str, places: float) -> str:
+        """Return what compiles it if it is about to evaluate so many more places; see `load_kernel`."""
+        return SOON if backend == BACKENDS[0] and self._places + places <= FEW else backend
+
+    def is_compiled(self, compiler: str) -> bool:
+        """Tell whether the kernel need not be compiled: it is loaded, or in the cache."""
+        enough = {compiler, BACKENDS[0] if compiler == SOON else compiler}
+        return compiler in self._compiled or any(_is_there(kernel_key(self.source, one)) for one in enough)
+
+    def compiled(self, backend: str | None = None, places: float = math.inf) -> Any:
         """Return the kernel as a callable, compiled or loaded from the cache on first use.
 
         Parameters
         ----------
         backend : {"llvm", "numba"}, optional
             The compiler; see `backend_of`.
+        places : float
+            How many places it is about to evaluate. While they are few, all told, its code may be slower and there
+            sooner; the bits are the same.
         """
         backend = backend_of(backend)
-        if backend not in self._compiled:
-            self._compiled[backend] = load_kernel(self.source, backend)
-        return self._compiled[backend]
+        compiler = self.compiler(backend, places)
+        self._places += places
+        if compiler not in self._compiled:
+            self._compiled[compiler] = load_kernel(self.source, compiler)
+        return self._compiled[compiler]
 
 
 @lru_cache(maxsize=1024)

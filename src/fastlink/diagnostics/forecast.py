@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from fastlink._text import aligned, counted, duration, size
-from fastlink.codegen.kernel import llvm_text
+from fastlink.codegen.kernel import SOON, llvm_text
 from fastlink.codegen.translate import Refused
 from fastlink.diagnostics.timing import Timing, timing_of
 from fastlink.engine.executor import default_threads
@@ -36,7 +36,7 @@ OF_RUN = ("verify", "to", "overwrite", "restart", "layout", "threads", "progress
 #: Seconds to compile a character of a kernel's LLVM text, by backend: measured over 32 kernels of 22 to 335 thousand
 #: characters (0.9 to 2.1 us by our own translation) and over 5 by numba (20 to 72 us), on a core
 #: with AVX-512 at 2.1 GHz.
-SECONDS_PER_CHARACTER = {"llvm": 1.7e-6, "numba": 4e-5}
+SECONDS_PER_CHARACTER = {"llvm": 1.7e-6, SOON: 0.6e-6, "numba": 4e-5}
 #: Bytes of the labels of a file, for each variable (2,500 to 4,200 in maps of 10 to 53 variables).
 LABEL_BYTES = 3000
 
@@ -167,12 +167,14 @@ def forecast(
         is compiled already.
     """
     backend, kernels = request.backend, request.kernels
-    fresh = [kernel for kernel in kernels if not kernel.is_compiled(backend)]
-    compile_time = sum(_compile_seconds(kernel, backend) for kernel in fresh)
+    compilers = [kernel.compiler(backend, request.places(kernel)) for kernel in kernels]
+    fresh = [way for way in zip(kernels, compilers, strict=True) if not way[0].is_compiled(way[1])]
+    compile_time = sum(_compile_seconds(*way) for way in fresh)
     threads = threads or default_threads()
     needs = needs_of(request, threads, block, verify)
     timing = None
-    if measure or (measure is None and not fresh):
+    # What is compiled soon runs slower, and so as not to be measured.
+    if measure or (measure is None and all(kernel.is_compiled(backend) for kernel in kernels)):
         timing = timing_of(request, threads=threads, block=block, verify=verify, folder=folder)
     place = (Path.cwd() if folder is None else folder).resolve()
     labels = LABEL_BYTES * (len(request.plan.outputs) + len(request.space.names))
@@ -193,10 +195,10 @@ def forecast(
     )
 
 
-def _compile_seconds(kernel: Kernel, backend: str) -> float:
+def _compile_seconds(kernel: Kernel, compiler: str) -> float:
     """Return the expected time to compile a kernel, from the length of its text for LLVM."""
     try:
         length = len(llvm_text(kernel.source))
     except Refused:
-        backend, length = "numba", 8 * len(kernel.text)  # texts for LLVM are some eight times as long
-    return SECONDS_PER_CHARACTER[backend] * length
+        compiler, length = "numba", 8 * len(kernel.text)  # texts for LLVM are some eight times as long
+    return SECONDS_PER_CHARACTER[compiler] * length

@@ -186,7 +186,7 @@ class Function(WithGradient):
         self.inputs = tuple(inputs)
         self.outputs = tuple(output.name for output in plan.outputs)
         self._resolved, self._recipe = resolved, recipe
-        self._job = resolved.job()
+        self._job = resolved.job(math.inf)
         axes = [axis for axis in axes_of(plan.outputs) if not (one_branch and axis == "branch")]
         self.shape = tuple(lengths[axis] for axis in axes)
         #: The shape of each output of one design: its own lengths, and 1 along axes that it lacks.

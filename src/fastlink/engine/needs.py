@@ -76,7 +76,7 @@ class Needs:
 def designs_per_block(resolved: ResolvedSweep, threads: int, block: int | None = None) -> int:
     """Return how many designs are evaluated at once: the given number, else as many as fit the cache."""
     axis = resolved.scaling_axis
-    size = resolved.space.size if axis is None else axis.space.size
+    size = resolved.evaluated.size
     if block is not None:
         return max(1, min(block, size))
     length = block_length(resolved.shapes, size, threads, bytes_at_once(resolved))
@@ -104,8 +104,7 @@ def needs_of(resolved: ResolvedSweep, threads: int, block: int | None = None, ve
     """
     space, row = resolved.space, row_bytes(resolved.shapes)
     length = designs_per_block(resolved, threads, block)
-    evaluated = space.size if resolved.scaling_axis is None else resolved.scaling_axis.space.size
-    threads = max(1, min(threads, -(-evaluated // length)))
+    threads = max(1, min(threads, -(-resolved.evaluated.size // length)))
     of_block = sum(_buffer_bytes(kernel, length, resolved.positions.size) for kernel in resolved.kernels)
     of_block += length * row
     shared = sum(len(kernel.program.tables) for kernel in resolved.kernels) * resolved.positions.nbytes

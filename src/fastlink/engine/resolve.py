@@ -95,6 +95,11 @@ class ResolvedSweep:
         return self.plan.branches
 
     @property
+    def evaluated(self) -> DesignSpace:
+        """The designs that kernels see: an axis that only scales results is left out."""
+        return self.space if self.scaling_axis is None else self.scaling_axis.space
+
+    @property
     def kernels(self) -> list[Kernel]:
         """The kernels of the plan's programs."""
         return [kernel_of(program) for program in self.plan.programs]
@@ -146,23 +151,32 @@ class ResolvedSweep:
             remedy = "use the same version, and import the modules that declare quantities, on both sides"
             raise InputError(what, remedy=remedy)
 
-    def job(self) -> Job:
-        """Return the compiled kernels with the designs and positions that they run on."""
-        evaluated = self.space if self.scaling_axis is None else self.scaling_axis.space
+    def places(self, kernel: Kernel) -> float:
+        """Return how many places a kernel evaluates; see `Kernel.compiled`."""
+        return kernel.places(self.evaluated.size, self.positions.size)
+
+    def job(self, runs: float = 1) -> Job:
+        """Return the compiled kernels with the designs and positions that they run on.
+
+        Parameters
+        ----------
+        runs : float
+            How often all designs are evaluated.
+        """
         names = [output.name for output in self.plan.outputs]
         tasks = [
             KernelTask(
                 kernel.source,
                 kernel.program.inputs,
                 self.backend,
-                kernel.compiled(self.backend),
+                kernel.compiled(self.backend, runs * self.places(kernel)),
                 kernel.program.angle_tables(self.positions),
                 tuple(names.index(output.name) for output in kernel.program.outputs),
-                partial(evaluated.fill, kernel.program.inputs),
+                partial(self.evaluated.fill, kernel.program.inputs),
             )
             for kernel in self.kernels
         ]
-        return Job(tasks, self.shapes, evaluated.size, UnitsOfDesigns.of(self.plan, evaluated))
+        return Job(tasks, self.shapes, self.evaluated.size, UnitsOfDesigns.of(self.plan, self.evaluated))
 
 
 def _of_kernels(kernels: Iterable[Kernel]) -> hashlib._Hash:
