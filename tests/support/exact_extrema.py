@@ -11,6 +11,7 @@ A gap of the lengths within their rounding is zero, as for the kernels: lengths 
 from __future__ import annotations
 
 import contextlib
+import functools
 import itertools
 import math
 from collections.abc import Iterator, Mapping
@@ -21,13 +22,14 @@ from typing import Any
 
 import flint
 import numpy as np
-from flint import arb, fmpq, fmpq_poly, fmpz_poly
+from flint import arb, fmpq, fmpq_poly, fmpz, fmpz_poly
 from flint.utils.flint_exceptions import DomainError
 
 __all__ = ["LISTED", "Place", "exact_extrema", "zeroed"]
 
-#: Of balls; where a sign is not settled with the first, with the next: beside a fold much cancels.
-BITS = (1024, 8192, 65536)
+#: Of balls; where a sign is not settled with the first, with the next: beside a fold much cancels. Roots that need more
+#: than the first take minutes to isolate, with however many.
+BITS = (1024, 16384, 65536)
 #: What vanishes at change points: signs of a1 ... a4.
 GAPS = ((1, -1, 1, -1), (1, 1, -1, -1), (1, -1, -1, 1))
 #: Kernels take what is within 2^-52 of the scale from a fold for the fold itself, and what is within 2^-26 from a
@@ -76,7 +78,8 @@ class Number:
         common = d.gcd(a).gcd(b) if d.degree() > 0 else d
         if common.degree() > 0:
             a, b, d = a // common, b // common, d // common
-        self.field, self.a, self.b, self.d = field, a, b, d
+        scale = shared_factor(a, b, d)  # without it, integers grow to a million bits
+        self.field, self.a, self.b, self.d = field, a / scale, b / scale, d / scale
 
     def _of(self, other: Any) -> Number:
         return other if isinstance(other, Number) else self.field([other])
@@ -123,6 +126,13 @@ class Number:
     def by_theta(self) -> Number:
         """Return the derivative by theta1 = 2 atan t."""
         return Number(self.field, fmpq_poly([1, 0, 1]), fmpq_poly([0]), fmpq_poly([2])) * self.derivative()
+
+
+def shared_factor(*polynomials: fmpq_poly) -> fmpq:
+    """Return the greatest rational number that leaves polynomials with integers for coefficients."""
+    denominator = functools.reduce(fmpz.lcm, (p.denom() for p in polynomials))
+    contents = (p.numer().content() * (denominator // p.denom()) for p in polynomials)
+    return fmpq(functools.reduce(fmpz.gcd, contents), denominator)
 
 
 def exact(x: Any) -> fmpq:
@@ -345,13 +355,16 @@ class Slopes:
         return self.square * math.prod((number.d for number in self.numbers), start=fmpq_poly([1]))
 
     @cached_property
-    def zeros(self) -> fmpq_poly:
-        """What vanishes where the slope does, but at limits."""
-        norms = (n.a * n.a - n.b * n.b * self.square for n in self.numbers)
-        product, limits = math.prod((norm for norm in norms if norm != 0), start=fmpq_poly([1])), self.limits
-        while (common := product.gcd(limits)).degree() > 0:
-            product = product // common
-        return product
+    def zeros(self) -> list[fmpq_poly]:
+        """What vanishes where a slope does, but at limits; no two of them have a root in common."""
+        found: list[fmpq_poly] = []
+        for n in self.numbers:
+            norm = n.a * n.a - n.b * n.b * self.square
+            for other in (self.limits, *found) if norm != 0 else ():
+                while (common := norm.gcd(other)).degree() > 0:
+                    norm = norm // common
+            found += [norm] if norm != 0 else []
+        return found
 
     def at_end(self, t: arb | None) -> bool:
         """Tell whether a place is next to where links align, see `AT_FOLD`."""
@@ -395,7 +408,7 @@ def exact_extrema(inputs: Mapping[str, float], name: str, *, zeroes: bool = True
     for bits in BITS:
         with flint.ctx.workprec(bits), contextlib.suppress(Unsettled):
             marks = [(root, False) for root in real_roots(slopes.limits)]
-            marks += [(root, True) for root in real_roots(slopes.zeros)]
+            marks += [(root, True) for zeros in slopes.zeros for root in real_roots(zeros)]
             marks.sort(key=lambda mark: mark[0].mid())
             return sorted(_changes(slopes, marks), key=lambda place: (place.branch, place.theta1, place.kind))
     raise AssertionError(f"a sign is not settled with {BITS[-1]} bits")

@@ -172,19 +172,11 @@ def test_many_lists_hold_the_exact_extremes(name):
 MOST = {"curvature": 0.12}
 
 
-#: So many designs have all their loads.
-FEW = 30
-
-
 @pytest.mark.stress
 @pytest.mark.parametrize("name", LISTED)
 def test_many_lists_beside_folds_hold_the_exact_extremes_or_have_no_bound(name):
-    # exact algebra of forces takes a fifth of a second for each design, and two seconds with a load by the square of a
-    # rate, which turns with it
-    number = 300 if name in FORCES else 1000
-    designs = folded_planar_4r(np.random.default_rng(12), number)
-    if "T_load_quadratic" in designs:
-        designs["T_load_quadratic"][FEW:] = 0.0
+    # exact algebra of forces takes half a second for most designs, and minutes for some with loads of all sizes
+    designs = folded_planar_4r(np.random.default_rng(12), 120 if name in FORCES else 1000)
     differ, silent, of = differing(designs, name)
     assert silent == 0
     assert differ < MOST.get(name, 0.1) * of
