@@ -3,10 +3,10 @@
 Beside a fold the slope may be certain down to some distance, and below that nothing but rounding. Where it falls
 towards the fold as far as it is certain, it may have one more zero between; where it keeps its size, or grows, it has
 none that a sample would not show. Lists of the first kind are marked, like those from which entries left that may be
-extremes, those without room for all, those of halves that were silenced, being at rest but for a slope next to the
-fold, those of an extreme whose place is as uncertain as its distance from the fold, or from a toggle that is almost
-one, is great, and those of a peak with few certain digits. Their bounds are infinite, and so are those of places that
-no extreme takes: a list that is empty can tell it, too.
+extremes, those without room for all, those of halves that were silenced, being at rest but for what rounding hides,
+those of an extreme whose place is as uncertain as its distance from the fold, or from a toggle that is almost one, is
+great, and those of a peak with few certain digits. Their bounds are infinite, and so are those of places that no
+extreme takes: a list that is empty can tell it, too.
 """
 
 from __future__ import annotations
@@ -91,7 +91,7 @@ def note_hidden(s: Any, count: int, table: Any, search: Any, best: Any) -> None:
     """Mark the lists of items whose cells may hide an extreme next to the fold."""
     for i in range(count):
         silenced = s[FA, i] != s[FA, i]
-        if (s[LAST, i] > 0.0) if silenced else (s[FALLS, i] > 0.0):
+        if silenced | (s[FALLS, i] > 0.0):
             _undecided(best, table, search, int(s[LANE, i]), int(s[HALF, i]))
 
 
