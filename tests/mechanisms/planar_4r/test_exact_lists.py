@@ -174,8 +174,8 @@ def test_many_lists_hold_the_exact_extremes(name):
 
 
 #: Which share of lists beside folds may lack what rounding hides, or hold what it makes up, all of them flagged: a
-#: tenth, but of curvatures, whose poles at folds hide more (217 of 2,000), and of a component of a force with loads of all
-#: sizes (79 of 600).
+#: tenth, but of curvatures, whose poles at folds hide more (217 of 2,000), and of a component of a force with loads of
+#: all sizes (79 of 600).
 MOST = {"curvature": 0.12, "F32_y": 0.14}
 
 
