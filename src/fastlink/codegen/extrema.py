@@ -20,6 +20,7 @@ from fastlink.codegen.runtime import (
     results,
     roots,
     sampling,
+    splits,
     subdivision,
     toggles,
     winners,
@@ -52,7 +53,8 @@ class _ExtremaWriter(FoldsWriter):
             if self.program.has_gradients:
                 text.call(winners.forget_winners, "winners, gradients")
             text.add(f"counts[{cells.DESIGNS}] = n_here")
-            for number in range(len(searches)):
+            text.call(splits.forget_splits, "counts")
+            for number in sorted(range(len(searches)), key=lambda k: not searches[k].splits):
                 self.write_search(number)
             for search in filter(self.needs_ends, searches):
                 self.write_ends(searches.index(search))
@@ -84,6 +86,7 @@ class _ExtremaWriter(FoldsWriter):
             flags = [int(search.at_limit), int(search.jumps) - int(search.piece)]
             about = [k, self.number_of(search.quantity), search.order, search.parity]
             tables[f"search_{k}"] = [*about, *flags, self.room(search), *self.most_items(search)]
+            tables[f"split_by_{k}"] = self.split_by(search) or [-1]
             tables[f"rows_{k}"] = [self.row(name) for name in self.item_needs(search)] or [0]
             for half in range(self.halves):
                 first, beyond = self.sample_row(k, half), self.sample_row(k, self.half_beyond(half))
@@ -168,15 +171,20 @@ class _ExtremaWriter(FoldsWriter):
             text.call(resting.silence_rest, f"w, table, samples, marks, {part}, n_here")
         if self.looks_away(number):
             self.write_toggles(number, parts[0])
+        if self.split_by(search):
+            self.write_splits(number)
         for part in parts:
             text.call(sampling.mark_ends, f"w, table, samples, marks, {part}, width")
+            if self.split_by(search):
+                text.call(splits.mark_splits, f"samples, marks, {part}, splits, counts, split_by_{number}")
             if search.divided:
                 text.call(subdivision.mark_unresolved, f"samples, marks, {part}, width")
         if search.divided or not search.parity:  # else its extremes are counted: none hides
             self.write_octaves(number, parts[0])
         for part in parts:
             if search.divided:
-                text.call(sampling.collect_unresolved, f"samples, marks, {part}, counts, unresolved")
+                items = f"counts, unresolved, roots, splits, split_by_{number}"
+                text.call(subdivision.collect_unresolved, f"samples, marks, {part}, {items}")
             text.call(sampling.collect, f"samples, marks, {part}, counts, roots, valleys")
         if search.divided:
             self.write_division(number)
@@ -190,6 +198,12 @@ class _ExtremaWriter(FoldsWriter):
                 else:
                     text.call(roots.begin_roots, "state, filled, vectors, flags", "n_open")
                     self.write_steps(number, roots.advance_roots)
+                    if search.splits:
+                        text.call(
+                            splits.keep_splits,
+                            f"state, filled, samples, {parts[0]}, splits, counts, {number}",
+                        )
+                        continue
                     self.write_extrema(number, results.extrema_at_zeros, "state, filled, table")
 
     def write_division(self, number: int) -> None:

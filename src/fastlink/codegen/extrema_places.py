@@ -53,6 +53,8 @@ class PlacesWriter(ExtremaSchedule):
             self.write_values(
                 self.slope_names(search), {cells.F: self.scaled(search)}, self.item_needs(search)
             )
+        if search.splits:
+            return
         with self.evaluation(f"value_{number}", "extreme", f"once, of {quantity}"):
             stores = {cells.VALUE: quantity, cells.THETA: position}
             if self.program.mirrored:

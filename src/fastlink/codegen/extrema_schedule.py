@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 from fastlink.codegen.runtime import cells, results
 from fastlink.codegen.runtime.cells import ITEM_ROWS, LANES, MOST_LANES, STATE_ROWS
 from fastlink.codegen.runtime.octaves import OCTAVES
+from fastlink.codegen.runtime.splits import MOST_SPLITS
 from fastlink.codegen.runtime.winners import WINNER_ROWS
 from fastlink.codegen.schedule import needed_steps
 from fastlink.codegen.source import Array
@@ -124,6 +125,7 @@ class ExtremaSchedule:
             *self.item_lists(),
             Array("ends", "float64", (ITEM_ROWS, 3 * room + MOST_LANES)),
             Array("octaves", "float64", (OCTAVES, LANES)),
+            Array("splits", "float64", (ITEM_ROWS, MOST_SPLITS * LANES * self.n_splits + MOST_LANES)),
             Array("flags", "int8", (LANES,)),
             Array("vectors", "int64", (LANES // MOST_LANES,)),
             Array("counts", "int64", (cells.COUNTS,)),
@@ -131,6 +133,15 @@ class ExtremaSchedule:
             Array("lists", "float64", (results.LIST_ROWS + self.program.has_bounds, columns, kept)),
             *self.places(columns),
         )
+
+    @property
+    def n_splits(self) -> int:
+        """How many searches are for places at which cells of others are split."""
+        return sum(search.splits for search in self.program.searches)
+
+    def split_by(self, search: ExtremumSearch) -> list[int]:
+        """Return the numbers of the searches for places at which the cells of one are split."""
+        return [k for k, one in enumerate(self.program.searches) if one.splits and one.slope in search.turns]
 
     @property
     def most_gradients(self) -> int:

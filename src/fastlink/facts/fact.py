@@ -169,6 +169,8 @@ class GradedRange:
         negative, and the power of it by which its derivative is divided.
     kinks : mapping of str to (tuple of str, tuple of str)
         For a quantity that chooses between smooth ones the facts that vanish where it does, and the smooth ones.
+    turns : mapping of str to str
+        For a fact whose derivative has kinks the fact that vanishes there.
     axis : float
         The input position that the mirror leaves: it exchanges `axis` + x and `axis` - x.
     known : mapping of str to KnownExtremes
@@ -195,6 +197,7 @@ class GradedRange:
     axis: float = 0.0
     known: Mapping[str, KnownExtremes] = field(default_factory=dict)
     kinks: Mapping[str, tuple[tuple[str, ...], tuple[str, ...]]] = field(default_factory=dict)
+    turns: Mapping[str, str] = field(default_factory=dict)
 
 
 def parameters(function: Callable[..., Any]) -> tuple[str, ...]:

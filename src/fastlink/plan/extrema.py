@@ -2,14 +2,23 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Container, Iterable, Iterator, Sequence
+from collections.abc import Container, Iterable, Sequence
 from dataclasses import replace
 from functools import partial
 from typing import Any
 
 from fastlink.catalogue.catalogue import Catalogue, CatalogueError, Fact, System
 from fastlink.facts.names import derivative_name, error_name
-from fastlink.plan.kinks import FINER, folds, has_sharp_terms, is_magnitude, is_sharp, may_have_kinks
+from fastlink.plan.kinks import (
+    FINER,
+    folds,
+    has_sharp_terms,
+    is_magnitude,
+    may_have_kinks,
+    searches_at_kinks,
+    searches_for_splits,
+    turns_of,
+)
 from fastlink.plan.known import find_known_extremes, is_of_known, known_program
 from fastlink.plan.program import ExtremaProgram, ExtremumSearch, Gradient, KnownProgram, Output
 from fastlink.symbolic.asymptotics import asymptotics
@@ -55,6 +64,7 @@ def find_extremum_search(
         -grade.parity,  # the input position is odd
         at_limit=graded.reciprocal not in needed and not grade.choice,
         divided=quantity not in graded.cells,
+        turns=() if quantity in graded.cells else turns_of(graded, quantity, steps),
         magnitude=is_magnitude(by_name[quantity]),
         folds=folds(by_name[quantity]),
         kinked=any(map(may_have_kinks, own)),
@@ -96,19 +106,23 @@ def _further_searches(
             divisors=(),
             onto=s.quantity,
             jumps=True,
+            turns=(),
             bounded_by=(),
             gradients=(),
         )
         for s in searches
         if s.quantity in bounded and s.quantity in graded.wraps_at
     ]
-    kinks = [one for s in searches if s.quantity in bounded for one in _at_kinks(catalogue, s, steps_of)]
+    kinks = [
+        one for s in searches if s.quantity in bounded for one in searches_at_kinks(catalogue, s, steps_of)
+    ]
     nearly_poles = [
         replace(
             s,
             slope=derivative_name(s.divisors[0], position),
             divisors=s.divisors[:1],  # the square's derivative, which has no kink
             divided=False,
+            turns=(),
             onto=s.quantity,
             gradients=(),
         )
@@ -116,46 +130,6 @@ def _further_searches(
         if s.quantity in bounded and s.divisors
     ]
     return jumps + kinks + nearly_poles
-
-
-def _at_kinks(
-    catalogue: Catalogue, search: ExtremumSearch, steps_of: Callable[[Sequence[str]], Sequence[Fact | System]]
-) -> Iterator[ExtremumSearch]:
-    """Yield the searches for the kinks of a quantity, and for the extremes of what it is between them."""
-    graded = catalogue.graded
-    assert graded is not None
-    switches, pieces = graded.kinks.get(search.quantity, ((), ()))
-    slopes = [(name, name) for name in switches]
-    fact = catalogue.facts.get(search.quantity)
-    magnitudes = [name for name in fact.depends_on if is_sharp(catalogue, name)] if fact and fact.own else []
-    smooth = dict.fromkeys((*pieces, *magnitudes))
-    slopes += [(name, derivative_name(name, catalogue.position.name)) for name in smooth]
-    for name, slope in slopes:
-        try:
-            steps = steps_of((name, slope))
-        except (CatalogueError, NoDerivative, NoDependence):
-            continue  # the same at all positions, or of those of the whole alone
-        divisor, power = graded.divisors.get(name, (name, 0)) if slope != name else (name, 0)
-        if slope != name and is_magnitude(next(step for step in steps if name in step.names)):
-            divisor, power = name, 1  # half the derivative of the square, which has no kink
-        grades = asymptotics(graded, steps, (*graded.coordinates, "branch"))
-        parity = grades[slope].parity if slope == name else -grades[name].parity  # the position is odd
-        if search.mirrored and not parity:
-            continue  # its mirror image is that of another part, which is searched where this one is not
-        order = max(round(grades[slope].order + power * grades[divisor].order), 0)
-        own: dict[str, Any] = {
-            "slope": slope,
-            "slope_order": order,
-            "slope_parity": parity,
-            "divisors": (divisor,) * power,
-        }
-        of: dict[str, Any] = {
-            "onto": search.quantity,
-            "piece": slope != name,
-            "magnitude": False,
-            "gradients": (),
-        }
-        yield replace(search, **own, **of, kinked=False)
 
 
 def extrema_programs(
@@ -185,6 +159,7 @@ def extrema_programs(
         groups.setdefault((search.cells, search.mirrored), []).append(search)
     programs: list[ExtremaProgram] = [*known]
     for group in groups.values():
+        group += searches_for_splits(catalogue, group, steps_of)
         names = [
             catalogue.position.name,
             graded.bounded_factor,

@@ -148,6 +148,10 @@ class ExtremumSearch:
         Whether `slope` is the derivative of a smooth quantity that the quantity is in some places.
     jumps : bool
         Whether these are jumps of an angle by 2 pi, which reaches pi and -pi there.
+    turns : tuple of str
+        What vanishes where the slope jumps or has a kink: cells are split at these places.
+    splits : bool
+        Whether the zeros of `slope` are such places of other searches, and nothing else.
     bounded_by : tuple of str
         Where error bounds of the extremes are requested: those of quantity and slope, the slope's derivative, and the
         slope.
@@ -174,6 +178,8 @@ class ExtremumSearch:
     onto: str = ""
     piece: bool = False
     jumps: bool = False
+    turns: tuple[str, ...] = ()
+    splits: bool = False
     bounded_by: tuple[str, ...] = ()
     gradients: tuple[Gradient, ...] = ()
     known: KnownExtremes | None = None

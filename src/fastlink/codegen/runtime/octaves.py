@@ -25,6 +25,7 @@ from fastlink.codegen.runtime.cells import (
     OPEN,
     ROOTS,
     START,
+    STEPS,
     TOGGLE,
     UPPER,
     XA,
@@ -38,7 +39,8 @@ from fastlink.codegen.runtime.cells import (
     set_bracket,
 )
 from fastlink.codegen.runtime.sampling import ROOT, UNRESOLVED_CELL
-from fastlink.numerics.compiler import lanes, outlined
+from fastlink.codegen.runtime.splits import next_split
+from fastlink.numerics.compiler import lanes, merged, outlined
 
 __all__ = [
     *(
@@ -156,8 +158,51 @@ def to_sample(s: Any, count: int, trial: int, octaves: Any) -> int:
     return both * OCTAVES
 
 
+@merged
+def _change(a: float, fa: float, b: float, fb: float, s: Any, i: int, counts: Any, roots: Any) -> int:
+    """Return 1 where two values differ in their sign, that at `b` nearer to the fold; if asked, make a root of them."""
+    if (fb > 0.0) == (fa > 0.0):
+        return 0
+    if s[STEPS, i] > 0.0:
+        n, upper = counts[ROOTS], s[UPPER, i] > 0.0
+        if upper:
+            set_bracket(roots, n, a, fa, b, fb)
+        else:
+            set_bracket(roots, n, b, fb, a, fa)
+        append_of_lane(roots, counts, ROOTS, int(s[LANE, i]), int(s[HALF, i]), upper)
+    return 1
+
+
 @outlined
-def collect_octaves(s: Any, count: int, octaves: Any, marks: Any, counts: Any, roots: Any) -> None:
+def _changes(
+    s: Any, i: int, octaves: Any, counts: Any, roots: Any, splits: Any, split_by: Any, make: int
+) -> int:
+    """Return how often the known values of the octaves of an item change their sign; if asked, make roots of these."""
+    lane, half, upper = int(s[LANE, i]), int(s[HALF, i]), s[UPPER, i] > 0.0
+    x, before, at, found = s[XB, i], s[FB, i], s[XB, i], 0
+    s[STEPS, i] = make
+    for k in range(OCTAVES):
+        at = 0.5 * at
+        place, f, last = (at if at > s[XA, i] else s[XA, i]), octaves[k, i], x
+        if (f < 0.0) | (f > 0.0):
+            n = next_split(splits, counts, split_by, lane, half, upper, last, place)
+            while n >= 0:
+                last, g = splits[XA, n], splits[FA, n]
+                if abs(splits[FB, n] - g) <= CHANGE * abs(
+                    g
+                ):  # else it is rounding, or a jump, which octaves show
+                    found = found + _change(x, before, last, g, s, i, counts, roots)
+                    x, before = last, g
+                n = next_split(splits, counts, split_by, lane, half, upper, last, place)
+            found = found + _change(x, before, place, f, s, i, counts, roots)
+            x, before = place, f
+    return found
+
+
+@outlined
+def collect_octaves(
+    s: Any, count: int, octaves: Any, marks: Any, counts: Any, roots: Any, splits: Any, split_by: Any
+) -> None:
     """Make items of the octaves that hold a zero, instead of their cell, whose end at the fold may be rounding.
 
     Parameters
@@ -170,32 +215,12 @@ def collect_octaves(s: Any, count: int, octaves: Any, marks: Any, counts: Any, r
         Marks of samples; those of a cell that is replaced are taken away.
     counts, roots : array
         How many items of each kind there are, and the roots.
+    splits, split_by
+        As for `splits.mark_splits`.
     """
     for i in range(count):
-        lane, half, upper, cell = int(s[LANE, i]), int(s[HALF, i]), s[UPPER, i] > 0.0, int(s[XC, i])
-        found, before = 0, s[FB, i]
-        for k in range(OCTAVES):
-            f = octaves[k, i]
-            if (f < 0.0) | (f > 0.0):
-                found = found + (1 if (f > 0.0) != (before > 0.0) else 0)
-                before = f
-        if found == 0:
-            continue
-        marks[cell, lane] = 0
-        other = cell + 1
-        marks[other, lane] = marks[other, lane] & (ROOT | UNRESOLVED_CELL)
-        x, before = s[XB, i], s[FB, i]
-        at = x
-        for k in range(OCTAVES):
-            at = 0.5 * at
-            place = at if at > s[XA, i] else s[XA, i]
-            f = octaves[k, i]
-            if (f < 0.0) | (f > 0.0):
-                if (f > 0.0) != (before > 0.0):
-                    n = counts[ROOTS]
-                    if upper:
-                        set_bracket(roots, n, x, before, place, f)
-                    else:
-                        set_bracket(roots, n, place, f, x, before)
-                    append_of_lane(roots, counts, ROOTS, lane, half, upper)
-                x, before = place, f
+        lane, cell = int(s[LANE, i]), int(s[XC, i])
+        if _changes(s, i, octaves, counts, roots, splits, split_by, 0) > 0:
+            marks[cell, lane] = 0
+            marks[cell + 1, lane] = marks[cell + 1, lane] & (ROOT | UNRESOLVED_CELL)
+            _changes(s, i, octaves, counts, roots, splits, split_by, 1)

@@ -21,22 +21,21 @@ from fastlink.codegen.runtime.cells import (
     ROOTS,
     SIGN,
     TOGGLE,
-    UNRESOLVED,
     VALLEYS,
     XC,
     append_of_lane,
-    append_unresolved,
     padded,
     set_bracket,
 )
 from fastlink.numerics.compiler import inlined, lanes, merged, outlined
 from fastlink.numerics.elementary import sqrt, trailing_zeros
 
-__all__ = ["collect", "collect_unresolved", "mark", "mark_ends", "place_samples", "silenced"]
+__all__ = [
+    *("collect", "is_unresolved", "mark", "mark_ends", "place_samples", "position_of", "silenced"),
+    *("ROOT", "UNRESOLVED_CELL", "VALLEY"),
+]
 
 ROOT, VALLEY, UNRESOLVED_CELL = 1, 2, 4
-# Eight marks at once.
-UNRESOLVED_CELLS = 0x0404040404040404
 # At 0.85 one pair of extremes of a rate in 10^6 was lost, at 1 a search takes a third longer.
 SHALLOW = 0.97
 # Of a derivative, over its terms: some ten roundings.
@@ -158,7 +157,7 @@ def mark_ends(w: Any, table: Any, samples: Any, marks: Any, part: Any, width: in
 
 
 @merged
-def _position(samples: Any, cells: int, j: int, upper: bool, lane: int) -> float:
+def position_of(samples: Any, cells: int, j: int, upper: bool, lane: int) -> float:
     """Return the position of a sample from the lower end, or from the upper one."""
     if upper:
         return float(samples[3 * cells + 1 - j, lane])
@@ -172,13 +171,13 @@ def _add_root(samples: Any, part: Any, j: int, lane: int, counts: Any, roots: An
     """Make an item of the cell that begins with a sample."""
     cells, n = part[CELLS], counts[ROOTS]
     at, upper = part[FIRST] + j, j >= cells
-    a, b = _position(samples, cells, j, upper, lane), _position(samples, cells, j + 1, upper, lane)
+    a, b = position_of(samples, cells, j, upper, lane), position_of(samples, cells, j + 1, upper, lane)
     set_bracket(roots, n, a, samples[at, lane], b, samples[at + 1, lane])
     append_of_lane(roots, counts, ROOTS, lane, part[PART], upper)
 
 
 @merged
-def _is_unresolved(marks: Any, part: Any, j: int, lane: int) -> Any:
+def is_unresolved(marks: Any, part: Any, j: int, lane: int) -> Any:
     """Tell whether the cell that begins with a sample is divided; there is none beyond the ends."""
     if (j < 0) | (j >= 2 * part[CELLS]):
         return False
@@ -193,9 +192,9 @@ def _add_valley(samples: Any, part: Any, j: int, lane: int, counts: Any, valleys
     fa, fb, middle = samples[first + left, lane], samples[first + right, lane], samples[first + j, lane]
     if (fa > 0.0) == (middle > 0.0) and (fb > 0.0) == (middle > 0.0):
         upper = left >= cells
-        a, b = _position(samples, cells, left, upper, lane), _position(samples, cells, right, upper, lane)
+        a, b = position_of(samples, cells, left, upper, lane), position_of(samples, cells, right, upper, lane)
         set_bracket(valleys, n, a, fa, b, fb)
-        valleys[XC, n] = _position(samples, cells, j, upper, lane)
+        valleys[XC, n] = position_of(samples, cells, j, upper, lane)
         valleys[FC, n] = middle
         append_of_lane(valleys, counts, VALLEYS, lane, part[PART], upper)
 
@@ -231,40 +230,5 @@ def collect(samples: Any, marks: Any, part: Any, counts: Any, roots: Any, valley
                     continue
                 if flag & ROOT and j < last:
                     _add_root(samples, part, j, lane, counts, roots)
-                if flag & VALLEY and not _is_unresolved(marks, part, j - 1, lane):
+                if flag & VALLEY and not is_unresolved(marks, part, j - 1, lane):
                     _add_valley(samples, part, j, lane, counts, valleys)
-
-
-@outlined
-def collect_unresolved(samples: Any, marks: Any, part: Any, counts: Any, unresolved: Any) -> None:
-    """Make items of the unresolved cells of one half of the range.
-
-    Parameters
-    ----------
-    samples, marks, part, counts
-        As for `collect`.
-    unresolved : array (rows of an item, items)
-        The items.
-    """
-    first, cells, count = part[FIRST], part[CELLS], counts[DESIGNS]
-    n_words = padded(count) >> 3
-    for j in range(2 * cells):
-        at, upper = first + j, j >= cells
-        words = marks[at].view(np.int64)
-        for k in range(n_words):
-            word = words[k] & UNRESOLVED_CELLS
-            while word != 0:
-                shift = trailing_zeros(word) & 56
-                word = word & (word - 1)
-                lane = 8 * k + (shift >> 3)
-                if lane >= count:
-                    break
-                n = counts[UNRESOLVED]
-                a, b = (
-                    _position(samples, cells, j, upper, lane),
-                    _position(samples, cells, j + 1, upper, lane),
-                )
-                set_bracket(unresolved, n, a, samples[at, lane], b, samples[at + 1, lane])
-                owner = not _is_unresolved(marks, part, j - 1, lane)
-                append_unresolved(unresolved, n, 1, float(part[SIGN]), owner)
-                append_of_lane(unresolved, counts, UNRESOLVED, lane, part[PART], upper)

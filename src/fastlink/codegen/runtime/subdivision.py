@@ -10,8 +10,11 @@ from __future__ import annotations
 
 from typing import Any
 
+import numpy as np
+
 from fastlink.codegen.runtime.cells import (
     CELLS,
+    DESIGNS,
     FA,
     FB,
     FC,
@@ -21,8 +24,10 @@ from fastlink.codegen.runtime.cells import (
     FIRST,
     HALF,
     LANE,
+    PART,
     PARTS,
     ROOTS,
+    SIGN,
     STEPS,
     UNRESOLVED,
     UPPER,
@@ -37,10 +42,25 @@ from fastlink.codegen.runtime.cells import (
     padded,
     set_bracket,
 )
-from fastlink.codegen.runtime.sampling import ROOT, UNRESOLVED_CELL, VALLEY, mark
-from fastlink.numerics.compiler import inlined, lanes, outlined
+from fastlink.codegen.runtime.sampling import (
+    ROOT,
+    UNRESOLVED_CELL,
+    VALLEY,
+    is_unresolved,
+    mark,
+    position_of,
+)
+from fastlink.codegen.runtime.splits import next_split
+from fastlink.numerics.compiler import inlined, lanes, merged, outlined
+from fastlink.numerics.elementary import trailing_zeros
 
-__all__ = ["collect_fine", "divide", "keep_fine", "mark_fine", "mark_unresolved", "place_fine"]
+__all__ = [
+    *("collect_fine", "collect_unresolved", "divide", "keep_fine", "mark_fine", "mark_unresolved"),
+    "place_fine",
+]
+
+# Eight marks at once.
+UNRESOLVED_CELLS = 0x0404040404040404
 
 # The row of the state that tells which parts are divided again: free until a search for a least magnitude begins.
 DIVIDED = STEPS
@@ -119,6 +139,65 @@ def mark_unresolved(samples: Any, marks: Any, part: Any, width: int) -> None:
             flag = UNRESOLVED_CELL if both else 0
             marks[j - 1, i] = before | flag
             marks[j, i] = here | flag
+
+
+@merged
+def _append_part(part: Any, lane: int, upper: bool, owner: bool, counts: Any, unresolved: Any) -> None:
+    """Make an item of the cell, or of the part of one, whose bracket is set."""
+    append_unresolved(unresolved, counts[UNRESOLVED], 1, float(part[SIGN]), owner)
+    append_of_lane(unresolved, counts, UNRESOLVED, lane, part[PART], upper)
+
+
+@outlined
+def collect_unresolved(
+    samples: Any, marks: Any, part: Any, counts: Any, unresolved: Any, roots: Any, splits: Any, split_by: Any
+) -> None:
+    """Make items of the unresolved cells of one half of the range, of parts of them where these are split.
+
+    Parameters
+    ----------
+    samples, marks, part
+        As for `mark_unresolved`.
+    counts : array of int
+        How many designs there are, and how many items of each kind.
+    unresolved, roots : array (rows of an item, items)
+        The items. A root is made of a place whose sides have values of both signs.
+    splits, split_by
+        As for `splits.mark_splits`.
+    """
+    first, cells, count = part[FIRST], part[CELLS], counts[DESIGNS]
+    n_words = padded(count) >> 3
+    for j in range(2 * cells):
+        at, upper = first + j, j >= cells
+        words = marks[at].view(np.int64)
+        for k in range(n_words):
+            word = words[k] & UNRESOLVED_CELLS
+            while word != 0:
+                shift = trailing_zeros(word) & 56
+                word = word & (word - 1)
+                lane = 8 * k + (shift >> 3)
+                if lane >= count:
+                    break
+                a, b = (
+                    position_of(samples, cells, j, upper, lane),
+                    position_of(samples, cells, j + 1, upper, lane),
+                )
+                fa, fb = samples[at, lane], samples[at + 1, lane]
+                owner = not is_unresolved(marks, part, j - 1, lane)
+                n = next_split(splits, counts, split_by, lane, part[PART], upper, a, b)
+                while n >= 0:
+                    near, far = (XA if a < b else XB), (XB if a < b else XA)
+                    x, f = splits[near, n], splits[near + 1, n]
+                    y, g = splits[far, n], splits[far + 1, n]
+                    set_bracket(unresolved, counts[UNRESOLVED], a, fa, x, f)
+                    _append_part(part, lane, upper, owner, counts, unresolved)
+                    if (f > 0.0) != (g > 0.0):
+                        set_bracket(roots, counts[ROOTS], x, f, y, g)
+                        append_of_lane(roots, counts, ROOTS, lane, part[PART], upper)
+                    a, fa, owner = y, g, False
+                    n = next_split(splits, counts, split_by, lane, part[PART], upper, a, b)
+                set_bracket(unresolved, counts[UNRESOLVED], a, fa, b, fb)
+                _append_part(part, lane, upper, owner, counts, unresolved)
 
 
 @outlined

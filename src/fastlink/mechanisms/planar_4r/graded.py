@@ -121,6 +121,7 @@ planar_4r.graded = GradedRange(
     ),
     wraps_at={"theta2": "AB_y", "theta4": "DB_y", "joint_angle_2": "AB_v", "joint_angle_4": "DB_y"},
     divisors={"curvature": ("curve_rate", 5)},  # (P' x P'')/|P'|^3
+    turns={"load_torque": "omega4"},  # T_2 omega4 |omega4|
 )
 
 
