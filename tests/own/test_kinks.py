@@ -71,6 +71,36 @@ def test_a_magnitude_that_nothing_else_computes_is_searched():
     check(["joint_min", "joint_max"], 4, 2001)
 
 
+@mine.quantity(units="rad2 s-2")
+def drag(omega2, omega4):
+    return 1e6 * omega4 * abs(omega4) - omega2 * abs(omega2)
+
+
+@mine.quantity(units="rad s-1")
+def lower(omega2, omega4):
+    return min(omega2, 1e3 * abs(omega4))
+
+
+@pytest.mark.parametrize("name", ["drag", "lower"])
+def test_lists_hold_the_extremes_beside_kinks(name):
+    """Next to a dead point of the output link a thousandth of a cell may hold two or three of them."""
+    rng = np.random.default_rng(3)
+    columns = {"a1": (0.1, 0.3), "a2": (0.9, 1.1), "a3": (0.7, 1.1)}
+    columns = {length: rng.uniform(*ends, 12) for length, ends in columns.items()}
+    columns |= {"a4": np.ones(12), "omega1": np.full(12, 2.5)}
+    given = {"branch": 1, "progress": False}
+    maps = fl.sweep(mine, fl.table(columns), [f"{name}_extrema", "theta4_extrema"], **given)
+    beside = np.geomspace(1e-9, 1e-2, 81)
+    for k, dead in enumerate(maps["theta1_at_theta4_extrema"].values[:, :2]):
+        near = (dead[:, None] + np.concatenate([-beside, [0.0], beside])).ravel()
+        angles = np.unique(np.concatenate([np.linspace(0.0, 2.0 * np.pi, 4000, endpoint=False), near]))
+        design = fl.table({length: values[k : k + 1] for length, values in columns.items()})
+        values = fl.sweep(mine, design, [name], **given, theta1=angles)[name].values.ravel()
+        rises = np.sign(np.diff(values, append=values[0]))
+        rises = rises[rises != 0.0]
+        assert maps[f"{name}_extrema_count"][k] == (rises != np.roll(rises, 1)).sum(), k
+
+
 @pytest.mark.stress
 def test_none_of_many_is_beyond_an_extreme():
     check(NAMES, 1000, 8001)

@@ -59,6 +59,12 @@ def load(F21, F41):
     return max(F21, F41)
 
 
+@OWN.quantity(units="rad s-1")
+def lower(omega2, omega4):
+    """Rate of the coupler, or a thousand times the size of the output link's, which is less."""
+    return min(omega2, 1e3 * abs(omega4))
+
+
 SAMPLED = {"extrema": "sampled"}
 MOTION = ["A_x", "theta4", "omega4", "alpha2"]
 REDUCED = ["omega4_max", "omega4_min", "theta1_at_omega4_max", "T41_mean", "alpha4_rms", "T41_fluctuation"]
@@ -116,6 +122,9 @@ FAMILIES: dict[str, Family] = {
     "lists of extremes with toggles": Family("planar_4r", ["curvature_extrema_error", "P_x_max_error"]),
     "lists of extremes with folds": Family(
         "planar_4r", ["F41_extrema_error"], more={"a1": 1.0, "a2": 2.0, "a3": 3.0, "a4": 2.0}
+    ),
+    "lists of extremes with kinks": Family(
+        OWN, ["lower_extrema", "T41_extrema"], more={"T_load_quadratic": 1e6}
     ),
     "angles that jump": Family("planar_4r", ["theta4_max", "theta4_min", "theta2_extrema"]),
     "extremes by another joint": Family("planar_4r", ["joint_omega_4_max"], 9, DRIVEN),

@@ -53,7 +53,7 @@ class _ExtremaWriter(FoldsWriter):
             if self.program.has_gradients:
                 text.call(winners.forget_winners, "winners, gradients")
             text.add(f"counts[{cells.DESIGNS}] = n_here")
-            text.call(splits.forget_splits, "counts")
+            text.call(splits.forget_splits, "splits")
             for number in sorted(range(len(searches)), key=lambda k: not searches[k].splits):
                 self.write_search(number)
             for search in filter(self.needs_ends, searches):
@@ -86,7 +86,8 @@ class _ExtremaWriter(FoldsWriter):
             flags = [int(search.at_limit), int(search.jumps) - int(search.piece)]
             about = [k, self.number_of(search.quantity), search.order, search.parity]
             tables[f"search_{k}"] = [*about, *flags, self.room(search), *self.most_items(search)]
-            tables[f"split_by_{k}"] = self.split_by(search) or [-1]
+            if numbers := self.split_by(search):
+                tables[f"split_by_{k}"] = numbers
             tables[f"rows_{k}"] = [self.row(name) for name in self.item_needs(search)] or [0]
             for half in range(self.halves):
                 first, beyond = self.sample_row(k, half), self.sample_row(k, self.half_beyond(half))
@@ -173,17 +174,21 @@ class _ExtremaWriter(FoldsWriter):
             self.write_toggles(number, parts[0])
         if self.split_by(search):
             self.write_splits(number)
+        elif self.n_splits:
+            text.call(splits.forget_slopes, "splits")
         for part in parts:
             text.call(sampling.mark_ends, f"w, table, samples, marks, {part}, width")
             if self.split_by(search):
-                text.call(splits.mark_splits, f"samples, marks, {part}, splits, counts, split_by_{number}")
+                text.call(splits.mark_splits, f"samples, marks, {part}, splits")
             if search.divided:
                 text.call(subdivision.mark_unresolved, f"samples, marks, {part}, width")
         if search.divided or not search.parity:  # else its extremes are counted: none hides
             self.write_octaves(number, parts[0])
         for part in parts:
             if search.divided:
-                items = f"counts, unresolved, roots, splits, split_by_{number}"
+                if self.split_by(search):
+                    text.call(splits.collect_jumps, f"samples, marks, {part}, splits, counts, roots")
+                items = "counts, unresolved, splits"
                 text.call(subdivision.collect_unresolved, f"samples, marks, {part}, {items}")
             text.call(sampling.collect, f"samples, marks, {part}, counts, roots, valleys")
         if search.divided:
@@ -201,7 +206,7 @@ class _ExtremaWriter(FoldsWriter):
                     if search.splits:
                         text.call(
                             splits.keep_splits,
-                            f"state, filled, samples, {parts[0]}, splits, counts, {number}",
+                            f"state, filled, samples, {parts[0]}, splits, {number}",
                         )
                         continue
                     self.write_extrema(number, results.extrema_at_zeros, "state, filled, table")

@@ -24,16 +24,14 @@ class FoldsWriter(PlacesWriter):
 
     def write_splits(self, number: int) -> None:
         """Write the function on both sides of the places at which its cells are split."""
-        text = self.text
-        with text.block(f"for start in range(0, counts[{cells.SPLITS}], {LANES}):"):
-            text.call(
-                cells.gather, f"splits, start, counts[{cells.SPLITS}], w, rows_{number}, state", "filled"
-            )
+        text, last = self.text, f"int(splits[{splits.NEXT}, 0])"
+        with text.block(f"for start in range({LANES}, {last}, {LANES}):"):
+            text.call(cells.gather, f"splits, start, {last}, w, rows_{number}, state", "filled")
             text.call(roots.every_vector, "vectors, filled", "n_open")
             with text.block("for k in range(2):"):
                 text.call(splits.place_split, "state, filled, k")
                 text.add(f"slope_{number}(state, vectors, n_open)")
-                text.call(splits.keep_slopes, "state, filled, k, splits, start")
+                text.call(splits.keep_slopes, f"state, filled, k, splits, start, split_by_{number}")
 
     def write_toggles(self, number: int, part: str) -> None:
         """Write the function beside toggles at which it vanishes, whose sign counts there."""
@@ -93,10 +91,8 @@ class FoldsWriter(PlacesWriter):
                     text.call(octaves.place_octave, "state, filled, k, trial")
                     text.add(f"slope_{number}(state, vectors, n_open)")
                     text.call(octaves.keep_octave, "state, filled, k, trial, octaves")
-            text.call(
-                octaves.collect_octaves,
-                f"state, filled, octaves, marks, counts, roots, splits, split_by_{number}",
-            )
+            text.call(octaves.collect_octaves, "state, filled, octaves, counts, roots, splits")
+            text.call(octaves.replace_cells, "state, filled, marks")
             # by its symmetry the slope of one with a parity is 0 at the fold: it falls, and hides nothing
             if self.flagged and search.bounded_by and not (search.onto or search.parity):
                 self.write_certainty(number)

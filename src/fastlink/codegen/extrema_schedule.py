@@ -125,7 +125,7 @@ class ExtremaSchedule:
             *self.item_lists(),
             Array("ends", "float64", (ITEM_ROWS, 3 * room + MOST_LANES)),
             Array("octaves", "float64", (OCTAVES, LANES)),
-            Array("splits", "float64", (ITEM_ROWS, MOST_SPLITS * LANES * self.n_splits + MOST_LANES)),
+            Array("splits", "float64", (ITEM_ROWS, LANES * (1 + MOST_SPLITS * self.n_splits) + MOST_LANES)),
             Array("flags", "int8", (LANES,)),
             Array("vectors", "int64", (LANES // MOST_LANES,)),
             Array("counts", "int64", (cells.COUNTS,)),

@@ -58,6 +58,8 @@ OPTIONS = (
 OF_KERNELS = (
     *("begin_certain", "collect_toggles", "flag_undecided", "keep_certain"),
     *("note_hidden", "note_uncertain", "settle_toggles"),
+    *("collect_jumps", "forget_slopes", "forget_splits", "keep_slopes", "keep_splits", "mark_splits"),
+    *("next_split", "place_split", "replace_cells", "splits"),
     *("bound_hidden", "count_turned", "keep_away", "keep_near", "keep_turned", "n_turned", "place_near"),
     *("abs", "advance_roots", "advance_valleys", "append_item", "append_of_lane", "append_unresolved"),
     *("array", "at", "begin_roots", "begin_valleys", "best", "bound_at_zero", "bound_ends"),
@@ -93,7 +95,7 @@ OF_KERNELS = (
 )
 TAKEN = frozenset({*OPTIONS, *OF_KERNELS, *HELPERS, *NAMESPACE})
 #: The beginnings of names that kernels make.
-MADE = r"out_|whole_|(asked|columns|f|gradient|limit|part|rows|search|slope|value)_\d"
+MADE = r"out_|whole_|(asked|columns|f|gradient|limit|part|rows|search|slope|split_by|value)_\d"
 #: Letters of the longest name: results have endings, and files room for 255.
 LONGEST = 60
 

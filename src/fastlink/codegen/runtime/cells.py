@@ -70,10 +70,7 @@ FIRST, BEYOND, PART, SIGN, CELLS, CONTINUED = range(6)
 # many each has.
 DESIGNS, VALLEYS, ROOTS, UNRESOLVED, MOST = range(5)
 SHARES = MOST + MOST_ITEMS
-# How many places at which cells are split, and for each lane the last one, counted from 1; 0 where there is none.
-SPLITS = SHARES + MOST_ITEMS * LANES
-LAST_SPLIT = SPLITS + 1
-COUNTS = LAST_SPLIT + LANES
+COUNTS = SHARES + MOST_ITEMS * LANES
 
 
 @inlined
@@ -120,8 +117,8 @@ def append_of_lane(items: Any, counts: Any, kind: int, lane: int, half: int, upp
 
 @outlined
 def nothing_yet(counts: Any, search: Any) -> None:
-    """Begin the lists of a search: no items of any kind, of no lane; places at which cells are split stay."""
-    for k in range(VALLEYS, SPLITS):
+    """Begin the lists of a search: no items of any kind, of no lane."""
+    for k in range(VALLEYS, COUNTS):
         counts[k] = 0
     for k in range(MOST_ITEMS):
         counts[MOST + k] = search[MOST_VALLEYS + k]

@@ -16,6 +16,8 @@ from typing import Any
 
 from fastlink.codegen.runtime.cells import (
     CELLS,
+    F1,
+    F2,
     FA,
     FB,
     FIRST,
@@ -25,9 +27,10 @@ from fastlink.codegen.runtime.cells import (
     OPEN,
     ROOTS,
     START,
-    STEPS,
     TOGGLE,
     UPPER,
+    X1,
+    X2,
     XA,
     XB,
     XC,
@@ -53,7 +56,7 @@ __all__ = [
         "collect_octaves",
         "keep_octave",
     ),
-    *("place_octave", "to_sample", "weigh_octave"),
+    *("place_octave", "replace_cells", "to_sample", "weigh_octave"),
 ]
 
 #: From the first sample, 2^-60 of the scale, to the second one, less than 2^-4 of it.
@@ -159,51 +162,25 @@ def to_sample(s: Any, count: int, trial: int, octaves: Any) -> int:
 
 
 @merged
-def _change(a: float, fa: float, b: float, fb: float, s: Any, i: int, counts: Any, roots: Any) -> int:
-    """Return 1 where two values differ in their sign, that at `b` nearer to the fold; if asked, make a root of them."""
-    if (fb > 0.0) == (fa > 0.0):
-        return 0
-    if s[STEPS, i] > 0.0:
+def _add_root(s: Any, i: int, counts: Any, roots: Any) -> int:
+    """Make a root of an octave, or a part of one, if the function changes its sign; go on to its end; return if so."""
+    x, before, place, f = s[X1, i], s[F1, i], s[X2, i], s[F2, i]
+    turned = (f > 0.0) != (before > 0.0)
+    if turned:
         n, upper = counts[ROOTS], s[UPPER, i] > 0.0
         if upper:
-            set_bracket(roots, n, a, fa, b, fb)
+            set_bracket(roots, n, x, before, place, f)
         else:
-            set_bracket(roots, n, b, fb, a, fa)
+            set_bracket(roots, n, place, f, x, before)
         append_of_lane(roots, counts, ROOTS, int(s[LANE, i]), int(s[HALF, i]), upper)
-    return 1
+    s[X1, i] = place
+    s[F1, i] = f
+    return 1 if turned else 0
 
 
 @outlined
-def _changes(
-    s: Any, i: int, octaves: Any, counts: Any, roots: Any, splits: Any, split_by: Any, make: int
-) -> int:
-    """Return how often the known values of the octaves of an item change their sign; if asked, make roots of these."""
-    lane, half, upper = int(s[LANE, i]), int(s[HALF, i]), s[UPPER, i] > 0.0
-    x, before, at, found = s[XB, i], s[FB, i], s[XB, i], 0
-    s[STEPS, i] = make
-    for k in range(OCTAVES):
-        at = 0.5 * at
-        place, f, last = (at if at > s[XA, i] else s[XA, i]), octaves[k, i], x
-        if (f < 0.0) | (f > 0.0):
-            n = next_split(splits, counts, split_by, lane, half, upper, last, place)
-            while n >= 0:
-                last, g = splits[XA, n], splits[FA, n]
-                if abs(splits[FB, n] - g) <= CHANGE * abs(
-                    g
-                ):  # else it is rounding, or a jump, which octaves show
-                    found = found + _change(x, before, last, g, s, i, counts, roots)
-                    x, before = last, g
-                n = next_split(splits, counts, split_by, lane, half, upper, last, place)
-            found = found + _change(x, before, place, f, s, i, counts, roots)
-            x, before = place, f
-    return found
-
-
-@outlined
-def collect_octaves(
-    s: Any, count: int, octaves: Any, marks: Any, counts: Any, roots: Any, splits: Any, split_by: Any
-) -> None:
-    """Make items of the octaves that hold a zero, instead of their cell, whose end at the fold may be rounding.
+def collect_octaves(s: Any, count: int, octaves: Any, counts: Any, roots: Any, splits: Any) -> None:
+    """Make items of the octaves that hold a zero, and note how many there are.
 
     Parameters
     ----------
@@ -211,16 +188,39 @@ def collect_octaves(
         State of the items, and how many they are.
     octaves : array (OCTAVES, lanes)
         The function's values, 0 where they are not known.
-    marks : array (rows, lanes)
-        Marks of samples; those of a cell that is replaced are taken away.
     counts, roots : array
         How many items of each kind there are, and the roots.
-    splits, split_by
-        As for `splits.mark_splits`.
+    splits : array (rows of an item, items)
+        Places where the function has kinks, see `splits.keep_splits`.
     """
     for i in range(count):
+        lane, half, upper = int(s[LANE, i]), int(s[HALF, i]), s[UPPER, i] > 0.0
+        found, at = 0, s[XB, i]
+        s[X1, i] = at
+        s[F1, i] = s[FB, i]
+        for k in range(OCTAVES):
+            at = 0.5 * at
+            place, f = (at if at > s[XA, i] else s[XA, i]), octaves[k, i]
+            if (f < 0.0) | (f > 0.0):
+                n = next_split(splits, lane, half, upper, s[X1, i], place)
+                while n > 0:
+                    s[X2, i] = splits[XA, n]
+                    s[F2, i] = splits[FA, n]
+                    # else it is rounding, or a jump, which octaves show
+                    if abs(splits[FB, n] - s[F2, i]) <= CHANGE * abs(s[F2, i]):
+                        found = found + _add_root(s, i, counts, roots)
+                    n = next_split(splits, lane, half, upper, s[X2, i], place)
+                s[X2, i] = place
+                s[F2, i] = f
+                found = found + _add_root(s, i, counts, roots)
+        s[F, i] = found
+
+
+@outlined
+def replace_cells(s: Any, count: int, marks: Any) -> None:
+    """Take the marks of cells away whose octaves hold a zero: their ends at the fold may be rounding."""
+    for i in range(count):
         lane, cell = int(s[LANE, i]), int(s[XC, i])
-        if _changes(s, i, octaves, counts, roots, splits, split_by, 0) > 0:
+        if s[F, i] > 0.0:
             marks[cell, lane] = 0
             marks[cell + 1, lane] = marks[cell + 1, lane] & (ROOT | UNRESOLVED_CELL)
-            _changes(s, i, octaves, counts, roots, splits, split_by, 1)

@@ -51,7 +51,7 @@ from fastlink.codegen.runtime.sampling import (
     position_of,
 )
 from fastlink.codegen.runtime.splits import next_split
-from fastlink.numerics.compiler import inlined, lanes, merged, outlined
+from fastlink.numerics.compiler import inlined, lanes, outlined
 from fastlink.numerics.elementary import trailing_zeros
 
 __all__ = [
@@ -141,16 +141,9 @@ def mark_unresolved(samples: Any, marks: Any, part: Any, width: int) -> None:
             marks[j, i] = here | flag
 
 
-@merged
-def _append_part(part: Any, lane: int, upper: bool, owner: bool, counts: Any, unresolved: Any) -> None:
-    """Make an item of the cell, or of the part of one, whose bracket is set."""
-    append_unresolved(unresolved, counts[UNRESOLVED], 1, float(part[SIGN]), owner)
-    append_of_lane(unresolved, counts, UNRESOLVED, lane, part[PART], upper)
-
-
 @outlined
 def collect_unresolved(
-    samples: Any, marks: Any, part: Any, counts: Any, unresolved: Any, roots: Any, splits: Any, split_by: Any
+    samples: Any, marks: Any, part: Any, counts: Any, unresolved: Any, splits: Any
 ) -> None:
     """Make items of the unresolved cells of one half of the range, of parts of them where these are split.
 
@@ -160,10 +153,10 @@ def collect_unresolved(
         As for `mark_unresolved`.
     counts : array of int
         How many designs there are, and how many items of each kind.
-    unresolved, roots : array (rows of an item, items)
-        The items. A root is made of a place whose sides have values of both signs.
-    splits, split_by
-        As for `splits.mark_splits`.
+    unresolved : array (rows of an item, items)
+        The items. What is between both sides of a place is none, see `splits.collect_jumps`.
+    splits : array (rows of an item, items)
+        Places where the function has kinks, see `splits.keep_splits`.
     """
     first, cells, count = part[FIRST], part[CELLS], counts[DESIGNS]
     n_words = padded(count) >> 3
@@ -178,26 +171,18 @@ def collect_unresolved(
                 lane = 8 * k + (shift >> 3)
                 if lane >= count:
                     break
-                a, b = (
-                    position_of(samples, cells, j, upper, lane),
-                    position_of(samples, cells, j + 1, upper, lane),
-                )
-                fa, fb = samples[at, lane], samples[at + 1, lane]
-                owner = not is_unresolved(marks, part, j - 1, lane)
-                n = next_split(splits, counts, split_by, lane, part[PART], upper, a, b)
-                while n >= 0:
-                    near, far = (XA if a < b else XB), (XB if a < b else XA)
-                    x, f = splits[near, n], splits[near + 1, n]
-                    y, g = splits[far, n], splits[far + 1, n]
+                a = position_of(samples, cells, j, upper, lane)
+                b = position_of(samples, cells, j + 1, upper, lane)
+                near, far = (XA if a < b else XB), (XB if a < b else XA)
+                fa, owner, n = samples[at, lane], not is_unresolved(marks, part, j - 1, lane), 1
+                while n > 0:
+                    n = next_split(splits, lane, part[PART], upper, a, b)
+                    x = splits[near, n] if n > 0 else b
+                    f = splits[near + 1, n] if n > 0 else samples[at + 1, lane]
                     set_bracket(unresolved, counts[UNRESOLVED], a, fa, x, f)
-                    _append_part(part, lane, upper, owner, counts, unresolved)
-                    if (f > 0.0) != (g > 0.0):
-                        set_bracket(roots, counts[ROOTS], x, f, y, g)
-                        append_of_lane(roots, counts, ROOTS, lane, part[PART], upper)
-                    a, fa, owner = y, g, False
-                    n = next_split(splits, counts, split_by, lane, part[PART], upper, a, b)
-                set_bracket(unresolved, counts[UNRESOLVED], a, fa, b, fb)
-                _append_part(part, lane, upper, owner, counts, unresolved)
+                    append_unresolved(unresolved, counts[UNRESOLVED], 1, float(part[SIGN]), owner)
+                    append_of_lane(unresolved, counts, UNRESOLVED, lane, part[PART], upper)
+                    a, fa, owner = splits[far, n], splits[far + 1, n], False
 
 
 @outlined
