@@ -81,7 +81,12 @@ def lower(omega2, omega4):
     return min(omega2, 1e3 * abs(omega4))
 
 
-@pytest.mark.parametrize("name", ["drag", "lower"])
+@mine.quantity(units="rad s-1")
+def wide(omega2, omega4):
+    return max(omega2, omega4) - min(omega4, omega2)  # two kinks in one place
+
+
+@pytest.mark.parametrize("name", ["drag", "lower", "wide"])
 def test_lists_hold_the_extremes_beside_kinks(name):
     """Next to a dead point of the output link a thousandth of a cell may hold two or three of them."""
     rng = np.random.default_rng(3)

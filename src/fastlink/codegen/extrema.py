@@ -186,10 +186,10 @@ class _ExtremaWriter(FoldsWriter):
             self.write_octaves(number, parts[0])
         for part in parts:
             if search.divided:
-                if self.split_by(search):
-                    text.call(splits.collect_jumps, f"samples, marks, {part}, splits, counts, roots")
                 items = "counts, unresolved, splits"
                 text.call(subdivision.collect_unresolved, f"samples, marks, {part}, {items}")
+                if self.split_by(search):
+                    text.call(splits.collect_jumps, f"{part}, splits, counts, roots")
             text.call(sampling.collect, f"samples, marks, {part}, counts, roots, valleys")
         if search.divided:
             self.write_division(number)

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from fastlink.codegen.runtime import cells, results
 from fastlink.codegen.runtime.cells import ITEM_ROWS, LANES, MOST_LANES, STATE_ROWS
 from fastlink.codegen.runtime.octaves import OCTAVES
-from fastlink.codegen.runtime.splits import MOST_SPLITS
+from fastlink.codegen.runtime.splits import MOST_SPLITS, SPLIT_ROWS
 from fastlink.codegen.runtime.winners import WINNER_ROWS
 from fastlink.codegen.schedule import needed_steps
 from fastlink.codegen.source import Array
@@ -125,7 +125,7 @@ class ExtremaSchedule:
             *self.item_lists(),
             Array("ends", "float64", (ITEM_ROWS, 3 * room + MOST_LANES)),
             Array("octaves", "float64", (OCTAVES, LANES)),
-            Array("splits", "float64", (ITEM_ROWS, LANES * (1 + MOST_SPLITS * self.n_splits) + MOST_LANES)),
+            Array("splits", "float64", (SPLIT_ROWS, LANES * (1 + MOST_SPLITS * self.n_splits) + MOST_LANES)),
             Array("flags", "int8", (LANES,)),
             Array("vectors", "int64", (LANES // MOST_LANES,)),
             Array("counts", "int64", (cells.COUNTS,)),

@@ -17,6 +17,7 @@ from fastlink.codegen.runtime.cells import (
     FC,
     FIRST,
     HALF,
+    ITEM_ROWS,
     LANE,
     LANES,
     PART,
@@ -40,6 +41,8 @@ __all__ = [
     *(
         "MOST_SPLITS",
         "NEXT",
+        "PASSED",
+        "SPLIT_ROWS",
         "collect_jumps",
         "forget_slopes",
         "forget_splits",
@@ -57,6 +60,9 @@ ASIDE = 2.0**-50
 # The first columns are no places: in two rows they tell the last place of each lane, 0 where there is none, and the
 # first of them where the next one goes.
 LAST, NEXT = LANE, HALF
+# One row more tells whether a divided cell is split at a place: at one of two that are almost one.
+PASSED = ITEM_ROWS
+SPLIT_ROWS = PASSED + 1
 
 
 @outlined
@@ -130,6 +136,7 @@ def keep_slopes(s: Any, count: int, after: int, splits: Any, start: int, split_b
         for k in range(split_by.size):
             own = 1 if s[XC, i] == split_by[k] else own
         splits[row, start + i] = s[F, i] if own > 0 else NOT_A_NUMBER
+        splits[PASSED, start + i] = 0.0
 
 
 @merged
@@ -168,19 +175,6 @@ def _changes(splits: Any, n: int, a: float, fa: float, b: float, fb: float) -> i
     return found + (1 if (fb > 0.0) != above else 0)
 
 
-@merged
-def _cell_of(samples: Any, cells: int, splits: Any, n: int) -> int:
-    """Return the number of the sample that begins the cell in which a place is."""
-    lane, upper = int(splits[LANE, n]), splits[UPPER, n] > 0.0
-    j, width = (cells if upper else 0), cells
-    while width > 1:
-        width = width >> 1
-        beyond = position_of(samples, cells, j + width, upper, lane)
-        before = beyond > splits[XA, n] if upper else beyond < splits[XA, n]
-        j = j + width if before else j
-    return j
-
-
 @outlined
 def mark_splits(samples: Any, marks: Any, part: Any, splits: Any) -> None:
     """Mark the samples that begin a cell of one half of the range in which such places show more zeros than its ends.
@@ -197,7 +191,13 @@ def mark_splits(samples: Any, marks: Any, part: Any, splits: Any) -> None:
     cells = part[CELLS]
     for n in range(LANES, int(splits[NEXT, 0])):
         if int(splits[HALF, n]) == part[PART]:
-            lane, upper, j = int(splits[LANE, n]), splits[UPPER, n] > 0.0, _cell_of(samples, cells, splits, n)
+            lane, upper = int(splits[LANE, n]), splits[UPPER, n] > 0.0
+            j, width = (cells if upper else 0), cells
+            while width > 1:
+                width = width >> 1
+                beyond = position_of(samples, cells, j + width, upper, lane)
+                before = beyond > splits[XA, n] if upper else beyond < splits[XA, n]
+                j = j + width if before else j
             a = position_of(samples, cells, j, upper, lane)
             b = position_of(samples, cells, j + 1, upper, lane)
             at = part[FIRST] + j
@@ -209,27 +209,21 @@ def mark_splits(samples: Any, marks: Any, part: Any, splits: Any) -> None:
 
 
 @outlined
-def collect_jumps(samples: Any, marks: Any, part: Any, splits: Any, counts: Any, roots: Any) -> None:
-    """Make roots of the places in cells that are divided where the function jumps over zero.
+def collect_jumps(part: Any, splits: Any, counts: Any, roots: Any) -> None:
+    """Make roots of the places in divided cells of one half of the range where the function jumps over zero.
 
     Parameters
     ----------
-    samples, marks, part, splits
-        As for `mark_splits`, once all cells that are divided are marked.
+    part, splits
+        As for `mark_splits`, once the parts of divided cells are items.
     counts, roots : array
         How many items of each kind there are, and the roots.
     """
-    cells = part[CELLS]
     for n in range(LANES, int(splits[NEXT, 0])):
-        if int(splits[HALF, n]) == part[PART]:
-            lane, upper, j = int(splits[LANE, n]), splits[UPPER, n] > 0.0, _cell_of(samples, cells, splits, n)
-            divided = marks[part[FIRST] + j, lane] & UNRESOLVED_CELL != 0
-            a = position_of(samples, cells, j, upper, lane)
-            b = position_of(samples, cells, j + 1, upper, lane)
-            f, g = splits[FA, n], splits[FB, n]
-            if divided & _is_between(splits, n, a, b) & ((f > 0.0) != (g > 0.0)):
-                if upper:
-                    set_bracket(roots, counts[ROOTS], splits[XB, n], g, splits[XA, n], f)
-                else:
-                    set_bracket(roots, counts[ROOTS], splits[XA, n], f, splits[XB, n], g)
-                append_of_lane(roots, counts, ROOTS, lane, part[PART], upper)
+        f, g, upper = splits[FA, n], splits[FB, n], splits[UPPER, n] > 0.0
+        if (splits[PASSED, n] > 0.0) & (splits[HALF, n] == part[PART]) & ((f > 0.0) != (g > 0.0)):
+            if upper:
+                set_bracket(roots, counts[ROOTS], splits[XB, n], g, splits[XA, n], f)
+            else:
+                set_bracket(roots, counts[ROOTS], splits[XA, n], f, splits[XB, n], g)
+            append_of_lane(roots, counts, ROOTS, int(splits[LANE, n]), part[PART], upper)

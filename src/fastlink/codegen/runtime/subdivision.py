@@ -50,7 +50,7 @@ from fastlink.codegen.runtime.sampling import (
     mark,
     position_of,
 )
-from fastlink.codegen.runtime.splits import next_split
+from fastlink.codegen.runtime.splits import PASSED, next_split
 from fastlink.numerics.compiler import inlined, lanes, outlined
 from fastlink.numerics.elementary import trailing_zeros
 
@@ -183,6 +183,7 @@ def collect_unresolved(
                     append_unresolved(unresolved, counts[UNRESOLVED], 1, float(part[SIGN]), owner)
                     append_of_lane(unresolved, counts, UNRESOLVED, lane, part[PART], upper)
                     a, fa, owner = splits[far, n], splits[far + 1, n], False
+                    splits[PASSED, n] = 1.0  # of column 0, which is no place, too
 
 
 @outlined
