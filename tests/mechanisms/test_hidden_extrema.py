@@ -112,6 +112,16 @@ def test_finer_samples_show_no_more_extremes(entry, monkeypatch):
     assert_finer_samples_show_no_more(entry, "random", 3000, ("curvature", "F32", "T41"), monkeypatch)
 
 
+def test_extremes_next_to_a_toggle_count_where_the_slope_there_is_no_rounding(monkeypatch):
+    """Next to a straight line T_x has an extreme within 2^-24 of the toggle, where its slope is 1e-6 of what it is."""
+    (entry,) = (entry for entry in GRADED if str(entry) == "focal sigma")
+    designs = designs_of(entry, "line 1e-8", 31, 3000)
+    some = {name: values[[1086, 1737, 2057, 2989]] for name, values in designs.items()}
+    counts = counted(entry, some, ["T_x"], None, monkeypatch)
+    assert (counts == 2).all()
+    np.testing.assert_array_equal(counts, counted(entry, some, ["T_x"], FINE, monkeypatch))
+
+
 @pytest.mark.stress
 @pytest.mark.parametrize("entry", GRADED, ids=str)
 def test_finer_samples_show_no_more_extremes_of_anything(entry, monkeypatch):

@@ -44,6 +44,9 @@ SMALL = 2.0**-10
 # At 2^-22 of the scale, so many times the distance of the last sample, an error of the slope's terms of one rounding is
 # a thousandth of it; an extreme nearer than that is as great as the quantity at the toggle but for 2^-44 of its bend.
 AWAY = 2.0**38
+# A function at a toggle over that away from it, below which it may be rounding: at most 2^4 roundings of its terms. The
+# zero that a greater one shows is beyond 2^-28 of the scale.
+ROUNDED = 2.0**-6
 # An extreme within a distance is off by less than what the quantity changes within so many times that: one of its
 # square by an eighth, the kink of a magnitude that is linear in the square by a fourteenth.
 BEYOND = 4.0
@@ -79,7 +82,7 @@ def settle_toggles(s: Any, count: int, samples: Any) -> None:
     """Give the samples at toggles the values beside them; 0 would be taken for the zero that is sought."""
     for i in range(count):
         row, lane, f = int(s[XC, i]), int(s[LANE, i]), s[F, i]
-        if (f < 0.0) | (f > 0.0):
+        if ((f < 0.0) | (f > 0.0)) & (abs(s[FA, i]) <= ROUNDED * abs(f)):
             samples[row, lane] = f
 
 
