@@ -38,18 +38,8 @@ from fastlink.numerics.compiler import lanes, merged, outlined
 from fastlink.numerics.elementary import NOT_A_NUMBER
 
 __all__ = [
-    *(
-        "MOST_SPLITS",
-        "NEXT",
-        "PASSED",
-        "SPLIT_ROWS",
-        "collect_jumps",
-        "forget_slopes",
-        "forget_splits",
-        "keep_slopes",
-        "keep_splits",
-        "mark_splits",
-    ),
+    *("MOST_SPLITS", "NEXT", "PASSED", "SPLIT_ROWS"),
+    *("collect_jumps", "forget_slopes", "forget_splits", "keep_slopes", "keep_splits", "mark_splits"),
     *("next_split", "place_split"),
 ]
 
