@@ -138,6 +138,8 @@ def test_a_search_is_told_by_what_is_searched():
     # What has loops of its own is named, not counted.
     assert "not counted: gather" in str(found)
     assert "not counted" not in str(asked(["omega4_max"], omega1=9.0))
+    loaded = resolve("planar_4r", fl.grid(**LENGTHS, omega1=9.0, T_load=1.0), names, links=ROUND_BAR)
+    assert "every extreme of T41; cells split at the zeros of omega4\n" in str(explain_request(loaded))
 
 
 @pytest.mark.parametrize("angles", [5, 36])

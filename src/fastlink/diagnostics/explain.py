@@ -270,7 +270,10 @@ def _kernel_work(kernel: Kernel) -> KernelWork:
             if isinstance(program, KnownProgram)
             else "every extreme"
         )
-        names += f"; {how} of {', '.join(search.quantity for search in program.searches)}"
+        found = dict.fromkeys(search.quantity for search in program.searches if not search.splits)
+        names += f"; {how} of {', '.join(found)}"
+        if splits := [search.quantity for search in program.searches if search.splits]:
+            names += f"; cells split at the zeros of {', '.join(splits)}"
     facts = tuple(name for step in program.steps for name in step.names)
     return KernelWork(names, facts, loop_work(kernel.source), kernel.source)
 
