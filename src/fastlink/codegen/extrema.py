@@ -167,18 +167,18 @@ class _ExtremaWriter(FoldsWriter):
         """Write the search for the cells that hold a zero of one function, their refinement, and the extrema there."""
         text, search = self.text, self.program.searches[number]
         text.call(cells.nothing_yet, f"counts, search_{number}")
-        parts = self.parts_of(number)
+        parts, split = self.parts_of(number), bool(self.split_by(search))
         for part in self.parts_that_may_rest(number):
             text.call(resting.silence_rest, f"w, table, samples, marks, {part}, n_here")
         if self.looks_away(number):
             self.write_toggles(number, parts[0])
-        if self.split_by(search):
+        if split:
             self.write_splits(number)
         elif self.n_splits:
             text.call(splits.forget_slopes, "splits")
         for part in parts:
             text.call(sampling.mark_ends, f"w, table, samples, marks, {part}, width")
-            if self.split_by(search):
+            if split:
                 text.call(splits.mark_splits, f"samples, marks, {part}, splits")
             if search.divided:
                 text.call(subdivision.mark_unresolved, f"samples, marks, {part}, width")
@@ -186,9 +186,9 @@ class _ExtremaWriter(FoldsWriter):
             self.write_octaves(number, parts[0])
         for part in parts:
             if search.divided:
-                items = "counts, unresolved, splits"
-                text.call(subdivision.collect_unresolved, f"samples, marks, {part}, {items}")
-                if self.split_by(search):
+                arguments = f"samples, marks, {part}, counts, unresolved, splits"
+                text.call(subdivision.collect_unresolved, arguments)
+                if split:
                     text.call(splits.collect_jumps, f"{part}, splits, counts, roots")
             text.call(sampling.collect, f"samples, marks, {part}, counts, roots, valleys")
         if search.divided:
@@ -204,12 +204,10 @@ class _ExtremaWriter(FoldsWriter):
                     text.call(roots.begin_roots, "state, filled, vectors, flags", "n_open")
                     self.write_steps(number, roots.advance_roots)
                     if search.splits:
-                        text.call(
-                            splits.keep_splits,
-                            f"state, filled, samples, {parts[0]}, splits, {number}",
-                        )
-                        continue
-                    self.write_extrema(number, results.extrema_at_zeros, "state, filled, table")
+                        arguments = f"state, filled, samples, {parts[0]}, splits, {number}"
+                        text.call(splits.keep_splits, arguments)
+                    else:
+                        self.write_extrema(number, results.extrema_at_zeros, "state, filled, table")
 
     def write_division(self, number: int) -> None:
         """Write the division of unresolved cells, and of their parts that are still unresolved."""

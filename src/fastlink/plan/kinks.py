@@ -136,15 +136,23 @@ def searches_for_splits(
     """Return the searches for the places at which cells of searches, which share samples, are split."""
     graded = catalogue.graded
     assert graded is not None
-    found: dict[str, ExtremumSearch] = {}
+    first: dict[str, ExtremumSearch] = {}
     for search in searches:
         for name in search.turns:
-            one = _search_of(catalogue, search, name, name, steps_of)
-            if one is not None:
-                divided = name not in graded.cells
-                own = replace(one, quantity=name, order=0, divided=divided, splits=True, bounded_by=())
-                found.setdefault(name, own)
-    return list(found.values())
+            first.setdefault(name, search)  # it is the same for all
+    found = (_search_of(catalogue, search, name, name, steps_of) for name, search in first.items())
+    return [
+        replace(
+            one,
+            quantity=one.slope,
+            order=0,
+            divided=one.slope not in graded.cells,
+            splits=True,
+            bounded_by=(),
+        )
+        for one in found
+        if one is not None
+    ]
 
 
 def turns_of(graded: GradedRange, quantity: str, steps: Iterable[Fact | System]) -> tuple[str, ...]:
