@@ -30,7 +30,7 @@ MANY = 1_000_000
 #: In each run a few, by some inputs.
 FEW = 40
 QUICK = [("planar_4r", "theta1"), ("slider_crank", "theta"), ("minkowski_4r", "theta"), ("focal", "sigma")]
-QUICK += [("hart", "phi"), ("planar_4r", "joint_angle_3")]
+QUICK += [("hart", "phi"), ("planar_4r", "joint_angle_1"), ("planar_4r", "joint_angle_4")]
 
 
 @pytest.mark.parametrize(("mechanism", "drive"), QUICK)

@@ -16,6 +16,8 @@ class FlintContext:
     atan2, atanh, acosh = map(staticmethod, (arb.atan2, arb.atanh, arb.acosh))
     #: Where the loop does not close: a ball that is no number has too few bits.
     nan = None
+    #: Balls know what rounding leaves open.
+    eps = 0
 
     def __init__(self, bits):
         self.bits, self.dps = bits, int(bits * 0.30103)

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from fastlink.precision.independent.four_bar import angle_between, polygon
-from fastlink.precision.independent.series import Open, Series, Singular, rotation, solved, unit_vector
+from fastlink.precision.independent.series import Series, Singular, closed, rotation, solved, unit_vector
 
 __all__ = ["Position", "argument", "between_rockers", "by_F", "closing", "coordinates", "points"]
 
@@ -74,9 +74,9 @@ def by_F(
     at = F.terms[0]
     square = at.real * at.real + at.imag * at.imag
     cosine = (m * m + p * p - square) / (2 * m * p)
-    if abs(cosine) > 1:
-        raise Open("the dyad MPF does not reach F")
-    omega = ctx.atan2(omega_sign * ctx.sqrt((1 - cosine) * (1 + cosine)), cosine)
+    size = (m * m + p * p + square) / abs(2 * m * p)
+    sine_squared = closed(ctx, (1 - cosine) * (1 + cosine), size, "the dyad MPF does not reach F")
+    omega = ctx.atan2(omega_sign * ctx.sqrt(sine_squared), cosine)
     seen = m - p * unit_vector(ctx, omega)
 
     def dyad(unknown: list[Series], drive: Series) -> list[Series]:

@@ -16,7 +16,7 @@ from fastlink.precision.independent.dyads import (
 )
 from fastlink.precision.independent.figures import CIRCLES, MEETING, SEEN, circles, meeting, seen_from_AB
 from fastlink.precision.independent.four_bar import angle_between, wrapped
-from fastlink.precision.independent.series import Open, Series, Singular, rotation, solved
+from fastlink.precision.independent.series import Open, Series, Singular, closed, rotation, solved
 
 __all__ = ["BY_CRANK", "BY_ROCKER", "DESIGN", "configuration", "design"]
 
@@ -91,9 +91,7 @@ def _assembled(a: Any, b: Any, c: Any, d: Any) -> None:
 
 def _roots(ctx: Any, two: Any, one: Any, none: Any) -> tuple[Any, Any]:
     """Return the roots of a quadratic equation."""
-    square = one * one - 4 * two * none
-    if square < 0:
-        raise Open("no root is real")
+    square = closed(ctx, one * one - 4 * two * none, one * one + abs(4 * two * none), "no root is real")
     if two == 0:
         raise Singular("a root is infinite")
     return tuple((sign * ctx.sqrt(square) - one) / (2 * two) for sign in (1, -1))
@@ -140,11 +138,11 @@ def configuration(
         places["T"] = places["A"] + bars["T_ratio"] * (places["B"] - places["A"])
         if not by_crank and "r" in bars:
             names["sigma"] = argument(ctx, places["F"] - bars["s"])
-    values |= coordinates(places) | _figures(bars, places)
+    values |= coordinates(places) | _figures(ctx, bars, places)
     _add_angles(ctx, at, names, "sigma" if by_crank else "phi", values)
 
 
-def _figures(bars: Mapping[str, Any], places: Mapping[str, Series]) -> dict[str, Any]:
+def _figures(ctx: Any, bars: Mapping[str, Any], places: Mapping[str, Series]) -> dict[str, Any]:
     """Return points, circles and joints in the frame of AB, as far as the joints are known."""
     joints = {name: place.terms[0] for name, place in places.items()}
     A, B, d = joints["A"], joints["B"], bars["d"]
@@ -152,13 +150,13 @@ def _figures(bars: Mapping[str, Any], places: Mapping[str, Series]) -> dict[str,
     if "s" in bars:
         joints["S"] = 0 * A + bars["s"]
     seen = {name: joints[name] for name in "MNSF" if name in joints}
-    return meeting(A, B, d) | circles(joints) | seen_from_AB(seen, A, B)
+    return meeting(ctx, A, B, d) | circles(ctx, joints) | seen_from_AB(seen, A, B)
 
 
 def _by_crank(
     ctx: Any, bars: Mapping[str, Any], drive: Series, values: dict[str, Any]
 ) -> tuple[Position, dict[str, Series]]:
-    """Return the position that SF gives, and the angles of MA and NB; F is there whether or not the rest closes."""
+    """Return the position that SF gives, and the angles of MA and NB; F is nowhere where both dyads do not reach it."""
     if "r" not in bars:
         raise Open("there is no crank")
 
@@ -166,8 +164,11 @@ def _by_crank(
         from_M: Series = rotation(ctx, drive) * bars["r"] + bars["s"]
         return from_M
 
-    values |= coordinates({"F": joint_F(drive)})
-    found, angles = by_F(ctx, bars, joint_F, drive, 1 if bars["branch"] == 1 else -1)
+    try:
+        found, angles = by_F(ctx, bars, joint_F, drive, 1 if bars["branch"] == 1 else -1)
+    except Singular:
+        values |= coordinates({"F": joint_F(drive)})
+        raise
     return found, dict(zip(("phi", "psi"), angles, strict=True))
 
 
@@ -193,7 +194,7 @@ def _by_rocker(
     places = {"B": b * v + d}
     if "T_ratio" in bars:
         places["T"] = a * u + bars["T_ratio"] * (places["B"] - a * u)
-    values |= coordinates(places) | _figures(bars, places | {"A": a * u})
+    values |= coordinates(places) | _figures(ctx, bars, places | {"A": a * u})
     _add_angles(ctx, at, {"psi": psi}, "phi", values)
     if completed is not None:
         # PF and QF are parallel to MA and NB turned by omega, whatever their lengths

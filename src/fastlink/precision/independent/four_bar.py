@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from fastlink.precision.independent.series import Open, Series, Singular, rotation, solved, unit_vector
+from fastlink.precision.independent.series import Series, Singular, closed, rotation, solved, unit_vector
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -37,9 +37,9 @@ def corner(ctx: Any, base: Any, first: Any, second: Any, side: int) -> Any:
     if square == 0:
         raise Singular("the ends of the base coincide")
     along = (square + first * first - second * second) / (2 * square)
-    across = first * first / square - along * along
-    if across < 0:
-        raise Open("the lengths do not make a triangle")
+    reach = first * first / square
+    size = reach + abs(along) * (1 + reach + second * second / square)
+    across = closed(ctx, reach - along * along, size, "the lengths do not make a triangle")
     return base * ctx.mpc(along, side * ctx.sqrt(across))
 
 

@@ -6,7 +6,7 @@ import math
 from collections.abc import Mapping
 from typing import Any
 
-from fastlink.precision.independent.series import Open, Series, Singular, exponential, solved
+from fastlink.precision.independent.series import Open, Series, Singular, closed, exponential, solved
 
 __all__ = ["DESIGN", "QUANTITIES", "configuration", "design", "digits"]
 
@@ -118,9 +118,8 @@ RATES = ("dpsi_dtheta", "d2psi_dtheta2")
 def _root(ctx: Any, at: Mapping[str, Any], p: Any) -> Any:
     """Return q = e^psi, or -e^psi where CB is past-pointing, by the half-angle of eq. (3)."""
     A, B, C = _coefficients(at, p)
-    square = B * B + C * C - A * A
-    if square < 0:
-        raise Open("no root of eq. (3) is real")
+    size = B * B + C * C + A * A
+    square = closed(ctx, B * B + C * C - A * A, size, "no root of eq. (3) is real")
     sign = 1 if at["branch"] == 1 else -1
     top, below = -B + sign * ctx.sqrt(square), A + C
     if below == top:

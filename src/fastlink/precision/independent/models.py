@@ -93,6 +93,7 @@ class Model:
 
 
 def _joints(joint: int, ctx: Any, at: Mapping[str, Any], order: int, _: bool, found: dict[str, Any]) -> None:
+    planar_4r.add_driven_end(ctx, at, joint, found)
     directions = planar_4r.joints(ctx, at, joint, order, found)
     planar_4r.add_places(ctx, at, (rotation(ctx, directions[0]), rotation(ctx, directions[1])), found)
 

@@ -11,7 +11,17 @@ from fastlink.precision.independent.bodies import Link, bar_data, cross, reactio
 from fastlink.precision.independent.four_bar import polygon, triangle_angle, wrapped
 from fastlink.precision.independent.series import Open, Series, rotation, unit_vector
 
-__all__ = ["DESIGN", "FIXED_FRAME", "JOINTS", "PLACES", "add_places", "design", "fixed_frame", "joints"]
+__all__ = [
+    "DESIGN",
+    "FIXED_FRAME",
+    "JOINTS",
+    "PLACES",
+    "add_driven_end",
+    "add_places",
+    "design",
+    "fixed_frame",
+    "joints",
+]
 
 #: Quantities by the order of the derivatives that they need.
 JOINTS = {f"joint_angle_{i}": 0 for i in (1, 2, 3, 4)} | {f"v{i}": 0 for i in (1, 2, 3, 4)}
@@ -102,6 +112,16 @@ def fixed_frame(ctx: Any, at: Mapping[str, Any], order: int, forces: bool, value
         values |= _point(ctx, at, places["P"], order)
     if forces:
         values |= _forces(ctx, at, (crank, coupler, output), places, values)
+
+
+def add_driven_end(ctx: Any, at: Mapping[str, Any], joint: int, values: dict[str, Any]) -> None:
+    """Add the end of a bar that is driven at the ground: it has a place where the loop does not close, too."""
+    if joint == 1:
+        end = -at["a1"] * unit_vector(ctx, at["joint_angle_1"])
+        values |= {"A_x": end.real, "A_y": end.imag}
+    elif joint == 4:
+        end = at["a4"] + at["a3"] * unit_vector(ctx, -at["joint_angle_4"])
+        values |= {"B_x": end.real, "B_y": end.imag}
 
 
 def add_places(

@@ -18,15 +18,21 @@ __all__ = [
     "Open",
     "Series",
     "Singular",
+    "closed",
     "context",
     "exponential",
     "linear_solution",
+    "of_rounding",
     "rotation",
     "solved",
     "unit_vector",
 ]
 
 MOST_STEPS = 12
+#: Of so many roundings of its terms a value may come that vanishes, where two links are in line.
+ROUNDINGS = 64
+#: So many square roots of a rounding an angle may be off there.
+IN_LINE = 1024
 
 
 @lru_cache(maxsize=8)
@@ -43,6 +49,42 @@ class Open(ArithmeticError):
 
 class Singular(ArithmeticError):
     """The equations do not determine the unknowns, at a toggle or where joints coincide."""
+
+
+def closed(ctx: Any, value: Any, size: Any, otherwise: str) -> Any:
+    """Return a value that is not negative where a loop closes: 0 where it is so but for the rounding of its terms.
+
+    Parameters
+    ----------
+    ctx : context
+        Of the numbers; its `eps` is 0 where numbers know their rounding themselves.
+    value : number
+        What is not negative.
+    size : number
+        The sum of the sizes of its terms.
+    otherwise : str
+        What is so where it is negative.
+
+    Raises
+    ------
+    Open
+        It is negative.
+    """
+    if not value < 0:
+        return value
+    if value < -ROUNDINGS * ctx.eps * size:
+        raise Open(otherwise)
+    return 0 * value
+
+
+def of_rounding(ctx: Any, value: Any, size: Any) -> bool:
+    """Tell whether a value may differ from 0 by rounding alone, where its terms are of a size and links in line."""
+    return bool(abs(value) <= _rounding_in_line(ctx) * size)
+
+
+def _rounding_in_line(ctx: Any) -> Any:
+    """Return the rounding of an angle where links are in line: it is known to the root of that of its cosine."""
+    return IN_LINE * ctx.sqrt(ctx.mpf(ctx.eps))
 
 
 class Series:
@@ -154,13 +196,15 @@ def unit_vector(ctx: Any, angle: Any) -> Any:
     return ctx.mpc(*ctx.cos_sin(angle))
 
 
-def linear_solution(rows: Sequence[Sequence[Any]]) -> list[Any]:
+def linear_solution(rows: Sequence[Sequence[Any]], least: Any = 0) -> list[Any]:
     """Solve a linear system by LU with partial pivoting.
 
     Parameters
     ----------
     rows : sequence of sequence
         The equations, each with its right-hand side last.
+    least : number
+        The greatest pivot that may come from rounding alone.
 
     Raises
     ------
@@ -177,7 +221,7 @@ def linear_solution(rows: Sequence[Sequence[Any]]) -> list[Any]:
     for k in range(size):
         pivot = max(range(k, size), key=lambda r: abs(table[r][k]))
         table[k], table[pivot] = table[pivot], table[k]
-        if table[k][k] == 0:
+        if abs(table[k][k]) <= least:
             raise Singular("the matrix of the equations is singular")
         for row in table[k + 1 :]:
             if row[k] != 0:
@@ -225,10 +269,12 @@ def solved(ctx: Any, equations: Equations, start: Sequence[Any], drive: Series) 
     else:
         raise Singular("Newton's iteration does not converge")
     unknowns = [Series((value,)) for value in values]
+    least = _rounding_in_line(ctx) * max(abs(entry) for row in matrix for entry in row)
     for k in range(1, len(drive.terms)):
         guess = [Series((*x.terms, 0 * x.terms[0])) for x in unknowns]
         found = equations(guess, Series(drive.terms[: k + 1]))
-        further = linear_solution([[*row, -one.terms[k]] for row, one in zip(matrix, found, strict=True)])
+        rows = [[*row, -one.terms[k]] for row, one in zip(matrix, found, strict=True)]
+        further = linear_solution(rows, least)
         unknowns = [Series((*x.terms, term)) for x, term in zip(unknowns, further, strict=True)]
     return unknowns
 
