@@ -17,7 +17,7 @@ from tests.extreme.planar import MASSES, POINTS
 #: has depended on the other tests of the process: 36000 came in some orders only.
 pytestmark = pytest.mark.filterwarnings("ignore:.* is taken as radians:fastlink.InputWarning")
 
-FEW, MANY = 25, 10_000
+FEW, MANY = 15, 10_000
 
 
 def examples(number: int) -> settings:

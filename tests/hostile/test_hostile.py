@@ -20,14 +20,14 @@ from tests.hostile.doors import DOORS, Door
 
 #: Each part of the default run, and its number of cases.
 PARTS: dict[str, tuple[Callable[[int, int], Iterator[Case]], int]] = {
-    "arguments": (campaign.argument_cases, 1300),
-    "tables": (campaign.table_cases, 400),
-    "studies": (campaign.study_cases, 220),
-    "command lines": (campaign.line_cases, 80),
+    "arguments": (campaign.argument_cases, 650),
+    "tables": (campaign.table_cases, 200),
+    "studies": (campaign.study_cases, 110),
+    "command lines": (campaign.line_cases, 40),
 }
 SEED = 13
 #: How many times as many in the long run, of another seed: 100,000 in all.
-LONG = 50
+LONG = 100
 SHOWN = 20
 #: What is public and not called here, and why.
 ELSEWHERE = {"InputError": "an exception", "InputWarning": "a warning"}

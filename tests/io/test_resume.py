@@ -32,7 +32,7 @@ def sweep(to, **given):
         "block": 64,
         "threads": 1,
         "to": to,
-        "verify": 2,
+        "verify": 1,
         "branch": given.pop("branch", (1, 2)),
     }
     options |= given.pop("options", {})

@@ -62,7 +62,7 @@ def circular(difference: np.ndarray) -> np.ndarray:
     return np.abs((difference + np.pi) % TURN - np.pi)
 
 
-@pytest.mark.parametrize("n", [250, pytest.param(2500, marks=pytest.mark.stress)])
+@pytest.mark.parametrize("n", [150, pytest.param(2500, marks=pytest.mark.stress)])
 @pytest.mark.parametrize("family", FAMILIES)
 def test_none_is_missed_and_each_is_right_to_rounding(family, n):
     """2000 designs, 20000 in the long run, by exact real root counts."""
