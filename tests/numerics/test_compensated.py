@@ -23,7 +23,7 @@ EXACT = {
         6,
     ),
 }
-#: Of an argument with this ending the rounding is: so much smaller than what stands before it.
+#: Which arguments are low parts, roundings of those before them.
 LOW = {
     "pair_product": (1, 3),
     "pair_quotient": (1, 3),
@@ -33,7 +33,7 @@ LOW = {
 
 
 def drawn(name, rng, digits):
-    """Return arguments of one sign, the low parts a rounding of the numbers before them."""
+    """Return arguments, the low parts roundings of those before them in so many digits."""
     numbers = list(rng.uniform(0.5, 2.0, EXACT[name][1]))
     for k in LOW.get(name, ()):
         numbers[k] = numbers[k - 1] * float(rng.uniform(-1.0, 1.0)) * 10.0**-digits
