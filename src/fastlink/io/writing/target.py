@@ -10,6 +10,7 @@ from typing import Any
 import h5py
 
 from fastlink.errors import KeyPath, Remedy, Setting
+from fastlink.io.checksums import seal_is_broken
 from fastlink.io.place import (
     SLACK,
     check_place,
@@ -136,6 +137,8 @@ def check_left(path: Path, fingerprint: str, remedy: Remedy = RESTART) -> None:
 def is_map(path: Path) -> bool:
     """Tell whether a file is a finished map."""
     try:
+        if seal_is_broken(path):
+            return False
         with h5py.File(path, "r", locking=False) as file:
             return FORMAT in file.attrs
     except (OSError, RuntimeError):
