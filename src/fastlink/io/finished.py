@@ -13,7 +13,7 @@ import numpy as np
 import xarray as xr
 
 from fastlink.errors import InputError
-from fastlink.io.dataset import Variable, plain_attrs
+from fastlink.io.dataset import FINGERPRINT, Variable, plain_attrs
 from fastlink.io.parts import OF_PARTS, PartOfMap
 from fastlink.io.place import existing_file, exists_error
 from fastlink.io.reader import open_map
@@ -21,8 +21,8 @@ from fastlink.io.writing.target import forget_journal, forget_published
 
 __all__ = ["FINGERPRINT", "WRITTEN", "finished_map", "marks", "stamp"]
 
-#: Global attributes of a map: the hash of its request, and the time at which it was finished, in ns since 1970.
-FINGERPRINT, WRITTEN = "fingerprint", "written_time_ns"
+#: Global attribute of a map: the time at which it was finished, in ns since 1970.
+WRITTEN = "written_time_ns"
 #: Steps of the times of files, in ns: of most file systems, Windows, microseconds, HFS+ and NFS 2, FAT.
 STEPS = (1, 100, 1000, 10**9, 2 * 10**9)
 #: Longer coordinates are not read to say in what two maps differ.
