@@ -3,7 +3,10 @@
 from __future__ import annotations
 
 import errno
+import fcntl
 import functools
+import os
+import shutil
 import subprocess
 import sys
 import tracemalloc
@@ -410,6 +413,75 @@ def test_a_kill_touches_nothing_that_is_finished_and_the_next_conversion_goes_th
     fl.convert(grid, path, overwrite=True, compress=compress or None)
     assert left_in(tmp_path) == [name]
     assert_same(loaded(path), whole(grid))
+
+
+OUTPUTS = ["out.h5", "gzip.h5", "out.nc", "out.zarr", "out.csv", "out.parquet"]
+
+
+def converted(grid, path, **options):
+    return fl.convert(grid, path, compress="gzip" if path.name == "gzip.h5" else None, **options)
+
+
+@pytest.mark.parametrize("name", OUTPUTS)
+def test_what_a_kill_in_the_last_step_left_is_replaced(grid, tmp_path, name):
+    path = tmp_path / name
+    converted(grid, path).rename(part := tmp_path / f"{name}.part")
+    converted(grid, path)
+    path.rename(part)
+    converted(grid, path, overwrite=True)
+    assert left_in(tmp_path) == [name]
+
+
+def test_what_a_killed_search_left_is_replaced(grid, tmp_path):
+    path, part = tmp_path / "found.h5", tmp_path / "found.h5.part"
+    request = "planar_4r", fl.grid(a1=0.4, a2=[1.1, 1.2], a3=0.8, a4=1.0), []
+    options = {"minimise": "transmission_angle_max", "top": 1, "to": path, "verify": 0}
+    fl.search(*request, **options).close()
+    path.rename(part)
+    fl.search(*request, **options).close()
+    path.rename(part)
+    with refused("to", "restart=True"):
+        fl.search(*request, **(options | {"top": 2}))
+    fl.search(*request, **(options | {"top": 2}), restart=True).close()
+    assert left_in(tmp_path) == ["found.h5"]
+    converted(grid, tmp_path / "out.h5").rename(tmp_path / "found.h5.part")
+    fl.search(*request, **options, overwrite=True).close()  # a conversion is made again, it is no run
+    assert left_in(tmp_path) == ["found.h5"]
+
+
+@pytest.mark.parametrize("left", [[], [".zgroup.0123456789abcdef0123456789abcdef.partial"], ["theta4/0.0.0"]])
+def test_what_is_left_of_a_zarr_store_is_replaced_too(grid, tmp_path, left):
+    """A kill may come before its first file has its name, or while the old store is removed."""
+    part = tmp_path / "out.zarr.part"
+    (part / "theta4").mkdir(parents=True)
+    for name in left:
+        (part / name).write_bytes(b"")
+    fl.convert(grid, tmp_path / "out.zarr")
+    assert left_in(tmp_path) == ["out.zarr"]
+
+
+@pytest.mark.parametrize("name", OUTPUTS)
+def test_a_partial_file_of_a_living_process_or_of_another_kind_is_left_alone(grid, tmp_path, name):
+    path, part = tmp_path / name, tmp_path / f"{name}.part"
+    converted(grid, path).rename(part)
+    before = sorted(one.read_bytes() for one in [part, *part.rglob("*")] if one.is_file())
+    fd = os.open(part, os.O_RDONLY)
+    try:
+        fcntl.flock(fd, fcntl.LOCK_EX)
+        for overwrite in (False, True):
+            with refused(f"{part}: another run is writing it", "wait for it"):
+                converted(grid, path, overwrite=overwrite)
+    finally:
+        os.close(fd)
+    assert sorted(one.read_bytes() for one in [part, *part.rglob("*")] if one.is_file()) == before
+    if part.is_dir():
+        shutil.rmtree(part)
+        part.write_text("years")
+    else:
+        part.unlink()
+        part.mkdir()
+    with refused(f"{part} is", "remove it"):
+        converted(grid, path)
 
 
 def test_a_partial_file_of_a_sweep_is_kept(grid, tmp_path, monkeypatch):
