@@ -196,6 +196,17 @@ def unwritable(text: str) -> str:
     return next((sign for sign in text if sign == "\0" or "\ud800" <= sign <= "\udfff"), "")
 
 
+def writable(name: str) -> str:
+    r"""Return the name of a file as any file can hold it: bytes of it that are no letters are escaped.
+
+    Examples
+    --------
+    >>> print(writable("maps.h5"), writable(os.fsdecode(bytes([255])) + ".h5"))
+    maps.h5 \udcff.h5
+    """
+    return name.encode("utf-8", "backslashreplace").decode()
+
+
 class _Short(reprlib.Repr):
     """Short texts of any values: the same each time, without addresses, whatever their classes do."""
 

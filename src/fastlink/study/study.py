@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from fastlink._text import writable
 from fastlink.doors import door
 from fastlink.engine.options import check_options
 from fastlink.engine.sweep import sweep
@@ -180,7 +181,7 @@ def run_study(
     try:
         # the sweep knows whether the file that exists is its map
         check_target(target, 0, True, study.sources)
-        attrs = {**title, "study_file": study.path.name, "study": study.text}
+        attrs = {**title, "study_file": writable(study.path.name), "study": study.text}
         verify = study.output.get("verify") if verify is None else verify
         if study.search is not None:
             _refuse_of_maps(part=part, layout=layout, client=client)
