@@ -9,7 +9,7 @@ import numbers
 import re
 import reprlib
 import textwrap
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
 __all__ = [
@@ -205,6 +205,17 @@ def writable(name: str) -> str:
     maps.h5 \udcff.h5
     """
     return name.encode("utf-8", "backslashreplace").decode()
+
+
+def filled(template: str, values: Mapping[str, str]) -> str:
+    """Return a template with its marks replaced at once: a value may hold what looks like another mark.
+
+    Examples
+    --------
+    >>> filled("TITLE of YEAR", {"TITLE": "YEAR", "YEAR": "1963"})
+    'YEAR of 1963'
+    """
+    return re.sub("|".join(map(re.escape, values)), lambda mark: values[mark[0]], template)
 
 
 class _Short(reprlib.Repr):
