@@ -498,6 +498,14 @@ def test_a_real_process_runs_and_refuses(folder):
     assert again.stdout == ""
 
 
+def test_a_name_that_is_no_text_is_printed_to_a_strict_terminal_too(folder):
+    environment = os.environ | {"PYTHONIOENCODING": "utf-8:strict"}
+    command = [*MAIN, "draw", "planar_4r", "a1=0.4", "a2=1.1", "a3=0.8", "a4=1.0", "--to", b"\xff.png"]
+    done = subprocess.run(command, capture_output=True, env=environment, check=False)
+    assert (done.returncode, done.stdout, done.stderr) == (0, b"\\udcff.png\n", b"")
+    assert Path(os.fsdecode(b"\xff.png")).is_file()
+
+
 def test_the_names_of_the_package_are_functions_whatever_was_imported():
     script = (
         "import fastlink.engine.sweep, fastlink.space.samplers, fastlink.report.summary\n"

@@ -415,6 +415,71 @@ def test_a_kill_touches_nothing_that_is_finished_and_the_next_conversion_goes_th
     assert_same(loaded(path), whole(grid))
 
 
+NOT_LETTERS = os.fsdecode(b"\xff")
+
+
+@pytest.mark.skipif(sys.platform == "darwin", reason="names of files are letters there")
+def test_a_name_that_is_no_text_is_one_of_a_file_at_every_door(grid, tmp_path):
+    def at(name):
+        return tmp_path / f"{NOT_LETTERS}{name}"
+
+    def is_said(path, name):
+        assert f"\\udcff{name}" in loaded(path).attrs["history"]
+        assert path.suffix == ".zarr" or fl.check(path)
+
+    request = "planar_4r", fl.grid(a1=0.4, a2=[1.1, 1.2], a3=0.8, a4=1.0), ["transmission_angle_max"]
+    parts = [at(f"m.part-{k}-of-2.h5") for k in (1, 2)]
+    for k, path in enumerate(parts, 1):
+        fl.sweep(*request, to=path, part=(k, 2)).close()
+        fl.sweep(*request, to=path, part=(k, 2)).close()
+    fl.join(parts, to=at("m.h5")).close()
+    is_said(at("m.h5"), "m.h5")
+    fl.search(*request, minimise="transmission_angle_max", top=1, to=at("found.h5")).close()
+    is_said(at("found.h5"), "found.h5")
+    at("grid.h5").hardlink_to(grid)
+    for name in OUTPUTS:
+        converted(at("grid.h5"), at(name), quantities=["theta4"])
+        if not name.endswith(("csv", "parquet")):
+            is_said(at(name), name)
+            is_said(converted(at("grid.h5"), tmp_path / name), "grid.h5")
+    constants = {"a3": 0.8, "a4": 1.0}
+    for name in ("out.csv", "out.parquet"):
+        designs = fl.table(at(name))
+        assert designs.size == 15 * 2 * 24
+    at("designs.csv").write_text("a1,a2\n0.4,1.1\n0.5,1.2\n")
+    space = fl.table(at("designs.csv")).with_constants(constants)
+    with fl.sweep("planar_4r", space, ["transmission_angle_max"], to=at("table.h5")) as maps:
+        assert maps.attrs["design_source"] == "\\udcffdesigns.csv"
+    at("study.toml").write_text(
+        'mechanism = "planar_4r"\nquantities = ["transmission_angle_max"]\n'
+        "[design]\na1 = 0.4\na2 = 1.1\na3 = 0.8\na4 = 1.0\n"
+    )
+    with fl.run_study(at("study.toml"), to=at("study.h5")) as maps:
+        assert maps.attrs["study_file"] == "\\udcffstudy.toml"
+    fl.plot_map(at("grid.h5"), "omega4_max", branch=1, to=at("map.svg"))
+    fl.draw(at("grid.h5"), 2, to=at("design.pdf"))
+    fl.explore(at("grid.h5"), to=at("page.html"), browser=False)
+    assert {path.name for path in map(at, ("map.svg", "design.pdf", "page.html"))} <= set(left_in(tmp_path))
+
+
+@pytest.mark.parametrize(
+    ("change", "named"),
+    [
+        (lambda maps: maps.assign_attrs(note=NOT_LETTERS), "note"),
+        (lambda maps: maps.assign_attrs({NOT_LETTERS: "x"}), r"'\udcff'"),
+        (lambda maps: maps.assign_attrs(notes=["one", "two"]), "'notes'"),
+        (lambda maps: maps.assign(theta4=maps.theta4.assign_attrs(units=NOT_LETTERS)), "theta4: units"),
+        (lambda maps: maps.rename(theta4=NOT_LETTERS), r"'\udcff'"),
+        (lambda maps: maps.assign_coords(part=("a1", ["a", "b", NOT_LETTERS])), "part"),
+    ],
+)
+@pytest.mark.parametrize("name", ["out.h5", "gzip.h5", "out.zarr", "out.parquet"])
+def test_what_no_file_can_hold_is_refused_by_its_name(grid, tmp_path, name, change, named):
+    with refused(named, "list of numbers" if named == "'notes'" else "letters alone"):
+        converted(change(whole(grid)[["theta4", "status"]]), tmp_path / name)
+    assert left_in(tmp_path) == []
+
+
 OUTPUTS = ["out.h5", "gzip.h5", "out.nc", "out.zarr", "out.csv", "out.parquet"]
 
 

@@ -221,7 +221,7 @@ def labels_of(resolved: ResolvedSweep) -> xr.Dataset:
     return labels.labelled(one, labels.variables_of(one), arrays, {})
 
 
-def write(path: Path, request: Request, found: xr.Dataset, **options: bool) -> None:
+def write(path: Path, request: Request, found: xr.Dataset, **options: Any) -> None:
     """Write the designs that were found."""
     variables = [
         Variable(str(name), tuple(map(str, one.dims)), one.shape, one.dtype, plain_attrs(one.attrs))
