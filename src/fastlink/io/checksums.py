@@ -185,7 +185,7 @@ def seal_is_broken(path: str | os.PathLike[str]) -> bool:
             return True
         ends = struct.unpack_from(f"<{2 * count}Q", data, len(SEAL) + 24)
         gone = {first: last - first for first, last in zip(ends[::2], ends[1::2], strict=True)}
-        return of_file(fd, gone | {end: size - end}, (rest_at, rest_at + 4)) != labels
+        return bool(of_file(fd, gone | {end: size - end}, (rest_at, rest_at + 4)) != labels)
     except (struct.error, EOFError, OverflowError, ValueError):
         return True
     finally:

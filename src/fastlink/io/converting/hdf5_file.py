@@ -112,8 +112,8 @@ def write_compressed(
                 if file[variable.name].chunks:
                     file[variable.name].id.chunk_iter(of_values.append)
         target.check()
-        values = {int(chunk.byte_offset): int(chunk.size) for chunk in of_values}
-        position, sealed = seal(out.fd, values, place)
+        compressed = {int(chunk.byte_offset): int(chunk.size) for chunk in of_values}
+        position, sealed = seal(out.fd, compressed, place)
         partial_file.write_all(out.fd, memoryview(sealed), position)
         rest = np.array([of_file(out.fd, {}, (place, place + 4))], "u4")
         partial_file.write_all(out.fd, rest.view(np.uint8).data, place)
