@@ -201,6 +201,7 @@ def writable(name: str) -> str:
 
     Examples
     --------
+    >>> import os
     >>> print(writable("maps.h5"), writable(os.fsdecode(bytes([255])) + ".h5"))
     maps.h5 \udcff.h5
     """

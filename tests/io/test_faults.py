@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import contextlib
 import errno
 import os
 import shutil
 import signal
+import tempfile
 import threading
 import warnings
 from collections import Counter
@@ -21,6 +23,7 @@ from tests.support.refusals import refused
 
 import fastlink as fl
 from fastlink import threads
+from fastlink.io.dataset import FINGERPRINT
 from fastlink.io.reader import open_map
 from fastlink.io.writing import journal, partial_file, writer
 from fastlink.io.writing.journal import journal_of
@@ -105,8 +108,10 @@ def test_links_that_lead_to_themselves_are_refused_before_anything_is_computed(t
 def test_a_whole_map_without_its_name_is_refused_to_another_request(tmp_path):
     """Where another file has taken the name during the run."""
     path, part = tmp_path / "m.h5", tmp_path / "m.h5.part"
+    sample = Sample()
+    sample.attrs = {**sample.attrs, FINGERPRINT: "of another request"}
     with pytest.raises(fl.InputError, match="cannot give the complete file its name"):
-        Sample().save(path, between=lambda: path.write_text("mine"))
+        sample.save(path, between=lambda: path.write_text("mine"))
     path.unlink()
     before = digest(part)
     with refused("to", "restart=True"):
@@ -390,6 +395,66 @@ def test_faults_of_all_system_calls(tmp_path, expected, below):
     table, wrong = run_trials(tmp_path, expected, 9, seed=3, below=True)
     assert not wrong, report(table, wrong)
     assert len({key[0] for key in table if isinstance(key, tuple)}) == len(BELOW)
+
+
+DOORS = {
+    "best": lambda folder: fl.best(folder / "a.h5", maximise="omega4_max"),
+    "convert": lambda folder: fl.convert(folder / "a.h5", folder / "new.nc"),
+    "join": lambda folder: fl.join(folder / "parts", to=folder / "new.h5"),
+}
+
+
+def maps_to_read(folder):
+    """Make the files that `DOORS` read."""
+    (folder / "parts").mkdir()
+    for name, options in {"a.h5": {}, "parts/1.h5": {"part": "1/2"}, "parts/2.h5": {"part": "2/2"}}.items():
+        sweep(folder / name, **{"verify": 0, "theta1": 2, **options}).close()
+
+
+def trial_of_a_door(to, door=""):
+    """Let a function read what stands beside the file of the trials; all of them once, to load what they need."""
+    with tempfile.TemporaryDirectory() as loaded:
+        if to is None:
+            maps_to_read(Path(loaded))
+        for one in (door,) if to is not None else DOORS:
+            DOORS[one](Path(loaded) if to is None else Path(to).parent)
+    return contextlib.ExitStack()
+
+
+def test_a_disk_that_fails_while_a_map_is_read_or_closed_is_an_error_of_the_door(tmp_path, below):
+    maps_to_read(tmp_path)
+    with Trials("tests.io.test_faults:trial_of_a_door", below=True) as trials:
+        for door in DOORS:
+
+            def tried(at, door=door):
+                for made in tmp_path.glob("new.*"):
+                    made.unlink()
+                return trials.run(tmp_path / "none", at, "EIO", door=door)
+
+            calls = tried(-1).calls
+            for at in {*range(calls // 2, calls, calls // 8), calls - 2, calls - 1}:
+                outcome = tried(at)
+                assert outcome.code in (0, 2), (door, outcome)
+
+
+def test_labels_that_cannot_be_closed_are_an_error_of_the_door(tmp_path, monkeypatch):
+    """Of a measurement; HDF5 closes a file late and has words of its own for a full quota."""
+    study = tmp_path / "study.toml"
+    study.write_text(
+        """
+        mechanism = "planar_4r"
+        quantities = ["grashof_excess"]
+        design = {a1 = 0.4, a2 = {linspace = [1.0, 1.3, 9]}, a3 = 0.8, a4 = 1.0}
+        """
+    )
+
+    def close(store):
+        raise RuntimeError("Can't decrement id ref count (unable to close file, errno = 122)")
+
+    monkeypatch.setattr("xarray.backends.H5NetCDFStore.close", close)
+    with refused("to", "choose another place"):
+        fl.accuracy(study, designs=2, to=tmp_path / "measured.h5")
+    assert left_in(tmp_path) == ["study.toml"]
 
 
 @pytest.mark.stress

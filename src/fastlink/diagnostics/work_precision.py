@@ -147,7 +147,7 @@ def accuracy(
     offered = partial(methods_for, with_numpy=outside)
     measured = measure(read, offered, designs=designs, seed=seed, announce=announce)
     if target is not None:
-        write_whole(target, as_bytes(measured), overwrite=overwrite)
+        write_whole(target, partial(as_bytes, measured), overwrite=overwrite)
     if path is not None:
         save(draw(measured), path, "picture")
     return measured

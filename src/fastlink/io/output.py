@@ -62,10 +62,10 @@ class _Output:
 
     @contextlib.contextmanager
     def _refusing(self) -> Iterator[None]:
-        """Turn an error of the system into one that says what to do."""
+        """Turn an error of the system, or HDF5's words for one, into one that says what to do."""
         try:
             yield
-        except OSError as error:
+        except (OSError, RuntimeError) as error:
             raise self._failure(self.path, error) from error
 
     def _discard(self) -> None:
@@ -208,19 +208,23 @@ def _replace(part: Path, path: Path) -> None:
 
 
 def _close(fd: int | None) -> None:
+    """Give back the lock of a folder, in which nothing is written by this number."""
     if fd is not None:
-        os.close(fd)
+        with contextlib.suppress(OSError):
+            os.close(fd)
 
 
-def write_whole(path: Path, content: bytes, where: str = "to", *, overwrite: bool = True) -> None:
+def write_whole(
+    path: Path, content: bytes | Callable[[], bytes], where: str = "to", *, overwrite: bool = True
+) -> None:
     """Write a small file at once: the one that has its name stays until the new one is whole and on the disk.
 
     Parameters
     ----------
     path : Path
         The file; where it is a symbolic link, the file that it leads to.
-    content : bytes
-        All that is in it.
+    content : bytes or callable
+        All that is in it, or what makes it.
     where : str
         The option that names it.
     overwrite : bool
@@ -232,5 +236,6 @@ def write_whole(path: Path, content: bytes, where: str = "to", *, overwrite: boo
         It cannot be written, such as on a full disk, or exists and is not to be replaced.
     """
     final = Path(os.path.realpath(path))
-    with OutputFile(final, overwrite, lambda fresh: fresh.write_bytes(content), where, less="") as out:
+    made = content if callable(content) else lambda: content
+    with OutputFile(final, overwrite, lambda fresh: fresh.write_bytes(made()), where, less="") as out:
         out.publish()

@@ -20,7 +20,7 @@ from fastlink.io.checksums import crc32, read_all
 from fastlink.io.merged import is_measured
 from fastlink.io.parts import OF_PARTS, WHOLE, Part, PartOfMap
 from fastlink.io.place import part_of, reason, refused
-from fastlink.io.reader import check_seal, existing_map, is_hdf5, open_map
+from fastlink.io.reader import check_seal, existing_map, is_hdf5, open_map, readable
 from fastlink.io.stored import Stored, open_to_read
 from fastlink.options import check_path
 from fastlink.space.dataset import FORMAT
@@ -63,15 +63,18 @@ class PartFile:
     stored: Stored
     measured: Mapping[str, Mapping[str, Any]]
 
-    def dataset(self) -> xr.Dataset:
-        """Return the part as a Dataset."""
-        return open_map(self.path)
+    @contextlib.contextmanager
+    def dataset(self) -> Iterator[xr.Dataset]:
+        """Yield the part as a Dataset."""
+        with readable(self.path), open_map(self.path) as opened:
+            yield opened
 
     def whole(self) -> xr.Dataset:
         """Return the coordinates that the part keeps of the whole."""
         coords = {}
-        with h5py.File(self.path, "r") as file:
-            for name, one in file[WHOLE].items():
+        with readable(self.path), h5py.File(self.path, "r") as file:
+            for name in file[WHOLE]:
+                one = file[WHOLE][name]  # of what cannot be read items() has None
                 values = one.asstr()[:] if h5py.check_string_dtype(one.dtype) else one[:]
                 coords[name] = ((name,), values, {key: _scalar(value) for key, value in one.attrs.items()})
             return xr.Dataset(coords=coords, attrs=dict(file[WHOLE].attrs))

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import os
+import traceback
 from collections.abc import Iterator
 from importlib.util import find_spec
 from inspect import signature
@@ -30,6 +31,7 @@ __all__ = [
     "is_hdf5",
     "is_zarr",
     "open_map",
+    "readable",
     "register_filter",
     "require_package",
 ]
@@ -177,13 +179,26 @@ def as_dataset(maps: Any) -> Iterator[xr.Dataset]:
             what = f"is of a file that is not there any more ({reason(error).partition(' (')[0]})"
             raise InputError(what, where=("maps",), remedy=GIVE_A_MAP) from error
     elif isinstance(maps, (str, os.PathLike)):
-        with open_map(maps) as opened:
+        with readable(maps), open_map(maps) as opened:
             yield opened
     else:
         one = isinstance(maps, xr.DataArray)
         what = f"is {'one variable' if one else short_repr(maps)}, not a map"
         remedy = "give the whole map" if one else GIVE_A_MAP
         raise InputError(what, where=("maps",), remedy=remedy)
+
+
+@contextlib.contextmanager
+def readable(path: str | os.PathLike[str]) -> Iterator[None]:
+    """Refuse a map that HDF5 cannot read or close any more, such as on a disk that fails."""
+    try:
+        yield
+    except (OSError, RuntimeError, KeyError) as error:
+        *_, (frame, _) = traceback.walk_tb(error.__traceback__)
+        if "h5py" not in Path(frame.f_code.co_filename).parts:  # it is of something else
+            raise
+        what = f"{os.fspath(path)}: cannot be read ({reason(error)})"
+        raise InputError(what, remedy="try again, or take a copy of it") from error
 
 
 def existing_map(path: Any, *, or_zarr: bool = False) -> Path:
