@@ -717,3 +717,32 @@ def test_inputs_of_many_designs_are_read_block_by_block(tmp_path, monkeypatch, n
         }
     if name.endswith(".h5"):
         assert fl.check(many)
+
+
+OF_STRANGERS = {
+    "complex": np.array([1j, 2.0]),
+    "mixed": np.array(["a", 2], object),
+    "dates": np.array(["2020-01-01", "2021-01-01"], "M8[ns]"),
+    "durations": np.array([1, 2], "m8[ns]"),
+    "truths": np.array([True, False]),
+    "bytes": np.array([b"a", b"b"]),
+    "records": np.array([(1, 2.0), (3, 4.0)], "i4,f8"),
+}
+
+
+@pytest.mark.parametrize("ending", [".h5", ".zarr", ".csv", ".parquet"])
+@pytest.mark.parametrize("values", OF_STRANGERS.values(), ids=OF_STRANGERS)
+def test_values_labels_and_attributes_that_are_no_numbers_are_refused(tmp_path, values, ending):
+    maps = fl.sweep("planar_4r", fl.grid(a1=0.4, a2=[1.1, 1.2], a3=0.8, a4=1.0), ["grashof_class"], verify=0)
+    with_others = [
+        maps.assign(other=("a2", values)),
+        maps.assign_coords(other=("a2", values)),
+        maps.assign_attrs(other=values),
+        maps.assign(other=maps.grashof_class.assign_attrs(other=values)),
+    ]
+    for one in with_others:
+        with refused("maps"):
+            fl.convert(one, tmp_path / f"new{ending}")
+    if values.dtype.kind != "O":
+        fl.convert(with_others[0], tmp_path / f"new{ending}", quantities=["grashof_class"])
+    assert left_in(tmp_path) == ([] if values.dtype.kind == "O" else [f"new{ending}"])

@@ -51,6 +51,8 @@ class Stored:
     def of(cls, file: Any) -> Stored:
         """Return those of an open file, which has them."""
         block_bytes, count = int(file[CHECKSUMS].attrs["block_bytes"]), 0
+        if block_bytes < 1:
+            raise ValueError(f"its blocks are of {block_bytes} bytes")
         values: dict[str, Values] = {}
         for name in str(file[CHECKSUMS].attrs["variables"]).split():
             found: h5py.Dataset = file[name]

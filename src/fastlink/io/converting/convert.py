@@ -217,6 +217,11 @@ def _quantities(maps: xr.Dataset, quantities: Any) -> list[str]:
 def _check_texts(maps: xr.Dataset, form: str, problems: Problems) -> None:
     """Note names, attributes and labels that no file can hold; HDF5 reads bytes that are no letters as such."""
     of_all = {"": maps.attrs, **{str(name): one.attrs for name, one in maps.variables.items()}}
+    for name, attrs in of_all.items():
+        for key, value in attrs.items():
+            if not isinstance(value, str) and (fault := fault_of_value(value)):
+                of = f" of {name}" if name else ""
+                problems.add(f"the attribute {key!r}{of} {fault}", ("maps",), f"{PLAIN}, or remove it")
     texts = [(repr(name), name) for name in of_all]
     of_all = {} if form == "csv" else of_all  # which holds none
     texts += [(f"the name of {key!r}", str(key)) for attrs in of_all.values() for key in attrs]
@@ -236,9 +241,6 @@ def _check_texts(maps: xr.Dataset, form: str, problems: Problems) -> None:
         if sign := unwritable(text):
             remedy = "open it by fastlink.open, write letters alone there, and convert that"
             problems.add(f"{what} holds {sign!r}, which no file can hold", ("maps",), remedy)
-    for key, value in maps.attrs.items():
-        if not isinstance(value, str) and (fault := fault_of_value(value)):
-            problems.add(f"the attribute {key!r} {fault}", ("maps",), f"{PLAIN}, or remove it")
 
 
 def check_conversion(maps: xr.Dataset, to: Any, overwrite: bool) -> None:

@@ -11,7 +11,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from fastlink.errors import InputError
+from fastlink.errors import InputError, Problems
 from fastlink.io.converting.selection import Indexer, Selection
 from fastlink.io.dataset import Variable, plain_attrs
 from fastlink.io.place import reason
@@ -64,6 +64,7 @@ class Source:
         coords = coords.drop_vars(list(coords.data_vars)).isel(
             {dim: indexer for dim, indexer in selection.indexers.items() if dim in coords.dims}
         )
+        _check_kinds([maps[name] for name in names], list(coords.coords.values()))
         long = [
             str(name)
             for name, one in coords.coords.items()
@@ -130,6 +131,21 @@ class Source:
             if beyond:
                 self.overflows[variable.name] = self.overflows.get(variable.name, 0) + beyond
         return result
+
+
+def _check_kinds(variables: Sequence[xr.DataArray], coords: Sequence[xr.DataArray]) -> None:
+    """Refuse values that are no numbers, and labels that are neither numbers nor text."""
+    problems = Problems()
+    for one in variables:
+        if one.dtype.kind not in "iuf":
+            remedy = "make numbers of them, such as by astype, or name others by quantities"
+            problems.add(f"the values of {one.name} are of {one.dtype}, not numbers", ("maps",), remedy)
+    for one in coords:
+        of_text = one.dtype.kind == "O" and all(isinstance(label, str) for label in one.values.flat)
+        if one.dtype.kind not in "iufU" and not of_text:
+            what = f"the labels of {one.name} are of {one.dtype}, neither numbers nor text"
+            problems.add(what, ("maps",), "give a map without it, such as by drop_vars")
+    problems.stop()
 
 
 def _is_column(coord: xr.DataArray) -> bool:
