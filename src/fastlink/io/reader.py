@@ -18,6 +18,7 @@ from fastlink.doors import door
 from fastlink.errors import InputError, KeyPath, suggest
 from fastlink.io.checksums import SIGNATURE, seal_is_broken
 from fastlink.io.dataset import FORMAT_VERSION
+from fastlink.io.parts import PartsError, check_parts
 from fastlink.io.place import part_of, reason
 from fastlink.options import check_path, not_a_file
 from fastlink.space.dataset import FORMAT
@@ -93,7 +94,8 @@ def open_map(path: str | os.PathLike[str], *, chunks: Any = None, **options: Any
     Raises
     ------
     InputError
-        There is no such file, it is not a finished map, or an option is not one of xarray's.
+        There is no such file, it is not a finished map, a part whose values it shows is missing or has changed, or an
+        option is not one of xarray's.
 
     Examples
     --------
@@ -118,7 +120,11 @@ def open_map(path: str | os.PathLike[str], *, chunks: Any = None, **options: Any
     else:
         check_seal(path)
     try:
+        if engine == "h5netcdf" and is_hdf5(path) and check_parts(path):
+            path = Path(os.path.realpath(path))  # whose folder the parts are in, not that of a link
         dataset = xr.open_dataset(path, engine=engine, chunks=chunks, **options)
+    except PartsError:
+        raise
     except Exception as error:  # of h5py, h5netcdf, xarray and dask: there is no list of them
         _refuse_option(path, engine, chunks, options, error)
         if engine == "zarr":
