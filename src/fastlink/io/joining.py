@@ -14,14 +14,14 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from fastlink.errors import Problems
-from fastlink.io.checksums import sealed_labels
+from fastlink._text import unwritable
 from fastlink.io.dataset import Variable
 from fastlink.io.finished import FINGERPRINT, WRITTEN
 from fastlink.io.history import HISTORY, history
 from fastlink.io.merged import is_measured, merged, merged_errors
 from fastlink.io.part_files import PartFile
 from fastlink.io.parts import OF_PARTS, OR_COPY, Box, Shown, Source, check_open_files
+from fastlink.io.place import refused
 from fastlink.io.ranges import Range
 from fastlink.io.writing.writer import Writer
 from fastlink.space.dataset import FORMAT
@@ -94,19 +94,21 @@ class JoinedMap:
         if not self._dims:
             return None
         check_open_files(len(self.parts))
-        problems, files = Problems(), dict[str, int]()
+        files = dict[str, int]()
         for part in self.parts:
-            real, labels = Path(os.path.realpath(part.path)), sealed_labels(part.path)
+            real = Path(os.path.realpath(part.path))
             if not real.is_relative_to(folder):
                 remedy = ("write the map into the folder of its parts, or into one above", OR_COPY)
-                problems.add(f"{part.path} is not in {folder} or below", ("to",), remedy)
-            elif labels is None:
-                remedy = ("run that part again by this version, with overwrite", OR_COPY)
-                problems.add(f"{part.path} has no seal: another program has changed it", ("paths",), remedy)
-            else:
-                files[real.relative_to(folder).as_posix()] = labels
-        problems.stop()
-        #: The numbers of designs that several rows share are other ones in the map than in its parts.
+                raise refused(f"{part.path} is not in {folder} or below", remedy)
+            name = real.relative_to(folder).as_posix()
+            if unwritable(name):
+                what, remedy = "has a name that no map can hold", ("give it a name of letters", OR_COPY)
+                raise refused(f"{part.path} {what}", remedy, "paths")
+            if part.labels is None:
+                what = f"{part.path} has no seal, which another program has taken"
+                raise refused(what, ("run that part again, with overwrite", OR_COPY), "paths")
+            files[name] = part.labels
+        # the numbers of designs that several rows share are other ones in the map than in its parts.
         names = [one for one in self.variables if one.name != DESIGN or self._shared == 1]
         return Shown(files, {one.name: list(self._sources(one, list(files))) for one in names})
 
@@ -154,7 +156,10 @@ class JoinedMap:
     ) -> None:
         """Write the values that are missing in a file; `done` takes each range of designs that is written."""
         copied = [one for one in self.variables if shown is None or one.name not in shown.sources]
-        if not copied:
+        if not copied:  # a kill from now on leaves what the same join goes on with
+            for start, stop in writer.pending:
+                writer.record(start, stop)
+                done(start, stop)
             return
         pieces, lock, stop = self._pieces(writer.pending), threading.Lock(), threading.Event()
 

@@ -15,7 +15,7 @@ import xarray as xr
 
 from fastlink._text import counted, short_repr
 from fastlink.errors import InputError, Problem, Problems, remark
-from fastlink.io.checksums import crc32, read_all
+from fastlink.io.checksums import crc32, read_all, sealed_labels
 from fastlink.io.merged import is_measured
 from fastlink.io.parts import OF_PARTS, WHOLE, Part, PartOfMap, scalar
 from fastlink.io.place import part_of, reason, refused
@@ -54,6 +54,8 @@ class PartFile:
         Its checksums.
     measured : dict of str to dict
         What verification says of each variable.
+    labels : int or None
+        The checksum of all that is not values, and of their checksums, where it has a seal.
     """
 
     path: Path
@@ -61,6 +63,7 @@ class PartFile:
     attrs: Mapping[str, Any]
     stored: Stored
     measured: Mapping[str, Mapping[str, Any]]
+    labels: int | None
 
     def dataset(self) -> xr.Dataset:
         """Return the part as a Dataset."""
@@ -169,7 +172,7 @@ def _read(path: Path, chosen: bool) -> PartFile | None:
             if of is not None and WHOLE in file:
                 stored = Stored.of(file)
                 measured = {name: _measured(file[name].attrs) for name in stored.values}
-                return PartFile(path, of, attrs, stored, measured)
+                return PartFile(path, of, attrs, stored, measured, sealed_labels(path))
         if any(name in attrs for name in OF_PARTS):
             raise refused(
                 f"{path}: what it says of its part has changed since it was written", RUN_AGAIN, "paths"

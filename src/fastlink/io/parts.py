@@ -18,6 +18,7 @@ from fastlink._text import counted, short_repr
 from fastlink.errors import InputError, KeyPath, Setting
 from fastlink.io.checksums import sealed_labels
 from fastlink.io.dataset import FINGERPRINT
+from fastlink.io.place import reason
 from fastlink.io.ranges import Range
 
 __all__ = [
@@ -52,7 +53,7 @@ SHOWN, NAMES, LABELS = "parts", "parts/names", "parts/labels"
 ELSEWHERE = "HDF5_VDS_PREFIX"
 #: Files that a process has open besides those of parts.
 OTHER_FILES = 64
-AGAIN = "run that part again unless it is whole, and join the parts again, with overwrite"
+AGAIN = "put it back, or run that part again if need be, and join the parts again with overwrite"
 #: A piece of the remedy where parts cannot stay what the map shows.
 OR_COPY = (", or write ", Setting("copy", True), " for one file of its own")
 #: More parts than any cluster has jobs.
@@ -243,15 +244,25 @@ def check_parts(path: Path) -> bool:
     with h5py.File(path, "r") as file:
         whole = str(file.attrs.get(FINGERPRINT))
     for part, labels in shown.items():
-        if not part.is_file():
-            raise PartsError(f"{path}: its part {part} is missing", remedy=f"move it back, or {AGAIN}")
-        if sealed_labels(part) != labels:
-            raise PartsError(f"{path}: its part {part} has changed since they were joined", remedy=AGAIN)
-        with h5py.File(part, "r") as file:
-            of = PartOfMap.of({name: scalar(file.attrs.get(name)) for name in OF_PARTS})
-        if of is None or of.whole != whole or shown_parts(part):
-            raise PartsError(f"{path}: {part} is no part of this map", remedy=AGAIN)
+        try:
+            if why := _fault(part, labels, whole):
+                raise PartsError(f"{path}: its part {part} {why}", remedy=AGAIN)
+        except OSError as error:
+            raise PartsError(
+                f"{path}: its part {part} cannot be read ({reason(error)})", remedy=AGAIN
+            ) from error
     return True
+
+
+def _fault(part: Path, labels: int, whole: str) -> str:
+    """Return why a file is not the part of a map that was joined, an empty text if it is."""
+    if not part.exists():
+        return "is missing"
+    if sealed_labels(part) != labels:
+        return "has changed since the parts were joined"
+    with h5py.File(part, "r") as file:
+        of = PartOfMap.of({name: scalar(file.attrs.get(name)) for name in OF_PARTS})
+    return "is of another map" if of is None or of.whole != whole or shown_parts(part) else ""
 
 
 def as_source(name: str) -> str:

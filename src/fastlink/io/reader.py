@@ -18,7 +18,7 @@ from fastlink.doors import door
 from fastlink.errors import InputError, KeyPath, suggest
 from fastlink.io.checksums import SIGNATURE, seal_is_broken
 from fastlink.io.dataset import FORMAT_VERSION
-from fastlink.io.parts import PartsError, check_parts
+from fastlink.io.parts import PartsError, check_parts, shown_parts
 from fastlink.io.place import part_of, reason
 from fastlink.options import check_path, not_a_file
 from fastlink.space.dataset import FORMAT
@@ -28,6 +28,7 @@ __all__ = [
     "as_dataset",
     "as_map",
     "check_seal",
+    "files_of",
     "is_hdf5",
     "is_zarr",
     "open_map",
@@ -190,6 +191,17 @@ def as_dataset(maps: Any) -> Iterator[xr.Dataset]:
         what = f"is {'one variable' if one else short_repr(maps)}, not a map"
         remedy = "give the whole map" if one else GIVE_A_MAP
         raise InputError(what, where=("maps",), remedy=remedy)
+
+
+def files_of(maps: xr.Dataset) -> list[Path]:
+    """Return the file that a map was opened from, if there is one, and those of the parts whose values it shows."""
+    source = maps.encoding.get("source")
+    if not isinstance(source, (str, os.PathLike)) or not os.path.exists(source):
+        return []
+    path = Path(source)
+    with contextlib.suppress(OSError):  # no HDF5, or not to be read any more
+        return [path, *shown_parts(path)]
+    return [path]
 
 
 def existing_map(path: Any, *, or_zarr: bool = False) -> Path:
