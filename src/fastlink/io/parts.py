@@ -207,12 +207,19 @@ def shown_parts(path: Path) -> dict[Path, int]:
     PartsError
         A virtual dataset is of another file than of a part that the map names, from its own folder on, in it or below.
     """
+    return _shown(path)[0]
+
+
+def _shown(path: Path) -> tuple[dict[Path, int], set[str]]:
+    """Return the parts whose values a map shows, and the names of these values there."""
     folder = Path(os.path.realpath(path)).parent
-    found, used = dict[str, int](), set[str]()
+    found, used, variables = dict[str, int](), set[str](), set[str]()
 
     def add(_: str, one: Any) -> None:
         if isinstance(one, h5py.Dataset) and one.is_virtual:
-            used.update(source.file_name for source in one.virtual_sources())
+            for source in one.virtual_sources():
+                used.add(source.file_name)
+                variables.add(source.dset_name)
 
     with h5py.File(path, "r") as file:
         file.visititems(add)
@@ -224,7 +231,7 @@ def shown_parts(path: Path) -> dict[Path, int]:
         if name not in found or os.path.isabs(name) or not real.is_relative_to(folder):
             what = f"{path}: shows values of {short_repr(name)}, which is no part of it in its folder"
             raise PartsError(what, remedy="move the parts into the folder of the map, and join them there")
-    return {folder / name: labels for name, labels in found.items()}
+    return {folder / name: labels for name, labels in found.items()}, variables
 
 
 def check_parts(path: Path) -> bool:
@@ -237,7 +244,7 @@ def check_parts(path: Path) -> bool:
     PartsError
         A part is missing or has changed, a source of values is no part of the map, or too few files can be open.
     """
-    shown = shown_parts(path)
+    shown, variables = _shown(path)
     if not shown:
         return False
     check_open_files(len(shown))
@@ -245,7 +252,7 @@ def check_parts(path: Path) -> bool:
         whole = str(file.attrs.get(FINGERPRINT))
     for part, labels in shown.items():
         try:
-            if why := _fault(part, labels, whole):
+            if why := _fault(part, labels, whole, variables):
                 raise PartsError(f"{path}: its part {part} {why}", remedy=AGAIN)
         except OSError as error:
             raise PartsError(
@@ -254,7 +261,7 @@ def check_parts(path: Path) -> bool:
     return True
 
 
-def _fault(part: Path, labels: int, whole: str) -> str:
+def _fault(part: Path, labels: int, whole: str, variables: set[str]) -> str:
     """Return why a file is not the part of a map that was joined, an empty text if it is."""
     if not part.exists():
         return "is missing"
@@ -262,7 +269,8 @@ def _fault(part: Path, labels: int, whole: str) -> str:
         return "has changed since the parts were joined"
     with h5py.File(part, "r") as file:
         of = PartOfMap.of({name: scalar(file.attrs.get(name)) for name in OF_PARTS})
-    return "is of another map" if of is None or of.whole != whole or shown_parts(part) else ""
+        here = all(file[name].file == file and file[name].id.get_offset() is not None for name in variables)
+    return "" if here and of is not None and of.whole == whole else "is of another map"
 
 
 def as_source(name: str) -> str:
