@@ -179,7 +179,7 @@ Source = tuple[str, tuple[int, ...], Box, Box]
 
 @dataclass(frozen=True)
 class Shown:
-    """What a joined map shows of the files of its parts, as virtual datasets of HDF5.
+    """Values that a joined map shows of the files of its parts, as virtual datasets of HDF5.
 
     Attributes
     ----------
