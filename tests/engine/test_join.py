@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import errno
 import os
+import shutil
 import subprocess
 import sys
 from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
 
 import h5py
 import numpy as np
@@ -23,6 +25,7 @@ from fastlink import threads
 from fastlink.cli import app
 from fastlink.errors import InputWarning
 from fastlink.io import joining
+from fastlink.io.checksums import sealed_labels
 from fastlink.io.stored import Stored
 from fastlink.io.writing import journal
 from fastlink.io.writing.writer import Writer
@@ -72,14 +75,16 @@ def assert_same(joined, whole):
 def test_joined_parts_are_the_map_of_one_sweep(of, tmp_path):
     with sweep(of, to=tmp_path / "whole.h5") as whole:
         parts = parts_of(of, tmp_path, min(3, whole.attrs["designs"]))
-        with fl.join(parts[::-1], to=tmp_path / "maps.h5") as joined:
-            assert_same(joined, whole)
-            assert joined.attrs["joined_parts"] == len(parts)
-    assert fl.check(tmp_path / "maps.h5")
-    before = digest(tmp_path / "maps.h5")
-    with sweep(of, to=tmp_path / "maps.h5") as found, fl.join(tmp_path, to=tmp_path / "maps.h5") as again:
-        assert found.attrs == again.attrs == joined.attrs
-    assert digest(tmp_path / "maps.h5") == before
+        for copy in (False, True):
+            with fl.join(parts[::-1], to=tmp_path / "maps.h5", copy=copy, overwrite=True) as joined:
+                assert_same(joined, whole)
+                assert joined.attrs["joined_parts"] == len(parts)
+            assert fl.check(tmp_path / "maps.h5")
+            before = digest(tmp_path / "maps.h5")
+            again = fl.join(tmp_path, to=tmp_path / "maps.h5", copy=copy)
+            with again, sweep(of, to=tmp_path / "maps.h5") as found:
+                assert found.attrs == again.attrs == joined.attrs
+            assert digest(tmp_path / "maps.h5") == before
 
 
 @pytest.mark.parametrize("layout", ["curves", "maps"])
@@ -87,9 +92,11 @@ def test_parts_of_several_blocks_are_joined_piece_by_piece(layout, tmp_path, mon
     monkeypatch.setattr(joining, "PIECE_BYTES", 700_001)
     of = (*LARGE, {"theta1": 72, "layout": layout})
     paths = parts_of(of, tmp_path)
-    with sweep(of, to=tmp_path / "whole.h5") as whole, fl.join(paths, to=tmp_path / "maps.h5") as joined:
-        assert_same(joined, whole)
-    assert fl.check(tmp_path / "maps.h5")
+    with sweep(of, to=tmp_path / "whole.h5") as whole:
+        for copy in (False, True):
+            with fl.join(paths, to=tmp_path / "maps.h5", copy=copy, overwrite=True) as joined:
+                assert_same(joined, whole)
+            assert fl.check(tmp_path / "maps.h5")
 
 
 def test_errors_are_the_greatest_and_numbers_are_sums(tmp_path):
@@ -115,6 +122,164 @@ def test_errors_are_the_greatest_and_numbers_are_sums(tmp_path):
         )
         assert "of 3 parts together" in fl.summary(joined)
     assert "2/3: designs 11 to 22 of 35" in fl.summary(parts[1])
+
+
+# --- without a copy --------------------------------------------------------------------------------
+
+#: Sixteen parts of several blocks, whose borders cut rows of both axes.
+SIXTEEN = (*LARGE, {"theta1": 6})
+SUBFOLDER = "parts of 50%b"  # by which HDF5 would count
+
+
+@pytest.fixture(scope="module")
+def sixteen(tmp_path_factory):
+    """Return a folder with the map of one sweep, and one of maps.h5 that shows sixteen parts below it."""
+    folder = tmp_path_factory.mktemp("sixteen")
+    sweep(SIXTEEN, to=folder / "whole.h5").close()
+    (folder / "joined" / SUBFOLDER).mkdir(parents=True)
+    fl.join(parts_of(SIXTEEN, folder / "joined" / SUBFOLDER, 16), to=folder / "joined" / "maps.h5").close()
+    return folder
+
+
+@pytest.fixture
+def moved(sixteen, tmp_path, monkeypatch):
+    """Return a copy of that map with its parts elsewhere; files of the same names are in the working directory."""
+    shutil.copytree(sixteen / "joined", tmp_path / "moved")
+    (tmp_path / "here" / SUBFOLDER).mkdir(parents=True)
+    monkeypatch.chdir(tmp_path / "here")
+    for part in (tmp_path / "moved" / SUBFOLDER).iterdir():
+        with h5py.File(f"{SUBFOLDER}/{part.name}", "w") as other, h5py.File(part) as file:
+            for name in ("theta4", "status"):
+                other[name] = np.zeros_like(file[name])
+    return tmp_path / "moved" / "maps.h5"
+
+
+def part_of_moved(path, number):
+    return path.parent / SUBFOLDER / f"maps.part-{number}-of-16.h5"
+
+
+@pytest.mark.parametrize("reader", ["open", "link", "h5py", "h5netcdf", "netcdf4", "convert"])
+def test_every_reader_finds_the_values_of_all_parts_where_they_were_moved(reader, sixteen, moved):
+    assert moved.stat().st_size < 1e5
+    readers = {
+        "open": lambda: fl.open(os.path.relpath(moved)),
+        "link": lambda: fl.open("link.h5"),
+        "h5py": lambda: xr.Dataset(
+            {"theta4": (("a2", "a3", "branch", "theta1"), h5py.File(moved)["theta4"][:])}
+        ),
+        "convert": lambda: fl.open(fl.convert(moved, "alone.h5")),
+    }
+    os.symlink(moved, "link.h5")
+    read = readers.get(reader, lambda: xr.open_dataset(os.path.relpath(moved), engine=reader))
+    with xr.open_dataset(sixteen / "whole.h5", engine="h5netcdf") as whole, read() as found:
+        assert found.theta4.dims == whole.theta4.dims
+        assert found.theta4.values.tobytes() == whole.theta4.values.tobytes()
+        assert reader == "h5py" or found.status.identical(whole.status)
+
+
+def test_a_map_that_shows_its_parts_is_a_map_at_every_door(sixteen, moved):
+    def done(path):
+        best = fl.best(path, minimise="theta4_max", top=3)
+        page = fl.explore(path, to="page.html")
+        fl.plot_map(path, "theta4", branch=1, theta1=0.0, to="plot.png")
+        return best, Path(page).stat().st_size > 0
+
+    with fl.sweep(*SIXTEEN[:1], SIXTEEN[1](), ["theta4_max"], to=moved.parent / "max.h5", verify=0):
+        pass
+    whole, shown = (fl.open(path) for path in (sixteen / "whole.h5", moved))
+    with whole, shown:
+        xr.testing.assert_identical(
+            shown.theta4.sel(a2=1.2, method="nearest").load(),
+            whole.theta4.sel(a2=1.2, method="nearest").load(),
+        )
+        assert "shows values of 16 parts" in fl.summary(shown)
+    found = fl.check(moved)
+    assert found
+    assert len(found.parts) == 16
+    assert "so are its 16 parts" in str(found)
+    with refused("to", "another name"):
+        fl.convert(moved, part_of_moved(moved, 3), overwrite=True)
+
+
+@pytest.mark.parametrize("what", ["missing", "another run", "labels", "no part"])
+def test_a_part_that_is_missing_or_another_is_named(what, moved):
+    part = part_of_moved(moved, 7)
+    why = "has changed since"
+    if what == "missing":
+        part.unlink()
+        why = "is missing"
+    elif what == "another run":
+        sweep(SIXTEEN, part=(7, 16), to=part, overwrite=True).close()
+    elif what == "labels":
+        flip(part, part.read_bytes().index(b"Euclidean"))
+    else:
+        shutil.copy(moved, part)
+    for door in (fl.open, fl.summary, lambda path: fl.best(path, minimise="status"), fl.check):
+        if what == "labels" and door is fl.check:
+            assert str(fl.check(moved)).startswith(str(part))
+        else:
+            with pytest.raises(fl.InputError, match=r"part-7-of-16\.h5") as caught:
+                door(moved)
+            assert why in str(caught.value)
+            assert "join the parts again" in str(caught.value)
+    with refused("part-7-of-16.h5", "join the parts again"):  # not `is no map`
+        sweep(SIXTEEN, to=moved)
+
+
+def test_a_check_reads_every_part(moved):
+    part = part_of_moved(moved, 7)
+    with h5py.File(part, "r") as file:
+        place = Stored.of(file).values["theta4"]
+    flip(part, place.offset + place.nbytes // 2)
+    found = fl.check(moved)
+    assert not found
+    assert [one.path for one in found.parts if not one] == [part]
+    assert f"{part}: values of theta4 have changed" in str(found)
+
+
+@pytest.mark.parametrize("source", ["../secret.h5", "{folder}/secret.h5", "link.h5", "beside.h5"])
+def test_values_of_other_files_than_parts_are_not_shown(source, tmp_path, grid_parts):
+    """Not even of parts of the same map that it does not name."""
+    folder = tmp_path / "map"
+    folder.mkdir()
+    shutil.copy(grid_parts[0], tmp_path / "secret.h5")
+    shutil.copy(grid_parts[0], folder / "beside.h5")
+    os.symlink("../secret.h5", folder / "link.h5")
+    layout = h5py.VirtualLayout((11,), "i1")
+    layout[:] = h5py.VirtualSource(source.format(folder=tmp_path), "status", (11,))
+    sweep("grid", to=folder / "maps.h5").close()
+    with h5py.File(folder / "maps.h5", "r+") as file:
+        file.create_virtual_dataset("more", layout)
+        if source != "beside.h5":
+            name = source.format(folder=tmp_path).encode()
+            file["parts/names"], file["parts/labels"] = [name], [sealed_labels(tmp_path / "secret.h5")]
+    with pytest.raises(fl.InputError, match="no part of it in its folder"):
+        fl.open(folder / "maps.h5")
+    assert not fl.check(folder / "maps.h5")
+
+
+def test_what_cannot_be_shown_is_refused_before_anything_is_written(tmp_path, grid_parts, monkeypatch):
+    (tmp_path / "other").mkdir()
+    with refused("to", "copy=True"):
+        fl.join(grid_parts, to=tmp_path / "other" / "maps.h5")
+    resource = pytest.importorskip("resource")
+    monkeypatch.setattr(resource, "getrlimit", lambda _: (66, 1000))
+    with pytest.raises(fl.InputError, match=r"3 parts must be open at once.*ulimit"):
+        joined_to(tmp_path, grid_parts)
+    monkeypatch.undo()
+    with h5py.File(grid_parts[1], "r+") as file:  # which takes its seal
+        file.attrs["note"] = "mine"
+        del file.attrs["note"]
+    assert not list(tmp_path.glob("**/maps.h5*"))
+    sweep("grid", part=(2, 3), to=grid_parts[1], overwrite=True).close()
+    joined_to(tmp_path, grid_parts).close()
+    with refused("to", "overwrite=True"):  # what is there is no copy
+        joined_to(tmp_path, grid_parts, copy=True)
+    joined_to(tmp_path, grid_parts, copy=True, overwrite=True).close()
+    monkeypatch.setenv("HDF5_VDS_PREFIX", str(tmp_path))
+    joined_to(tmp_path, grid_parts, copy=True).close()
+    with refused("HDF5_VDS_PREFIX", "unset"):
+        joined_to(tmp_path, grid_parts, overwrite=True)
 
 
 # --- on the way ------------------------------------------------------------------------------------
@@ -154,10 +319,10 @@ def run(k, killed):
     Writer.record = counted
     sweep(of, part=(k, 16), to=folder / f"m.part-{k:02}-of-16.h5", threads=1, block=4).close()
 
-def join(at, fault, to):
+def join(at, fault, to, copy):
     injector = Injector(at, fault)
     injector.install()
-    fl.join(folder / "m.part-*-of-16.h5", to=to).close()
+    fl.join(folder / "m.part-*-of-16.h5", to=to, copy=copy).close()
 
 of, folder = sys.argv[1], Path(sys.argv[2])
 journal.STEP_SECONDS = 0.0
@@ -165,12 +330,14 @@ sweep(of, part=(1, 16))  # its kernels are loaded
 children = [forked(lambda: run(k, k == 5)) for k in range(1, 17)]
 print([os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]) for child in children])
 print([os.waitstatus_to_exitcode(os.waitpid(forked(lambda: run(5, False)), 0)[1])])
-for number, (at, fault) in enumerate(eval(sys.argv[3])):
+for number, (at, fault, copy) in enumerate(eval(sys.argv[3])):
     to = folder / f"joined-{number}.h5"
-    print(os.waitstatus_to_exitcode(os.waitpid(forked(lambda: join(at, fault, to)), 0)[1]))
+    print(os.waitstatus_to_exitcode(os.waitpid(forked(lambda: join(at, fault, to, copy)), 0)[1]))
 """
-FEW = [(30, "EIO"), (70, "kill"), (100, "interrupt")]
-FAULTS = [(at, fault) for at in range(3, 160, 7) for fault in ("kill", "EIO", "interrupt")]
+FEW = [(30, "EIO", True), (70, "kill", True), (100, "interrupt", True)]
+FEW += [(20, "kill", False), (35, "EIO", False), (45, "kill", False)]
+ALL = ("kill", "EIO", "interrupt")
+FAULTS = [(at, fault, copy) for at in range(3, 160, 7) for fault in ALL for copy in (False, True)]
 
 
 @pytest.mark.skipif(not hasattr(os, "fork"), reason="needs fork")
@@ -185,11 +352,11 @@ def test_sixteen_processes_at_once_and_a_join_that_fails_at_any_call(tmp_path, f
     with fl.open(tmp_path / "m.part-05-of-16.h5") as resumed:
         assert resumed.attrs["designs_of_earlier_runs"] >= 16
     with sweep("hundreds", to=tmp_path / "whole.h5") as whole:
-        for number, (code, (_, fault)) in enumerate(zip(codes, faults, strict=True)):
+        for number, (code, (_, fault, copy)) in enumerate(zip(codes, faults, strict=True)):
             to = tmp_path / f"joined-{number}.h5"
             assert code in {"kill": (-9, 0), "EIO": (2, 0), "interrupt": (130, 0)}[fault]
             assert to.exists() or code != 0
-            with fl.join(tmp_path / "m.part-*-of-16.h5", to=to) as joined:
+            with fl.join(tmp_path / "m.part-*-of-16.h5", to=to, copy=copy) as joined:
                 assert_same(joined, whole)
             assert fl.check(to)
     assert not [name for name in left_in(tmp_path) if ".h5." in name]
@@ -213,12 +380,12 @@ def test_a_join_that_is_interrupted_goes_on(tmp_path, monkeypatch):
     with monkeypatch.context() as patched:
         patched.setattr(Writer, "record", interrupted)
         with pytest.raises(KeyboardInterrupt) as caught:
-            fl.join(paths, to=tmp_path / "maps.h5")
+            fl.join(paths, to=tmp_path / "maps.h5", copy=True)
     assert "60% of the designs" in caught.value.__notes__[0]
     with refused("to", "restart=True"):  # a sweep does not go on with it
         sweep("grid", to=tmp_path / "maps.h5")
     monkeypatch.setattr(Writer, "record", noted)
-    with fl.join(paths, to=tmp_path / "maps.h5") as joined:
+    with fl.join(paths, to=tmp_path / "maps.h5", copy=True) as joined:
         assert copied == [(21, 28), (28, 35)]
         assert_same(joined, sweep("grid", to=tmp_path / "whole.h5"))
 
@@ -238,9 +405,11 @@ def test_a_thread_of_a_join_that_has_failed_takes_no_further_piece(tmp_path, mon
         patched.setattr(Writer, "write_pieces", failing)
         patched.setattr(threads, "ThreadPoolExecutor", lambda count, **options: ThreadPoolExecutor(1))
         with pytest.raises(OSError, match="I/O"):
-            fl.join(paths, to=tmp_path / "maps.h5")
+            fl.join(paths, to=tmp_path / "maps.h5", copy=True)
     assert len(written) == 6
-    with fl.join(paths, to=tmp_path / "maps.h5") as joined:  # a remark on changed values is an error here
+    with fl.join(
+        paths, to=tmp_path / "maps.h5", copy=True
+    ) as joined:  # a remark on changed values is an error here
         assert_same(joined, sweep("grid", to=tmp_path / "whole.h5"))
 
 
@@ -323,10 +492,10 @@ def test_a_damaged_part_is_refused_by_name_and_its_new_run_joined(tmp_path, monk
         place = Stored.of(file).values["theta4"]
     flip(paths[2], place.offset + place.nbytes - 3)
     with refused("maps.part-3-of-3.h5", "run that part again"):
-        joined_to(tmp_path, paths)
+        joined_to(tmp_path, paths, copy=True)
     assert not (tmp_path / "maps.h5").exists()
     sweep(of, part=(3, 3), to=paths[2], overwrite=True).close()
-    with joined_to(tmp_path, paths) as joined:
+    with joined_to(tmp_path, paths, copy=True) as joined:
         assert_same(joined, sweep(of, to=tmp_path / "whole.h5"))
 
 

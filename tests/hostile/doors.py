@@ -275,8 +275,10 @@ DOORS: list[Door] = [
     ),
     Door(
         "join",
-        "fl.join($paths, to=$to, overwrite=$overwrite, restart=$restart, progress=$progress)",
-        _slots(paths=("path", "'part.h5'", "part.h5"), to=("path", "'joined.h5'", "a.h5"))
+        "fl.join($paths, to=$to, copy=$copy, overwrite=$overwrite, restart=$restart, progress=$progress)",
+        _slots(
+            paths=("path", "'part.h5'", "part.h5"), to=("path", "'joined.h5'", "a.h5"), copy=("flag", "False")
+        )
         | {name: RUNNING[name] for name in ("overwrite", "restart", "progress")},
         "",
     ),

@@ -17,6 +17,7 @@ LINES = [
     ["run", "study.toml", "--part", "1/1", "--to", "changed.h5", "--overwrite", "--quiet"],
     ["run", "study.toml", "--to", "changed.h5", "--overwrite", "--restart", "--layout", "maps", "--quiet"],
     ["join", "part.h5", "--to", "changed.h5", "--overwrite", "--quiet"],
+    ["join", "part.h5", "--to", "changed.h5", "--copy", "--overwrite", "--quiet"],
     ["info", "maps.h5"],
     ["check", "maps.h5"],
     ["plot", "maps.h5", "omega4_max", "--branch", "1", "--to", "changed.png"],

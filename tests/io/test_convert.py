@@ -432,7 +432,9 @@ def test_a_name_that_is_no_text_is_one_of_a_file_at_every_door(grid, tmp_path):
     for k, path in enumerate(parts, 1):
         fl.sweep(*request, to=path, part=(k, 2)).close()
         fl.sweep(*request, to=path, part=(k, 2)).close()
-    fl.join(parts, to=at("m.h5")).close()
+    with refused("paths", "copy=True"):  # of HDF5 a virtual dataset does not hold such names
+        fl.join(parts, to=at("m.h5"))
+    fl.join(parts, to=at("m.h5"), copy=True).close()
     is_said(at("m.h5"), "m.h5")
     fl.search(*request, minimise="transmission_angle_max", top=1, to=at("found.h5")).close()
     is_said(at("found.h5"), "found.h5")

@@ -189,16 +189,17 @@ def test_damage_is_noticed_or_mended_a_thousand_times(tmp_path, monkeypatch, sma
 
 @pytest.fixture(scope="module")
 def sealed(tmp_path_factory):
-    """Return the paths of a map as it is written, one compressed, and one joined, by what they are."""
+    """Return the paths of a map as it is written, one compressed, one joined, and one that shows its parts."""
     folder = tmp_path_factory.mktemp("sealed")
     space = fl.grid(a1=0.4, a2=np.linspace(1.0, 1.4, 7), a3=[0.6, 0.8], a4=1.0, omega1=25.0)
     quantities = ["omega4_max", "omega4_extrema"]
-    found = {"map": folder / "map.h5", "joined": folder / "joined.h5", "compressed": folder / "compressed.h5"}
+    found = {name: folder / f"{name}.h5" for name in ("map", "joined", "shown", "compressed")}
     fl.sweep("planar_4r", space, quantities, to=found["map"]).close()
     parts = [folder / f"part-{k}.h5" for k in (1, 2)]
     for k, part in enumerate(parts, 1):
         fl.sweep("planar_4r", space, quantities, to=part, part=(k, 2)).close()
-    fl.join(parts, to=found["joined"]).close()
+    fl.join(parts, to=found["joined"], copy=True).close()
+    fl.join(parts, to=found["shown"]).close()
     fl.convert(found["map"], to=found["compressed"], compress="gzip")
     return found
 
@@ -234,7 +235,7 @@ def _damaged(path, count):
 
 
 @pytest.mark.parametrize("count", [100, pytest.param(20_000, marks=pytest.mark.stress)])
-@pytest.mark.parametrize("kind", ["map", "joined", "compressed"])
+@pytest.mark.parametrize("kind", ["map", "joined", "shown", "compressed"])
 def test_changed_labels_are_seen_without_hdf5(kind, count, sealed, tmp_path):
     """HDF5 never returns from some of these files."""
     assert not seal_is_broken(sealed[kind])

@@ -173,10 +173,10 @@ def test_a_disk_that_fills_up_during_a_join(disk, monkeypatch, source, expected)
         patch.setattr(Writer, "write_pieces", filled)
         patch.delattr(os, "posix_fallocate")
         with refused("to", "make room"):
-            fl.join(parts, to=path)
+            fl.join(parts, to=path, copy=True)
     assert not path.exists()
     disk.make_room()
-    fl.join(parts, to=path).close()
+    fl.join(parts, to=path, copy=True).close()
     assert_whole(path, expected)
     assert left_in(disk.folder) == ["m.h5"]
 

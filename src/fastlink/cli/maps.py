@@ -44,13 +44,16 @@ def join(
     to: Annotated[
         Path, typer.Option("--to", metavar="FILE", help="The HDF5 file to write.", show_default=False)
     ],
+    copy: Annotated[
+        bool, typer.Option("--copy", help="Copy the values to one file, which does not need the parts.")
+    ] = False,
     overwrite: Overwrite = False,
     restart: Annotated[
         bool, typer.Option("--restart", help="Throw away what an interrupted join has left in FILE.part.")
     ] = False,
     quiet: Annotated[bool, typer.Option("--quiet", help="Print neither progress nor summary.")] = False,
 ) -> None:
-    """Join the parts of a map that `fastlink run --part K/N` has written.
+    """Join the parts of a map that `fastlink run --part K/N` has written; their values stay where they are.
 
     For instance: fastlink join maps.part-*.h5 --to maps.h5
     """
@@ -58,7 +61,7 @@ def join(
     from fastlink.report.summary import summary
 
     progress = False if quiet else None
-    with join(paths, to=to, overwrite=overwrite, restart=restart, progress=progress) as maps:
+    with join(paths, to=to, copy=copy, overwrite=overwrite, restart=restart, progress=progress) as maps:
         if not quiet:
             typer.echo(summary(maps))
 

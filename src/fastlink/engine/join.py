@@ -14,10 +14,12 @@ from fastlink.errors import Problems
 from fastlink.io.finished import finished_map
 from fastlink.io.joining import JoinedMap
 from fastlink.io.part_files import part_files
+from fastlink.io.parts import shown_parts
+from fastlink.io.place import exists_error
 from fastlink.io.writing.target import check_target
 from fastlink.io.writing.writer import Writer
 from fastlink.maps import open as open_map
-from fastlink.options import check_output
+from fastlink.options import check_output, check_switch
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -33,16 +35,22 @@ def join(
     paths: str | Path | Sequence[str | Path],
     *,
     to: str | Path,
+    copy: bool = False,
     overwrite: bool = False,
     restart: bool = False,
     progress: bool | None = None,
 ) -> xr.Dataset:
-    """Join the parts of a map to the file that one sweep of all designs writes.
+    """Join the parts of a map to the map that one sweep of all designs writes.
 
-    Every value is checked against the checksums of its part as it is read. The labels and the bits are those of the
-    whole sweep, and `fastlink.sweep` of the same request finds its map in the file. Counts of designs and run times are
-    sums, measured errors the greatest of all parts; docs/scaling.md tells each attribute. A join that was killed goes
-    on when it is called again.
+    Its values stay in the files of the parts, which the map shows as one, as virtual datasets of HDF5. Nothing is
+    copied; the parts must stay, and are moved together with the map. `fastlink.open` refuses the map where a part is
+    missing or has changed since, and `fastlink.check` reads them all. With ``copy=True`` the values are copied to one
+    file, each checked against the checksums of its part as it is read; a copy that was killed goes on when it is called
+    again.
+
+    The labels and the bits are those of the whole sweep, and `fastlink.sweep` of the same request finds its map in the
+    file. Counts of designs and run times are sums, measured errors the greatest of all parts; docs/scaling.md tells
+    each attribute.
 
     Parameters
     ----------
@@ -50,7 +58,9 @@ def join(
         The files of all parts, made with ``part=(k, n)``; the folder that holds them; or a pattern such as
         ``"maps.part-*.h5"``.
     to : path
-        The HDF5 file to write. The parts stay.
+        The HDF5 file to write; without a copy in the folder of the parts, or in one above it.
+    copy : bool, default False
+        Copy the values, to a file that does not need the parts any more.
     overwrite : bool, default False
         Replace an existing file. Without it, an existing map of the same request, unchanged since, is opened as it is.
     restart : bool, default False
@@ -85,6 +95,8 @@ def join(
         check_output(("to",), to)
         checked = check_options({"overwrite": overwrite, "restart": restart, "progress": progress})
     with problems.at():
+        check_switch(("copy",), copy)
+    with problems.at():
         parts = part_files(paths)
     problems.stop()
     joined = JoinedMap(parts)
@@ -92,15 +104,23 @@ def join(
     if not overwrite:
         found = finished_map(to, joined.fingerprint, verified=0, **about)
         if found is not None:
+            if copy and shown_parts(Path(found.encoding["source"])):
+                found.close()
+                raise exists_error(Path(to), "and shows the values of its parts")
             return found
-    nbytes = sum(variable.nbytes for variable in joined.variables)
-    path = check_target(to, nbytes, overwrite, [part.path for part in parts])
-    ways: dict[str, Any] = {"overwrite": overwrite, "restart": restart, "run": joined.run}
+    path = check_target(to, 0, overwrite, [part.path for part in parts])
+    shown = None if copy else joined.shown_in(path.parent)
+    ways: dict[str, Any] = {
+        "overwrite": overwrite,
+        "restart": restart,
+        "run": joined.run(shown),
+        "shown": shown,
+    }
     with Writer(path, joined.coords, joined.variables, {}, **ways) as writer:
         with ProgressBar(joined.designs, checked["progress"]) as bar:
             for start, stop in writer.written:
                 bar.take(start, stop, [])
             threads = min(default_threads(), MOST_THREADS)
-            joined.copy(writer, threads, lambda start, stop: bar.take(start, stop, []))
+            joined.copy(writer, threads, lambda start, stop: bar.take(start, stop, []), shown)
         writer.finish(joined.last_attrs(path.name), joined.errors)
     return open_map(path)

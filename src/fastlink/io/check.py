@@ -4,15 +4,16 @@ from __future__ import annotations
 
 import os
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 import h5py
 
-from fastlink._text import size
+from fastlink._text import counted, size
 from fastlink.doors import door
 from fastlink.errors import InputError
 from fastlink.io.checksums import CHECKSUMS, crc32, read_all, seal_is_broken
+from fastlink.io.parts import PartsError, check_parts, shown_parts
 from fastlink.io.place import reason
 from fastlink.io.ranges import Range, joined
 from fastlink.io.reader import existing_map
@@ -39,6 +40,8 @@ class FileCheck:
         where `is_compressed`, the values too.
     is_compressed : bool
         Whether the file has one checksum of all its bytes, as compressed ones have.
+    parts : tuple of FileCheck
+        Those of the parts whose values the file shows, where it was joined without a copy.
     """
 
     path: Path
@@ -46,13 +49,16 @@ class FileCheck:
     damaged: dict[str, list[tuple[int, int]]] = field(default_factory=dict)
     rest_is_intact: bool = True
     is_compressed: bool = False
+    parts: tuple[FileCheck, ...] = ()
 
     def __bool__(self) -> bool:
-        return self.rest_is_intact and not self.damaged
+        return self.rest_is_intact and not self.damaged and all(self.parts)
 
     def __str__(self) -> str:
         if self:
-            return f"{self.path} ({size(self.nbytes)}) is as it was written"
+            of_parts = f"{counted(len(self.parts), 'part')} ({size(sum(part.nbytes for part in self.parts))})"
+            more = f", and so are its {of_parts}" if self.parts else ""
+            return f"{self.path} ({size(self.nbytes)}) is as it was written{more}"
         lines = [
             f"{self.path}: values of {name} have changed, between number {first:,} and {last:,}"
             for name, ranges in self.damaged.items()
@@ -61,6 +67,7 @@ class FileCheck:
         if not self.rest_is_intact:
             what = "values, " if self.is_compressed else ""
             lines.append(f"{self.path}: {what}labels, attributes or checksums have changed")
+        lines += [str(part) for part in self.parts if not part]
         return "\n".join(lines)
 
 
@@ -94,7 +101,11 @@ def check(path: str | Path) -> FileCheck:
     ...     bool(fl.check(path))
     True
     """
-    place = existing_map(path)
+    return _checked(existing_map(path))
+
+
+def _checked(place: Path, *, is_part: bool = False) -> FileCheck:
+    """Return the outcome for a file, and for the parts whose values it shows."""
     try:
         if seal_is_broken(place):
             return FileCheck(place, os.path.getsize(place), rest_is_intact=False)
@@ -102,7 +113,16 @@ def check(path: str | Path) -> FileCheck:
             if CHECKSUMS not in file:
                 raise InputError(f"{place}: has no checksums", remedy="write it again by this version")
             stored = Stored.of(file)
-        return _compared(place, stored)
+        found = _compared(place, stored)
+        shown = shown_parts(place) if found and not is_part else {}
+        if shown and all(part.is_file() for part in shown):
+            parts = tuple(_checked(part, is_part=True) for part in shown)
+            found = replace(found, parts=parts, is_compressed=False)
+        if shown and found:
+            check_parts(place)  # they are whole, but may be others, or one is missing
+        return found
+    except PartsError:
+        raise
     except (OSError, RuntimeError, KeyError, ValueError, TypeError, EOFError) as error:
         remedy = "give a map that a sweep has written, or write it again"
         raise InputError(f"{place}: cannot be read ({reason(error)})", remedy=remedy) from error

@@ -39,6 +39,7 @@ __all__ = [
     "read_all",
     "seal",
     "seal_is_broken",
+    "sealed_labels",
     "seek_lock",
 ]
 
@@ -169,25 +170,36 @@ def seal_is_broken(path: str | os.PathLike[str]) -> bool:
     OSError
         The file cannot be read.
     """
+    return _read_seal(path)[0]
+
+
+def sealed_labels(path: str | os.PathLike[str]) -> int | None:
+    """Return the checksum of all that is not values in a map, thus of theirs too; None without an intact seal."""
+    return _read_seal(path)[1]
+
+
+def _read_seal(path: str | os.PathLike[str]) -> tuple[bool, int | None]:
+    """Return whether the seal of a file is broken, and the checksum of its labels where there is an intact one."""
     fd = os.open(path, os.O_RDONLY | getattr(os, "O_BINARY", 0))
     try:
         size, end = os.fstat(fd).st_size, _end_of_hdf5(fd)
         if size < len(SEAL) or end == size:
-            return False
+            return False, None
         tail = bytes(read_all(fd, len(SEAL), size - len(SEAL)))
         data = bytes(read_all(fd, size - end, end)) if 0 <= end < size else b""
         if tail != SEAL and not data.startswith(SEAL):
-            return False
+            return False, None
         count, rest_at, labels = struct.unpack_from("<3Q", data, len(SEAL))
         stop = len(SEAL) + 8 * (2 * count + 3)
         known = SEAL + data[len(SEAL) : stop]
         if data != known + struct.pack("<I", crc32(known)) + bytes(len(data) - stop - 4 - len(SEAL)) + SEAL:
-            return True
+            return True, None
         ends = struct.unpack_from(f"<{2 * count}Q", data, len(SEAL) + 24)
         gone = {first: last - first for first, last in zip(ends[::2], ends[1::2], strict=True)}
-        return bool(of_file(fd, gone | {end: size - end}, (rest_at, rest_at + 4)) != labels)
+        broken = of_file(fd, gone | {end: size - end}, (rest_at, rest_at + 4)) != labels
+        return broken, None if broken else labels
     except (struct.error, EOFError, OverflowError, ValueError):
-        return True
+        return True, None
     finally:
         os.close(fd)
 

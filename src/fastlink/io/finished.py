@@ -14,7 +14,7 @@ import xarray as xr
 
 from fastlink.errors import InputError
 from fastlink.io.dataset import FINGERPRINT, Variable, plain_attrs
-from fastlink.io.parts import OF_PARTS, PartOfMap
+from fastlink.io.parts import OF_PARTS, PartOfMap, PartsError
 from fastlink.io.place import existing_file, exists_error
 from fastlink.io.reader import open_map
 from fastlink.io.writing.target import forget_journal, forget_published
@@ -78,6 +78,8 @@ def finished_map(
         forget_journal(path)
     try:
         found = open_map(path)
+    except PartsError:
+        raise
     except InputError:
         raise exists_error(path, "and is not a map") from None
     known = found.attrs

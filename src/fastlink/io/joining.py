@@ -4,20 +4,24 @@ from __future__ import annotations
 
 import hashlib
 import math
+import os
 import threading
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 import xarray as xr
 
+from fastlink._text import unwritable
 from fastlink.io.dataset import Variable
 from fastlink.io.finished import FINGERPRINT, WRITTEN
 from fastlink.io.history import HISTORY, history
 from fastlink.io.merged import is_measured, merged, merged_errors
 from fastlink.io.part_files import PartFile
-from fastlink.io.parts import OF_PARTS
+from fastlink.io.parts import OF_PARTS, OR_COPY, Box, Shown, Source, check_open_files
+from fastlink.io.place import refused
 from fastlink.io.ranges import Range
 from fastlink.io.writing.writer import Writer
 from fastlink.space.dataset import FORMAT
@@ -72,11 +76,68 @@ class JoinedMap:
         """The hash of the whole request."""
         return self.parts[0].of.whole
 
-    @property
-    def run(self) -> tuple[str, int]:
-        """The hash of these parts, and the number of designs."""
-        sums = [part.stored.sums for part in self.parts]
-        return hashlib.sha256(repr((self.fingerprint, "joined", sums)).encode()).hexdigest(), self.designs
+    def run(self, shown: Shown | None) -> tuple[str, int]:
+        """Return the hash of these parts, or of what is shown of them, and the number of designs."""
+        what = (
+            ("joined", [part.stored.sums for part in self.parts]) if shown is None else ("shown", shown.files)
+        )
+        return hashlib.sha256(repr((self.fingerprint, *what)).encode()).hexdigest(), self.designs
+
+    def shown_in(self, folder: Path) -> Shown | None:
+        """Return what a map in a folder can show of the parts, so that it need not be copied; None of one design.
+
+        Raises
+        ------
+        InputError
+            A part is not in the folder or below it, or has no seal by which a later change of it would be seen.
+        """
+        if not self._dims:
+            return None
+        check_open_files(len(self.parts))
+        files = dict[str, int]()
+        for part in self.parts:
+            real = Path(os.path.realpath(part.path))
+            if not real.is_relative_to(folder):
+                remedy = ("write the map into the folder of its parts, or into one above", OR_COPY)
+                raise refused(f"{part.path} is not in {folder} or below", remedy)
+            name = real.relative_to(folder).as_posix()
+            if unwritable(name):
+                what, remedy = "has a name that no map can hold", ("give it a name of letters", OR_COPY)
+                raise refused(f"{part.path} {what}", remedy, "paths")
+            if part.labels is None:
+                what = f"{part.path} has no seal, which another program has taken"
+                raise refused(what, ("run that part again, with overwrite", OR_COPY), "paths")
+            files[name] = part.labels
+        # the numbers of designs that several rows share are other ones in the map than in its parts.
+        names = [one for one in self.variables if one.name != DESIGN or self._shared == 1]
+        return Shown(files, {one.name: list(self._sources(one, list(files))) for one in names})
+
+    def _sources(self, variable: Variable, files: Sequence[str]) -> Iterator[Source]:
+        """Yield where the values of a variable are in the files of the parts."""
+        own, inner = variable.shape[: variable.leading], variable.shape[variable.leading + len(self._shape) :]
+
+        def around(begin: tuple[int, ...], counts: tuple[int, ...], step: int = 1) -> Box:
+            starts = (*[0] * len(own), *begin, *[0] * len(inner))
+            return starts, (*[1] * len(own), *[step] * len(begin), *[1] * len(inner)), (*own, *counts, *inner)
+
+        for part, name in zip(self.parts, files, strict=True):
+            start, stop = part.of.range
+            shape = (*own, stop - start, *inner)
+            if variable.is_coordinate:  # of the first of the designs that share an entry
+                inner, shared, first = (), self._shared, -(-start // self._shared)
+                if count := -(-stop // shared) - first:
+                    yield (
+                        name,
+                        (stop - start,),
+                        around((first,), (count,)),
+                        around((-start % shared,), (count,), shared),
+                    )
+            else:
+                at = 0
+                for begin, counts in _boxes(self._shape, start, stop):
+                    count = math.prod(counts)
+                    yield name, shape, around(begin, counts), around((at,), (count,))
+                    at += count
 
     def last_attrs(self, name: str) -> dict[str, Any]:
         """Return the global attributes that the map has at its end, in a file of some name."""
@@ -90,8 +151,16 @@ class JoinedMap:
         names = [variable.name for variable in self.variables if not variable.is_coordinate]
         return {name: merged_errors([part.measured[name] for part in self.parts]) for name in names}
 
-    def copy(self, writer: Writer, threads: int, done: Callable[[int, int], None]) -> None:
+    def copy(
+        self, writer: Writer, threads: int, done: Callable[[int, int], None], shown: Shown | None = None
+    ) -> None:
         """Write the values that are missing in a file; `done` takes each range of designs that is written."""
+        copied = [one for one in self.variables if shown is None or one.name not in shown.sources]
+        if not copied:  # a kill from now on leaves what the same join goes on with
+            for designs in writer.pending:
+                writer.record(*designs)
+                done(*designs)
+            return
         pieces, lock, stop = self._pieces(writer.pending), threading.Lock(), threading.Event()
 
         def work() -> None:
@@ -100,7 +169,7 @@ class JoinedMap:
                     part, start, end = next(pieces, (None, 0, 0))
                 if part is None:
                     return
-                for variable in self.variables:
+                for variable in copied:
                     if variable.is_coordinate:
                         self._copy_column(variable, part, (start, end), writer)
                     else:
@@ -207,3 +276,27 @@ class JoinedMap:
         """Return a coordinate of the whole that is copied piece by piece."""
         shape = (self._shape[0],)
         return Variable(str(found.name), (DESIGN,), shape, found.dtype, found.attrs, is_coordinate=True)
+
+
+def _boxes(
+    shape: tuple[int, ...], start: int, stop: int
+) -> Iterator[tuple[tuple[int, ...], tuple[int, ...]]]:
+    """Yield the boxes, first indices and lengths, that consecutive values of an array in C order are, in order.
+
+    >>> list(_boxes((3, 4), 2, 9))
+    [((0, 2), (1, 2)), ((1, 0), (1, 4)), ((2, 0), (1, 1))]
+    """
+    if len(shape) == 1:
+        yield (start,), (stop - start,)
+        return
+    of_row, at = math.prod(shape[1:]), start
+    while at < stop:
+        row, begin = divmod(at, of_row)
+        if not begin and (rows := (stop - at) // of_row):
+            yield (row, *[0] * len(shape[1:])), (rows, *shape[1:])
+            at += rows * of_row
+        else:
+            end = min(of_row, begin + stop - at)
+            for first, counts in _boxes(shape[1:], begin, end):
+                yield (row, *first), (1, *counts)
+            at += end - begin

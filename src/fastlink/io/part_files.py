@@ -11,14 +11,13 @@ from pathlib import Path
 from typing import Any
 
 import h5py
-import numpy as np
 import xarray as xr
 
 from fastlink._text import counted, short_repr
 from fastlink.errors import InputError, Problem, Problems, remark
-from fastlink.io.checksums import crc32, read_all
+from fastlink.io.checksums import crc32, read_all, sealed_labels
 from fastlink.io.merged import is_measured
-from fastlink.io.parts import OF_PARTS, WHOLE, Part, PartOfMap
+from fastlink.io.parts import OF_PARTS, WHOLE, Part, PartOfMap, scalar
 from fastlink.io.place import part_of, reason, refused
 from fastlink.io.reader import check_seal, existing_map, is_hdf5, open_map, readable
 from fastlink.io.stored import Stored, open_to_read
@@ -55,6 +54,8 @@ class PartFile:
         Its checksums.
     measured : dict of str to dict
         What verification says of each variable.
+    labels : int or None
+        The checksum of all that is not values, and of their checksums, where it has a seal.
     """
 
     path: Path
@@ -62,6 +63,7 @@ class PartFile:
     attrs: Mapping[str, Any]
     stored: Stored
     measured: Mapping[str, Mapping[str, Any]]
+    labels: int | None
 
     @contextlib.contextmanager
     def dataset(self) -> Iterator[xr.Dataset]:
@@ -76,7 +78,7 @@ class PartFile:
             for name in file[WHOLE]:
                 one = file[WHOLE][name]  # of what cannot be read items() has None
                 values = one.asstr()[:] if h5py.check_string_dtype(one.dtype) else one[:]
-                coords[name] = ((name,), values, {key: _scalar(value) for key, value in one.attrs.items()})
+                coords[name] = ((name,), values, {key: scalar(value) for key, value in one.attrs.items()})
             return xr.Dataset(coords=coords, attrs=dict(file[WHOLE].attrs))
 
     def check_labels(self) -> None:
@@ -168,12 +170,12 @@ def _read(path: Path, chosen: bool) -> PartFile | None:
             return None
         check_seal(existing_map(path))
         with h5py.File(path, "r") as file:
-            attrs = {str(name): _scalar(value) for name, value in file.attrs.items()}
+            attrs = {str(name): scalar(value) for name, value in file.attrs.items()}
             of = PartOfMap.of(attrs)
             if of is not None and WHOLE in file:
                 stored = Stored.of(file)
                 measured = {name: _measured(file[name].attrs) for name in stored.values}
-                return PartFile(path, of, attrs, stored, measured)
+                return PartFile(path, of, attrs, stored, measured, sealed_labels(path))
         if any(name in attrs for name in OF_PARTS):
             raise refused(
                 f"{path}: what it says of its part has changed since it was written", RUN_AGAIN, "paths"
@@ -190,12 +192,7 @@ def _read(path: Path, chosen: bool) -> PartFile | None:
 
 def _measured(attrs: Any) -> dict[str, Any]:
     """Return the attributes of a variable that come from verification."""
-    return {name: _scalar(attrs[name]) for name in attrs if is_measured(name)}
-
-
-def _scalar(value: Any) -> Any:
-    """Return an attribute as xarray reads it: h5netcdf writes a number as an array of one."""
-    return value[0] if isinstance(value, np.ndarray) and value.shape == (1,) else value
+    return {name: scalar(attrs[name]) for name in attrs if is_measured(name)}
 
 
 def _of_one_map(parts: list[PartFile]) -> list[PartFile]:

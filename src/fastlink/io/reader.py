@@ -19,6 +19,7 @@ from fastlink.doors import door
 from fastlink.errors import InputError, KeyPath, suggest
 from fastlink.io.checksums import SIGNATURE, seal_is_broken
 from fastlink.io.dataset import FORMAT_VERSION
+from fastlink.io.parts import PartsError, check_parts, shown_parts
 from fastlink.io.place import part_of, reason
 from fastlink.options import check_path, not_a_file
 from fastlink.space.dataset import FORMAT
@@ -28,6 +29,7 @@ __all__ = [
     "as_dataset",
     "as_map",
     "check_seal",
+    "files_of",
     "is_hdf5",
     "is_zarr",
     "open_map",
@@ -95,7 +97,8 @@ def open_map(path: str | os.PathLike[str], *, chunks: Any = None, **options: Any
     Raises
     ------
     InputError
-        There is no such file, it is not a finished map, or an option is not one of xarray's.
+        There is no such file, it is not a finished map, a part whose values it shows is missing or has changed, or an
+        option is not one of xarray's.
 
     Examples
     --------
@@ -120,7 +123,11 @@ def open_map(path: str | os.PathLike[str], *, chunks: Any = None, **options: Any
     else:
         check_seal(path)
     try:
+        if engine == "h5netcdf" and is_hdf5(path) and check_parts(path):
+            path = Path(os.path.realpath(path))  # whose folder the parts are in, not that of a link
         dataset = xr.open_dataset(path, engine=engine, chunks=chunks, **options)
+    except PartsError:
+        raise
     except Exception as error:  # of h5py, h5netcdf, xarray and dask: there is no list of them
         _refuse_option(path, engine, chunks, options, error)
         if engine == "zarr":
@@ -199,6 +206,17 @@ def readable(path: str | os.PathLike[str]) -> Iterator[None]:
             raise
         what = f"{os.fspath(path)}: cannot be read ({reason(error)})"
         raise InputError(what, remedy="try again, or take a copy of it") from error
+
+
+def files_of(maps: xr.Dataset) -> list[Path]:
+    """Return the file that a map was opened from, if there is one, and those of the parts whose values it shows."""
+    source = maps.encoding.get("source")
+    if not isinstance(source, (str, os.PathLike)) or not os.path.exists(source):
+        return []
+    path = Path(source)
+    with contextlib.suppress(OSError):  # no HDF5, or not to be read any more
+        return [path, *shown_parts(path)]
+    return [path]
 
 
 def existing_map(path: Any, *, or_zarr: bool = False) -> Path:

@@ -56,6 +56,8 @@ class Stored:
         values: dict[str, Values] = {}
         for name in str(file[CHECKSUMS].attrs["variables"]).split():
             found: h5py.Dataset = file[name]
+            if found.id.get_offset() is None:
+                raise ValueError(f"{name} has no place in the file")
             values[name] = Values(found.id.get_offset(), found.nbytes, found.dtype.itemsize, count)
             count += -(-found.nbytes // block_bytes)
         sums = file[OF_VALUES][:].tolist()

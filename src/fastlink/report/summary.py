@@ -4,9 +4,7 @@ from __future__ import annotations
 
 import math
 import numbers
-import os
 from collections.abc import Mapping
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from fastlink._text import aligned, counted, duration, in_words, scaled, short_number, size
@@ -14,7 +12,7 @@ from fastlink.doors import door
 from fastlink.io.history import SOURCE
 from fastlink.io.merged import JOINED
 from fastlink.io.parts import PartOfMap
-from fastlink.io.reader import as_map
+from fastlink.io.reader import as_map, files_of
 from fastlink.maps.flags import flag_counts, flags_of
 from fastlink.own.definition import declared_names
 
@@ -99,9 +97,13 @@ def _summary(dataset: xr.Dataset) -> str:
         str(array.attrs["rounding"]) for array in dataset.data_vars.values() if "rounding" in array.attrs
     }
     rows += [("rounding", note) for note in sorted(notes)]
-    source = dataset.encoding.get("source")
-    if isinstance(source, (str, os.PathLike)) and Path(source).is_file():
-        rows.append(("file", f"{source} ({size(Path(source).stat().st_size)})"))
+    files = [path for path in files_of(dataset) if path.is_file()]
+    if files:
+        text = f"{files[0]} ({size(files[0].stat().st_size)})"
+        if parts := files[1:]:
+            nbytes = sum(part.stat().st_size for part in parts)
+            text += f", which shows values of {counted(len(parts), 'part')} ({size(nbytes)})"
+        rows.append(("file", text))
     return aligned(rows)
 
 

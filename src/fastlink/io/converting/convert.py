@@ -23,7 +23,7 @@ from fastlink.io.converting.selection import Selection, selected
 from fastlink.io.converting.source import Source
 from fastlink.io.place import exists_error, part_of, refused
 from fastlink.io.progress import progress_bar
-from fastlink.io.reader import COMPRESSION, as_map, is_zarr, require_package
+from fastlink.io.reader import COMPRESSION, as_map, files_of, is_zarr, require_package
 from fastlink.io.writing.target import check_made_at_once
 from fastlink.options import check_path, check_switch
 from fastlink.space.dataset import STATUS
@@ -250,8 +250,7 @@ def check_conversion(maps: xr.Dataset, to: Any, overwrite: bool) -> None:
 
 def _target(to: Any, form: str, maps: xr.Dataset, nbytes: int, overwrite: bool) -> Path:
     """Return the path of the result, or refuse it."""
-    source = maps.encoding.get("source")
-    sources = [Path(source)] if isinstance(source, (str, os.PathLike)) and os.path.exists(source) else []
+    sources = files_of(maps)
     if form == "zarr":
         return _folder(to, sources, overwrite)
     return check_made_at_once(to, nbytes, overwrite, sources, partial(check_path, example="out.nc"))

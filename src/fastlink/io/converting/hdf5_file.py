@@ -105,7 +105,6 @@ def write_compressed(
             for name, value in {**source.remarks(), FORMAT: FORMAT_VERSION}.items():
                 file.attrs[name] = value
             place = create_checksums(file, [])[OF_REST]
-            file["checksums"].create_dataset("values", (0,), "u4")
             file.flush()
             of_values: list[Any] = []
             for variable in source.all:

@@ -23,7 +23,7 @@ from fastlink.io.checksums import (
     block_count,
 )
 from fastlink.io.dataset import Variable, plain_attrs
-from fastlink.io.parts import WHOLE
+from fastlink.io.parts import LABELS, NAMES, WHOLE, Shown, Source, as_source
 from fastlink.io.place import SLACK
 from fastlink.io.writing.partial_file import create, released, reserve, write_all
 
@@ -41,15 +41,18 @@ def lay_out(
     variables: Sequence[Variable],
     attrs: Mapping[str, Any],
     whole: xr.Dataset | None = None,
+    shown: Shown | None = None,
 ) -> dict[str, int]:
     """Write labels to a file that exists, and reserve room for values; return the variables' offsets.
 
-    `whole` are coordinates of the map that the file is a part of.
+    `whole` are coordinates of the map that the file is a part of, `shown` the variables whose values stay in parts.
     """
-    labels = coords.nbytes + (0 if whole is None else whole.nbytes) + SLACK
+    shown = shown or Shown({}, {})
+    labels = coords.nbytes + (0 if whole is None else whole.nbytes) + shown.nbytes + SLACK
     with open(path, "r+b") as file:  # where HDF5 had no room it might crash the process, or not say why
         reserve(file.fileno(), labels)
-        file.truncate(labels + sum(variable.nbytes for variable in variables))
+        stored = [variable for variable in variables if variable.name not in shown.sources]
+        file.truncate(labels + sum(variable.nbytes for variable in stored))
     labelled = coords.assign_attrs(plain_attrs(attrs))
     computed = [variable for variable in variables if variable.is_coordinate]
     computed.sort(key=lambda variable: variable.dims != (variable.name,))  # the dimension of the others first
@@ -57,15 +60,18 @@ def lay_out(
     along = [name for name, coord in coords.coords.items() if set(scales) & set(coord.dims)]
     _to_netcdf(path, labelled.drop_vars(along), "w")
     with h5py.File(path, "r+", **ALIGNED, **NAMELESS) as file:
-        offsets = {variable.name: _create(file, coords, variable, []) for variable in computed}
+        offsets = {variable.name: _create(file, coords, variable, [], shown) for variable in computed}
     if along:
         _to_netcdf(path, coords[along].reset_coords()[along].drop_attrs(deep=False), "a")
     with h5py.File(path, "r+", **ALIGNED, **NAMELESS) as file:
         if whole is not None:
             _keep_whole(file, whole)
-        offsets |= create_checksums(file, variables)
+        _keep_names(file, shown)
+        offsets |= create_checksums(file, stored)
         results = [variable for variable in variables if not variable.is_coordinate]
-        return offsets | {variable.name: _create(file, coords, variable, computed) for variable in results}
+        return offsets | {
+            variable.name: _create(file, coords, variable, computed, shown) for variable in results
+        }
 
 
 def lay_labels(path: Path, coords: xr.Dataset, attrs: Mapping[str, Any]) -> None:
@@ -91,7 +97,12 @@ def create_checksums(file: Any, variables: Sequence[Variable]) -> dict[str, int]
     for name, value in plain_attrs(about | {"variables": " ".join(v.name for v in variables)}).items():
         group.attrs[name] = value
     sizes = {OF_VALUES: sum(block_count(variable.nbytes) for variable in variables), OF_REST: 1}
-    return {name: _reserved(group, name.partition("/")[2], (n,), "u4")[1] for name, n in sizes.items() if n}
+    offsets = {
+        name: _reserved(group, name.partition("/")[2], (n,), "u4")[1] for name, n in sizes.items() if n
+    }
+    if OF_VALUES not in offsets:
+        file.create_dataset(OF_VALUES, (0,), "u4")
+    return offsets
 
 
 def _keep_whole(file: Any, whole: xr.Dataset) -> None:
@@ -104,6 +115,14 @@ def _keep_whole(file: Any, whole: xr.Dataset) -> None:
     for name, coord in whole.coords.items():
         values = coord.values.astype(object) if coord.dtype.kind == "U" else coord.values
         group.create_dataset(name, data=values, track_times=False).attrs.update(plain_attrs(coord.attrs))
+
+
+def _keep_names(file: Any, shown: Shown) -> None:
+    """Keep the names of the parts whose values a map shows, and the checksums of their labels."""
+    if shown.files:
+        names = np.array([os.fsencode(name) for name in shown.files])
+        file.create_dataset(NAMES, data=names, track_times=False)
+        file.create_dataset(LABELS, data=np.array(list(shown.files.values()), "u4"), track_times=False)
 
 
 def _to_netcdf(path: Path, coords: xr.Dataset, mode: Literal["w", "a"]) -> None:
@@ -173,13 +192,33 @@ def _copy(source: int, target: int, values: Mapping[int, int]) -> None:
     os.ftruncate(target, os.fstat(source).st_size)
 
 
-def _create(file: Any, coords: xr.Dataset, variable: Variable, computed: Sequence[Variable]) -> int:
-    """Create one contiguous dataset with its space and labels; return its offset."""
-    dataset, offset = _reserved(file, variable.name, variable.shape, variable.dtype)
+def _create(
+    file: Any, coords: xr.Dataset, variable: Variable, computed: Sequence[Variable], shown: Shown
+) -> int:
+    """Create one dataset with its labels, contiguous with its space unless it is shown; return its offset."""
+    plist = _of_sources(variable, shown.sources[variable.name]) if variable.name in shown.sources else None
+    dataset, offset = _reserved(file, variable.name, variable.shape, variable.dtype, plist)
     if variable.dims == (variable.name,):
         dataset.make_scale(variable.name)
     label(file, dataset, coords, variable, computed)
     return offset
+
+
+def _of_sources(variable: Variable, sources: Sequence[Source]) -> Any:
+    """Return the properties of a dataset whose values are those of datasets of the same name in other files.
+
+    Other readers see NaN, or the least or greatest integer, where a file is missing.
+    """
+    plist = h5py.h5p.create(h5py.h5p.DATASET_CREATE)
+    whole = None if variable.dtype.kind == "f" else np.iinfo(variable.dtype)
+    plist.set_fill_value(np.array(whole.min or whole.max if whole else np.nan, variable.dtype))
+    for name, shape, box, own in sources:
+        spaces = []
+        for lengths, (starts, steps, counts) in ((variable.shape, box), (shape, own)):
+            spaces.append(h5py.h5s.create_simple(lengths))
+            spaces[-1].select_hyperslab(starts, counts, steps)
+        plist.set_virtual(spaces[0], os.fsencode(as_source(name)), variable.name.encode(), spaces[1])
+    return plist
 
 
 def label(
@@ -206,12 +245,15 @@ def auxiliary(coords: xr.Dataset, variable: Variable, computed: Sequence[Variabl
     )
 
 
-def _reserved(group: Any, name: str, shape: tuple[int, ...], dtype: Any) -> tuple[Any, int]:
-    """Create one contiguous dataset with its space; return it and its offset."""
-    plist = h5py.h5p.create(h5py.h5p.DATASET_CREATE)
-    plist.set_layout(h5py.h5d.CONTIGUOUS)
-    plist.set_alloc_time(h5py.h5d.ALLOC_TIME_EARLY)
-    plist.set_fill_time(h5py.h5d.FILL_TIME_NEVER)
+def _reserved(
+    group: Any, name: str, shape: tuple[int, ...], dtype: Any, virtual: Any = None
+) -> tuple[Any, int]:
+    """Create one contiguous dataset with its space; return it and its offset, -1 of one that is virtual."""
+    plist = virtual or h5py.h5p.create(h5py.h5p.DATASET_CREATE)
+    if not virtual:
+        plist.set_layout(h5py.h5d.CONTIGUOUS)
+        plist.set_alloc_time(h5py.h5d.ALLOC_TIME_EARLY)
+        plist.set_fill_time(h5py.h5d.FILL_TIME_NEVER)
     plist.set_obj_track_times(False)  # time stamps would make equal results differ
     # low level: Group.create_dataset drops the property list of a scalar
     identifier = h5py.h5d.create(
@@ -221,7 +263,7 @@ def _reserved(group: Any, name: str, shape: tuple[int, ...], dtype: Any) -> tupl
         h5py.h5s.create_simple(shape) if shape else h5py.h5s.create(h5py.h5s.SCALAR),
         plist,
     )
-    offset = identifier.get_offset()
+    offset = -1 if virtual else identifier.get_offset()
     if offset is None:
         raise RuntimeError(f"HDF5 has reserved no space for {name}")
     return h5py.Dataset(identifier), int(offset)

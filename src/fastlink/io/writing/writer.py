@@ -25,6 +25,7 @@ from fastlink.errors import InputError
 from fastlink.io.checksums import OF_REST, OF_VALUES, add, block_count, of_file, seal
 from fastlink.io.dataset import FORMAT_VERSION, Variable, check_dims, plain_attrs
 from fastlink.io.finished import marks, stamp
+from fastlink.io.parts import Shown
 from fastlink.io.place import SLACK, not_written, part_of, reason, refused
 from fastlink.io.ranges import Range, Ranges, missing
 from fastlink.io.writing import partial_file
@@ -69,6 +70,8 @@ class Writer:
         The rows of the file that follow from each design that is evaluated; itself unless given.
     whole : xarray.Dataset, optional
         Coordinates of the whole map that this file is a part of, to be kept in a group.
+    shown : Shown, optional
+        The variables whose values stay in the files of parts.
     """
 
     def __init__(
@@ -83,11 +86,15 @@ class Writer:
         run: tuple[str, int] | None = None,
         rows: Rows | None = None,
         whole: xr.Dataset | None = None,
+        shown: Shown | None = None,
     ) -> None:
         of_coordinates = {v.name: v.shape[0] for v in variables if v.is_coordinate and v.dims == (v.name,)}
         for variable in variables:
             check_dims(coords, {**coords.sizes, **of_coordinates}, variable)
-        lay_out_all = partial(lay_out, coords=coords, variables=variables, attrs=attrs, whole=whole)
+        lay_out_all = partial(
+            lay_out, coords=coords, variables=variables, attrs=attrs, whole=whole, shown=shown
+        )
+        variables = [one for one in variables if shown is None or one.name not in shown.sources]
         self._nbytes = coords.nbytes + sum(variable.nbytes for variable in variables)
         self.path = check_target(path, self._nbytes, overwrite)
         self.part = part_of(self.path)
@@ -254,9 +261,9 @@ class Writer:
     def _write_checksums(self) -> None:
         """Write the checksums of all values, the seal of the labels, then the checksum of all else in the file."""
         variables, places = list(self._variables.values()), self._offsets
-        blocks = sum(block_count(variable.nbytes) for variable in variables)
-        sums = np.array([self._sums[block] for block in range(blocks)], "u4")
-        partial_file.write_all(self._fd, sums.view(np.uint8).data, places[OF_VALUES])
+        if blocks := sum(block_count(variable.nbytes) for variable in variables):
+            sums = np.array([self._sums[block] for block in range(blocks)], "u4")
+            partial_file.write_all(self._fd, sums.view(np.uint8).data, places[OF_VALUES])
         position, sealed = seal(self._fd, self._file.places, places[OF_REST])
         partial_file.write_all(self._fd, memoryview(sealed), position)
         rest = np.array([of_file(self._fd, self._file.places, (places[OF_REST], places[OF_REST] + 4))], "u4")
