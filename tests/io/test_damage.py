@@ -13,6 +13,8 @@ import numpy as np
 import pytest
 import xarray as xr
 from tests.io.test_faults import failing_after, sweep
+from tests.support.map_files import left_in
+from tests.support.refusals import refused
 
 import fastlink as fl
 from fastlink.io.checksums import SIGNATURE, seal_is_broken
@@ -287,3 +289,69 @@ def test_a_map_that_hdf5_has_changed_since_opens(sealed, tmp_path):
     with fl.open(path) as maps:
         assert maps.attrs["note"] == "for the workshop"
     assert not fl.check(path)
+
+
+def of_a_stranger(path, secret, kind):
+    """Make a map of HDF5 that takes values from another file, or tells of values that it does not hold."""
+    with h5py.File(path, "w") as file:
+        file.attrs["fastlink_map"] = np.int64(1)
+        file["a2"] = [1.0, 1.2]
+        file["a2"].make_scale("a2")
+        group = file.create_group("checksums")
+        group.attrs.update({"algorithm": "crc32", "block_bytes": 65536, "variables": "x"})
+        group["values"], group["rest"] = np.zeros(1, "u4"), np.zeros(1, "u4")
+        if kind == "a link":
+            file["x"] = h5py.ExternalLink(secret, "x")
+        elif kind == "a link in a group":
+            file["whole/x"] = h5py.ExternalLink(secret, "x")
+        elif kind == "storage":
+            file.create_dataset("x", (2,), "f8", external=[(str(secret), 0, 16)])
+        elif kind == "a virtual dataset":
+            layout = h5py.VirtualLayout((2,), "f8")
+            layout[:] = h5py.VirtualSource(secret, "x", (2,))
+            file.create_virtual_dataset("x", layout)
+        elif kind == "many values":
+            file.create_dataset("x", (10**12,), "f8")
+        elif kind == "many chunks":
+            file.create_dataset("x", (10**12,), "f8", chunks=(1000,))
+        elif kind == "blocks of no bytes":
+            file["x"] = [1.0, 2.0]
+            group.attrs["block_bytes"] = 0
+        if (
+            "x" in file
+            and "many" not in kind
+            and not isinstance(file.get("x", getlink=True), h5py.ExternalLink)
+        ):
+            file["x"].dims[0].attach_scale(file["a2"])
+
+
+@pytest.mark.parametrize(
+    "kind",
+    [
+        "a link",
+        "a link in a group",
+        "storage",
+        "a virtual dataset",
+        "many values",
+        "many chunks",
+        "blocks of no bytes",
+    ],
+)
+def test_what_maps_of_strangers_do_not_hold_themselves_is_not_read(tmp_path, kind):
+    secret, path = tmp_path / "secret.h5", tmp_path / "m.h5"
+    with h5py.File(secret, "w") as file:
+        file["x"] = [3.0, 4.0]
+    of_a_stranger(path, secret, kind)
+    doors = {
+        "open": lambda: fl.open(path),
+        "check": lambda: fl.check(path),
+        "best": lambda: fl.best(path, minimise="x"),
+        "convert": lambda: fl.convert(path, tmp_path / "new.csv"),
+        "plot": lambda: fl.plot_map(path, "x", to=tmp_path / "new.png"),
+        "explore": lambda: fl.explore(path, to=tmp_path / "new.html"),
+        "join": lambda: fl.join([path], to=tmp_path / "new.h5"),
+    }
+    for name in ["check"] if kind == "blocks of no bytes" else doors:
+        with refused(str(path.name)):
+            doors[name]()
+    assert left_in(tmp_path) == ["m.h5", "secret.h5"]

@@ -13,11 +13,11 @@ from fastlink._text import counted, size
 from fastlink.doors import door
 from fastlink.errors import InputError
 from fastlink.io.checksums import CHECKSUMS, crc32, read_all, seal_is_broken
-from fastlink.io.parts import PartsError, check_parts, shown_parts
+from fastlink.io.parts import check_parts, shown_parts
 from fastlink.io.place import reason
 from fastlink.io.ranges import Range, joined
 from fastlink.io.reader import existing_map
-from fastlink.io.stored import Stored, open_to_read
+from fastlink.io.stored import Stored, check_own, open_to_read
 
 __all__ = ["FileCheck", "check"]
 
@@ -110,6 +110,7 @@ def _checked(place: Path, *, is_part: bool = False) -> FileCheck:
         if seal_is_broken(place):
             return FileCheck(place, os.path.getsize(place), rest_is_intact=False)
         with h5py.File(place, "r") as file:
+            check_own(place, file)
             if CHECKSUMS not in file:
                 raise InputError(f"{place}: has no checksums", remedy="write it again by this version")
             stored = Stored.of(file)
@@ -121,9 +122,9 @@ def _checked(place: Path, *, is_part: bool = False) -> FileCheck:
         if shown and found:
             check_parts(place)  # they are whole, but may be others, or one is missing
         return found
-    except PartsError:
+    except InputError:
         raise
-    except (OSError, RuntimeError, KeyError, ValueError, TypeError, EOFError) as error:
+    except (OSError, RuntimeError, KeyError, ValueError, TypeError, EOFError, MemoryError) as error:
         remedy = "give a map that a sweep has written, or write it again"
         raise InputError(f"{place}: cannot be read ({reason(error)})", remedy=remedy) from error
 

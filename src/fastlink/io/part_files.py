@@ -20,7 +20,7 @@ from fastlink.io.merged import is_measured
 from fastlink.io.parts import OF_PARTS, WHOLE, Part, PartOfMap, scalar
 from fastlink.io.place import part_of, reason, refused
 from fastlink.io.reader import check_seal, existing_map, is_hdf5, open_map, readable
-from fastlink.io.stored import Stored, open_to_read
+from fastlink.io.stored import Stored, check_own, open_to_read
 from fastlink.options import check_path
 from fastlink.space.dataset import FORMAT
 
@@ -170,6 +170,7 @@ def _read(path: Path, chosen: bool) -> PartFile | None:
             return None
         check_seal(existing_map(path))
         with h5py.File(path, "r") as file:
+            check_own(path, file)
             attrs = {str(name): scalar(value) for name, value in file.attrs.items()}
             of = PartOfMap.of(attrs)
             if of is not None and WHOLE in file:
@@ -185,7 +186,7 @@ def _read(path: Path, chosen: bool) -> PartFile | None:
             raise refused(f"{path} {what}", GIVE_PARTS, "paths")
     except InputError as error:
         raise InputError.of([Problem(one.what, ("paths",), one.remedy) for one in error.problems]) from None
-    except (OSError, RuntimeError, KeyError, ValueError, TypeError) as error:
+    except (OSError, RuntimeError, KeyError, ValueError, TypeError, MemoryError) as error:
         raise refused(f"{path} cannot be read ({reason(error)})", GIVE_PARTS, "paths") from error
     return None
 

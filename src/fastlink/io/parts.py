@@ -20,6 +20,7 @@ from fastlink.io.checksums import sealed_labels
 from fastlink.io.dataset import FINGERPRINT
 from fastlink.io.place import reason
 from fastlink.io.ranges import Range
+from fastlink.io.stored import check_own
 
 __all__ = [
     "LABELS",
@@ -222,6 +223,7 @@ def _shown(path: Path) -> tuple[dict[Path, int], set[str]]:
                 variables.add(source.dset_name)
 
     with h5py.File(path, "r") as file:
+        check_own(path, file)
         file.visititems(add)
         if used and NAMES in file and LABELS in file:
             names = [os.fsdecode(name) for name in file[NAMES][:].tolist()]

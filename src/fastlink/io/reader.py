@@ -19,7 +19,7 @@ from fastlink.doors import door
 from fastlink.errors import InputError, KeyPath, suggest
 from fastlink.io.checksums import SIGNATURE, seal_is_broken
 from fastlink.io.dataset import FORMAT_VERSION
-from fastlink.io.parts import PartsError, check_parts, shown_parts
+from fastlink.io.parts import check_parts, shown_parts
 from fastlink.io.place import part_of, reason
 from fastlink.options import check_path, not_a_file
 from fastlink.space.dataset import FORMAT
@@ -126,7 +126,7 @@ def open_map(path: str | os.PathLike[str], *, chunks: Any = None, **options: Any
         if engine == "h5netcdf" and is_hdf5(path) and check_parts(path):
             path = Path(os.path.realpath(path))  # whose folder the parts are in, not that of a link
         dataset = xr.open_dataset(path, engine=engine, chunks=chunks, **options)
-    except PartsError:
+    except InputError:
         raise
     except Exception as error:  # of h5py, h5netcdf, xarray and dask: there is no list of them
         _refuse_option(path, engine, chunks, options, error)
