@@ -8,7 +8,6 @@ import shutil
 import subprocess
 import sys
 from concurrent.futures import ThreadPoolExecutor
-from pathlib import Path
 
 import h5py
 import numpy as np
@@ -193,7 +192,9 @@ def test_a_map_that_shows_its_parts_is_a_map_at_every_door(sixteen, moved):
     assert "so are its 16 parts" in str(found)
     written = {
         "page": lambda path, to: fl.explore(path, to=to.with_suffix(".html")),
-        "plot": lambda path, to: fl.plot_map(path, "theta4", branch=1, at={"theta1": 0.0}, to=to.with_suffix(".png")),
+        "plot": lambda path, to: fl.plot_map(
+            path, "theta4", branch=1, at={"theta1": 0.0}, to=to.with_suffix(".png")
+        ),
     }
     for name, write in written.items():
         for path in (sixteen / "whole.h5", moved):
