@@ -224,7 +224,9 @@ def printable(line: str) -> str:
         shown = (sign if sign.isprintable() else repr(sign)[1:-1] for sign in line)
         line = "".join(shown)
     line = re.sub(
-        rf"\S{{{LONGEST_NAME + 1},}}", lambda word: f"{word[0][:FIRST_LETTERS]}...{word[0][-LAST_LETTERS:]}", line
+        rf"\S{{{LONGEST_NAME + 1},}}",
+        lambda word: f"{word[0][:FIRST_LETTERS]}...{word[0][-LAST_LETTERS:]}",
+        line,
     )
     if len(line) > LONGEST_LINE:
         line = f"{line[: LONGEST_LINE - LAST_SIGNS - 5]} ... {line[-LAST_SIGNS:]}"

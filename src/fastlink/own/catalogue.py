@@ -128,7 +128,7 @@ def _declare(catalogue: Catalogue, one: OwnQuantity) -> None:
 
 
 def _declare_kinks(catalogue: Catalogue, one: OwnQuantity, labels: dict[str, Any]) -> bool:
-    """Declare what vanishes at the kinks of a quantity, and the smooth ones that it is between them, unless too many."""
+    """Declare what vanishes at kinks and the smooth quantities between them; return False of too many kinks."""
     graded = catalogue.graded
     assert graded is not None
     known = {name: pieces for name, (_, pieces) in graded.kinks.items()}

@@ -17,7 +17,10 @@ from fastlink.errors import InputError
 __all__ = ["TOO_LONG", "FunctionText", "function_text"]
 
 #: What Python itself, which reads each expression by recursion, has no room for; and what to write.
-TOO_LONG = "an expression of too many terms for Python", "write it in several assignments: y = ..., y = y + ..."
+TOO_LONG = (
+    "an expression of too many terms for Python",
+    "write it in several assignments: y = ..., y = y + ...",
+)
 #: What to write where a function cannot be read.
 A_FUNCTION = "write it as `def NAME(...)` in a file or a notebook cell, below the decorator"
 
