@@ -13,15 +13,16 @@ from typing import Self, TypeAlias
 
 __all__ = [
     *("InputError", "InputWarning", "KeyPath", "Model", "Pair", "Problem", "Problems", "Remedy", "Samples"),
-    *("Setting", "Wording", "listed", "nearest", "path_text", "remark", "suggest"),
+    *("Setting", "Wording", "listed", "nearest", "path_text", "printable", "remark", "suggest"),
 ]
 
 #: Known names in a suggestion, and problems with a line each; the others are counted.
 MOST_SHOWN, MOST_LINES = 12, 20
 #: Signs of a line, and of its end, where the remedy stands, if it has to be cut.
 LONGEST_LINE, LAST_SIGNS = 390, 160
-#: Letters of the longest name that is compared with known ones, which takes a second for 100,000.
-LONGEST_NAME = 200
+#: Letters of the longest name that is compared with known ones, which takes a second for 100,000; of the longest word
+#: that is shown whole, and of the beginning and the end of a longer one.
+LONGEST_NAME, FIRST_LETTERS, LAST_LETTERS = 200, 100, 60
 #: What other programs call an option.
 ELSEWHERE = {
     "attrs": ("attributes", "metadata"),
@@ -209,15 +210,24 @@ class Problems:
 def printable(line: str) -> str:
     """Return a line of at most 390 signs that any terminal shows: others are escaped, addresses left out.
 
+    Of a word of more than 200 signs the beginning and the end are shown.
+
     Examples
     --------
     >>> printable(f"mechanism: {chr(27)}[31m is unknown").isprintable()
     True
+    >>> len(printable(f"{'w' * 5000} is no option"))
+    176
     """
     line = re.sub(r" at 0x[0-9a-fA-F]+", "", line)
     if not line.isprintable():
         shown = (sign if sign.isprintable() else repr(sign)[1:-1] for sign in line)
         line = "".join(shown)
+    line = re.sub(
+        rf"\S{{{LONGEST_NAME + 1},}}",
+        lambda word: f"{word[0][:FIRST_LETTERS]}...{word[0][-LAST_LETTERS:]}",
+        line,
+    )
     if len(line) > LONGEST_LINE:
         line = f"{line[: LONGEST_LINE - LAST_SIGNS - 5]} ... {line[-LAST_SIGNS:]}"
     return line

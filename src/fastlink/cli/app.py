@@ -15,7 +15,17 @@ from typing import TYPE_CHECKING, Annotated, Any, TypeVar, get_args, get_type_hi
 import typer
 import typer.core
 
-from fastlink.errors import InputError, InputWarning, KeyPath, Piece, Remedy, Setting, Wording, suggest
+from fastlink.errors import (
+    InputError,
+    InputWarning,
+    KeyPath,
+    Piece,
+    Remedy,
+    Setting,
+    Wording,
+    printable,
+    suggest,
+)
 
 if TYPE_CHECKING:
     from fastlink.engine.extending import Extension
@@ -75,8 +85,26 @@ ELSEWHERE = {
 }
 
 
+@contextlib.contextmanager
+def _printable_usage() -> Iterator[None]:
+    """Show what typer itself says of a wrong command line as other problems are."""
+    try:
+        yield
+    except typer.BadParameter.__base__ as error:  # UsageError, of click or of typer's own copy of it
+        error.message = printable(error.message)
+        raise
+
+
 class _Commands(typer.core.TyperGroup):
     """The commands; an unknown one is answered with the one that is meant."""
+
+    def make_context(self, *args: Any, **options: Any) -> Any:
+        with _printable_usage():
+            return super().make_context(*args, **options)
+
+    def invoke(self, ctx: Any) -> Any:
+        with _printable_usage():
+            return super().invoke(ctx)
 
     def resolve_command(self, ctx: Any, args: list[str]) -> Any:
         name = args[0] if args else ""
@@ -87,7 +115,7 @@ class _Commands(typer.core.TyperGroup):
                 remedy = "`fastlink --help` lists the commands"
             else:
                 remedy = f"did you mean {meant[0]!r}?" if meant else suggest(name, known)
-            typer.echo(f"fastlink: {name!r} is not a command; {remedy}", err=True)
+            typer.echo(f"fastlink: {printable(f'{name!r} is not a command; {remedy}')}", err=True)
             ctx.exit(BAD_INPUT)
         return super().resolve_command(ctx, args)
 

@@ -139,7 +139,11 @@ def _objectives(maps: xr.Dataset, minimise: Any, maximise: Any) -> list[Objectiv
     """Return the objectives that a caller names, or refuse them."""
     problems, found = Problems(), list[Objective]()
     for where, given, sign in (("minimise", minimise, 1.0), ("maximise", maximise, -1.0)):
-        for name in listed(given):
+        names = listed(given)
+        if not names and not isinstance(given, tuple):  # that is the default
+            what = f"is {short_repr(given)}, and names nothing"
+            problems.add(what, (where,), "write the name of a variable, or leave it out")
+        for name in names:
             with problems.at():
                 found.append(objective(maps, where, name, sign))
                 if sum(known.array.name == name for known in found) > 1:

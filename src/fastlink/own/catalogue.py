@@ -22,7 +22,7 @@ from fastlink.facts.names import (
     root_of,
 )
 from fastlink.own.definition import Definition, OwnInput, OwnQuantity, check_dimension, function_of
-from fastlink.own.kinks import only_name, split
+from fastlink.own.kinks import MOST_KINKS, only_name, split
 from fastlink.symbolic.derivative import NoDerivative
 
 __all__ = ["extended", "own_names", "used"]
@@ -118,26 +118,30 @@ def _declare(catalogue: Catalogue, one: OwnQuantity) -> None:
     labels: dict[str, Any] = {"units": one.units, "symbol": one.symbol, "meaning": one.meaning}
     catalogue.quantity(**labels, source=f"declared in {one.file}")(one.function)
     catalogue.facts[one.name] = replace(catalogue.facts[one.name], own=True)
-    jumping = own_names(catalogue, one.parameters) & set(_not_differentiable(catalogue))
-    if catalogue.graded is not None and (one.jumps or jumping):
-        names = (*catalogue.graded.not_differentiable, one.name)
-        catalogue.graded = replace(catalogue.graded, not_differentiable=names)
-    elif catalogue.graded is not None:
-        _declare_kinks(catalogue, one, labels)
+    graded = catalogue.graded
+    if graded is None:
+        return
+    jumps = one.jumps or own_names(catalogue, one.parameters) & set(graded.not_differentiable)
+    if jumps or not _declare_kinks(catalogue, one, labels):
+        names = (*graded.not_differentiable, one.name)
+        catalogue.graded = replace(graded, not_differentiable=names)
 
 
-def _declare_kinks(catalogue: Catalogue, one: OwnQuantity, labels: dict[str, Any]) -> None:
-    """Declare what vanishes at the kinks of a quantity, and the smooth ones that it is between them."""
+def _declare_kinks(catalogue: Catalogue, one: OwnQuantity, labels: dict[str, Any]) -> bool:
+    """Declare what vanishes at kinks and the smooth quantities between them; return False of too many kinks."""
     graded = catalogue.graded
     assert graded is not None
     known = {name: pieces for name, (_, pieces) in graded.kinks.items()}
     found = split(one.fact, one.parameters, known)
     if found is None:
-        return
+        return True
     inner = tuple(switch for name in one.parameters if name in known for switch in graded.kinks[name][0])
+    if found.too_many or len(inner) + len(found.switches) + len(found.pieces) > MOST_KINKS:
+        return False
     kinks = *inner, *_steps_of(catalogue, one.name, "kink", found.switches, labels, one.file)
     pieces = _steps_of(catalogue, one.name, "piece", found.pieces, labels, one.file)
     catalogue.graded = replace(graded, kinks={**graded.kinks, one.name: (kinks, pieces)})
+    return True
 
 
 def _steps_of(
@@ -154,10 +158,6 @@ def _steps_of(
         catalogue.quantity(**labels, source=f"declared in {file}", internal=True)(function)
         catalogue.facts[step] = replace(catalogue.facts[step], own=True)
     return tuple(names)
-
-
-def _not_differentiable(catalogue: Catalogue) -> tuple[str, ...]:
-    return () if catalogue.graded is None else catalogue.graded.not_differentiable
 
 
 def _units_of(catalogue: Catalogue, one: OwnQuantity, name: str) -> str:

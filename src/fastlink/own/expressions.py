@@ -6,7 +6,7 @@ import ast
 import builtins
 import math
 import re
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from types import ModuleType
 
 from fastlink.errors import Problems, suggest
@@ -19,11 +19,14 @@ from fastlink.own.functions import (
     names_of_functions,
 )
 from fastlink.own.source import FunctionText
+from fastlink.symbolic.expression import DEEPEST
 
 __all__ = ["CONDITION", "NUMBER", "Expressions", "Refused", "local_name", "quoted"]
 
 #: The greatest power that is written as products.
 MOST_POWER = 16
+#: The most conditions that are joined in one line.
+MOST_JOINED = 32
 NUMBER, CONDITION = "number", "condition"
 SIGNS = (ast.Add, ast.Sub, ast.Mult, ast.Div)
 COMPARISONS = (ast.Lt, ast.LtE, ast.Gt, ast.GtE, ast.Eq, ast.NotEq)
@@ -71,6 +74,10 @@ class Expressions:
         self.imports: set[str] = set()
         #: The values that are compared: where one is no number, nothing that is chosen is one.
         self.compared: dict[str, None] = {}
+        #: The first of them are numbers where this condition holds, if it has a name.
+        self.exist: list[str] = []
+        #: How deep the texts of numbers and conditions are nested; names are not.
+        self.depths: dict[str, int] = {}
         self.line, self.temporaries, self.jumps = 0, 0, False
 
     def note(self, what: str, remedy: str, node: ast.AST | None = None) -> None:
@@ -115,6 +122,28 @@ class Expressions:
         self.write(f"{name} = {text}")
         return name
 
+    def _nested(self, text: str, *parts: str) -> str:
+        """Return a text made of others, by a name where it is nested as deep as any reader of it goes."""
+        depth = 1 + max(self.depths.get(part, 0) for part in parts)
+        if depth >= DEEPEST:
+            return self._bound(text)
+        self.depths[text] = depth
+        return text
+
+    def _joined(self, sign: str, parts: Sequence[str]) -> str:
+        """Return conditions joined by a sign, many of them group by group."""
+        parts = list(parts)
+        if len(parts) + max(self.depths.get(part, 0) for part in parts) >= DEEPEST:
+            parts = [self._bound(part) for part in parts]
+        while len(parts) > MOST_JOINED:
+            groups = [parts[k : k + MOST_JOINED] for k in range(0, len(parts), MOST_JOINED)]
+            parts = [self._bound(sign.join(group)) for group in groups]
+        if len(parts) == 1:
+            return parts[0]
+        text = f"({sign.join(parts)})"
+        self.depths[text] = len(parts) + max(self.depths.get(part, 0) for part in parts)
+        return text
+
     # -- expressions ---------------------------------------------------------------------------------------------
 
     def kind(self, node: ast.expr) -> str:
@@ -137,26 +166,51 @@ class Expressions:
                 return self._name(node)
             case ast.Attribute():
                 return self._attribute(node)
-            case ast.UnaryOp(op=ast.UAdd()):
-                return self.number(node.operand)
-            case ast.UnaryOp(op=ast.USub()):
-                return f"(-{self.number(node.operand)})"
+            case ast.UnaryOp(op=ast.UAdd() | ast.USub()):
+                return self._signed(node)
             case ast.BinOp(op=ast.Pow()):
                 return self._power(node)
             case ast.BinOp() if isinstance(node.op, SIGNS):
-                left, right = self.number(node.left), self.number(node.right)
-                sign = "+-*/"[SIGNS.index(type(node.op))]
-                return f"({left} {sign} {right})"
+                return self._chain(node, SIGNS, "+-*/", self.number)
             case ast.BinOp():
                 raise self.refuse(node, "is an operation that facts do not have", "write + - * / or **")
             case ast.IfExp():
-                return self._choice(node.test, node.body, node.orelse)
+                return self._choices(node)
             case ast.Call():
                 return self._call(node)
         what, remedy = EXPRESSIONS.get(
             type(node), ("is not a number", "write numbers, + - * / and functions")
         )
         raise self.refuse(node, what, remedy)
+
+    def _signed(self, node: ast.expr) -> str:
+        """Return a number after any number of signs."""
+        minus = 0
+        while isinstance(node, ast.UnaryOp) and isinstance(node.op, (ast.UAdd, ast.USub)):
+            minus += isinstance(node.op, ast.USub)
+            node = node.operand
+        text = self.number(node)
+        for _ in range(minus):
+            text = self._nested(f"(-{text})", text)
+        return text
+
+    def _chain(
+        self,
+        node: ast.expr,
+        operators: tuple[type[ast.operator], ...],
+        signs: str,
+        read: Callable[[ast.expr], str],
+    ) -> str:
+        """Return operations on what stands left of them, in chains of any length: no recursion."""
+        chain = []
+        while isinstance(node, ast.BinOp) and isinstance(node.op, operators):
+            chain.append(node)
+            node = node.left
+        text = read(node)
+        for one in reversed(chain):
+            right = read(one.right)
+            text = self._nested(f"({text} {signs[operators.index(type(one.op))]} {right})", text, right)
+        return text
 
     def _constant(self, node: ast.Constant) -> str:
         if isinstance(node.value, bool) or not isinstance(node.value, (int, float)):
@@ -222,12 +276,27 @@ class Expressions:
         product = f"({' * '.join(factors)})" if factors[1:] else factors[0]
         return f"(1.0 / {product})" if negative else product
 
-    def _choice(self, test: ast.expr, body: ast.expr, orelse: ast.expr) -> str:
+    def _choices(self, node: ast.expr) -> str:
+        """Return choices that follow one another, in chains of any length: no recursion."""
         self.jumps = True
-        condition = self.condition(test)
-        chosen = f"choice({condition}, {self.number(body)}, {self.number(orelse)})"
-        exist = " & ".join(f"({one} == {one})" for one in self.compared)
-        return f"select({exist}, {chosen}, NOT_A_NUMBER)" if exist else chosen
+        chain = []
+        while isinstance(node, ast.IfExp):
+            chain.append((self.condition(node.test), self.number(node.body)))
+            node = node.orelse
+        return self._chosen(chain, self.number(node))
+
+    def _chosen(self, chain: Sequence[tuple[str, str]], text: str) -> str:
+        """Return the number of the first condition of a chain that holds, else a text."""
+        if len(self.compared) > MOST_JOINED:
+            parts = [*self.exist, *(f"({one} == {one})" for one in self.compared)]
+            self.exist, self.compared = [self._bound(self._joined(" & ", parts))], {}
+        parts = [*self.exist, *(f"({one} == {one})" for one in self.compared)]
+        exist = " & ".join(parts)
+        self.depths[exist] = len(parts)
+        for condition, number in reversed(chain):
+            text = self._nested(f"choice({condition}, {number}, {text})", condition, number, text)
+            text = self._nested(f"select({exist}, {text}, NOT_A_NUMBER)", exist, text) if exist else text
+        return text
 
     def _called(self, node: ast.Call) -> tuple[str, OwnFunction | None]:
         if isinstance(node.func, ast.Attribute):
@@ -258,7 +327,7 @@ class Expressions:
             remedy = f"{name} takes {least}{more}"
             raise self.refuse(node, "has another number of arguments", remedy)
         if function.is_choice:
-            return self._choice(*node.args)
+            return self._choices(ast.IfExp(*node.args))
         numbers = [self._bound(self.number(one)) for one in node.args]
         if function.count is not None:
             return f"({function.text.format(**dict(zip('ab', numbers, strict=False)))})"
@@ -279,13 +348,12 @@ class Expressions:
                     ("<", "<=", ">", ">=", "==", "!=")[COMPARISONS.index(type(sign))] for sign in node.ops
                 ]
                 parts = [f"({a} {s} {b})" for a, s, b in zip(numbers, signs, numbers[1:], strict=False)]
-                return f"({' & '.join(parts)})" if parts[1:] else parts[0]
+                return self._joined(" & ", parts)
             case ast.BoolOp():
                 sign = " & " if isinstance(node.op, ast.And) else " | "
-                return f"({sign.join(map(self.condition, node.values))})"
+                return self._joined(sign, [self.condition(one) for one in node.values])
             case ast.BinOp(op=ast.BitAnd() | ast.BitOr()):
-                sign = "&" if isinstance(node.op, ast.BitAnd) else "|"
-                return f"({self.condition(node.left)} {sign} {self.condition(node.right)})"
+                return self._chain(node, (ast.BitAnd, ast.BitOr), "&|", self.condition)
             case ast.UnaryOp():
                 raise self.refuse(
                     node, "negates a condition", "turn its comparison round: `a <= b` for `not a > b`"
@@ -309,5 +377,8 @@ def _name_of(constant: float) -> str:
 
 def quoted(node: ast.AST) -> str:
     """Return a short text of a node, in quotes."""
-    text = ast.unparse(node).splitlines()[0]
+    try:
+        text = ast.unparse(node).splitlines()[0]
+    except RecursionError:
+        return "`...`"
     return f"`{text if len(text) <= 40 else text[:37] + '...'}`"

@@ -8,10 +8,12 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from itertools import product
 
-__all__ = ["Split", "only_name", "split"]
+__all__ = ["MOST_KINKS", "Split", "only_name", "split"]
 
 #: The most smooth texts that are searched one by one; a text with more of them is searched as it is.
 MOST_PIECES = 8
+#: The most kinks and magnitudes that are searched: with twice as many, a kernel takes four times as long to compile.
+MOST_KINKS = 64
 
 
 @dataclass(frozen=True)
@@ -24,10 +26,13 @@ class Split:
         What vanishes at the kinks.
     pieces : tuple of str
         The smooth texts, none where they are too many; and magnitudes within, which are sharp where they almost vanish.
+    too_many : bool
+        Whether it has more kinks than are searched, so that none is.
     """
 
     switches: tuple[str, ...]
     pieces: tuple[str, ...]
+    too_many: bool = False
 
 
 def split(text: str, parameters: tuple[str, ...], kinked: Mapping[str, tuple[str, ...]]) -> Split | None:
@@ -53,13 +58,16 @@ def split(text: str, parameters: tuple[str, ...], kinked: Mapping[str, tuple[str
     tree = ast.parse(text).body[0]
     assert isinstance(tree, ast.FunctionDef)
     kinks: dict[str, tuple[int, ast.expr]] = {}
-    norms: dict[str, None] = {}
+    magnitudes: dict[str, tuple[int, ast.expr]] = {}
     for number, statement in enumerate(tree.body):
         for node in ast.walk(statement):
             if isinstance(node, ast.Call) and (sides := _sides(node)):
                 kinks.setdefault(ast.dump(node), (number, _difference(*sides)))
             if isinstance(node, ast.Call) and isinstance(node.func, ast.Name) and node.func.id == "magnitude":
-                norms[_with(tree, tree.body[:number], node)] = None
+                magnitudes.setdefault(ast.dump(node), (number, node))
+    if len(kinks) + len(magnitudes) > MOST_KINKS:
+        return Split((), (), too_many=True)
+    norms = dict.fromkeys(_with(tree, tree.body[:number], node) for number, node in magnitudes.values())
     inner = [name for name in parameters if name in kinked]
     if not kinks and not inner and not norms:
         return None

@@ -14,8 +14,13 @@ from typing import Any
 from fastlink._text import short_repr
 from fastlink.errors import InputError
 
-__all__ = ["FunctionText", "function_text"]
+__all__ = ["TOO_LONG", "FunctionText", "function_text"]
 
+#: What Python itself, which reads each expression by recursion, has no room for; and what to write.
+TOO_LONG = (
+    "an expression of too many terms for Python",
+    "write it in several assignments: y = ..., y = y + ...",
+)
 #: What to write where a function cannot be read.
 A_FUNCTION = "write it as `def NAME(...)` in a file or a notebook cell, below the decorator"
 
@@ -73,11 +78,17 @@ def function_text(function: Any) -> FunctionText:
         remedy = "write numbers, or declare inputs with default values: input(NAME, units=..., default=...)"
         raise InputError(what, where=(name,), remedy=remedy)
     lines, first = _lines(function)
-    tree = _tree(textwrap.dedent("".join(lines)), name)
-    if tree is None or not _same_code(tree, function.__code__):
+    whole = textwrap.dedent("".join(lines))
+    try:
+        tree = _tree(whole, name)
+        # without decorators
+        text = "\n".join(whole.split("\n")[tree.lineno - 1 : tree.end_lineno]) if tree else ""
+        same = _same_code(text, function.__code__)
+    except (RecursionError, MemoryError):
+        raise InputError(f"has {TOO_LONG[0]}", where=(name,), remedy=TOO_LONG[1]) from None
+    if tree is None or not same:
         what = f"its text in {Path(function.__code__.co_filename).name} is not that of the function"
         raise InputError(what, where=(name,), remedy="load the file again: it was changed since")
-    text = "\n".join(textwrap.dedent("".join(lines)).splitlines()[tree.lineno - 1 : tree.end_lineno])
     return FunctionText(tree, text, Path(function.__code__.co_filename).name, first - 1, function.__globals__)
 
 
@@ -99,10 +110,9 @@ def _tree(text: str, name: str) -> ast.FunctionDef | None:
     return found if isinstance(found, ast.FunctionDef) and found.name == name else None
 
 
-def _same_code(tree: ast.FunctionDef, code: CodeType) -> bool:
+def _same_code(text: str, code: CodeType) -> bool:
     """Tell whether a text compiles to the code of a function."""
-    alone = ast.FunctionDef(**{**dict(ast.iter_fields(tree)), "decorator_list": []})
-    whole = compile(ast.fix_missing_locations(ast.Module([alone], [])), "<own>", "exec")
+    whole = compile(text, "<own>", "exec")
     again = next((one for one in _codes(whole) if one.co_name == code.co_name), None)
     return again is not None and _essence(again) == _essence(code)
 

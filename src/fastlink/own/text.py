@@ -9,7 +9,7 @@ from typing import Any
 
 from fastlink.own.expressions import CONDITION, NUMBER, Expressions, Refused, local_name
 from fastlink.own.functions import CONSTANTS, HELPERS
-from fastlink.own.source import FunctionText
+from fastlink.own.source import TOO_LONG, FunctionText
 
 __all__ = ["FactText", "fact_text"]
 
@@ -105,7 +105,7 @@ class _Rewriter(Expressions):
                 if isinstance(target, ast.Name):
                     self.kinds.setdefault(target.id, NUMBER)
         except RecursionError:
-            self.note("is nested too deeply", "write it in several assignments")
+            self.note(f"has {TOO_LONG[0]}", TOO_LONG[1])
 
     # -- statements ----------------------------------------------------------------------------------------------
 

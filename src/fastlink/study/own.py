@@ -11,6 +11,7 @@ from typing import Any
 from fastlink.engine.extending import Extension
 from fastlink.errors import InputError, Problem, Setting, path_text
 from fastlink.options import check_path, not_a_file
+from fastlink.own.source import TOO_LONG
 
 __all__ = ["KEY", "TRUST", "load_extension"]
 
@@ -63,6 +64,8 @@ def _run(path: Path) -> dict[str, Any]:
         why = f"line {error.lineno}: {error.msg}" if isinstance(error, SyntaxError) else str(error)
         what = f"{str(path)!r} cannot be read ({why})"
         raise InputError(what, where=(KEY,), remedy="name a file of Python code beside the study") from None
+    except (RecursionError, MemoryError):
+        raise InputError(f"{str(path)!r} has {TOO_LONG[0]}", where=(KEY,), remedy=TOO_LONG[1]) from None
     linecache.checkcache(str(path))
     scope: dict[str, Any] = {"__name__": path.stem, "__file__": str(path)}
     try:

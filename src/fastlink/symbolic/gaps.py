@@ -15,6 +15,7 @@ from fastlink.numerics.vectors import choice, zero_where
 from fastlink.symbolic.bound import Bound
 from fastlink.symbolic.error_laws import of_choice, of_root_or_zero
 from fastlink.symbolic.expression import COMPARISONS, Node
+from fastlink.symbolic.postorder import postorder
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -80,11 +81,26 @@ LAWS: dict[Any, Callable[[Rules, Node], Bound]] = {
 
 def _doubt(rules: Rules, condition: Node, every: bool) -> Node | None:
     """Return the condition that the errors of the compared values may change a comparison, None if there are none."""
-    graph, (x, y) = rules.graph, condition.args
-    if condition.kind in ("&", "|") or x.kind in COMPARISONS:
-        parts = [_doubt(rules, part, every) for part in (x, y) if every or rules.bound(part).gap]
-        doubts = [part for part in parts if part is not None]
-        return graph.node("|", *doubts) if doubts[1:] else next(iter(doubts), None)
+
+    def parts(node: Node) -> list[Node]:
+        return [part for part in node.args if every or rules.bound(part).gap] if joins(node) else []
+
+    def joins(node: Node) -> bool:
+        return node.kind in ("&", "|") or node.args[0].kind in COMPARISONS
+
+    found: dict[Node, Node | None] = {}
+    for node in postorder([condition], parts, found):
+        if joins(node):
+            doubts = [doubt for part in parts(node) if (doubt := found[part]) is not None]
+            found[node] = rules.graph.node("|", *doubts) if doubts[1:] else next(iter(doubts), None)
+        else:
+            found[node] = _doubt_of_one(rules, *node.args)
+    return found[condition]
+
+
+def _doubt_of_one(rules: Rules, x: Node, y: Node) -> Node | None:
+    """Return the condition that the errors of two values may change their comparison, None if there are none."""
+    graph = rules.graph
     errors = [rules.error(part, rules.settled(part)) for part in (x, y)]
     if x is y:  # whether there is a number
         return graph.node("==", errors[0], graph.number(INFINITY))
