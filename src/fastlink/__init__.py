@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from fastlink.engine.evaluate import evaluate as evaluate
     from fastlink.engine.extending import extend as extend
     from fastlink.engine.function import function as function
-    from fastlink.engine.join import join as join
+    from fastlink.searching.join import join as join
     from fastlink.engine.sweep import sweep as sweep
     from fastlink.errors import InputError as InputError
     from fastlink.errors import InputWarning as InputWarning

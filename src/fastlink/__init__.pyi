@@ -21,7 +21,7 @@ from fastlink.drawing.draw import draw as draw
 from fastlink.engine.extending import Extension
 from fastlink.engine.extending import extend as extend
 from fastlink.engine.function import Function
-from fastlink.engine.join import join as join
+from fastlink.searching.join import join as join
 from fastlink.errors import InputError as InputError
 from fastlink.errors import InputWarning as InputWarning
 from fastlink.exploring.explore import explore as explore

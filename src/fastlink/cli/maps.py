@@ -54,7 +54,7 @@ def join(
 
     For instance: fastlink join maps.part-*.h5 --to maps.h5
     """
-    from fastlink.engine.join import join
+    from fastlink.searching.join import join
     from fastlink.report.summary import summary
 
     progress = False if quiet else None

@@ -1,4 +1,4 @@
-"""Join the parts of a map."""
+"""Join the parts of a map, or of a search."""
 
 from __future__ import annotations
 
@@ -10,22 +10,32 @@ from fastlink.doors import door
 from fastlink.engine.executor import default_threads
 from fastlink.engine.options import check_options
 from fastlink.engine.sinks import ProgressBar
-from fastlink.errors import Problems
+from fastlink.errors import InputError, Problems
 from fastlink.io.finished import finished_map
 from fastlink.io.joining import JoinedMap
-from fastlink.io.part_files import part_files
+from fastlink.io.merged import CORE_TIME, JOINED, merged
+from fastlink.io.part_files import PartFile, part_files
 from fastlink.io.writing.target import check_target
 from fastlink.io.writing.writer import Writer
 from fastlink.maps import open as open_map
 from fastlink.options import check_output
+from fastlink.precision import DESIGNS
+from fastlink.searching.result import SEARCH
+from fastlink.searching.run import finished
+from fastlink.searching.search import request_of_parts, to_file
+from fastlink.searching.stream import Stream
 
 if TYPE_CHECKING:
     import xarray as xr
+
+    from fastlink.engine.extending import Extension
 
 __all__ = ["join"]
 
 #: More threads than these do not copy faster.
 MOST_THREADS = 4
+#: What is told of the run of a joined search, from its parts.
+OF_RUN = ("run_time_s", "threads", "designs_per_second", JOINED, CORE_TIME)
 
 
 @door
@@ -36,13 +46,15 @@ def join(
     overwrite: bool = False,
     restart: bool = False,
     progress: bool | None = None,
+    mechanism: Extension | None = None,
 ) -> xr.Dataset:
-    """Join the parts of a map to the file that one sweep of all designs writes.
+    """Join the parts of a map to the file that one sweep of all designs writes; those of a search to its result.
 
     Every value is checked against the checksums of its part as it is read. The labels and the bits are those of the
     whole sweep, and `fastlink.sweep` of the same request finds its map in the file. Counts of designs and run times are
     sums, measured errors the greatest of all parts; docs/scaling.md tells each attribute. A join that was killed goes
-    on when it is called again.
+    on when it is called again. Of a search the best rows of all parts are refined here, to the bits of one search of all
+    designs.
 
     Parameters
     ----------
@@ -57,6 +69,8 @@ def join(
         Throw away what an interrupted join has left in ``FILE.part``.
     progress : bool, optional
         Show a progress bar on standard error; by default only on a terminal.
+    mechanism : Extension, optional
+        Of a search by quantities of one's own: what `fastlink.extend` returned, with which the parts were made.
 
     Returns
     -------
@@ -80,13 +94,19 @@ def join(
     ...         dict(maps.transmission_angle_min.sizes)
     {'a2': 3, 'a4': 2, 'branch': 2}
     """
-    problems, checked, parts = Problems(), dict[str, Any](), []
+    problems, checked, parts, ways = Problems(), dict[str, Any](), list[PartFile](), dict[str, Any]()
     with problems.at():
         check_output(("to",), to)
         checked = check_options({"overwrite": overwrite, "restart": restart, "progress": progress})
     with problems.at():
         parts = part_files(paths)
     problems.stop()
+    if SEARCH in parts[0].whole():
+        ways = {"overwrite": overwrite, "restart": restart}
+        return _joined_search(parts, mechanism, checked["progress"], Path(to), **ways)
+    if mechanism is not None:
+        remedy = "leave it out: maps are joined as they are"
+        raise InputError("counts for the parts of a search alone", where=("mechanism",), remedy=remedy)
     joined = JoinedMap(parts)
     about: dict[str, Any] = {"coords": joined.coords, "variables": joined.variables, "attrs": {}}
     if not overwrite:
@@ -95,7 +115,7 @@ def join(
             return found
     nbytes = sum(variable.nbytes for variable in joined.variables)
     path = check_target(to, nbytes, overwrite, [part.path for part in parts])
-    ways: dict[str, Any] = {"overwrite": overwrite, "restart": restart, "run": joined.run}
+    ways = {"overwrite": overwrite, "restart": restart, "run": joined.run}
     with Writer(path, joined.coords, joined.variables, {}, **ways) as writer:
         with ProgressBar(joined.designs, checked["progress"]) as bar:
             for start, stop in writer.written:
@@ -104,3 +124,26 @@ def join(
             joined.copy(writer, threads, lambda start, stop: bar.take(start, stop, []))
         writer.finish(joined.last_attrs(path.name), joined.errors)
     return open_map(path)
+
+
+def _joined_search(
+    parts: Sequence[PartFile], own: Extension | None, progress: bool | None, to: Path, **ways: bool
+) -> xr.Dataset:
+    """Return the result of the search of all parts."""
+    request, found, verify = request_of_parts(parts, own)
+    stream = Stream(request.resolved, request.kept, request.along)
+    kept = stream.nothing()
+    for one in found:
+        stream.merge(kept, one)
+    stream.settle(kept)
+    about = {name: value for name, value in merged([part.attrs for part in parts]).items() if name in OF_RUN}
+    how: dict[str, Any] = {"verify": DESIGNS if verify is None else verify, "progress": progress}
+    made = f"join {len(parts)} parts of a search"
+    return to_file(
+        to,
+        request,
+        lambda path: (finished(request, stream, kept, about, **how), None),
+        made=made,
+        parts=parts,
+        **ways,
+    )
