@@ -200,7 +200,7 @@ def test_what_a_worker_cannot_bring_to_the_disk_is_not_recorded(workers, small_t
 
 
 class Simulated:
-    """A client of as many workers of one thread each, in a time of its own: each task costs it 2 ms and its designs 3 us."""
+    """A client of as many workers of one thread each, in a time of its own: 2 ms for a task, and 3 us for a design."""
 
     def __init__(self, threads):
         self.now, self.busy, self.seconds = 0.0, 0.0, []

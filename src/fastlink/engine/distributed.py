@@ -41,7 +41,7 @@ INSTALL = "python -m pip install 'fastlink-linkages[distributed]'"
 ANSWERED_SECONDS = 10.0
 #: Seconds of work in one task, at least: a lost worker loses this.
 TASK_SECONDS = 1.0
-#: Seconds that a task costs the client, whatever its length (1.6 to 2.0 ms measured); how much of its time they may take.
+#: Seconds that a task costs the client, whatever its length (1.6 to 2.0 ms measured); the share of its time for them.
 TASK_COST, CLIENT_SHARE = 2e-3, 0.5
 #: Most bytes of results in one task: where any have come back, and where workers have kept all so far.
 TASK_BYTES, TASK_BYTES_KEPT = 32 << 20, 256 << 20

@@ -35,7 +35,7 @@ __all__ = ["join"]
 #: More threads than these do not copy faster.
 MOST_THREADS = 4
 #: What is told of the run of a joined search, from its parts.
-OF_RUN = ("run_time_s", "threads", "designs_per_second", JOINED, CORE_TIME)
+OF_RUN = ("run_time_s", "threads", JOINED, CORE_TIME)
 
 
 @door
@@ -53,8 +53,8 @@ def join(
     Every value is checked against the checksums of its part as it is read. The labels and the bits are those of the
     whole sweep, and `fastlink.sweep` of the same request finds its map in the file. Counts of designs and run times are
     sums, measured errors the greatest of all parts; docs/scaling.md tells each attribute. A join that was killed goes
-    on when it is called again. Of a search the best rows of all parts are refined here, to the bits of one search of all
-    designs.
+    on when it is called again. Of a search the best rows of all parts are refined here, to the bits of one search of
+    all designs.
 
     Parameters
     ----------
@@ -127,7 +127,7 @@ def join(
 
 
 def _joined_search(
-    parts: Sequence[PartFile], own: Extension | None, progress: bool | None, to: Path, **ways: bool
+    parts: Sequence[PartFile], own: Extension | None, progress: bool | None, to: Path, **ways: Any
 ) -> xr.Dataset:
     """Return the result of the search of all parts."""
     request, found, verify = request_of_parts(parts, own)
@@ -137,6 +137,7 @@ def _joined_search(
         stream.merge(kept, one)
     stream.settle(kept)
     about = {name: value for name, value in merged([part.attrs for part in parts]).items() if name in OF_RUN}
+    about["designs_per_second"] = request.size / about["run_time_s"]
     how: dict[str, Any] = {"verify": DESIGNS if verify is None else verify, "progress": progress}
     made = f"join {len(parts)} parts of a search"
     return to_file(

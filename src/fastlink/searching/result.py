@@ -231,7 +231,7 @@ class Request:
         return result.assign_coords({ACTIVE: refined[ACTIVE].variable})
 
     def of_part(self, stream: Stream, kept: Kept, of: PartOfMap, about: Mapping[str, Any]) -> xr.Dataset:
-        """Return the rows that a part keeps as a map, not refined; where nothing is found its first row stands there."""
+        """Return the rows that a part keeps as a map, not refined; where there is none its first row stands there."""
         rows = (
             stream.ordered(kept).rows if len(kept.rows) else np.array([of.range[0] * stream.rows.of_design])
         )

@@ -91,7 +91,7 @@ def search(
 
     Parameters
     ----------
-    mechanism, space, links, input, angles, solver, extrema, threads, client, progress, attrs, block, backend, **positions
+    mechanism, space, links, input, angles, solver, extrema, attrs, backend, **positions
         As in `fastlink.sweep`; for a search, `space` is mostly a sample, such as ``fastlink.sobol(10**7, ...)``.
     quantities : sequence of str
         What else to compute of the designs that are found; objectives and conditions come along.
@@ -109,6 +109,8 @@ def search(
         The HDF5 file to write. A file that is there already and holds the result of this search is opened as it is.
     overwrite : bool
         Search anew and replace an existing file.
+    threads, client, progress, block
+        As in `fastlink.sweep`.
     restart : bool
         Throw away what a killed search has left in ``FILE.search``. Without it, the same search goes on there, to the
         same bits, and another one is refused.
@@ -245,7 +247,7 @@ def request_of_parts(parts: Sequence[PartFile], own: Any = None) -> tuple[Reques
         raise own_refused(("mechanism",), declared_names(text)[0])
     kept, numbers, columns = list[Kept](), list[Any](), dict[str, list[Any]]()
     for part, whole in zip(parts, wholes, strict=True):
-        kept.append(Kept.of_arrays({name: one.values for name, one in whole.coords.items()}))
+        kept.append(Kept.of_arrays({str(name): one.values for name, one in whole.coords.items()}))
         rows = kept[-1].rows // about["rows_of_design"]
         numbers.append(rows if len(rows) else np.array(part.of.range[:1]))
         with part.dataset() as opened:

@@ -135,8 +135,8 @@ def run_study(
         Throw away what an interrupted run has left in ``FILE.part``. Without it, the same study goes on there, and
         another one is refused.
     part : (k, n) or "k/n", optional
-        Run the k-th of n parts of the designs (see `fastlink.sweep` and `fastlink.search`), by default into the file of the study with the
-        part in its name, such as ``maps.part-03-of-16.h5``.
+        Run the k-th of n parts of the designs (see `fastlink.sweep`, `fastlink.search`), by default into the file of
+        the study with the part in its name, such as ``maps.part-03-of-16.h5``.
     layout : {"curves", "maps"}, optional
         How the map is to be read (see `fastlink.sweep`); by default what the study says, else ``"curves"``.
     client : distributed.Client, optional
