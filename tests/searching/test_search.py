@@ -11,6 +11,7 @@ import fastlink as fl
 from fastlink.cli import app
 from fastlink.engine import distributed
 from fastlink.searching import run as run_module
+from fastlink.searching import search as search_module
 from fastlink.searching import unfinished as unfinished_module
 
 RANGES = {"a1": (0.1, 0.5), "a2": (0.8, 1.3), "a3": (0.5, 1.2), "a4": 1.0, "omega1": 1.0}
@@ -304,9 +305,8 @@ def check_same(found, whole):
 def parts_of(folder, space, asked, count=7, **options):
     paths = [folder / f"found.part-{k}-of-{count}.h5" for k in range(1, count + 1)]
     for k, path in enumerate(paths, 1):
-        fl.search(
-            "planar_4r", space, ["swing"], **asked, part=(k, count), to=path, progress=False, **options
-        ).close()
+        own = {"progress": False, "part": (k, count), "to": path, **options}
+        fl.search("planar_4r", space, ["swing"], **asked | own).close()
     return paths
 
 
@@ -317,8 +317,7 @@ def test_joined_parts_are_the_result_of_one_search(of, tmp_path):
     paths = parts_of(tmp_path, space, asked, attrs={"by": "me"}, verify=3)
     options = {**asked, "attrs": {"by": "me"}, "verify": 3, "progress": False}
     with fl.join(paths[3:] + paths[:3], to=path, progress=False) as joined:
-        with fl.search("planar_4r", space, ["swing"], **options, to=tmp_path / "whole.h5") as whole:
-            check_same(joined, whole)
+        check_same(joined, fl.search("planar_4r", space, ["swing"], **options, to=tmp_path / "whole.h5"))
     assert fl.check(path)
     before = path.read_bytes()
     fl.search("planar_4r", space, ["swing"], **options, to=path).close()  # which is finished
@@ -358,7 +357,7 @@ def test_parts_in_which_nothing_is_found(tmp_path):
     none = {**asked, "where": {"swing": (9.0, None)}}
     (tmp_path / "none").mkdir()
     paths = parts_of(tmp_path / "none", space, none, 2)
-    with refused("none of 105 rows", "widen"):
+    with refused("none of 210 rows", "widen"):
         fl.join(paths, to=tmp_path / "found.h5")
 
 
@@ -370,13 +369,34 @@ def test_a_killed_part_goes_on(tmp_path, monkeypatch):
         stopped_after(patch, 3)
         with pytest.raises(Stop):
             fl.search("planar_4r", sample(), **options, part="2/2", to=second)
-    with refused("found.part-2-of-2.h5.search is of a run that has not finished", "run it"):
+    with refused("part 2 of 2", "found.part-2-of-2.h5.search is of a run that has not finished"):
         fl.join(tmp_path, to=tmp_path / "found.h5")
     with fl.search("planar_4r", sample(), **options, part="2/2", to=second) as part:
         assert part.attrs["designs_of_earlier_runs"] == 300
         assert part.attrs["searched_designs"] == 1500
     with fl.join(tmp_path, to=tmp_path / "found.h5", progress=False) as joined:
         check_same(joined, fl.search("planar_4r", sample(), **options, to=tmp_path / "whole.h5"))
+
+
+def test_parts_by_quantities_of_ones_own_need_their_declarations(tmp_path, monkeypatch):
+    own = fl.extend("planar_4r")
+
+    @own.quantity(units="m", symbol="s")
+    def bars(a1, a2):
+        """Two bars."""
+        return a1 + a2
+
+    options = {"minimise": "bars", "where": {"status": "rotates_fully"}, "top": 1, "progress": False}
+    paths = [tmp_path / f"found.part-{k}-of-2.h5" for k in (1, 2)]
+    for k, path in enumerate(paths, 1):
+        fl.search(own, sample(100), **options, part=(k, 2), to=path).close()
+    with refused("mechanism", "mechanism="):
+        fl.join(paths, to=tmp_path / "found.h5")
+    with fl.join(paths, to=tmp_path / "found.h5", mechanism=own, progress=False) as joined:
+        check_same(joined, fl.search(own, sample(100), **options, to=tmp_path / "whole.h5"))
+    monkeypatch.setattr(search_module, "environment", lambda: b"other")
+    with refused("by another version", "join with the version"):
+        fl.join(paths, to=tmp_path / "again.h5", mechanism=own)
 
 
 @pytest.fixture(scope="module")
