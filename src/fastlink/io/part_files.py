@@ -25,7 +25,7 @@ from fastlink.io.stored import Stored, open_to_read
 from fastlink.options import check_path
 from fastlink.space.dataset import FORMAT
 
-__all__ = ["PartFile", "part_files"]
+__all__ = ["RUN_AGAIN", "PartFile", "part_files"]
 
 #: Endings of files that are being written, which a folder may hold too.
 OF_WRITER = (".part", ".new", ".journal")

@@ -14,7 +14,8 @@ from fastlink.errors import InputError, Problems
 from fastlink.io.finished import finished_map
 from fastlink.io.joining import JoinedMap
 from fastlink.io.merged import CORE_TIME, JOINED, merged
-from fastlink.io.part_files import PartFile, part_files
+from fastlink.io.part_files import RUN_AGAIN, PartFile, part_files
+from fastlink.io.place import reason
 from fastlink.io.writing.target import check_target
 from fastlink.io.writing.writer import Writer
 from fastlink.maps import open as open_map
@@ -130,7 +131,13 @@ def _joined_search(
     parts: Sequence[PartFile], own: Extension | None, progress: bool | None, to: Path, **ways: Any
 ) -> xr.Dataset:
     """Return the result of the search of all parts."""
-    request, found, verify = request_of_parts(parts, own)
+    try:
+        request, found, verify = request_of_parts(parts, own)
+    except (KeyError, ValueError, TypeError, AttributeError) as error:
+        if isinstance(error, InputError):
+            raise
+        what = f"{parts[0].path}: what it says of its search cannot be read ({reason(error)})"
+        raise InputError(what, where=("paths",), remedy=RUN_AGAIN) from error
     stream = Stream(request.resolved, request.kept, request.along)
     kept = stream.nothing()
     for one in found:

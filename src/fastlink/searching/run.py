@@ -74,7 +74,7 @@ def found_by(
     first, last = of.range if of else (0, request.size)
     with ProgressBar(last - first, progress) as bar:
         bar.merge(resumed)
-        gathering = _Gathering(stream, (first, last), kept, Ranges(done), unfinished, bar)
+        gathering = _Gathering(unfinished, bar, stream, (first, last), kept, Ranges(done))
         gathering.all(threads, block, cluster)
     stream.settle(kept)
     seconds = time.perf_counter() - started
@@ -143,11 +143,12 @@ class _Gathered:
         The designs that are searched; others, which kernels evaluate along with them, are left out.
     kept : Kept
         What is kept so far.
+    done : Ranges
+        Of which evaluated designs.
     """
 
-    def __init__(self, stream: Stream, rows: Range, kept: Kept) -> None:
-        self.stream, self.rows, self.kept = stream, rows, kept
-        self.ranges: list[Range] = []
+    def __init__(self, stream: Stream, rows: Range, kept: Kept, done: Ranges) -> None:
+        self.stream, self.rows, self.kept, self.done = stream, rows, kept, done
 
     def take(self, start: int, stop: int, arrays: list[NDArray[Any]]) -> None:
         """Read the results of evaluated designs."""
@@ -158,57 +159,39 @@ class _Gathered:
 
         clipped = within([self.rows], read)
         (axis.over(clipped) if axis else clipped)(start, stop, arrays)
-        self.merge_one(own, [(start, stop)])
+        self.merge((own, [(start, stop)]))
 
-    def merge_one(self, own: Kept, ranges: list[Range]) -> None:
-        """Add what is kept of further designs."""
-        self.stream.merge(self.kept, own)
-        self.ranges += ranges
+    def merge(self, report: tuple[Kept, list[Range]]) -> None:
+        """Add what is kept of further designs, and which evaluated ones these are."""
+        self.stream.merge(self.kept, report[0])
+        for one in report[1]:
+            self.done.add(*one)
 
     def report(self) -> tuple[Kept, list[Range]]:
         """Return what is kept, and of which evaluated designs."""
         self.stream.settle(self.kept)
-        return self.kept, self.ranges
+        return self.kept, self.done.joined()
 
 
 class _Gathering(_Gathered):
     """The same of all designs, in threads or on a cluster; from time to time its state is put beside the file."""
 
-    def __init__(
-        self,
-        stream: Stream,
-        rows: Range,
-        kept: Kept,
-        done: Ranges,
-        unfinished: Unfinished | None,
-        bar: ProgressBar,
-    ) -> None:
-        super().__init__(stream, rows, kept)
-        self.done, self.unfinished, self.bar = done, unfinished, bar
-        self.lock = threading.Lock()
+    def __init__(self, unfinished: Unfinished | None, bar: ProgressBar, *given: Any) -> None:
+        super().__init__(*given)
+        self.unfinished, self.bar, self.lock = unfinished, bar, threading.Lock()
 
     def twin(self) -> _Gathered:
         """Return an object that gathers in another process, see `fastlink.engine.elsewhere`."""
         stream = Stream(self.stream.resolved, self.stream.choice, self.stream.along)
-        return _Gathered(stream, self.rows, stream.nothing())
+        return _Gathered(stream, self.rows, stream.nothing(), Ranges())
 
     def merge(self, report: tuple[Kept, list[Range]]) -> None:
-        """Add what a twin has gathered."""
-        self.merge_one(*report)
-
-    def merge_one(self, own: Kept, ranges: list[Range]) -> None:
-        """Add what is kept of further designs; thread-safe."""
+        """Add what is kept of further designs, also by a twin; thread-safe."""
         with self.lock:
-            self.stream.merge(self.kept, own)
-            for one in ranges:
-                self.done.add(*one)
+            super().merge(report)
             if self.unfinished is not None and self.unfinished.is_due():
-                self._write(self.unfinished)
-        self.bar.merge(int(own.designs.sum()))
-
-    def _write(self, unfinished: Unfinished) -> None:
-        self.stream.settle(self.kept)
-        unfinished.write(self.kept, self.done.joined())
+                self.unfinished.write(*self.report())
+        self.bar.merge(int(report[0].designs.sum()))
 
     def all(self, threads: int, block: int | None, cluster: Cluster | None) -> None:
         """Evaluate all designs that are not done."""
@@ -227,7 +210,7 @@ class _Gathering(_Gathered):
         except BaseException as error:
             if self.unfinished is not None and (now := self.done.joined()):
                 with contextlib.suppress(InputError):
-                    self._write(self.unfinished)
+                    self.unfinished.write(*self.report())
                     share = _count(now) / _count(wanted)
                     error.add_note(
                         f"{share:.0%} of the designs are searched, as {self.unfinished.path} says; "
