@@ -394,6 +394,12 @@ def test_parts_by_quantities_of_ones_own_need_their_declarations(tmp_path, monke
         fl.join(paths, to=tmp_path / "found.h5")
     with fl.join(paths, to=tmp_path / "found.h5", mechanism=own, progress=False) as joined:
         check_same(joined, fl.search(own, sample(100), **options, to=tmp_path / "whole.h5"))
+    with (
+        refused("what it says of its search cannot be read", "run that part again"),
+        monkeypatch.context() as patch,
+    ):
+        patch.setattr(search_module.json, "loads", lambda text: {})  # of a stranger
+        fl.join(paths, to=tmp_path / "again.h5", mechanism=own)
     monkeypatch.setattr(search_module, "environment", lambda: b"other")
     with refused("by another version", "join with the version"):
         fl.join(paths, to=tmp_path / "again.h5", mechanism=own)

@@ -133,7 +133,7 @@ def finished(
 
 
 class _Gathered:
-    """What a search keeps of some designs.
+    """The best rows of some designs, which a search keeps.
 
     Parameters
     ----------
