@@ -22,7 +22,6 @@ if TYPE_CHECKING:
     from fastlink.engine.evaluate import evaluate as evaluate
     from fastlink.engine.extending import extend as extend
     from fastlink.engine.function import function as function
-    from fastlink.engine.join import join as join
     from fastlink.engine.sweep import sweep as sweep
     from fastlink.errors import InputError as InputError
     from fastlink.errors import InputWarning as InputWarning
@@ -38,6 +37,7 @@ if TYPE_CHECKING:
     from fastlink.report.quantities import quantities as quantities
     from fastlink.report.summary import summary as summary
     from fastlink.searching.best import best as best
+    from fastlink.searching.join import join as join
     from fastlink.searching.search import search as search
     from fastlink.space.design_space import DesignSpace as DesignSpace
     from fastlink.space.links import round_bar as round_bar

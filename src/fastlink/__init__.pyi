@@ -21,7 +21,6 @@ from fastlink.drawing.draw import draw as draw
 from fastlink.engine.extending import Extension
 from fastlink.engine.extending import extend as extend
 from fastlink.engine.function import Function
-from fastlink.engine.join import join as join
 from fastlink.errors import InputError as InputError
 from fastlink.errors import InputWarning as InputWarning
 from fastlink.exploring.explore import explore as explore
@@ -36,6 +35,7 @@ from fastlink.plot.plot_map import plot_map as plot_map
 from fastlink.report.quantities import QuantityList
 from fastlink.report.summary import summary as summary
 from fastlink.searching.best import best as best
+from fastlink.searching.join import join as join
 from fastlink.searching.search import search as search
 from fastlink.space.design_space import DesignSpace as DesignSpace
 from fastlink.space.links import Links

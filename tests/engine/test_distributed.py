@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 import functools
+import heapq
 import os
+import queue
 import signal
 import threading
 import time
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -16,6 +19,8 @@ from tests.support.refusals import refused
 
 import fastlink as fl
 from fastlink.engine import distributed
+from fastlink.engine.executor import Job
+from fastlink.engine.on_worker import Report
 from fastlink.io.writing.writer import Writer
 
 SPACE = {"a1": 0.4, "a2": np.linspace(1.0, 1.2, 30), "a3": np.linspace(0.7, 0.9, 20), "a4": 1.0}
@@ -189,6 +194,69 @@ def test_what_a_worker_cannot_bring_to_the_disk_is_not_recorded(workers, small_t
     with refused("worker", "choose another place"):
         swept(client=workers, to=tmp_path / "maps.h5")
     assert list(tmp_path.iterdir()) == []
+
+
+# -- many workers ----------------------------------------------------------------------------------
+
+
+class Simulated:
+    """A client of as many workers of one thread each, in a time of its own: 2 ms for a task, and 3 us for a design."""
+
+    def __init__(self, threads):
+        self.now, self.busy, self.seconds = 0.0, 0.0, []
+        self.free, self.ends = [(0.0, k) for k in range(threads)], []
+        self.tasks = dict.fromkeys(range(threads), 0)
+
+    def nthreads(self):
+        return dict.fromkeys(self.tasks, 1)
+
+    def wait_for_workers(self, count):
+        pass
+
+    def cancel(self, futures, force):
+        assert not futures
+
+    def scatter(self, data, **options):
+        return [None]
+
+    def submit(self, function, data, name, start, stop, **options):
+        self.now, self.busy = self.now + 2e-3, self.busy + 2e-3
+        seconds = (stop - start) * 3e-6
+        free, worker = heapq.heappop(self.free)
+        end = max(free, self.now) + seconds
+        heapq.heappush(self.free, (end, worker))
+        self.tasks[worker] += 1
+        self.seconds.append(seconds)
+        note = functools.partial(heapq.heappush, self.ends)
+        future = type("Future", (), {"status": "finished", "result": lambda self: Report(seconds, [])})()
+        future.add_done_callback = lambda put: note((end, id(future), future))
+        return future
+
+    def empty(self):
+        return not (self.ends and self.ends[0][0] <= self.now)
+
+    def get(self, timeout):
+        end, _, future = heapq.heappop(self.ends)
+        self.now = max(self.now, end)
+        return future
+
+    put = None
+
+
+@pytest.mark.parametrize(
+    ("threads", "work", "used", "longest"),
+    [(1000, 60.0, 0.95, 4.1), (1000, 10.0, 0.85, 4.1), (16, 10.0, 0.98, 1.05)],
+)
+def test_the_client_keeps_up_with_any_number_of_threads(monkeypatch, threads, work, used, longest):
+    client = Simulated(threads)
+    monkeypatch.setattr(distributed, "queue", SimpleNamespace(SimpleQueue=lambda: client, Empty=queue.Empty))
+    job = Job((), [((28,), "float64")], int(threads * work / 3e-6))
+    distributed.Cluster(client).run(job, print, travels=True)
+    assert sum(client.seconds) == pytest.approx(threads * work)
+    assert sum(client.seconds) / threads / client.now >= used
+    assert client.busy / client.now < 0.8
+    assert max(client.seconds) < longest  # which is lost with a worker
+    assert min(client.tasks.values()) >= 3
 
 
 # -- what is refused -------------------------------------------------------------------------------

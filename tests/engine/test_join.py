@@ -380,7 +380,7 @@ def test_a_join_that_is_interrupted_goes_on(tmp_path, monkeypatch):
         record(self, start, stop)
         copied.append((start, stop))
 
-    monkeypatch.setattr("fastlink.engine.join.MOST_THREADS", 1)
+    monkeypatch.setattr("fastlink.searching.join.MOST_THREADS", 1)
     with monkeypatch.context() as patched:
         patched.setattr(Writer, "record", interrupted)
         with pytest.raises(KeyboardInterrupt) as caught:

@@ -42,6 +42,7 @@ __all__ = [
     "command",
     "extension_of",
     "numbers_of",
+    "tell",
     "text_of",
 ]
 
@@ -332,6 +333,19 @@ def options(
     ] = False,
 ) -> None:
     """Planar linkages by the million: a design space in, one labelled HDF5 map out."""
+
+
+def tell(maps: Any) -> None:
+    """Print the summary of a map that was made, and the designs that a whole search has found."""
+    from fastlink.io.parts import PartOfMap
+    from fastlink.report.designs import listed
+    from fastlink.report.summary import summary
+
+    typer.echo(summary(maps))
+    if "search" in maps.attrs and PartOfMap.of(maps.attrs) is None:
+        found = maps.load()
+        del found.attrs["selection"]  # which the summary has said
+        typer.echo(listed(found, [str(name) for name, one in found.data_vars.items() if one.ndim == 1]))
 
 
 def extension_of(file: Path, own: Path | None, trusted: bool) -> Extension | None:

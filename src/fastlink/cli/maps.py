@@ -16,6 +16,7 @@ from fastlink.cli.app import (
     command,
     extension_of,
     numbers_of,
+    tell,
     text_of,
 )
 from fastlink.errors import InputError, Setting
@@ -39,7 +40,9 @@ def info(
 def join(
     paths: Annotated[
         list[Path],
-        typer.Argument(metavar="PART...", help="The parts of a map, or their folder.", show_default=False),
+        typer.Argument(
+            metavar="PART...", help="The parts of a map or of a search, or their folder.", show_default=False
+        ),
     ],
     to: Annotated[
         Path, typer.Option("--to", metavar="FILE", help="The HDF5 file to write.", show_default=False)
@@ -52,18 +55,23 @@ def join(
         bool, typer.Option("--restart", help="Throw away what an interrupted join has left in FILE.part.")
     ] = False,
     quiet: Annotated[bool, typer.Option("--quiet", help="Print neither progress nor summary.")] = False,
+    *,
+    mechanism: QuantitiesFile = None,
+    trust_code: TrustCode = False,
 ) -> None:
-    """Join the parts of a map that `fastlink run --part K/N` has written; their values stay where they are.
+    """Join the parts of a map, or of a search, that `fastlink run --part K/N` has written; values of a map stay there.
 
     For instance: fastlink join maps.part-*.h5 --to maps.h5
     """
-    from fastlink.engine.join import join
-    from fastlink.report.summary import summary
+    from fastlink.io.part_files import part_files
+    from fastlink.searching.join import join
 
-    progress = False if quiet else None
-    with join(paths, to=to, copy=copy, overwrite=overwrite, restart=restart, progress=progress) as maps:
+    options: dict[str, Any] = {"progress": False if quiet else None, "copy": copy, "overwrite": overwrite}
+    if mechanism is not None:
+        options["mechanism"] = extension_of(part_files(paths)[0].path, mechanism, trust_code)
+    with join(paths, to=to, restart=restart, **options) as maps:
         if not quiet:
-            typer.echo(summary(maps))
+            tell(maps)
 
 
 @command

@@ -18,6 +18,7 @@ from fastlink.cli.app import (
     by_name,
     command,
     extension_of,
+    tell,
     text_of,
 )
 from fastlink.errors import InputError
@@ -74,7 +75,6 @@ def run(
 ) -> None:
     """Run a study, and write its map; a map that is there and up to date is kept."""
     from fastlink.io.finished import WRITTEN
-    from fastlink.report.summary import summary
     from fastlink.study.study import run_study
 
     progress, started = False if quiet else None, time.time_ns()
@@ -96,13 +96,7 @@ def run(
         if maps.attrs[WRITTEN] < started:
             typer.echo(f"{maps.encoding['source']} is up to date")
         if not quiet:
-            typer.echo(summary(maps))
-        if not quiet and "search" in maps.attrs:
-            from fastlink.report.designs import listed
-
-            found = maps.load()
-            del found.attrs["selection"]  # which the summary has said
-            typer.echo(listed(found, [str(name) for name, one in found.data_vars.items() if one.ndim == 1]))
+            tell(maps)
 
 
 @command

@@ -39,14 +39,16 @@ __all__ = ["Cluster", "connected"]
 INSTALL = "python -m pip install 'fastlink-linkages[distributed]'"
 #: Seconds within which a scheduler answers.
 ANSWERED_SECONDS = 10.0
-#: Seconds of work in one task: to hand it out and to take its report costs some ms, and a lost worker loses this.
+#: Seconds of work in one task, at least: a lost worker loses this.
 TASK_SECONDS = 1.0
-#: Most bytes of results in one task: they may have to come back.
-TASK_BYTES = 32 << 20
+#: Seconds that a task costs the client, whatever its length (1.6 to 2.0 ms measured); the share of its time for them.
+TASK_COST, CLIENT_SHARE = 2e-3, 0.5
+#: Most bytes of results in one task: where any have come back, and where workers have kept all so far.
+TASK_BYTES, TASK_BYTES_KEPT = 32 << 20, 256 << 20
 #: Tasks per thread of the workers that are handed out at once: one under way, one that waits for it.
 AHEAD = 2
 #: Designs of the first tasks, of which nothing is known; the next ones have at most so many times those before, and at
-#: least this part of `TASK_SECONDS`.
+#: least this part of their seconds.
 FIRST_DESIGNS, GROWTH, LEAST = 64, 8, 0.1
 #: Seconds to wait for a report before a look at the number of workers.
 PATIENCE = 0.5
@@ -128,7 +130,7 @@ class Cluster:
         travels : bool
             Whether workers may have the sink themselves, see `fastlink.engine.elsewhere`.
         block : int, optional
-            Designs per block; of a task as many as take `TASK_SECONDS`.
+            Designs per block; of a task see `_Length`.
         pending : sequence of (start, stop), optional
             The designs to evaluate; all unless given.
         """
@@ -139,6 +141,7 @@ class Cluster:
 
         def take(start: int, stop: int, report: Report) -> None:
             if report.reports is None:
+                length.bytes = TASK_BYTES
                 sink(start, stop, report.arrays)
             else:
                 for traveller, gathered in zip(travellers, report.reports, strict=True):
@@ -150,6 +153,8 @@ class Cluster:
                 while ranges.left or tasks.under_way:
                     while ranges.left and len(tasks.under_way) < AHEAD * max(self.threads, 1):
                         tasks.submit(*ranges.take(length.next(ranges.left, self.threads)))
+                        if not tasks.done.empty():  # which says how long the next one is to be
+                            break
                     for start, stop, report in tasks.finished():
                         length.learn(stop - start, report.seconds)
                         taker.submit(take, start, stop, report).result()
@@ -175,25 +180,32 @@ class _Pending:
 
 
 class _Length:
-    """How many designs make a task: as many as take `TASK_SECONDS` on one thread, by the last reports."""
+    """How many designs make a task, by the last report.
+
+    A task takes one thread `TASK_SECONDS`, and on many threads longer: so long that the client, to whom each costs
+    `TASK_COST`, has time for all of them.
+    """
 
     def __init__(self, job: Job) -> None:
-        self.most = max(1, TASK_BYTES // max(row_bytes(job.shapes), 1))
-        self.length = min(FIRST_DESIGNS, self.most)
-        self.known = False
+        self.row, self.bytes = max(row_bytes(job.shapes), 1), TASK_BYTES_KEPT
+        self.length, self.rate, self.trusted = FIRST_DESIGNS, 0.0, FIRST_DESIGNS
 
     def next(self, left: int, threads: int) -> int:
         """Return the number of the next task: towards the end fewer, so that no thread has nothing to do."""
-        share = -(-left // (AHEAD * max(threads, 1)))
-        least = self.length * LEAST if self.known else 1
+        threads = max(threads, 1)
+        share, least = -(-left // (AHEAD * threads)), 1.0
+        most = max(1, (self.bytes if self.rate else TASK_BYTES) // self.row)
+        if self.rate:
+            pace = TASK_COST * threads  # of tasks that long the client is just not the slowest
+            self.length = int(self.rate * max(TASK_SECONDS, pace / CLIENT_SHARE))
+            least = self.rate * max(TASK_SECONDS * LEAST, pace)
+        self.length = max(1, min(self.length, self.trusted, most))
         length = int(max(1, min(self.length, max(share, least))))
         return length if length < LANES else length // LANES * LANES
 
     def learn(self, designs: int, seconds: float) -> None:
         """Take account of how long a task of so many designs took."""
-        wanted = designs * TASK_SECONDS / max(seconds, 1e-6)
-        self.length = max(1, min(int(wanted), GROWTH * max(self.length, designs), self.most))
-        self.known = True
+        self.rate, self.trusted = designs / max(seconds, 1e-6), GROWTH * max(self.length, designs)
 
 
 class _Tasks:

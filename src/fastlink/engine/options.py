@@ -17,7 +17,7 @@ from fastlink.options import check_choice, check_output, check_switch, check_who
 from fastlink.precision import check_verify
 from fastlink.space.dataset import FORMAT, LAYOUTS
 
-__all__ = ["CHECKS", "Check", "check_options", "is_reserved", "optional"]
+__all__ = ["CHECKS", "Check", "check_options", "check_workers", "is_reserved", "optional"]
 
 Check = Callable[[KeyPath, Any], Any]
 
@@ -77,6 +77,13 @@ def check_client(where: KeyPath, value: Any) -> Any:
     if value.status != "running":
         raise InputError(f"is {value.status}", where=where, remedy="make it anew")
     return value
+
+
+def check_workers(client: Any, threads: Any, problems: Problems) -> None:
+    """Note a number of threads that is given with a client."""
+    if client is not None and threads is not None:
+        remedy = "leave it out: workers have their own number of threads"
+        problems.add("is given with client", ("threads",), remedy)
 
 
 #: The check of each option of a sweep, which other doors share.

@@ -14,7 +14,7 @@ from fastlink.doors import door
 from fastlink.engine import labels
 from fastlink.engine.evaluation import Evaluation
 from fastlink.engine.executor import default_threads
-from fastlink.engine.options import check_options
+from fastlink.engine.options import check_options, check_workers
 from fastlink.engine.resolve import resolve
 from fastlink.engine.sinks import ProgressBar
 from fastlink.errors import Problems
@@ -177,10 +177,7 @@ def sweep(
         resolved = resolve(mechanism, space, quantities, **asked)
         if checked.get("part") is not None:
             check_size(("part",), checked["part"], resolved.space.size)
-    if client is not None and threads is not None:
-        problems.add(
-            "is given with client", ("threads",), "leave it out: workers have their own number of threads"
-        )
+    check_workers(client, threads, problems)
     problems.stop()
     resolved = replace(resolved, layout=checked["layout"])
     threads, target = checked["threads"] or default_threads(), checked["to"]

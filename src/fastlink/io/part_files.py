@@ -18,13 +18,13 @@ from fastlink.errors import InputError, Problem, Problems, remark
 from fastlink.io.checksums import crc32, read_all, sealed_labels
 from fastlink.io.merged import is_measured
 from fastlink.io.parts import OF_PARTS, WHOLE, Part, PartOfMap, scalar
-from fastlink.io.place import part_of, reason, refused
+from fastlink.io.place import left_of, reason, refused
 from fastlink.io.reader import check_seal, existing_map, is_hdf5, open_map, readable
 from fastlink.io.stored import Stored, check_own, open_to_read
 from fastlink.options import check_path
 from fastlink.space.dataset import FORMAT
 
-__all__ = ["PartFile", "part_files"]
+__all__ = ["RUN_AGAIN", "PartFile", "part_files"]
 
 #: Endings of files that are being written, which a folder may hold too.
 OF_WRITER = (".part", ".new", ".journal")
@@ -245,6 +245,6 @@ def _unfinished(parts: Sequence[PartFile], part: Part) -> Path | None:
     """Return what a run has left of a part beside others, if there is such a file."""
     for other in parts:
         path = other.path.with_name(other.path.name.replace(other.of.part.mark, part.mark))
-        if path != other.path and part_of(path).exists():
-            return part_of(path)
+        if path != other.path and (left := left_of(path)):
+            return left
     return None

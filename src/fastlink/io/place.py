@@ -25,6 +25,16 @@ def part_of(path: Path) -> Path:
     return path.with_name(path.name + ".part")
 
 
+def left_of(path: Path) -> Path | None:
+    """Return what a run that has not finished has left of a file: its part of a map, or the state of a search."""
+    return next((one for one in (part_of(path), search_of(path)) if os.path.exists(one)), None)
+
+
+def search_of(path: Path) -> Path:
+    """Return the name of the state of a search beside the file that it is to write."""
+    return path.with_name(path.name + ".search")
+
+
 def reason(error: BaseException) -> str:
     """Return the reason of a failure on one line; of HDF5, which adds times and addresses, that of the system."""
     text = getattr(error, "strerror", None) or str(error)

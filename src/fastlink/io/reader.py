@@ -20,7 +20,7 @@ from fastlink.errors import InputError, KeyPath, suggest
 from fastlink.io.checksums import SIGNATURE, seal_is_broken
 from fastlink.io.dataset import FORMAT_VERSION
 from fastlink.io.parts import check_parts, shown_parts
-from fastlink.io.place import part_of, reason
+from fastlink.io.place import left_of, reason
 from fastlink.options import check_path, not_a_file
 from fastlink.space.dataset import FORMAT
 
@@ -232,8 +232,7 @@ def existing_map(path: Any, *, or_zarr: bool = False) -> Path:
     if os.fspath(path).endswith(os.sep):
         raise InputError(f"{path}: is not a folder", remedy=f"write {str(file)!r}")
     if not os.path.exists(file):
-        part = part_of(file)
-        hint = f"; {part.name} is of a run that has not finished" if os.path.exists(part) else ""
+        hint = f"; {left.name} is of a run that has not finished" if (left := left_of(file)) else ""
         raise InputError(f"{file}: there is no such file{hint}", remedy="give the path of a written map")
     return file
 

@@ -5,16 +5,17 @@ from __future__ import annotations
 import contextlib
 import threading
 import time
+from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from fastlink._text import counted, joined
+from fastlink._text import counted
 from fastlink.engine.executor import run
 from fastlink.engine.needs import check_needs, designs_per_block
-from fastlink.engine.sinks import ProgressBar
+from fastlink.engine.sinks import ProgressBar, within
 from fastlink.errors import InputError
 from fastlink.io.progress import progress_bar
-from fastlink.io.ranges import Ranges, missing
+from fastlink.io.ranges import Range, Ranges, joined, missing
 from fastlink.precision import DESIGNS
 from fastlink.searching.stream import Stream
 from fastlink.searching.unfinished import Unfinished
@@ -23,10 +24,12 @@ if TYPE_CHECKING:
     import xarray as xr
     from numpy.typing import NDArray
 
+    from fastlink.engine.distributed import Cluster
+    from fastlink.io.parts import PartOfMap
     from fastlink.searching.result import Request
     from fastlink.searching.stream import Kept
 
-__all__ = ["found_by"]
+__all__ = ["finished", "found_by"]
 
 
 def found_by(
@@ -38,8 +41,10 @@ def found_by(
     verify: int | None,
     path: Path | None = None,
     restart: bool = False,
-) -> xr.Dataset:
-    """Return the designs that a search finds.
+    of: PartOfMap | None = None,
+    cluster: Cluster | None = None,
+) -> tuple[xr.Dataset, xr.Dataset | None]:
+    """Return the designs that a search finds; of a part the rows that it keeps, and what those who join it need.
 
     Parameters
     ----------
@@ -51,23 +56,66 @@ def found_by(
         The file of the search, beside which its state is kept.
     restart : bool
         Whether to throw away a state that is there.
+    of : PartOfMap, optional
+        Which part of the designs is searched; all unless given.
+    cluster : Cluster, optional
+        Whose workers search, instead of threads of this process.
     """
     stream = Stream(request.resolved, request.kept, request.along)
-    unfinished = None if path is None else Unfinished(path, request.fingerprint)
+    unfinished = None if path is None else Unfinished(path, of.fingerprint if of else request.fingerprint)
     if unfinished is not None and restart:
         unfinished.remove()
     earlier = None if unfinished is None else unfinished.read()
     kept, done = earlier if earlier is not None else (stream.nothing(), [])
-    started = time.perf_counter()
-    with ProgressBar(request.resolved.space.size, progress) as bar:
-        _read_all(stream, kept, Ranges(done), unfinished, threads=threads, block=block, bar=bar)
+    started, resumed = time.perf_counter(), int(kept.designs.sum())
+    check_needs(request.resolved, threads, block, 0, 0)
+    if cluster is not None:
+        cluster.check()
+    first, last = of.range if of else (0, request.size)
+    with ProgressBar(last - first, progress) as bar:
+        bar.merge(resumed)
+        gathering = _Gathering(unfinished, bar, stream, (first, last), kept, Ranges(done))
+        gathering.all(threads, block, cluster)
     stream.settle(kept)
-    sweep_time = time.perf_counter() - started
-    if not len(kept.rows):
-        if unfinished is not None:
+    seconds = time.perf_counter() - started
+    about = {"designs_per_second": (last - first - resumed) / seconds, "run_time_s": seconds}
+    about |= {"designs_of_earlier_runs": resumed} if resumed else {}
+    about |= {"threads": cluster.threads} if cluster else {}
+    whole = None
+    if of:
+        result, whole = request.of_part(stream, kept, of, about), request.whole(stream, kept, verify)
+    else:
+        if unfinished is not None and not len(kept.rows):
             unfinished.remove()
+        verify = (0 if path is None else DESIGNS) if verify is None else verify
+        result = finished(request, stream, kept, about, verify=verify, progress=progress)
+    if unfinished is not None:
+        unfinished.remove()
+    return result, whole
+
+
+def finished(
+    request: Request,
+    stream: Stream,
+    kept: Kept,
+    about: Mapping[str, Any],
+    *,
+    verify: int,
+    progress: bool | None,
+) -> xr.Dataset:
+    """Return the result of a search, refined if it is to be, from what it has kept of all designs.
+
+    Parameters
+    ----------
+    request, stream, kept
+        The search, and what it has kept.
+    about : mapping
+        What is known of the sweep, as attributes: its time, its threads.
+    verify, progress
+        As in `fastlink.sweep`.
+    """
+    if not len(kept.rows):
         raise _nothing(request, stream, kept)
-    verify = (0 if path is None else DESIGNS) if verify is None else verify
     most = len(kept.rows) if stream.several else min(request.choice.top, len(kept.rows))
     swept, refining = time.perf_counter(), progress_bar(most, " designs refined", progress)
     try:
@@ -75,80 +123,109 @@ def found_by(
     finally:
         if refining:
             refining.close()
-    about = result.attrs.pop("selection", "")
-    axis = request.resolved.scaling_axis
-    resumed = sum(stop - start for start, stop in done) * (axis.length if axis else 1)
-    rate = (request.resolved.space.size - resumed) / sweep_time
-    result.attrs |= {**request.about(), **request.counts(stream, kept), "designs_per_second": rate}
-    result.attrs |= {
-        "run_time_s": time.perf_counter() - started,
-        "refinement_time_s": time.perf_counter() - swept,
-    }
-    if resumed:
-        result.attrs["designs_of_earlier_runs"] = resumed
+    told, refinement = result.attrs.pop("selection", ""), time.perf_counter() - swept
+    result.attrs |= {**request.about(), **request.counts(stream, kept, request.size), **about}
+    result.attrs |= {"run_time_s": about["run_time_s"] + refinement, "refinement_time_s": refinement}
     for name in ("configurations", "configurations_per_second", "set_up_time_s"):
         result.attrs.pop(name, None)
-    aims = joined([str(one) for one in request.choice.objectives])
-    of = f"rows by the {aims}, of {counted(request.resolved.space.size, 'design')}"
-    what = f"{len(kept.rows):,} of {kept.considered:,} {of}"
-    result.attrs["selection"] = f"{what}{about}"
-    if unfinished is not None:
-        unfinished.remove()
+    result.attrs["selection"] = f"{request.selection(kept, request.size)}{told}"
     return result
 
 
-def _read_all(
-    stream: Stream,
-    kept: Kept,
-    done: Ranges,
-    unfinished: Unfinished | None,
-    *,
-    threads: int,
-    block: int | None,
-    bar: ProgressBar,
-) -> None:
-    """Evaluate all designs that are not done, and keep the best."""
-    resolved = stream.resolved
-    check_needs(resolved, threads, block, 0, 0)
-    job, axis, lock = resolved.job(), resolved.scaling_axis, threading.Lock()
-    if axis is not None:
-        block = designs_per_block(resolved, threads, block)
+class _Gathered:
+    """The best rows of some designs, which a search keeps.
 
-    def sink(start: int, stop: int, arrays: list[NDArray[Any]]) -> None:
-        own = stream.nothing()
+    Parameters
+    ----------
+    stream : Stream
+        Reads their results.
+    rows : (start, stop)
+        The designs that are searched; others, which kernels evaluate along with them, are left out.
+    kept : Kept
+        What is kept so far.
+    done : Ranges
+        Of which evaluated designs.
+    """
+
+    def __init__(self, stream: Stream, rows: Range, kept: Kept, done: Ranges) -> None:
+        self.stream, self.rows, self.kept, self.done = stream, rows, kept, done
+
+    def take(self, start: int, stop: int, arrays: list[NDArray[Any]]) -> None:
+        """Read the results of evaluated designs."""
+        own, axis = self.stream.nothing(), self.stream.resolved.scaling_axis
 
         def read(first: int, last: int, found: list[NDArray[Any]]) -> None:
-            stream.read(first, last, found, own, kept)
+            self.stream.read(first, last, found, own, self.kept)
 
-        (axis.over(read) if axis else read)(start, stop, arrays)
-        with lock:
-            stream.merge(kept, own)
-            done.add(start, stop)
-            if unfinished is not None and unfinished.is_due():
-                stream.settle(kept)
-                unfinished.write(kept, done.joined())
-        bar.merge((stop - start) * (axis.length if axis else 1))
+        clipped = within([self.rows], read)
+        (axis.over(clipped) if axis else clipped)(start, stop, arrays)
+        self.merge((own, [(start, stop)]))
 
-    before = done.joined()
-    bar.merge(sum(stop - start for start, stop in before) * (axis.length if axis else 1))
-    try:
-        pending = missing(before, job.size)
-        run(job, sink=sink, threads=threads, block=block, pending=pending, apart=unfinished is not None)
-    except BaseException as error:
-        if unfinished is not None and (now := done.joined()):
-            with contextlib.suppress(InputError):
-                stream.settle(kept)
-                unfinished.write(kept, now)
-                share = sum(stop - start for start, stop in now) / job.size
-                error.add_note(
-                    f"{share:.0%} of the designs are searched, as {unfinished.path} says; run the same again to go on"
-                )
-        raise
+    def merge(self, report: tuple[Kept, list[Range]]) -> None:
+        """Add what is kept of further designs, and which evaluated ones these are."""
+        self.stream.merge(self.kept, report[0])
+        for one in report[1]:
+            self.done.add(*one)
+
+    def report(self) -> tuple[Kept, list[Range]]:
+        """Return what is kept, and of which evaluated designs."""
+        self.stream.settle(self.kept)
+        return self.kept, self.done.joined()
+
+
+class _Gathering(_Gathered):
+    """The same of all designs, in threads or on a cluster; from time to time its state is put beside the file."""
+
+    def __init__(self, unfinished: Unfinished | None, bar: ProgressBar, *given: Any) -> None:
+        super().__init__(*given)
+        self.unfinished, self.bar, self.lock = unfinished, bar, threading.Lock()
+
+    def twin(self) -> _Gathered:
+        """Return an object that gathers in another process, see `fastlink.engine.elsewhere`."""
+        stream = Stream(self.stream.resolved, self.stream.choice, self.stream.along)
+        return _Gathered(stream, self.rows, stream.nothing(), Ranges())
+
+    def merge(self, report: tuple[Kept, list[Range]]) -> None:
+        """Add what is kept of further designs, also by a twin; thread-safe."""
+        with self.lock:
+            super().merge(report)
+            if self.unfinished is not None and self.unfinished.is_due():
+                self.unfinished.write(*self.report())
+        self.bar.merge(int(report[0].designs.sum()))
+
+    def all(self, threads: int, block: int | None, cluster: Cluster | None) -> None:
+        """Evaluate all designs that are not done."""
+        resolved, axis, before = self.stream.resolved, self.stream.resolved.scaling_axis, self.done.joined()
+        job = resolved.job()
+        if axis is not None:
+            block = designs_per_block(resolved, threads, block)
+        wanted = joined([*axis.evaluated(*self.rows)]) if axis else [self.rows]
+        pending = missing(joined([*before, *missing(wanted, job.size)]), job.size)
+        try:
+            if cluster is not None:
+                cluster.run(job, self.take, travels=True, block=block, pending=pending)
+            else:
+                apart = self.unfinished is not None
+                run(job, sink=self.take, threads=threads, block=block, pending=pending, apart=apart)
+        except BaseException as error:
+            if self.unfinished is not None and (now := self.done.joined()):
+                with contextlib.suppress(InputError):
+                    self.unfinished.write(*self.report())
+                    share = _count(now) / _count(wanted)
+                    error.add_note(
+                        f"{share:.0%} of the designs are searched, as {self.unfinished.path} says; "
+                        "run the same again to go on"
+                    )
+            raise
+
+
+def _count(ranges: list[Range]) -> int:
+    return sum(stop - start for start, stop in ranges)
 
 
 def _nothing(request: Request, stream: Stream, kept: Kept) -> InputError:
     """Return the error of a search that has found nothing, with what was in the way."""
-    size = request.resolved.space.size * stream.rows.of_design
+    size = request.size * stream.rows.of_design
     reasons = [
         f"{count:,} fail {one.array.name}"
         for one, count in zip(request.choice.wanted, kept.failed.tolist(), strict=True)

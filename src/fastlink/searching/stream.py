@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -58,10 +58,12 @@ class Kept:
 
     @classmethod
     def of_arrays(cls, arrays: Mapping[str, Any]) -> Kept:
-        """Return what `arrays` has given."""
+        """Return what `arrays` has given, perhaps flat."""
         numbers = ("considered", "not_numbers", "infinite")
         given: dict[str, Any] = {name: np.array(arrays[name]) for name in cls.__dataclass_fields__}
-        given |= {name: int(given[name]) for name in numbers}
+        given |= {name: int(given[name].item()) for name in numbers}
+        if len(given["rows"]):
+            given["points"] = given["points"].reshape(len(given["rows"]), -1)
         return cls(**given)
 
 
@@ -119,6 +121,11 @@ class Stream:
         self.waiting: list[tuple[NDArray[np.int64], NDArray[np.float64]]] = []
         self.count, self.strongest = 0, np.empty((0, len(choice.objectives)))
         self.codes = max(resolved.catalogue.facts["status"].flags) + 1
+
+    @property
+    def searched(self) -> list[str]:
+        """The names of the results that are looked at, as a sweep takes them."""
+        return [name for name in self.outputs if name != "status"] or ["status"]
 
     def nothing(self) -> Kept:
         """Return what is kept of no rows."""
@@ -212,6 +219,7 @@ class Stream:
         into.rows = np.concatenate((into.rows, rows[first]))
         into.points = np.concatenate((into.points, points[first]))
 
-    def ordered(self, kept: Kept) -> NDArray[np.int64]:
-        """Return the rows that were kept, the best of the first objective first."""
-        return kept.rows[np.lexsort((kept.rows, *kept.points.T[::-1]))]
+    def ordered(self, kept: Kept) -> Kept:
+        """Return what was kept, the best row of the first objective first."""
+        order = np.lexsort((kept.rows, *kept.points.T[::-1]))
+        return replace(kept, rows=kept.rows[order], points=kept.points[order])

@@ -13,7 +13,7 @@ from pathlib import Path
 import numpy as np
 
 from fastlink.errors import InputError, Setting
-from fastlink.io.place import not_writable, refused
+from fastlink.io.place import not_writable, refused, search_of
 from fastlink.io.ranges import Range
 from fastlink.searching.stream import Kept
 
@@ -37,7 +37,7 @@ class Unfinished:
     """
 
     def __init__(self, path: Path, fingerprint: str) -> None:
-        self.path, self.fingerprint = path.with_name(path.name + ".search"), fingerprint
+        self.path, self.fingerprint = search_of(path), fingerprint
         self._next = time.monotonic() + STEP_SECONDS
 
     def read(self) -> tuple[Kept, list[Range]] | None:

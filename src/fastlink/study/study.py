@@ -135,8 +135,8 @@ def run_study(
         Throw away what an interrupted run has left in ``FILE.part``. Without it, the same study goes on there, and
         another one is refused.
     part : (k, n) or "k/n", optional
-        Run the k-th of n parts of the designs (see `fastlink.sweep`), by default into the file of the study with the
-        part in its name, such as ``maps.part-03-of-16.h5``.
+        Run the k-th of n parts of the designs (see `fastlink.sweep`, `fastlink.search`), by default into the file of
+        the study with the part in its name, such as ``maps.part-03-of-16.h5``.
     layout : {"curves", "maps"}, optional
         How the map is to be read (see `fastlink.sweep`); by default what the study says, else ``"curves"``.
     client : distributed.Client, optional
@@ -189,7 +189,9 @@ def run_study(
         attrs = {**title, "study_file": writable(study.path.name), "study": study.text}
         verify = study.output.get("verify") if verify is None else verify
         if study.search is not None:
-            _refuse_of_maps(part=part, layout=layout, client=client)
+            if layout is not None:
+                remedy = "leave it out: a search keeps the best of all designs alone"
+                raise InputError("is for maps, not for a search", where=("layout",), remedy=remedy)
             return search(
                 study.mechanism,
                 study.space,
@@ -200,7 +202,9 @@ def run_study(
                 to=target,
                 overwrite=overwrite,
                 restart=restart,
+                part=part,
                 threads=threads,
+                client=client,
                 progress=progress,
                 attrs=attrs,
             )
@@ -233,14 +237,6 @@ def _refuse_other_file(target: Path) -> None:
             open_map(target).close()
         except InputError:
             raise exists_error(target, "and is no map, which alone a study replaces") from None
-
-
-def _refuse_of_maps(**options: Any) -> None:
-    """Refuse options that belong to a map of all designs."""
-    for name, value in options.items():
-        if value is not None:
-            remedy = "leave it out: a search keeps the best of all designs alone, in one process"
-            raise InputError("is for maps, not for a search", where=(name,), remedy=remedy)
 
 
 def read_study(path: str | Path, trust_code: bool = False) -> Study:
