@@ -5,11 +5,15 @@ import pickle
 import subprocess
 import sys
 
+import numpy as np
 import pytest
+from typer.testing import CliRunner
 
 import fastlink as fl
+from fastlink.cli import app
 from fastlink.doors import CallError, door
 from tests.support.refusals import refused
+from tests.support.study_files import BARE, GOOD, LENGTHS, written
 
 NAMESPACES = (fl, fl.planar, fl.focal, fl.minkowski, fl.hart)
 
@@ -118,6 +122,99 @@ def test_a_mechanism_or_a_missing_file_is_not_a_study():
     for function in (fl.accuracy, fl.explain, fl.run_study):
         with refused("planar_4r", "`fastlink new planar_4r > study.toml` writes one"):
             function("planar_4r")
+
+
+# -- long words, and names of nothing ----
+
+WORD = "w" * 5000
+DESIGN = {"a1": 0.4, "a2": 1.2, "a3": 0.8, "a4": 1.0, "omega1": 25.0}
+#: A word at each kind of place in Python: names, options, values, paths, units, columns of a file.
+IN_PYTHON = {
+    "mechanism": lambda maps: fl.sweep(WORD, DESIGN, ["omega4_max"]),
+    "quantity": lambda maps: fl.sweep("planar_4r", DESIGN, [WORD]),
+    "option": lambda maps: fl.sweep("planar_4r", DESIGN, ["omega4_max"], **{WORD: 1}),
+    "value of an option": lambda maps: fl.sweep("planar_4r", DESIGN, ["omega4_max"], solver=WORD),
+    "input": lambda maps: fl.evaluate("planar_4r", ["theta4"], **{WORD: 1.0}),
+    "value of an input": lambda maps: fl.grid(a1=WORD),
+    "path": lambda maps: fl.open(WORD),
+    "parameter": lambda maps: fl.run_study("study.toml", **{WORD: 1}),
+    "objective": lambda maps: fl.best(maps, minimise=WORD),
+    "condition": lambda maps: fl.best(maps, minimise="omega4_max", where=WORD),
+    "condition by name": lambda maps: fl.best(maps, minimise="omega4_max", where={WORD: (0, 1)}),
+    "objective of a search": lambda maps: fl.search("planar_4r", fl.grid(**DESIGN), minimise=WORD),
+    "tolerance": lambda maps: fl.tolerance(maps, **{WORD: 1e-4}),
+    "variable": lambda maps: fl.plot_map(maps, WORD),
+    "drawing": lambda maps: fl.draw("planar_4r", **{WORD: 1}),
+    "own input": lambda maps: fl.extend("planar_4r").input(WORD, units="1"),
+    "units": lambda maps: fl.extend("planar_4r").input("weight", units=WORD),
+    "column": lambda maps: fl.sweep("planar_4r", {**DESIGN, WORD: [1.0, 2.0]}, ["theta4"]),
+}
+LINES = (
+    f"{WORD}", f"--{WORD}", f"run --{WORD}", f"run study.toml {WORD}", f"run {WORD}", f"run study.toml --part {WORD}",
+    f"info {WORD}", f"best maps.h5 --minimise {WORD}", f"best maps.h5 --minimise omega4_max --where {WORD}",
+    f"best maps.h5 --minimise omega4_max --where {WORD}=1:2", f"plot maps.h5 {WORD}", f"convert maps.h5 --to {WORD}",
+    f"convert maps.h5 --to x.nc --select {WORD}=1", f"tolerance maps.h5 {WORD}=1", f"draw planar_4r {WORD}=1",
+    f"draw planar_4r a1={WORD}", f"new {WORD}", f"quantities {WORD}", f"mechanisms {WORD}",
+)  # fmt: skip
+STUDIES = (
+    f'mechanism = "{WORD}"', f'quantities = ["{WORD}"]', f"{WORD} = 1", f"[{WORD}]", f"[design]\n{WORD} = 1",
+    f'[design]\na1 = "{WORD}"', f'[cycle]\nbranch = "{WORD}"', f'[links]\nmodel = "{WORD}"',
+    f'quantities_file = "{WORD}"', f'[search]\nminimise = "{WORD}"\n[design]\n{LENGTHS}',
+)  # fmt: skip
+
+
+@pytest.fixture(scope="module")
+def swept_maps(tmp_path_factory):
+    with pytest.MonkeyPatch.context() as patch:
+        patch.chdir(tmp_path_factory.mktemp("words"))
+        with fl.sweep("planar_4r", DESIGN | {"a1": [0.3, 0.4]}, ["omega4_max"], to="maps.h5") as maps:
+            yield maps
+
+
+def assert_short(text):
+    assert WORD[:8] in text
+    assert len(text) < 600
+
+
+@pytest.mark.parametrize("place", IN_PYTHON)
+def test_a_long_word_is_shortened_in_python(place, swept_maps):
+    with pytest.raises(fl.InputError) as caught:
+        IN_PYTHON[place](swept_maps)
+    assert_short(str(caught.value).split("\n")[0])
+
+
+@pytest.mark.parametrize("line", LINES, ids=lambda line: line.replace(WORD, "WORD"))
+def test_a_long_word_is_shortened_on_the_command_line(line, swept_maps):
+    written(GOOD)
+    found = CliRunner().invoke(app, line.split())
+    assert found.exit_code == 2
+    assert_short(found.output)
+
+
+@pytest.mark.parametrize("text", STUDIES, ids=lambda text: text.replace(WORD, "WORD"))
+def test_a_long_word_is_shortened_in_a_study(text, swept_maps):
+    key, table = text.partition(" =")[0], text.startswith("[")
+    lines = [line for line in BARE.splitlines() if line.partition(" =")[0] != key]
+    written("\n".join([*lines, text] if table else [text, *lines, "[design]", LENGTHS]))
+    found = CliRunner().invoke(app, ["run", "study.toml"])
+    assert found.exit_code == 2
+    assert_short(next(line for line in found.output.splitlines() if WORD[:8] in line))
+
+
+@pytest.mark.parametrize("nothing", [[], "", range(0), np.array([]), set(), iter(())], ids=repr)
+def test_a_name_of_nothing_is_refused(nothing, swept_maps):
+    space = fl.grid(**DESIGN)
+    for where, call in (
+        ("quantities", lambda: fl.sweep("planar_4r", space, nothing)),
+        ("maximise", lambda: fl.best(swept_maps, minimise="omega4_max", maximise=nothing)),
+        ("minimise", lambda: fl.best(swept_maps, minimise=nothing, maximise="omega4_max")),
+        ("maximise", lambda: fl.plot_front(swept_maps, minimise=["omega4_max", "a1"], maximise=nothing)),
+        ("maximise", lambda: fl.search("planar_4r", space, minimise="omega4_max", maximise=nothing)),
+        ("name", lambda: fl.plot_map(swept_maps, nothing)),
+        ("inputs", lambda: fl.function("planar_4r", nothing, ["omega4_max"], **DESIGN)),
+    ):
+        with refused(where):
+            call()
 
 
 # -- imports ---------------------------------------------------------------------------------------
