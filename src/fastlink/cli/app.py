@@ -86,12 +86,16 @@ ELSEWHERE = {
 }
 
 
+#: UsageError, of click or of typer's own copy of it.
+USAGE_ERROR: Any = typer.BadParameter.__base__
+
+
 @contextlib.contextmanager
 def _printable_usage() -> Iterator[None]:
     """Show what typer itself says of a wrong command line as other problems are."""
     try:
         yield
-    except typer.BadParameter.__base__ as error:  # UsageError, of click or of typer's own copy of it
+    except USAGE_ERROR as error:
         error.message = printable(error.message)
         raise
 
