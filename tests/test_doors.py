@@ -201,7 +201,9 @@ def test_a_long_word_is_shortened_in_a_study(text, swept_maps):
     assert_short(next(line for line in found.output.splitlines() if WORD[:8] in line))
 
 
-@pytest.mark.parametrize("nothing", [[], "", range(0), np.array([]), set(), iter(())], ids=repr)
+@pytest.mark.parametrize(
+    "nothing", [[], "", range(0), np.array([]), set(), iter(())], ids=lambda nothing: type(nothing).__name__
+)
 def test_a_name_of_nothing_is_refused(nothing, swept_maps):
     space = fl.grid(**DESIGN)
     for where, call in (

@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any
 
 from fastlink.codegen.runtime.cells import LANES, MOST_LANES
 from fastlink.facts.fact import Fact, System, parameters, statements
+from fastlink.numerics.compiler import parsed
 
 if TYPE_CHECKING:
     from fastlink.plan.program import Program
@@ -220,7 +221,7 @@ class _Rename:
             return ast.Name(self.local.format(node.id), node.ctx)
         if node.id in self.values:
             name = self.values[node.id]
-            return ast.Name(name, node.ctx) if name.isidentifier() else ast.parse(name, mode="eval").body
+            return ast.Name(name, node.ctx) if name.isidentifier() else parsed(name, "eval").body
         value = self.globals.get(node.id)
         if isinstance(value, float):
             if math.isfinite(value):

@@ -20,6 +20,7 @@ from fastlink.codegen.calls import Calls
 from fastlink.codegen.expressions import Name, Refused, as_load
 from fastlink.codegen.ir import LLVM, Array, Lane, Slot, Value, constant
 from fastlink.codegen.module import Module
+from fastlink.numerics.compiler import parsed
 
 __all__ = ["Refused", "translate"]
 
@@ -309,7 +310,7 @@ def translate(
     Refused
         The text is not of the grammar.
     """
-    tree = ast.parse(text)
+    tree = parsed(text)
     module, args, types = Module(lanes, "".join(f" {flag}" for flag in fast_math)), [], []
     for kind, lengths in arguments:
         types += ["ptr" if lengths else "i64", *("i64" for length in lengths if length is None)]

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from fastlink.codegen.runtime import results, sampling
 from fastlink.numerics import compensated, vectors
-from fastlink.numerics.compiler import COMPILED_AS, INLINED, syntax
+from fastlink.numerics.compiler import COMPILED_AS, INLINED, parsed, syntax
 
 if TYPE_CHECKING:
     from fastlink.codegen.source import Source
@@ -61,7 +61,7 @@ def loop_work(source: Source) -> list[LoopWork]:
     rows = []
     for loop in source.loops:
         work: Counter[str] = Counter()
-        for statement in ast.parse("\n".join(loop.statements)).body:
+        for statement in parsed("\n".join(loop.statements)).body:
             _count(statement, work)
         if any(work.values()):
             rows.append(LoopWork(loop.per, loop.times, {kind: work[kind] for kind in KINDS}))

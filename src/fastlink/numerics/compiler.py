@@ -10,13 +10,14 @@ import ast
 import inspect
 import linecache
 import textwrap
+import threading
 from collections.abc import Callable
 from functools import cache
-from typing import Any, TypeVar
+from typing import Any, Literal, TypeVar
 
 __all__ = [
     *("COMPILED_AS", "INLINED", "MERGED", "OUTLINED"),
-    *("compiled_as", "entries", "inlined", "lanes", "merged", "outlined", "syntax"),
+    *("compiled_as", "entries", "inlined", "lanes", "merged", "outlined", "parsed", "syntax"),
 ]
 
 F = TypeVar("F", bound=Callable[..., Any])
@@ -36,13 +37,23 @@ lanes = range
 entries = range
 
 
+#: Python 3.11 counts the depth of all threads together while it makes trees: a SystemError, where one gives way.
+_ONE_AT_A_TIME = threading.Lock()
+
+
+def parsed(text: str, mode: Literal["exec", "eval"] = "exec") -> Any:
+    """Return the syntax tree of a text, made by one thread at a time."""
+    with _ONE_AT_A_TIME:
+        return ast.parse(text, mode=mode)
+
+
 @cache
 def syntax(function: Callable[..., Any]) -> ast.FunctionDef:
     """Return the syntax tree of a function."""
     code = function.__code__
     if tree := _functions_of(code.co_filename).get((function.__name__, code.co_firstlineno)):
         return tree
-    node = ast.parse(textwrap.dedent(inspect.getsource(function))).body[0]
+    node = parsed(textwrap.dedent(inspect.getsource(function))).body[0]
     assert isinstance(node, ast.FunctionDef)
     return node
 
@@ -51,7 +62,7 @@ def syntax(function: Callable[..., Any]) -> ast.FunctionDef:
 def _functions_of(file: str) -> dict[tuple[str, int], ast.FunctionDef]:
     """Return the functions of a file by name and first line; each alone takes 1 ms."""
     try:
-        tree = ast.parse("".join(linecache.getlines(file)))
+        tree = parsed("".join(linecache.getlines(file)))
     except SyntaxError:
         return {}
     return {

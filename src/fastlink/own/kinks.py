@@ -8,6 +8,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from itertools import product
 
+from fastlink.numerics.compiler import parsed
+
 __all__ = ["MOST_KINKS", "Split", "only_name", "split"]
 
 #: The most smooth texts that are searched one by one; a text with more of them is searched as it is.
@@ -55,7 +57,7 @@ def split(text: str, parameters: tuple[str, ...], kinked: Mapping[str, tuple[str
     >>> found.pieces
     ('def lower(x, y):\n    return x', 'def lower(x, y):\n    return y')
     """
-    tree = ast.parse(text).body[0]
+    tree = parsed(text).body[0]
     assert isinstance(tree, ast.FunctionDef)
     kinks: dict[str, tuple[int, ast.expr]] = {}
     magnitudes: dict[str, tuple[int, ast.expr]] = {}
@@ -94,7 +96,7 @@ def only_name(text: str) -> str:
     ('y', '')
     """
     names: dict[str, str] = {}
-    tree = ast.parse(text).body[0]
+    tree = parsed(text).body[0]
     assert isinstance(tree, ast.FunctionDef)
     for statement in tree.body:
         value = getattr(statement, "value", None)

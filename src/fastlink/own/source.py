@@ -13,6 +13,7 @@ from typing import Any
 
 from fastlink._text import short_repr
 from fastlink.errors import InputError
+from fastlink.numerics.compiler import parsed
 
 __all__ = ["TOO_LONG", "FunctionText", "function_text"]
 
@@ -103,7 +104,7 @@ def _lines(function: FunctionType) -> tuple[list[str], int]:
 def _tree(text: str, name: str) -> ast.FunctionDef | None:
     """Return the syntax of a function, None of a text that is none of that name."""
     try:
-        body = ast.parse(text).body
+        body = parsed(text).body
     except SyntaxError:
         return None
     found = body[0] if body else None
