@@ -85,12 +85,16 @@ ELSEWHERE = {
 }
 
 
+#: Of click, or of typer's own copy of it.
+UsageError: Any = typer.BadParameter.__base__
+
+
 @contextlib.contextmanager
 def _printable_usage() -> Iterator[None]:
     """Show what typer itself says of a wrong command line as other problems are."""
     try:
         yield
-    except typer.BadParameter.__base__ as error:  # UsageError, of click or of typer's own copy of it
+    except UsageError as error:
         error.message = printable(error.message)
         raise
 
