@@ -202,7 +202,7 @@ def test_a_long_word_is_shortened_in_a_study(text, swept_maps):
 
 
 @pytest.mark.parametrize(
-    "nothing", [[], "", range(0), np.array([]), set(), iter(())], ids=lambda nothing: type(nothing).__name__
+    "nothing", ["", range(0), np.array([]), set(), iter(())], ids=lambda one: type(one).__name__
 )
 def test_a_name_of_nothing_is_refused(nothing, swept_maps):
     space = fl.grid(**DESIGN)
@@ -217,6 +217,17 @@ def test_a_name_of_nothing_is_refused(nothing, swept_maps):
     ):
         with refused(where):
             call()
+
+
+def test_at_least_one_objective_is_named(swept_maps):
+    for none in ([], ()):
+        for call in (
+            lambda none=none: fl.best(swept_maps, minimise=none),
+            lambda none=none: fl.plot_front(swept_maps, maximise=none),
+            lambda none=none: fl.search("planar_4r", DESIGN | {"a1": [0.3, 0.4]}, minimise=none),
+        ):
+            with pytest.raises(fl.InputError, match="no objective; write minimise="):
+                call()
 
 
 # -- imports ---------------------------------------------------------------------------------------

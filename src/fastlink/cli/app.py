@@ -86,8 +86,8 @@ ELSEWHERE = {
 }
 
 
-#: UsageError, of click or of typer's own copy of it.
-USAGE_ERROR: Any = typer.BadParameter.__base__
+#: Of click, or of typer's own copy of it.
+UsageError: Any = typer.BadParameter.__base__
 
 
 @contextlib.contextmanager
@@ -95,7 +95,7 @@ def _printable_usage() -> Iterator[None]:
     """Show what typer itself says of a wrong command line as other problems are."""
     try:
         yield
-    except USAGE_ERROR as error:
+    except UsageError as error:
         error.message = printable(error.message)
         raise
 

@@ -140,7 +140,7 @@ def _objectives(maps: xr.Dataset, minimise: Any, maximise: Any) -> list[Objectiv
     problems, found = Problems(), list[Objective]()
     for where, given, sign in (("minimise", minimise, 1.0), ("maximise", maximise, -1.0)):
         names = listed(given)
-        if not names and not isinstance(given, tuple):  # that is the default
+        if not names and not isinstance(given, (list, tuple)):  # a list of none is one of a program's
             what = f"is {short_repr(given)}, and names nothing"
             problems.add(what, (where,), "write the name of a variable, or leave it out")
         for name in names:

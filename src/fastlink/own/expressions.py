@@ -74,7 +74,7 @@ class Expressions:
         self.imports: set[str] = set()
         #: The values that are compared: where one is no number, nothing that is chosen is one.
         self.compared: dict[str, None] = {}
-        #: The first of them are numbers where this condition holds, if it has a name.
+        #: The name of the condition that earlier ones of them are numbers, if there were many.
         self.exist: list[str] = []
         #: How deep the texts of numbers and conditions are nested; names are not.
         self.depths: dict[str, int] = {}
