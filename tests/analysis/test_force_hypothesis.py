@@ -105,7 +105,7 @@ def best(found, load, rate):
 
 @pytest.mark.stress
 def test_the_answers_of_the_documentation_for_all_designs(tmp_path):
-    """What docs/forces_and_rates.md says of every one of 1,048,576 designs."""
+    """What docs/errata.md says of every one of 1,048,576 designs."""
     with fl.run_study(STUDY, to=tmp_path / "all.h5") as maps:
         found = fl.planar.force_hypothesis(maps).isel(branch=0)
         lengths = [maps[name].values for name in ("a1", "a2", "a3")]
@@ -142,7 +142,7 @@ def test_the_answers_for_masses_of_any_ratio():
     maps = fl.sweep("planar_4r", fl.table(design), read_study(STUDY).quantities, branch=1)
     found = fl.planar.force_hypothesis(maps)
     rocker = maps.grashof_class.values == 0
-    # shares of docs/forces_and_rates.md, from 36,920 and 17,832 designs; here about half as many: four deviations
+    # shares of docs/errata.md, from 36,920 and 17,832 designs; here about half as many: four deviations
     for kind, load, rate, share in (
         (rocker, "shaking_force", "alpha4", 0.952),
         (rocker, "F41", "alpha4", 0.999),
