@@ -62,7 +62,10 @@ def test_the_examples_of_the_documents(document, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     result = doctest.testfile(str(document), module_relative=False, encoding="utf-8")
     assert result.failed == 0
-    if document.name in ("start.md", "design_search.md", "performance.md") or document.parent.name == "how_to":
+    if (
+        document.name in ("start.md", "design_search.md", "performance.md")
+        or document.parent.name == "how_to"
+    ):
         run_commands("".join(code_blocks(document.read_text(), "sh")))
 
 
