@@ -171,13 +171,21 @@ class Builder:
 
     def part(self, array: Array, indices: Sequence[Value]) -> Array:
         """Return the entry or the rows at some first indices, as an array of the other axes."""
+        at = self.at(array, self.offset(array, indices))
+        return Array(at, array.kind, array.shape[len(indices) :])
+
+    def offset(self, array: Array, indices: Sequence[Value]) -> Value:
+        """Return how many entries stand before those at some first indices."""
         offset = constant(0)
         for axis, length in enumerate(array.shape):
             offset = self.integer("mul", offset, length)
             if axis < len(indices):
                 offset = self.integer("add", offset, indices[axis])
-        at = self.let(f"getelementptr inbounds {LLVM[array.kind]}, ptr {array.at}, i64 {offset.at}", "i").at
-        return Array(at, array.kind, array.shape[len(indices) :])
+        return offset
+
+    def at(self, array: Array, offset: Value) -> str:
+        """Return where the entry stands that so many stand before."""
+        return self.let(f"getelementptr inbounds {LLVM[array.kind]}, ptr {array.at}, i64 {offset.at}", "i").at
 
     def load(self, entry: Array, lanes: int) -> Value:
         """Load one entry, or as many as there are lanes."""

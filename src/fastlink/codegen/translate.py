@@ -227,7 +227,7 @@ class _Function(Calls):
         if self.width > 1:
             self.refuse(node, "lanes have no loops")
         width = constant(self.module.lanes)
-        self.before = len(self.lines)
+        self.before, self.outside = len(self.lines), dict(self.names)
 
         def body(counter: Value, more: str, done: str) -> None:
             if overlaps:
