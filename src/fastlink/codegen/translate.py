@@ -47,7 +47,7 @@ class _Function(Calls):
         noalias: bool,
     ) -> None:
         super().__init__(module, node, scope)
-        self.symbol = symbol
+        self.symbol, self.apart = symbol, noalias
         self.result: str | None = None
         self.parameters: list[str] = []
         #: Where `continue` and `break` go.
@@ -236,7 +236,7 @@ class _Function(Calls):
             outer = dict(self.names), self.straight, self.width, self.everywhere
             self.straight, self.width, self.everywhere = True, self.module.lanes, {}
             self.names[name] = Lane(counter)
-            for statement in node.body:
+            for statement in in_order_of_need(node.body, apart=self.apart):
                 self.statement(statement)
             self.names, self.straight, self.width, self.everywhere = outer
 
@@ -253,6 +253,90 @@ class _Function(Calls):
             self.result = self.result or value.kind
             self.put(f"ret {LLVM[self.result]} {self.to_kind(value, self.result).at}")
         self.start(self.label())
+
+
+def in_order_of_need(body: Sequence[ast.stmt], *, apart: bool) -> list[ast.stmt]:
+    """Return the statements of a loop over lanes in an order in which few values wait for their use.
+
+    Next is the statement that leaves the fewest, of those whose values are there, the first of them in the text. What
+    waits has to stay in a register, of which AVX2 has 16, or it goes to memory and back.
+
+    Parameters
+    ----------
+    body : sequence of ast.stmt
+        Assignments.
+    apart : bool
+        Whether arrays of different names are known not to overlap.
+    """
+    touched = _touched(body, apart)
+    writer: dict[str, int] = {}
+    readers: dict[str, list[int]] = {}
+    needs: list[set[int]] = []
+    made: list[list[Any]] = []
+    taken: list[list[Any]] = []
+    for k, (reads, writes) in enumerate(touched):
+        needs.append({writer[name] for name in (*reads, *writes) if name in writer})
+        needs[k].update(j for name in writes for j in readers.pop(name, ()) if j < k)
+        taken.append([(writer[name], name) for name in reads if name in writer and "[" not in name])
+        made.append([(k, name) for name in writes if "[" not in name])
+        writer |= dict.fromkeys(writes, k)
+        for name in reads:
+            readers.setdefault(name, []).append(k)
+    users: dict[Any, list[int]] = {}
+    followers: list[list[int]] = [[] for _ in body]
+    for k in range(len(body)):
+        for value in taken[k]:
+            users.setdefault(value, []).append(k)
+        for j in needs[k]:
+            followers[j].append(k)
+    # how many more values wait after a statement than before it
+    more = [
+        sum(value in users for value in made[k]) - sum(len(users[value]) == 1 for value in taken[k])
+        for k in range(len(body))
+    ]
+    left, order = [len(n) for n in needs], []
+    ready = [k for k, n in enumerate(left) if not n]
+    while ready:
+        k = min(ready, key=lambda k: (more[k], k))
+        ready.remove(k)
+        order.append(body[k])
+        for value in taken[k]:
+            users[value].remove(k)
+            if len(users[value]) == 1:
+                more[users[value][0]] -= 1
+        for j in followers[k]:
+            left[j] -= 1
+            if not left[j]:
+                ready.append(j)
+    return order
+
+
+def _touched(body: Sequence[ast.stmt], apart: bool) -> list[tuple[set[str], set[str]]]:
+    """Return what each statement reads and writes: names, and of arrays the row, or what is before the bracket."""
+    nodes = [node for statement in body for node in ast.walk(statement)]
+    entries = [node for node in nodes if isinstance(node, ast.Subscript)]
+    of_entries = {id(entry.value) for entry in entries}
+    whole = {node.id for node in nodes if isinstance(node, ast.Name) and id(node) not in of_entries}
+    rows: dict[int, str] = {}
+    for entry in entries:
+        first = entry.slice.elts[:-1] if isinstance(entry.slice, ast.Tuple) else []
+        if not all(isinstance(index, ast.Constant) for index in first):
+            whole.add(ast.unparse(entry.value))
+    found = []
+    for entry in entries:
+        name = ast.unparse(entry.value)
+        row = "" if name in whole else ast.unparse(entry.slice).rpartition(",")[0]
+        rows[id(entry)] = f"{name}[{row}" if apart else "["
+    for statement in body:
+        reads, writes = set(), set()
+        for node in ast.walk(statement):
+            if isinstance(node, (ast.Name, ast.Subscript)):
+                name = node.id if isinstance(node, ast.Name) else rows[id(node)]
+                (writes if isinstance(node.ctx, ast.Store) else reads).add(name)
+        if isinstance(statement, ast.AugAssign):
+            reads |= writes
+        found.append((reads, writes))
+    return found
 
 
 def translate_function(
