@@ -7,9 +7,12 @@ import subprocess
 import sys
 import time
 from importlib.metadata import version
+from inspect import signature
 from pathlib import Path
 
 import pytest
+from typer.core import TyperOption
+from typer.main import get_command
 from typer.testing import CliRunner
 
 import fastlink as fl
@@ -353,11 +356,50 @@ def test_best_refuses(folder, arguments, key, remedy):
     assert_refusal(fl.InputError(line), key, remedy)
 
 
+def options_of(command, function):
+    """Return how each option of a command may be written as a word, and how it is to be; "" for those of Python."""
+    found = dict.fromkeys(signature(function).parameters, "")
+    for one in command.params:
+        if isinstance(one, TyperOption):
+            found |= dict.fromkeys((one.name, one.opts[0].strip("-")), one.opts[0])
+    return found.items()
+
+
+def test_an_option_that_is_written_as_an_input_is_refused_with_how_it_is_written(folder):
+    called("run", "study.toml", "--quiet")
+    commands = get_command(app).commands
+    doors = {
+        "draw": (fl.draw, ["planar_4r", "a1=0.4", "a2=1.1", "a3=0.8", "a4=1.0"]),
+        "tolerance": (fl.tolerance, ["study.h5", "a1=1e-4"]),
+        "plot": (fl.plot_map, ["study.h5", "omega4_max"]),
+    }
+    for name, (function, words) in doors.items():
+        for key, option in options_of(commands[name], function):
+            (line,) = refused(name, *words, f"{key}=3")
+            assert f"'{key}=3' names an option, not an input; " in line
+            if option:
+                assert re.search(rf"; write {option}( 3)?$", line), line
+    for words, remedy in {
+        ("draw", "slider_crank", "r=0.1", "l=0.3", "e=0.02", "branch=1"): "; write --branch 1",
+        ("draw", "planar_4r", "degrees=1"): "; write --degrees",
+        (
+            "draw",
+            "planar_4r",
+            "a1=0.4",
+            "title=press",
+        ): "title is 'press', not a number; write such as a1=0.4",
+        ("tolerance", "study.h5", "quantities_file=own.py"): "; write --quantities-file own.py",
+        ("plot", "study.h5", "omega4_max", "a3=0.6"): "a3=0.6 is no variable; write --at a3=0.6",
+    }.items():
+        (line,) = refused(*words)
+        assert line.endswith(remedy)
+
+
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
         (["--at", "a3"], "--at: 'a3' is not DIM=VALUE; write such as --at a4=1.0"),
-        (["--at", "a3=x"], "--at: 'a3=x' is not DIM=VALUE; write such as --at a4=1.0"),
+        (["--at", "a3=x"], "--at: a3 is 'x', not a number; write such as --at a4=1.0"),
         (["--at", "=1"], "--at: '=1' is not DIM=VALUE; write such as --at a4=1.0"),
         (["--at", "a3=1", "--at", "a3=1"], "--at: a3 is given twice; write it once"),
         (["--branch", "3"], "--branch is 3; write one of 1, 2"),
@@ -454,6 +496,14 @@ def test_a_real_process_runs_and_refuses(folder):
     assert again.stderr.count("\n") == 1
     assert again.stderr.startswith("fastlink: study.toml: output.file: ")
     assert again.stdout == ""
+
+
+def test_a_name_that_is_no_text_is_printed_to_a_strict_terminal_too(folder):
+    environment = os.environ | {"PYTHONIOENCODING": "utf-8:strict"}
+    command = [*MAIN, "draw", "planar_4r", "a1=0.4", "a2=1.1", "a3=0.8", "a4=1.0", "--to", b"\xff.png"]
+    done = subprocess.run(command, capture_output=True, env=environment, check=False)
+    assert (done.returncode, done.stdout, done.stderr) == (0, b"\\udcff.png\n", b"")
+    assert Path(os.fsdecode(b"\xff.png")).is_file()
 
 
 def test_the_names_of_the_package_are_functions_whatever_was_imported():

@@ -9,7 +9,7 @@ import numbers
 import re
 import reprlib
 import textwrap
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
 __all__ = [
@@ -194,6 +194,28 @@ def unwritable(text: str) -> str:
     if text.isprintable():
         return ""
     return next((sign for sign in text if sign == "\0" or "\ud800" <= sign <= "\udfff"), "")
+
+
+def writable(name: str) -> str:
+    r"""Return the name of a file as any file can hold it: bytes of it that are no letters are escaped.
+
+    Examples
+    --------
+    >>> print(writable("maps.h5"), writable(os.fsdecode(bytes([255])) + ".h5"))
+    maps.h5 \udcff.h5
+    """
+    return name.encode("utf-8", "backslashreplace").decode()
+
+
+def filled(template: str, values: Mapping[str, str]) -> str:
+    """Return a template with its marks replaced at once: a value may hold what looks like another mark.
+
+    Examples
+    --------
+    >>> filled("TITLE of YEAR", {"TITLE": "YEAR", "YEAR": "1963"})
+    'YEAR of 1963'
+    """
+    return re.sub("|".join(map(re.escape, values)), lambda mark: values[mark[0]], template)
 
 
 class _Short(reprlib.Repr):

@@ -523,3 +523,69 @@ def test_a_kernel_that_compiles_is_told(place, terminal, monkeypatch):
     monkeypatch.setattr(kernel, "compile_object", slowly)
     load_kernel(source(6))
     assert "compiling" in terminal.getvalue()
+
+
+@pytest.fixture
+def planted(place):
+    """Return a folder with code for `KEY`, with the right digest."""
+    assert kept(Compiler(b"planted")) == b"planted"
+    cache._remark.cache_clear()
+    return place
+
+
+def of_another_user(monkeypatch):
+    """Let every file be of another user: only the administrator can give files away."""
+    own = os.geteuid()
+    monkeypatch.setattr(os, "geteuid", lambda: own + 1)
+
+
+@pytest.mark.skipif(not hasattr(os, "geteuid"), reason="users have no numbers here")
+@pytest.mark.parametrize("mode", [0o777, 0o1777, 0o770, None])
+def test_code_that_another_user_may_have_planted_is_not_run(planted, monkeypatch, mode):
+    said = "can be written by other users"
+    if mode is None:
+        of_another_user(monkeypatch)
+        said = "belongs to another user"
+    else:
+        planted.chmod(mode)
+    before = sorted(planted.rglob("*"))
+    with pytest.warns(fastlink.InputWarning, match=said):
+        assert kept(compiler := Compiler()) == b"code"
+    assert kept(compiler) == b"code"  # and nothing more is said
+    assert compiler.calls == 2
+    assert not cache.is_kept(KEY)
+    if mode is not None:  # else this process has no folder of its own either
+        assert planted not in cache.text_file(f"{KEY}.py", "text").parents
+    with cache.locked(KEY):
+        assert sorted(planted.rglob("*")) == before
+
+
+@pytest.mark.skipif(not hasattr(os, "geteuid"), reason="users have no numbers here")
+def test_a_file_that_another_user_may_have_written_is_replaced(planted):
+    file = planted / f"{KEY}.o"
+    file.chmod(0o666)
+    assert kept(Compiler()) == b"code"
+    assert file.stat().st_mode & 0o077 == 0
+    assert kept(Compiler(b"never")) == b"code"
+
+
+@pytest.mark.skipif(not hasattr(os, "geteuid"), reason="users have no numbers here")
+def test_what_numba_would_run_is_not_taken_from_another_user(planted):
+    name = f"{KEY}.py"
+    assert cache.text_file(name, "text").parent == planted
+    index = planted / "__pycache__" / f"{KEY}.kernel.nbi"
+    index.parent.mkdir()
+    index.write_bytes(b"planted")
+    index.chmod(0o666)
+    assert planted not in cache.text_file(name, "text").parents
+
+
+@pytest.mark.skipif(not hasattr(os, "geteuid"), reason="users have no numbers here")
+def test_folders_of_the_cache_are_for_their_user_alone(place):
+    before = os.umask(0)
+    try:
+        kept(Compiler())
+    finally:
+        os.umask(before)
+    assert place.stat().st_mode & 0o077 == 0
+    assert kept(Compiler(b"never")) == b"code"

@@ -2,6 +2,7 @@
 
 import itertools
 from functools import cache
+from inspect import signature
 
 import numpy as np
 import pytest
@@ -357,6 +358,16 @@ def test_a_design_that_never_assembles_says_so():
 def test_requests_that_mean_nothing_are_refused(given, key, remedy):
     with refused(key, remedy):
         fl.draw("planar_4r", **FOUR_BAR | given)
+
+
+def test_options_among_the_inputs_are_refused():
+    """A design is a mapping, whose names would else be taken for keywords of the evaluation."""
+    for name in signature(fl.evaluate).parameters:
+        remedy = f"beside the design, {name}=" if name in ("branch", "input", "links") else "leave it out"
+        with refused(name, remedy):
+            fl.draw("planar_4r", FOUR_BAR | {name: 1})
+    with refused("trust_code", "True or False"):
+        fl.draw("planar_4r", FOUR_BAR, trust_code="no")
 
 
 @pytest.mark.parametrize("kind", ["svg", "pdf"])  # png: test_page.py

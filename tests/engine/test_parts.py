@@ -129,6 +129,54 @@ def test_the_request_of_a_part_is_that_of_its_whole(tmp_path):
         assert whole.attrs["fingerprint"] == one
 
 
+@pytest.fixture(scope="module")
+def kinds(tmp_path_factory):
+    """Return the files of a whole map, of parts, and of what has the same quantities and other designs."""
+    folder = tmp_path_factory.mktemp("kinds")
+    for part in (None, "1/3", "2/3", "3/3", "2/4"):
+        sweep(
+            "grid", part=part, to=folder / f"{'whole' if part is None else part.replace('/', ' of ')}.h5"
+        ).close()
+    sweep("table", to=folder / "table.h5").close()
+    sweep("numbered table", part="1/3", to=folder / "other 1 of 3.h5").close()
+    space = fl.sobol(7, seed=1, a1=(0.3, 0.5), a2=(1.0, 1.4), a3=0.8, a4=1.0)
+    fl.sweep("planar_4r", space, ["theta4"], theta1=6, verify=0, to=folder / "sobol.h5").close()
+    return folder
+
+
+@pytest.mark.parametrize(
+    ("existing", "asked", "differs"),
+    [
+        ("whole", "1/3", "a whole map, not part 1/3"),
+        ("1 of 3", None, "part 1/3, not a whole map"),
+        ("2 of 3", "1/3", "part 2/3, not part 1/3"),
+        ("2 of 4", "2/3", "part 2/4, not part 2/3"),
+        ("other 1 of 3", "1/3", "a map with other"),
+        ("table", "1/3", "a whole map, not part 1/3"),
+        ("sobol", "1/3", "a whole map, not part 1/3"),
+        ("sobol", None, "a map with other"),
+        ("1 of 3", "join", "part 1/3, not a whole map"),
+        ("other 1 of 3", "join", "part 1/3, not a whole map"),
+    ],
+)
+def test_a_file_of_another_part_or_of_the_whole_is_refused_with_what_it_is(kinds, existing, asked, differs):
+    path = kinds / f"{existing}.h5"
+    before = path.read_bytes()
+    with refused(f"the file exists, {differs}", "overwrite=True"):
+        if asked == "join":
+            fl.join([kinds / f"{k} of 3.h5" for k in (1, 2, 3)], to=path)
+        else:
+            sweep("grid", part=asked, to=path)
+    assert path.read_bytes() == before
+
+
+def test_samples_do_not_replace_a_grid_of_the_same_quantities(kinds):
+    space = fl.sobol(7, seed=1, a1=(0.3, 0.5), a2=(1.0, 1.4), a3=0.8, a4=1.0)
+    for part in (None, "1/3"):
+        with refused("the file exists", "overwrite=True"):
+            fl.sweep("planar_4r", space, ["theta4"], theta1=6, part=part, to=kinds / "whole.h5")
+
+
 def test_a_part_gives_the_designs_of_another_sweep():
     part = sweep("grid", part=(2, 3))
     again = fl.sweep("planar_4r", part.fastlink.designs, ["theta4"], theta1=6)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import itertools
 import json
 import signal
@@ -9,7 +10,9 @@ import subprocess
 import sys
 import urllib.error
 import urllib.request
-from urllib.parse import quote
+from http.client import HTTPConnection
+from unittest.mock import Mock
+from urllib.parse import quote, urlsplit
 
 import numpy as np
 import pytest
@@ -95,6 +98,78 @@ def test_there_is_nothing_but_the_map(page, where):
 )
 def test_what_is_no_request_is_refused(page, where, query):
     assert ask(page, where, query=query)[0] == 400
+
+
+def nested(opening, closing, count=1000):
+    return quote('{"name": ' + opening * count + "1" + closing * count + "}")
+
+
+def test_whatever_is_asked_is_answered_on_the_same_connection(page, monkeypatch):
+    base, _, token = page.url.partition("?token=")
+    address = urlsplit(base).netloc
+
+    def at(place):
+        return "/row?query=" + quote('{"at": {"a1": ' + place + ', "a2": 0, "a3": 0, "branch": 0}}')
+
+    row = at("0")
+    bad = [
+        "/row?query=" + nested("[", "]"),
+        "/picture?query=" + nested('{"a": ', "}"),
+        "/picture?query=" + quote('{"name": "omega4_max", "axes": [["a2"]], "at": {}, "window": {}}'),
+        "/row?query=" + at("1" + 400 * "0"),
+        "/row?query=" + at("1" + 5000 * "0"),
+        "/row?query=" + quote('"\\ud800"'),
+        "/row",
+        "http://[row",
+    ]
+    connection = HTTPConnection(address, timeout=30)
+
+    def status(where):
+        connection.putrequest("GET", where, skip_host=True)  # which would look into the address
+        connection.putheader("Host", address)
+        connection.putheader("X-Token", token)
+        connection.endheaders()
+        with connection.getresponse() as reply:
+            assert b"\n" not in reply.read()
+            return reply.status
+
+    with contextlib.closing(connection):
+        assert status(row) == 200
+        opened = connection.sock
+        for where in bad:
+            assert status(where) == 400, where
+        with monkeypatch.context() as patch:
+            for error in (
+                OSError("gone"),
+                RuntimeError("Unable to read\nthis"),
+                MemoryError(),
+                AssertionError(),
+            ):
+                patch.setattr(Values, "row", Mock(side_effect=error))
+                assert status(row) == 500
+        assert status(row) == 200
+        assert connection.sock is opened
+
+
+@pytest.mark.parametrize(
+    "text",
+    ["/*FACTS*/", "/*STYLE*/", "/*SCRIPT*/", "NONCE", "</script><script>", "<!--", r"\1 \g<0>", "a\u2028b"],
+)
+def test_texts_of_a_map_are_told_to_the_page_as_they_are(path, tmp_path, text):
+    def page_of(word):
+        with fl.open(path) as maps:
+            other = maps.assign_attrs(title=word).rename(omega4_max=word)
+            other[word].attrs.update(long_name=word, symbol=word, units=word)
+            fl.explore(other, to=tmp_path / "page.html", browser=False)
+        return (tmp_path / "page.html").read_text()
+
+    found = page_of(text)
+    told = json.JSONDecoder().raw_decode(found, found.index("const content = ") + len("const content = "))[0]
+    assert told["title"] == text
+    (one,) = (one for one in told["variables"] if one["name"] == text)
+    assert (one["meaning"], one["symbol"], one["units"]) == (text, text, text)
+    written = json.dumps(text).replace("<", r"\u003c")
+    assert found.replace(written, '"plain"') == page_of("plain")
 
 
 def test_a_picture_holds_the_values_of_the_map(page, path):

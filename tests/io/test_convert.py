@@ -3,7 +3,10 @@
 from __future__ import annotations
 
 import errno
+import fcntl
 import functools
+import os
+import shutil
 import subprocess
 import sys
 import tracemalloc
@@ -410,6 +413,140 @@ def test_a_kill_touches_nothing_that_is_finished_and_the_next_conversion_goes_th
     fl.convert(grid, path, overwrite=True, compress=compress or None)
     assert left_in(tmp_path) == [name]
     assert_same(loaded(path), whole(grid))
+
+
+NOT_LETTERS = os.fsdecode(b"\xff")
+
+
+@pytest.mark.skipif(sys.platform == "darwin", reason="names of files are letters there")
+def test_a_name_that_is_no_text_is_one_of_a_file_at_every_door(grid, tmp_path):
+    def at(name):
+        return tmp_path / f"{NOT_LETTERS}{name}"
+
+    def is_said(path, name):
+        assert f"\\udcff{name}" in loaded(path).attrs["history"]
+        assert path.suffix == ".zarr" or fl.check(path)
+
+    request = "planar_4r", fl.grid(a1=0.4, a2=[1.1, 1.2], a3=0.8, a4=1.0), ["transmission_angle_max"]
+    parts = [at(f"m.part-{k}-of-2.h5") for k in (1, 2)]
+    for k, path in enumerate(parts, 1):
+        fl.sweep(*request, to=path, part=(k, 2)).close()
+        fl.sweep(*request, to=path, part=(k, 2)).close()
+    fl.join(parts, to=at("m.h5")).close()
+    is_said(at("m.h5"), "m.h5")
+    fl.search(*request, minimise="transmission_angle_max", top=1, to=at("found.h5")).close()
+    is_said(at("found.h5"), "found.h5")
+    at("grid.h5").hardlink_to(grid)
+    for name in OUTPUTS:
+        converted(at("grid.h5"), at(name), quantities=["theta4"])
+        if not name.endswith(("csv", "parquet")):
+            is_said(at(name), name)
+            is_said(converted(at("grid.h5"), tmp_path / name), "grid.h5")
+    constants = {"a3": 0.8, "a4": 1.0}
+    for name in ("out.csv", "out.parquet"):
+        designs = fl.table(at(name))
+        assert designs.size == 15 * 2 * 24
+    at("designs.csv").write_text("a1,a2\n0.4,1.1\n0.5,1.2\n")
+    space = fl.table(at("designs.csv")).with_constants(constants)
+    with fl.sweep("planar_4r", space, ["transmission_angle_max"], to=at("table.h5")) as maps:
+        assert maps.attrs["design_source"] == "\\udcffdesigns.csv"
+    at("study.toml").write_text(
+        'mechanism = "planar_4r"\nquantities = ["transmission_angle_max"]\n'
+        "[design]\na1 = 0.4\na2 = 1.1\na3 = 0.8\na4 = 1.0\n"
+    )
+    with fl.run_study(at("study.toml"), to=at("study.h5")) as maps:
+        assert maps.attrs["study_file"] == "\\udcffstudy.toml"
+    fl.plot_map(at("grid.h5"), "omega4_max", branch=1, to=at("map.svg"))
+    fl.draw(at("grid.h5"), 2, to=at("design.pdf"))
+    fl.explore(at("grid.h5"), to=at("page.html"), browser=False)
+    assert {path.name for path in map(at, ("map.svg", "design.pdf", "page.html"))} <= set(left_in(tmp_path))
+
+
+@pytest.mark.parametrize(
+    ("change", "named"),
+    [
+        (lambda maps: maps.assign_attrs(note=NOT_LETTERS), "note"),
+        (lambda maps: maps.assign_attrs({NOT_LETTERS: "x"}), r"'\udcff'"),
+        (lambda maps: maps.assign_attrs(notes=["one", "two"]), "'notes'"),
+        (lambda maps: maps.assign(theta4=maps.theta4.assign_attrs(units=NOT_LETTERS)), "theta4: units"),
+        (lambda maps: maps.rename(theta4=NOT_LETTERS), r"'\udcff'"),
+        (lambda maps: maps.assign_coords(part=("a1", ["a", "b", NOT_LETTERS])), "part"),
+    ],
+)
+@pytest.mark.parametrize("name", ["out.h5", "gzip.h5", "out.zarr", "out.parquet"])
+def test_what_no_file_can_hold_is_refused_by_its_name(grid, tmp_path, name, change, named):
+    with refused(named, "list of numbers" if named == "'notes'" else "letters alone"):
+        converted(change(whole(grid)[["theta4", "status"]]), tmp_path / name)
+    assert left_in(tmp_path) == []
+
+
+OUTPUTS = ["out.h5", "gzip.h5", "out.nc", "out.zarr", "out.csv", "out.parquet"]
+
+
+def converted(grid, path, **options):
+    return fl.convert(grid, path, compress="gzip" if path.name == "gzip.h5" else None, **options)
+
+
+@pytest.mark.parametrize("name", OUTPUTS)
+def test_what_a_kill_in_the_last_step_left_is_replaced(grid, tmp_path, name):
+    path = tmp_path / name
+    converted(grid, path).rename(part := tmp_path / f"{name}.part")
+    converted(grid, path)
+    path.rename(part)
+    converted(grid, path, overwrite=True)
+    assert left_in(tmp_path) == [name]
+
+
+def test_what_a_killed_search_left_is_replaced(grid, tmp_path):
+    path, part = tmp_path / "found.h5", tmp_path / "found.h5.part"
+    request = "planar_4r", fl.grid(a1=0.4, a2=[1.1, 1.2], a3=0.8, a4=1.0), []
+    options = {"minimise": "transmission_angle_max", "top": 1, "to": path, "verify": 0}
+    fl.search(*request, **options).close()
+    path.rename(part)
+    fl.search(*request, **options).close()
+    path.rename(part)
+    with refused("to", "restart=True"):
+        fl.search(*request, **(options | {"top": 2}))
+    fl.search(*request, **(options | {"top": 2}), restart=True).close()
+    assert left_in(tmp_path) == ["found.h5"]
+    converted(grid, tmp_path / "out.h5").rename(tmp_path / "found.h5.part")
+    fl.search(*request, **options, overwrite=True).close()  # a conversion is made again, it is no run
+    assert left_in(tmp_path) == ["found.h5"]
+
+
+@pytest.mark.parametrize("left", [[], [".zgroup.0123456789abcdef0123456789abcdef.partial"], ["theta4/0.0.0"]])
+def test_what_is_left_of_a_zarr_store_is_replaced_too(grid, tmp_path, left):
+    """A kill may come before its first file has its name, or while the old store is removed."""
+    part = tmp_path / "out.zarr.part"
+    (part / "theta4").mkdir(parents=True)
+    for name in left:
+        (part / name).write_bytes(b"")
+    fl.convert(grid, tmp_path / "out.zarr")
+    assert left_in(tmp_path) == ["out.zarr"]
+
+
+@pytest.mark.parametrize("name", OUTPUTS)
+def test_a_partial_file_of_a_living_process_or_of_another_kind_is_left_alone(grid, tmp_path, name):
+    path, part = tmp_path / name, tmp_path / f"{name}.part"
+    converted(grid, path).rename(part)
+    before = sorted(one.read_bytes() for one in [part, *part.rglob("*")] if one.is_file())
+    fd = os.open(part, os.O_RDONLY)
+    try:
+        fcntl.flock(fd, fcntl.LOCK_EX)
+        for overwrite in (False, True):
+            with refused(f"{part}: another run is writing it", "wait for it"):
+                converted(grid, path, overwrite=overwrite)
+    finally:
+        os.close(fd)
+    assert sorted(one.read_bytes() for one in [part, *part.rglob("*")] if one.is_file()) == before
+    if part.is_dir():
+        shutil.rmtree(part)
+        part.write_text("years")
+    else:
+        part.unlink()
+        part.mkdir()
+    with refused(f"{part} is", "remove it"):
+        converted(grid, path)
 
 
 def test_a_partial_file_of_a_sweep_is_kept(grid, tmp_path, monkeypatch):

@@ -15,7 +15,9 @@ import xarray as xr
 from tests.io.test_faults import failing_after, sweep
 
 import fastlink as fl
+from fastlink.io.checksums import SIGNATURE, seal_is_broken
 from fastlink.io.reader import open_map
+from fastlink.io.stored import Stored
 from fastlink.io.writing import journal
 
 LAYOUTS = ("curves", "maps")
@@ -183,3 +185,104 @@ def test_damage_is_noticed_or_mended_a_thousand_times(tmp_path, monkeypatch, sma
     assert_none_is_wrong(table, wrong)
     for name in ("values of a partial file", "a journal's head"):
         assert table[name, AGAIN], "nothing was damaged that counts"
+
+
+@pytest.fixture(scope="module")
+def sealed(tmp_path_factory):
+    """Return the paths of a map as it is written, one compressed, and one joined, by what they are."""
+    folder = tmp_path_factory.mktemp("sealed")
+    space = fl.grid(a1=0.4, a2=np.linspace(1.0, 1.4, 7), a3=[0.6, 0.8], a4=1.0, omega1=25.0)
+    quantities = ["omega4_max", "omega4_extrema"]
+    found = {"map": folder / "map.h5", "joined": folder / "joined.h5", "compressed": folder / "compressed.h5"}
+    fl.sweep("planar_4r", space, quantities, to=found["map"]).close()
+    parts = [folder / f"part-{k}.h5" for k in (1, 2)]
+    for k, part in enumerate(parts, 1):
+        fl.sweep("planar_4r", space, quantities, to=part, part=(k, 2)).close()
+    fl.join(parts, to=found["joined"]).close()
+    fl.convert(found["map"], to=found["compressed"], compress="gzip")
+    return found
+
+
+def _label_bytes(path):
+    """Return the numbers of the bytes of a file that are neither values nor the checksum of the rest."""
+    with h5py.File(path) as file:
+        stored = Stored.of(file)
+        chunked = [one.id for one in file.values() if isinstance(one, h5py.Dataset) and one.chunks]
+        chunks = [one.get_chunk_info(k) for one in chunked for k in range(one.get_num_chunks())]
+    places = np.ones(path.stat().st_size, bool)
+    places[: len(SIGNATURE)] = False  # without it the file is no HDF5, and is refused as such
+    places[stored.rest_at : stored.rest_at + 4] = False
+    for one in stored.values.values():
+        places[one.offset : one.offset + one.nbytes] = False
+    for chunk in chunks:
+        places[chunk.byte_offset : chunk.byte_offset + chunk.size] = False
+    return np.flatnonzero(places)
+
+
+def _damaged(path, count):
+    """Yield copies of a file with one wrong bit of its labels each, the one at which HDF5 loops, and zeroed bytes."""
+    whole = path.read_bytes()
+    places = _label_bytes(path)
+    rng = np.random.default_rng(len(whole))
+    at = rng.choice(places, min(count, len(places)), replace=False)
+    bits = [(int(k), 1 << int(rng.integers(8))) for k in at]
+    bits += [(whole.index(b"GCOL") + 73, 1 << 2)]
+    for k, bit in bits:
+        yield whole[:k] + bytes([whole[k] ^ bit]) + whole[k + 1 :]
+    for k in (whole.index(b"GCOL"), len(whole) - 512, len(whole) - 1400):
+        yield whole[:k] + bytes(512) + whole[k + 512 :]
+
+
+@pytest.mark.parametrize("count", [100, pytest.param(20_000, marks=pytest.mark.stress)])
+@pytest.mark.parametrize("kind", ["map", "joined", "compressed"])
+def test_changed_labels_are_seen_without_hdf5(kind, count, sealed, tmp_path):
+    """HDF5 never returns from some of these files."""
+    assert not seal_is_broken(sealed[kind])
+    path = tmp_path / "damaged.h5"
+    for content in _damaged(sealed[kind], count):
+        path.write_bytes(content)
+        assert seal_is_broken(path)
+
+
+def test_no_door_lets_hdf5_read_changed_labels(sealed, tmp_path):
+    path = tmp_path / "damaged.h5"
+    content = sealed["map"].read_bytes()
+    k = content.index(b"GCOL") + 73
+    path.write_bytes(content[:k] + bytes([content[k] ^ 4]) + content[k + 1 :])
+    assert not fl.check(path)
+    space = fl.grid(a1=0.4, a2=[1.0, 1.2], a3=0.8, a4=1.0, omega1=25.0)
+    doors = {
+        "open": lambda: fl.open(path),
+        "best": lambda: fl.best(path, minimise="omega4_max"),
+        "convert": lambda: fl.convert(path, to=tmp_path / "c.nc"),
+        "join": lambda: fl.join([path], to=tmp_path / "j.h5"),
+        "summary": lambda: fl.summary(path),
+        "plot_map": lambda: fl.plot_map(path, "omega4_max", to=tmp_path / "p.png"),
+        "plot_designs": lambda: fl.plot_designs(path, ["omega4_max", "a2"], to=tmp_path / "p.png"),
+        "draw": lambda: fl.draw(path, design=1, to=tmp_path / "d.png"),
+        "tolerance": lambda: fl.tolerance(path, a1=1e-3),
+        "explore": lambda: fl.explore(path, to=tmp_path / "e.html"),
+    }
+    for door in doors.values():
+        with pytest.raises(fl.InputError, match="labels or attributes have changed"):
+            door()
+    # what stands where a sweep is to write is no map, and is not replaced
+    with pytest.raises(fl.InputError, match="and is not a map"):
+        fl.sweep("planar_4r", space, ["omega4_max"], to=path)
+
+
+@pytest.mark.parametrize("engine", ["h5netcdf", "netcdf4"])
+def test_other_readers_do_not_mind_the_seal(engine, sealed):
+    for path in sealed.values():
+        with xr.open_dataset(path, engine=engine) as found, fl.open(path) as maps:
+            xr.testing.assert_identical(found.load(), maps.load())
+
+
+def test_a_map_that_hdf5_has_changed_since_opens(sealed, tmp_path):
+    path = tmp_path / "edited.h5"
+    shutil.copy(sealed["map"], path)
+    with h5py.File(path, "r+") as file:
+        file.attrs["note"] = "for the workshop"
+    with fl.open(path) as maps:
+        assert maps.attrs["note"] == "for the workshop"
+    assert not fl.check(path)

@@ -2,10 +2,13 @@
 
 from pathlib import Path
 
+import h5py
 import pytest
 from tests.support.study_files import BARE, GOOD, LENGTHS, written
+from typer.testing import CliRunner
 
 import fastlink as fl
+from fastlink.cli import app
 from fastlink.errors import MOST_LINES
 from fastlink.study.study import read_study, run_study
 
@@ -316,6 +319,25 @@ def test_an_existing_file_is_replaced_when_the_study_or_the_caller_says_so(folde
     assert line.endswith("overwrite=True")
     run_study(path, overwrite=True).close()
     run_study(written(GOOD + "[output]\noverwrite = true\n")).close()
+
+
+@pytest.mark.parametrize("search", ["", '[search]\nminimise = ["omega4_max"]\ntop = 1\n'])
+def test_a_study_of_its_own_replaces_maps_alone(folder, search):
+    text = GOOD + search + "[output]\noverwrite = true\n"
+    with h5py.File("theirs.h5", "w") as file:
+        file["measured"] = [1.0, 2.0]
+    for other in (Path("theirs.h5").read_bytes(), b"", b"years of work"):
+        Path("study.h5").write_bytes(other)
+        (line,) = refused(text)
+        assert line.startswith("output.file: ")
+        assert "is no map" in line
+        assert line.endswith("overwrite=True")
+        assert Path("study.h5").read_bytes() == other
+    done = CliRunner().invoke(app, ["run", "study.toml", "--quiet"])
+    assert done.exit_code == 2
+    assert done.output.endswith("or write --overwrite\n")
+    run_study(written(text), overwrite=True).close()
+    run_study(written(text + "# and more\n")).close()
 
 
 VALUES = (

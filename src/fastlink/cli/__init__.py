@@ -5,6 +5,9 @@ Everything heavy is imported inside the commands, so that help comes at once.
 
 from __future__ import annotations
 
+import io
+import sys
+
 from fastlink.cli import drawing, maps, mechanisms, studies
 from fastlink.cli.app import app
 
@@ -34,4 +37,7 @@ for function in (
 
 def main() -> None:
     """Run the command line of this process."""
+    for stream in (sys.stdout, sys.stderr):
+        if isinstance(stream, io.TextIOWrapper) and stream.errors == "strict":
+            stream.reconfigure(errors="backslashreplace")  # names of files may hold what is no letter
     app(prog_name="fastlink")

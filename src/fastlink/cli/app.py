@@ -8,13 +8,14 @@ import signal
 import threading
 import warnings
 from collections.abc import Callable, Iterable, Iterator, Mapping
+from inspect import signature
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, TypeVar, get_type_hints
+from typing import TYPE_CHECKING, Annotated, Any, TypeVar, get_args, get_type_hints
 
 import typer
 import typer.core
 
-from fastlink.errors import InputError, InputWarning, KeyPath, Piece, Setting, Wording, suggest
+from fastlink.errors import InputError, InputWarning, KeyPath, Piece, Remedy, Setting, Wording, suggest
 
 if TYPE_CHECKING:
     from fastlink.engine.extending import Extension
@@ -112,12 +113,14 @@ class _Options(Wording):
 
     def __init__(self, function: Callable[..., Any]) -> None:
         self.names: dict[str, str] = {}
+        self.switches: set[str] = set()
         for name, hint in get_type_hints(function, include_extras=True).items():
             for declared in getattr(hint, "__metadata__", ()):
                 # typer takes the first name of an option for its default until the command runs
                 spelt = (declared.default, *(getattr(declared, "param_decls", None) or ()), declared.metavar)
                 option = self.names[name] = next((one for one in spelt if isinstance(one, str)), name)
                 self.names.setdefault(option.strip("-").replace("-", "_"), option)
+                self.switches |= {option} if get_args(hint)[0] is bool else set()
 
     def path(self, where: KeyPath) -> str:
         if not where or where[0] not in self.names:
@@ -128,7 +131,7 @@ class _Options(Wording):
         if not isinstance(piece, Setting):
             return super().piece(piece)
         option = self.names.get(piece.name)
-        if option is None or piece.value is True:
+        if option is None or piece.value is True or option in self.switches:
             return option
         values = piece.value.items() if isinstance(piece.value, dict) else None
         texts = [str(piece.value)] if values is None else [f"{key}={value}" for key, value in values]
@@ -177,7 +180,12 @@ def command(function: C) -> C:
 
 
 def by_name(
-    texts: Iterable[str], where: str, form: str, example: Mapping[str, Any], read: Callable[[str], Any]
+    texts: Iterable[str],
+    where: str,
+    form: str,
+    example: Mapping[str, Any],
+    read: Callable[[str], Any],
+    doors: tuple[Callable[..., Any], ...] = (),
 ) -> dict[str, Any]:
     """Return what an option gives as ``NAME=VALUE``, by name.
 
@@ -193,6 +201,9 @@ def by_name(
         What to write instead.
     read : callable
         Reads a value; returns None for what is none.
+    doors : tuple of callable
+        Where such words stand among the arguments: the command, and the function to which they are keywords. None of
+        their options can be a name.
 
     Examples
     --------
@@ -202,10 +213,20 @@ def by_name(
     given: dict[str, Any] = {}
     for text in texts:
         name, equals, value = (part.strip() for part in text.partition("="))
+        key, options = name.replace("-", "_"), _Options(doors[0]).names if doors else {}
+        if equals and (key in options or any(key in signature(one).parameters for one in doors)):
+            is_option = options.get(key, "").startswith("-")
+            remedy: Remedy = ("write ", Setting(key, value)) if is_option else "leave it out"
+            raise InputError(f"{text!r} names an option, not an input", where=(where,), remedy=remedy)
         found = read(value) if equals and name else None
         if found is None:
             remedy = ("write such as ", Setting(where, dict(example)))
-            raise InputError(f"{text!r} is not {form}", where=(where,), remedy=remedy)
+            what = (
+                f"{name} is {value!r}, not a number"
+                if equals and name and value
+                else f"{text!r} is not {form}"
+            )
+            raise InputError(what, where=(where,), remedy=remedy)
         if name in given:
             raise InputError(f"{name} is given twice", where=(where,), remedy="write it once")
         given[name] = found

@@ -78,7 +78,9 @@ def draw(
     from fastlink.drawing.draw import draw as draw_mechanism
     from fastlink.space.links import taken_links
 
-    given: dict[str, Any] = by_name(inputs or [], "inputs", "NAME=VALUE", EXAMPLE, numbers_of)
+    given: dict[str, Any] = by_name(
+        inputs or [], "inputs", "NAME=VALUE", EXAMPLE, numbers_of, (draw, draw_mechanism)
+    )
     fixed = by_name(at, "at", "DIM=VALUE", EXAMPLE, numbers_of) if at else None
     picture = to if to is not None or animate is not None else Path(f"{Path(mechanism).stem}.png")
     own: dict[str, Any] = {"at": fixed, "branch": branch, "input": input, "strip": strip, "show": show}

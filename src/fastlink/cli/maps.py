@@ -273,6 +273,10 @@ def plot(
     from fastlink.plot.plot_map import plot_map
 
     given = names or []
+    options = [one for one in given if one.find("=") > 0]
+    for dim, value in by_name(options, "names", "NAME", {}, str, (plot, plot_map)).items():
+        at_it = ("write ", Setting("at", {dim: value}))
+        raise InputError(f"{dim}={value} is no variable", where=("names",), remedy=at_it)
     of_front, of_rows = bool(minimise or maximise), kind is not None or len(given) > 1 or bool(where)
     if of_front and (given or kind is not None):
         remedy = "leave out the names and --kind, or --minimise and --maximise"

@@ -192,7 +192,9 @@ def tolerance(
     from fastlink.diagnostics.tolerance import tolerance as found_by
     from fastlink.report.tolerances import changes_listed
 
-    given = by_name(tolerances or [], "tolerances", "INPUT=T", {"a1": 1e-4}, _number_or_text)
+    given = by_name(
+        tolerances or [], "tolerances", "INPUT=T", {"a1": 1e-4}, _number_or_text, (tolerance, found_by)
+    )
     names = None if quantities is None else [name.strip() for name in quantities.split(",")]
     options: dict[str, Any] = {"contributions": contributions, "to": to, "overwrite": overwrite}
     options["trust_code"] = trust_code

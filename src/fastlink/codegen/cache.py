@@ -1,7 +1,8 @@
 """The user's cache of machine code, under a hash of everything that the code depends on.
 
 The cache only saves time: a damaged file is compiled again, and a folder that cannot be read, written or locked
-costs a compilation. Processes that want the same kernel wait for the one that compiles it.
+costs a compilation. What it holds is run, so a folder or a file that another user owns, or may write, is not read.
+Processes that want the same kernel wait for the one that compiles it.
 """
 
 from __future__ import annotations
@@ -12,6 +13,7 @@ import hashlib
 import os
 import re
 import shutil
+import stat
 import tempfile
 import threading
 import time
@@ -26,7 +28,7 @@ import platformdirs
 import fastlink.codegen
 import fastlink.numerics
 from fastlink.codegen.notice import notice
-from fastlink.errors import InputError
+from fastlink.errors import InputError, remark
 
 __all__ = [
     *(
@@ -66,6 +68,44 @@ def cache_folder() -> Path:
     return Path(chosen) / "kernels"
 
 
+def is_own(folder: Path) -> bool:
+    """Tell whether nobody but this user can have put something into a folder, or a folder can be made there.
+
+    Of one that others may have written it is said once, and how to mend it.
+    """
+    try:
+        found = os.lstat(folder)
+    except OSError:  # nothing is there to be run, or it cannot be read
+        return True
+    why = _not_own(found)
+    if why:
+        _remark(folder, why)
+    return not why
+
+
+def _not_own(found: os.stat_result) -> str:
+    """Return why a file or folder may hold what another user has put there; empty where none can have."""
+    if not hasattr(
+        os, "geteuid"
+    ):  # Windows has the folders of a user in his profile, which others cannot write
+        return ""
+    if found.st_uid != os.geteuid():
+        return "belongs to another user"
+    if stat.S_ISLNK(found.st_mode):
+        return "is a link"
+    return "can be written by other users" if found.st_mode & 0o022 else ""
+
+
+@cache
+def _remark(folder: Path, why: str) -> None:
+    mend = (
+        f"`chmod go-w {folder}`"
+        if why.startswith("can")
+        else "set FASTLINK_CACHE_DIR to a folder of your own"
+    )
+    remark(f"the cache of kernels {folder} {why}; they are compiled without it", remedy=mend)
+
+
 @cache
 def environment() -> bytes:
     """Return a digest of the packages that write, compile and run kernels."""
@@ -94,6 +134,9 @@ def load_or_compile(key: str, compile: Callable[[], bytes], load: Callable[[byte
         Returns object code as something to call; where it raises an error, the code is compiled again.
     """
     path = cache_folder() / f"{key}.o"
+    if not is_own(path.parent):
+        with notice():
+            return load(compile())
     if (loaded := _read(path, load)) is not None:
         return loaded
     with notice(), locked(key):
@@ -109,7 +152,10 @@ def load_or_compile(key: str, compile: Callable[[], bytes], load: Callable[[byte
 def _read(path: Path, load: Callable[[bytes], T]) -> T | None:
     """Return the loaded contents of a file of the cache; None where it is missing or damaged."""
     try:
-        data = path.read_bytes()
+        with open(path, "rb") as file:
+            if _not_own(os.fstat(file.fileno())):
+                return None
+            data = file.read()
         code = data[DIGEST:]
         # LLVM crashes on some object code that is cut short, so nothing is tried whose digest is wrong.
         if not code or hashlib.sha256(code).digest() != data[:DIGEST]:
@@ -136,7 +182,9 @@ def locked(key: str) -> Iterator[None]:
     lock = filelock.FileLock(folder / f"{key[:2]}.lock")
     with contextlib.ExitStack() as stack:
         with contextlib.suppress(OSError, NotImplementedError):  # its Timeout is an OSError
-            folder.mkdir(parents=True, exist_ok=True)
+            if not is_own(folder.parent):
+                raise PermissionError(f"{folder.parent} is not this user's own")
+            _make(folder)
             stack.enter_context(lock.acquire(timeout=PATIENCE, poll_interval=0.02))
         yield
 
@@ -145,6 +193,8 @@ def text_file(name: str, text: str) -> Path:
     """Return a file that holds a text: of the cache, or of this process alone where that cannot be written."""
     for folder in (cache_folder, _private_folder):
         path = folder() / name
+        if not (is_own(path.parent) and _numba_files_are_own(path)):
+            continue
         try:
             if path.read_bytes() == text.encode():
                 _use(path)
@@ -164,9 +214,18 @@ def _private_folder() -> Path:
     return Path(folder)
 
 
+def _numba_files_are_own(path: Path) -> bool:
+    """Tell whether nobody else can have put something beside a file of the cache that numba would run."""
+    beside = path.parent / "__pycache__"
+    files = [path, beside, *beside.glob(f"*{path.stem}*")]
+    return not any(_not_own(file.lstat()) for file in files if os.path.lexists(file))
+
+
 def is_kept(key: str) -> bool:
     """Tell whether the cache has a kernel, of whichever compiler."""
     folder = cache_folder()
+    if not is_own(folder):
+        return False
     return (folder / f"{key}.o").is_file() or any((folder / "__pycache__").glob(f"*{key}*.nbc"))
 
 
@@ -180,16 +239,23 @@ def remove_numba_files(key: str) -> None:
 
 def _write(path: Path, data: bytes) -> None:
     """Write a file at once: what is half written has another name."""
-    path.parent.mkdir(parents=True, exist_ok=True)
+    _make(path.parent)
     temporary = path.with_name(f"{path.name}.{os.getpid()}-{threading.get_ident()}.tmp")
     try:
         temporary.write_bytes(data)
+        temporary.chmod(0o600)
         os.replace(temporary, path)
     except BaseException:
         with contextlib.suppress(OSError):
             temporary.unlink()
         raise
     _bound(len(data))
+
+
+def _make(folder: Path) -> None:
+    """Make a folder of the cache, and those above it that are missing, which others cannot write whatever the umask."""
+    for missing in reversed([one for one in (folder, *folder.parents) if not one.exists()]):
+        missing.mkdir(mode=0o700, exist_ok=True)
 
 
 # -- all of them -----------------------------------------------------------------------------------

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import xarray as xr
 
-from fastlink._text import counted, duration, short_repr
+from fastlink._text import counted, duration, short_repr, writable
 from fastlink.catalogue.declare import ELIMINATED
 from fastlink.diagnostics.methods import SECONDS_PER_DESIGN, SECONDS_PER_METHOD, Subject, methods_for, race
 from fastlink.diagnostics.pareto import front
@@ -185,7 +185,7 @@ def measure(
     attrs = {
         "title": f"{resolved.catalogue.title}: error against run time",
         "mechanism": name_of(mechanism),
-        "study_file": study.path.name,
+        "study_file": writable(study.path.name),
         "study": study.text,
         "designs": space.size,
         "seed": seed,

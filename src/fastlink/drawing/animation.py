@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from PIL import Image
 
+from fastlink._text import filled
 from fastlink.errors import InputError
 from fastlink.io.output import write_whole
 
@@ -151,15 +152,12 @@ def _page(pictures: list[Any], title: str, labels: Sequence[str]) -> bytes:
         page = io.BytesIO()
         picture.save(page, format="PNG", optimize=True)
         texts.append(base64.b64encode(page.getvalue()).decode())
-    filled = {
+    values = {
         "TITLE": html.escape(title),
         "WIDTH": str(pictures[0].width),
         "LAST": str(len(pictures) - 1),
         "LABELS": json.dumps(list(labels)),
         "STEP": f"{1000.0 * SECONDS / len(pictures):.0f}",
-        "FRAMES": json.dumps(texts),  # the last, as it may hold any letters
+        "FRAMES": json.dumps(texts),
     }
-    text = PAGE
-    for name, value in filled.items():
-        text = text.replace(name, value)
-    return text.encode()
+    return filled(PAGE, values).encode()

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 from fastlink.doors import door
 from fastlink.drawing.request import Options, request_of
 from fastlink.drawing.source import read_source
-from fastlink.options import check_whole
+from fastlink.options import check_switch, check_whole
 from fastlink.plot.picture import check_picture, require_matplotlib, save
 
 if TYPE_CHECKING:
@@ -112,6 +112,7 @@ def draw(
 
         film = check_picture(animate, "animate", kinds=FILMS, example="linkage.gif")
         check_film(film)
+    check_switch(("trust_code",), trust_code)
     frames = check_whole(("frames",), frames, 2, MOST_FRAMES)
     source = read_source(mechanism, design, at, inputs, trust_code)
     request = request_of(

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from importlib import import_module
+from inspect import signature
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -35,6 +36,8 @@ __all__ = ["Options", "Request", "picture_of", "request_of"]
 #: The most linkages side by side, and curves beside them.
 MOST_SHEETS, MOST_CURVES = 24, 6
 ALL = "all"
+#: Names of the evaluation that no input has; those that are options of a picture too.
+OPTIONS, BESIDE = frozenset(signature(evaluate).parameters), ("branch", "input", "links")
 #: How much farther than its positions the range of an input without bounds is shown.
 BEYOND = 1.25
 
@@ -117,9 +120,13 @@ def request_of(source: Source, options: Options) -> Request:
     if strip is not None:
         with problems.at():
             strip = check_whole(("strip",), strip, 2, MOST_SHEETS)
+    inputs = {name: value for name, value in source.inputs.items() if name not in OPTIONS}
+    for name in (name for name in source.inputs if name in OPTIONS):
+        remedy = f"write it beside the design, {name}=..." if name in BESIDE else "leave it out"
+        problems.add("is an option, not an input", ("draw", name), remedy)
     with problems.at():
         own: dict[str, Any] = {"links": links if isinstance(links, Links) else None, "input": input}
-        as_draw(lambda: evaluate(source.mechanism, ["status"], **own, **source.inputs))
+        as_draw(lambda: evaluate(source.mechanism, ["status"], **own, **inputs))
     numbers, positions, in_degrees = _numbers(catalogue, source, problems)
     if positions is not None and strip is not None:
         what, remedy = "is given beside strip", "leave one of them out"

@@ -6,6 +6,8 @@ import json
 from importlib.resources import files
 from typing import Any
 
+from fastlink._text import filled
+
 __all__ = ["page_of"]
 
 #: The scripts, each after those that it needs.
@@ -44,7 +46,6 @@ def page_of(content: dict[str, Any], nonce: str = "") -> str:
     told = {**content, "mechanism": mechanism and {**mechanism, "script": ""}}
     # a text of the map must not end the script
     data = json.dumps(told, allow_nan=False).replace("<", "\\u003c")
-    script = "\n".join([f"const content = {data};", *(text(f"{name}.js") for name in SCRIPTS)])
-    script = script.replace("/*FACTS*/", facts)
-    page = text("page.html").replace("NONCE", nonce)
-    return page.replace("/*STYLE*/", text("style.css")).replace("/*SCRIPT*/", script)
+    scripts = [filled(text(f"{name}.js"), {"/*FACTS*/": facts}) for name in SCRIPTS]
+    script = "\n".join([f"const content = {data};", *scripts])
+    return filled(text("page.html"), {"NONCE": nonce, "/*STYLE*/": text("style.css"), "/*SCRIPT*/": script})

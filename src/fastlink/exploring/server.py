@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import hmac
 import json
 import operator
@@ -14,17 +15,28 @@ from urllib.parse import parse_qs, urlsplit
 
 import numpy as np
 
-from fastlink.errors import InputError
+from fastlink.errors import InputError, printable
 from fastlink.exploring.assembly import page_of
 from fastlink.exploring.content import content_of
 from fastlink.exploring.pooling import ONE, POOLS
 from fastlink.exploring.region import region_of
 from fastlink.exploring.values import Values
+from fastlink.io.place import reason
 
 __all__ = ["HOST", "Server"]
 
 #: The address that no other machine reaches; the most letters of a request.
 HOST, LONGEST = "127.0.0.1", 16_384
+#: What a query raises that the page would not send: with other names, values or places, or nested too deep.
+BAD_REQUEST = (
+    KeyError,
+    ValueError,
+    TypeError,
+    IndexError,
+    AttributeError,
+    OverflowError,
+    RecursionError,
+)
 #: Seconds after which a connection without requests is closed.
 IDLE = 300.0
 POLICY = (
@@ -118,6 +130,10 @@ class Server:
             timeout = IDLE
             server_version, sys_version = "fastlink", ""
 
+            def handle(self) -> None:
+                with contextlib.suppress(ConnectionError):  # a browser that leaves before its answer
+                    super().handle()
+
             def do_GET(self) -> None:
                 status, kind, body = server.answered(self.path, self.headers)
                 self.send_response(status)
@@ -143,8 +159,11 @@ class Server:
         text = "text/plain; charset=utf-8"
         if headers.get("Host") not in (f"{HOST}:{self.port}", f"localhost:{self.port}"):
             return 403, text, b"refused: this is not the address of the page"
-        address = urlsplit(path)
-        asked = parse_qs(address.query)
+        try:
+            address = urlsplit(path)
+            asked = parse_qs(address.query)
+        except ValueError:
+            return 400, text, b"not an address"
         given = headers.get("X-Token") if address.path != "/" else asked.get("token", [""])[0]
         if not hmac.compare_digest((given or "").encode(), self.token.encode()):
             return 403, text, b"refused: open the address that fastlink has printed, with its token"
@@ -155,10 +174,10 @@ class Server:
             return 404, text, b"there is nothing of that name"
         try:
             return 200, "application/octet-stream", answer(json.loads(asked["query"][0][:LONGEST]))
-        except (KeyError, ValueError, TypeError, IndexError, AttributeError) as error:
+        except BAD_REQUEST as error:
             return 400, text, f"not a request of the page ({type(error).__name__})".encode()
-        except OSError as error:
-            return 500, text, f"the map cannot be read ({error})".encode()
+        except Exception as error:  # whatever reading a file brings: the connection lives on
+            return 500, text, printable(f"the map cannot be read ({reason(error)})").encode()
 
 
 def _places(query: dict[str, Any]) -> dict[str, int]:

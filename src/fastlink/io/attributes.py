@@ -10,7 +10,7 @@ import numpy as np
 from fastlink._text import short_repr, unwritable
 from fastlink.errors import InputError, KeyPath, Problems
 
-__all__ = ["check_attrs"]
+__all__ = ["PLAIN", "check_attrs", "fault_of_value"]
 
 #: Names that HDF5 and netCDF keep for themselves, besides those that begin with an underscore.
 OF_FORMAT = ("CLASS", "DIMENSION_LIST", "NAME", "REFERENCE_LIST", "coordinates")
@@ -52,7 +52,7 @@ def check_attrs(where: KeyPath, attrs: Any, reserved: Callable[[str], bool]) -> 
             continue
         if (fault := _fault_of_name(name)) is not None:
             problems.add(f"{short_repr(name)} {fault}", where, "name it by letters, digits and underscores")
-        elif (fault := _fault_of_value(value)) is not None:
+        elif (fault := fault_of_value(value)) is not None:
             problems.add(fault, (*where, name), PLAIN)
     problems.stop()
     return dict(attrs)
@@ -71,7 +71,7 @@ def _fault_of_name(name: object) -> str | None:
     return f"is longer than {LONGEST} bytes" if len(name.encode()) > LONGEST else None
 
 
-def _fault_of_value(value: Any) -> str | None:
+def fault_of_value(value: Any) -> str | None:
     """Return why a file cannot hold a value, None where it can."""
     if isinstance(value, str):
         sign = unwritable(value)

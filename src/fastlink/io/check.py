@@ -12,7 +12,7 @@ import h5py
 from fastlink._text import size
 from fastlink.doors import door
 from fastlink.errors import InputError
-from fastlink.io.checksums import CHECKSUMS, crc32, read_all
+from fastlink.io.checksums import CHECKSUMS, crc32, read_all, seal_is_broken
 from fastlink.io.place import reason
 from fastlink.io.ranges import Range, joined
 from fastlink.io.reader import existing_map
@@ -32,7 +32,8 @@ class FileCheck:
     nbytes : int
         Its size.
     damaged : dict of str to list of (first, last)
-        The values that changed, by variable: numbers of values in C order, both included, of whole blocks.
+        The values that changed, by variable: numbers of values in C order, both included, of whole blocks. Unknown,
+        and empty, where the labels have changed that say where the values are.
     rest_is_intact : bool
         Whether all else is as it was: labels, attributes, the checksums themselves;
         where `is_compressed`, the values too.
@@ -95,6 +96,8 @@ def check(path: str | Path) -> FileCheck:
     """
     place = existing_map(path)
     try:
+        if seal_is_broken(place):
+            return FileCheck(place, os.path.getsize(place), rest_is_intact=False)
         with h5py.File(place, "r") as file:
             if CHECKSUMS not in file:
                 raise InputError(f"{place}: has no checksums", remedy="write it again by this version")

@@ -8,6 +8,7 @@ followed by B is that of A, shifted by the length of B, plus (modulo 2) that of 
 from __future__ import annotations
 
 import os
+import struct
 import threading
 from collections.abc import Iterable, Iterator, Mapping
 from functools import cache
@@ -36,6 +37,8 @@ __all__ = [
     "of_file",
     "of_pieces",
     "read_all",
+    "seal",
+    "seal_is_broken",
     "seek_lock",
 ]
 
@@ -55,6 +58,11 @@ STEP = 1024
 assert BLOCK_BYTES <= STEP * STEP
 #: Bytes that are read at once.
 READ_BYTES = 1 << 22
+#: A seal stands behind the end of what HDF5 takes for its file. No 512 bytes hold both of its ends, and its length is
+#: no power of two, by which one wrong bit could move the address of that end onto the end of the file.
+SEAL, SHORTEST_SEAL, LENGTH_STEP = b"fastlink's seal.", 1040, 48
+#: HDF5's first bytes, and where the version of its superblock, and the address of its end, stand by that version.
+SIGNATURE, VERSION_AT, END_AT = b"\x89HDF\r\n\x1a\n", 8, {0: 40, 1: 44, 2: 28, 3: 28}
 #: Held from a seek to what follows it, where the system cannot read or write at a position.
 seek_lock = threading.Lock()
 
@@ -124,6 +132,73 @@ def all_but(fd: int, left_out: Mapping[int, int]) -> Iterator[tuple[int, bytearr
     for start, stop in missing(gone, os.fstat(fd).st_size):
         for position in range(start, stop, READ_BYTES):
             yield position, read_all(fd, min(stop - position, READ_BYTES), position)
+
+
+def seal(fd: int, values: Mapping[int, int], rest_at: int) -> tuple[int, bytes]:
+    """Return what tells, without HDF5, whether the labels of a map are as they were written, and where it belongs.
+
+    HDF5 itself loops for ever, or crashes, on some labels of which one bit is wrong.
+
+    Parameters
+    ----------
+    fd : int
+        The open file, with its labels and the checksums of its values.
+    values : mapping of int to int
+        Bytes of values, by where they begin.
+    rest_at : int
+        Where the checksum of all else stands, which covers the seal and is not covered by it.
+    """
+    gone = joined([(start, start + nbytes) for start, nbytes in values.items() if nbytes])
+    labels = of_file(fd, values, (rest_at, rest_at + 4))
+    numbers = [len(gone), rest_at, labels, *(number for ends in gone for number in ends)]
+    head = SEAL + struct.pack(f"<{len(numbers)}Q", *numbers)
+    head += struct.pack("<I", crc32(head))
+    length = max(
+        SHORTEST_SEAL, -(-(len(head) + len(SEAL)) // LENGTH_STEP) * LENGTH_STEP
+    )  # a multiple of three
+    return _end_of_hdf5(fd), head + bytes(length - len(head) - len(SEAL)) + SEAL
+
+
+def seal_is_broken(path: str | os.PathLike[str]) -> bool:
+    """Tell, without HDF5, whether a map's labels have changed since they were sealed.
+
+    A file without a seal, of an earlier version or changed by HDF5 since, is not broken.
+
+    Raises
+    ------
+    OSError
+        The file cannot be read.
+    """
+    fd = os.open(path, os.O_RDONLY | getattr(os, "O_BINARY", 0))
+    try:
+        size, end = os.fstat(fd).st_size, _end_of_hdf5(fd)
+        if size < len(SEAL) or end == size:
+            return False
+        tail = bytes(read_all(fd, len(SEAL), size - len(SEAL)))
+        data = bytes(read_all(fd, size - end, end)) if 0 <= end < size else b""
+        if tail != SEAL and not data.startswith(SEAL):
+            return False
+        count, rest_at, labels = struct.unpack_from("<3Q", data, len(SEAL))
+        stop = len(SEAL) + 8 * (2 * count + 3)
+        known = SEAL + data[len(SEAL) : stop]
+        if data != known + struct.pack("<I", crc32(known)) + bytes(len(data) - stop - 4 - len(SEAL)) + SEAL:
+            return True
+        ends = struct.unpack_from(f"<{2 * count}Q", data, len(SEAL) + 24)
+        gone = {first: last - first for first, last in zip(ends[::2], ends[1::2], strict=True)}
+        return bool(of_file(fd, gone | {end: size - end}, (rest_at, rest_at + 4)) != labels)
+    except (struct.error, EOFError, OverflowError, ValueError):
+        return True
+    finally:
+        os.close(fd)
+
+
+def _end_of_hdf5(fd: int) -> int:
+    """Return where HDF5's part of a file ends, as its superblock says; the end of a file that has none."""
+    size = os.fstat(fd).st_size
+    head = bytes(read_all(fd, min(size, 64), 0))
+    if not head.startswith(SIGNATURE) or size < 64 or head[VERSION_AT] not in END_AT:
+        return size
+    return int(struct.unpack_from("<Q", head, END_AT[head[VERSION_AT]])[0])
 
 
 def read_all(fd: int, count: int, position: int) -> bytearray:

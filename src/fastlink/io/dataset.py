@@ -17,6 +17,8 @@ from fastlink.space.dataset import FORMAT
 from fastlink.space.design_space import DESIGN, DesignSpace
 
 FORMAT_VERSION = 1
+#: Global attribute of a map that a request has made: the hash of the request.
+FINGERPRINT = "fingerprint"
 
 #: Labels of coordinates along ``design`` that are no inputs.
 OF_NUMBERS, OF_LABELS = {"long_name": "number of the design"}, {"long_name": "label of the design"}

@@ -13,15 +13,16 @@ import numpy as np
 import xarray as xr
 
 from fastlink.errors import InputError
-from fastlink.io.dataset import Variable, plain_attrs
+from fastlink.io.dataset import FINGERPRINT, Variable, plain_attrs
+from fastlink.io.parts import OF_PARTS, PartOfMap
 from fastlink.io.place import existing_file, exists_error
 from fastlink.io.reader import open_map
 from fastlink.io.writing.target import forget_journal, forget_published
 
 __all__ = ["FINGERPRINT", "WRITTEN", "finished_map", "marks", "stamp"]
 
-#: Global attributes of a map: the hash of its request, and the time at which it was finished, in ns since 1970.
-FINGERPRINT, WRITTEN = "fingerprint", "written_time_ns"
+#: Global attribute of a map: the time at which it was finished, in ns since 1970.
+WRITTEN = "written_time_ns"
 #: Steps of the times of files, in ns: of most file systems, Windows, microseconds, HFS+ and NFS 2, FAT.
 STEPS = (1, 100, 1000, 10**9, 2 * 10**9)
 #: Longer coordinates are not read to say in what two maps differ.
@@ -106,13 +107,23 @@ def _difference(
     labels = {**({} if coords is None else coords.attrs), **attrs}
     if found.attrs.get("mechanism") != labels.get("mechanism"):
         return f"a map of {found.attrs.get('mechanism')}"
-    others = [name for name in labels if not np.array_equal(np.asarray(found.attrs.get(name)), labels[name])]
+    part, asked = (
+        "a whole map" if of is None else f"part {of.part}" for of in map(PartOfMap.of, (found.attrs, labels))
+    )
+    if part != asked:
+        return f"{part}, not {asked}"
+    others = [
+        name
+        for name in labels
+        if name not in OF_PARTS and not np.array_equal(np.asarray(found.attrs.get(name)), labels[name])
+    ]
     if coords is None:
         return f"a map with other {', '.join(others[:MOST_NAMED])}" if others else "of another search"
     names = {variable.name for variable in variables if not variable.is_coordinate}
     computed = {variable.name for variable in variables if variable.is_coordinate}
     parts = ["quantities"] if names != set(map(str, found.data_vars)) else []
-    dims = [(one.dims, tuple(map(str, found[one.name].dims))) for one in variables if not parts]
+    both = [] if parts else [one for one in variables if one.name in found.variables]
+    dims = [(one.dims, tuple(map(str, found[one.name].dims))) for one in both]
     parts += ["layout"] if any(a != b and sorted(a) == sorted(b) for a, b in dims) else []
     parts += [
         str(name)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from datetime import UTC, datetime
 
+from fastlink._text import writable
 from fastlink._version import __version__
 
 __all__ = ["HISTORY", "SOURCE", "history"]
@@ -21,5 +22,5 @@ def history(command: str, before: str = "") -> str:
     >>> history("sweep planar_4r").partition("Z ")[2].startswith("fastlink ")
     True
     """
-    line = f"{datetime.now(UTC):%Y-%m-%dT%H:%M:%SZ} fastlink {__version__}: {' '.join(command.split())}"
+    line = f"{datetime.now(UTC):%Y-%m-%dT%H:%M:%SZ} fastlink {__version__}: {writable(' '.join(command.split()))}"
     return f"{before}\n{line}" if before else line

@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import errno
 import os
+import re
 import shutil
 from collections.abc import Callable, Iterator
 from functools import partial
@@ -14,7 +15,6 @@ from typing import Any, Self
 
 from fastlink.errors import InputError
 from fastlink.io.place import NO_ROOM, exists_error, not_writable, part_of, reason, refused
-from fastlink.io.reader import is_zarr
 from fastlink.io.renaming import exchange, exclusive_rename
 from fastlink.io.writing import partial_file
 from fastlink.io.writing.finishing import uninterrupted
@@ -22,6 +22,8 @@ from fastlink.io.writing.finishing import uninterrupted
 __all__ = ["OutputFile", "OutputFolder", "failure", "write_whole"]
 
 LESS = "compress or select more"
+#: Names of files in a zarr store of version 2: labels, chunks, and either until they are whole.
+OF_ZARR = re.compile(r"\.z[a-z]+|[\d.]+|.+\.[0-9a-f]{32}\.partial")
 
 
 def failure(path: Path, error: Exception, where: str = "to", less: str = LESS) -> InputError:
@@ -141,11 +143,7 @@ class OutputFolder(_Output):
 
     def _remove_left(self) -> None:
         """Remove what a killed conversion left; nothing else."""
-        if (
-            self.part.is_symlink()
-            or not self.part.is_dir()
-            or not (is_zarr(self.part) or _is_empty(self.part))
-        ):
+        if self.part.is_symlink() or not self.part.is_dir() or not _is_of_zarr(self.part):
             raise refused(f"{self.part} is in the way", "remove it or choose another name")
         lock = partial_file.held_folder(self.part)
         try:
@@ -178,8 +176,9 @@ class OutputFolder(_Output):
         _close(self._lock)
 
 
-def _is_empty(folder: Path) -> bool:
-    return next(folder.iterdir(), None) is None
+def _is_of_zarr(folder: Path) -> bool:
+    """Tell whether all files have names that zarr gives, also of a store that is half written or half removed."""
+    return all(OF_ZARR.fullmatch(name) for _, _, names in os.walk(folder) for name in names)
 
 
 def _rename(part: Path, path: Path) -> None:

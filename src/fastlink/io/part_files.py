@@ -20,7 +20,7 @@ from fastlink.io.checksums import crc32, read_all
 from fastlink.io.merged import is_measured
 from fastlink.io.parts import OF_PARTS, WHOLE, Part, PartOfMap
 from fastlink.io.place import part_of, reason, refused
-from fastlink.io.reader import existing_map, is_hdf5, open_map
+from fastlink.io.reader import check_seal, existing_map, is_hdf5, open_map
 from fastlink.io.stored import Stored, open_to_read
 from fastlink.options import check_path
 from fastlink.space.dataset import FORMAT
@@ -163,7 +163,8 @@ def _read(path: Path, chosen: bool) -> PartFile | None:
     try:
         if not chosen and (path.suffix in OF_WRITER or not is_hdf5(path)):
             return None
-        with h5py.File(existing_map(path), "r") as file:
+        check_seal(existing_map(path))
+        with h5py.File(path, "r") as file:
             attrs = {str(name): _scalar(value) for name, value in file.attrs.items()}
             of = PartOfMap.of(attrs)
             if of is not None and WHOLE in file:

@@ -16,6 +16,7 @@ import xarray as xr
 from fastlink._text import short_repr
 from fastlink.doors import door
 from fastlink.errors import InputError, KeyPath, suggest
+from fastlink.io.checksums import SIGNATURE, seal_is_broken
 from fastlink.io.dataset import FORMAT_VERSION
 from fastlink.io.place import part_of, reason
 from fastlink.options import check_path, not_a_file
@@ -25,6 +26,7 @@ __all__ = [
     "COMPRESSION",
     "as_dataset",
     "as_map",
+    "check_seal",
     "is_hdf5",
     "is_zarr",
     "open_map",
@@ -42,7 +44,6 @@ COMPRESSION, BUILT_IN = "compression", "gzip"
 INSTALL_CONVERT = "python -m pip install 'fastlink-linkages[convert]'"
 #: Any of these files tells that a folder is a zarr store.
 OF_ZARR = (".zgroup", ".zmetadata", "zarr.json")
-SIGNATURE = b"\x89HDF\r\n\x1a\n"
 
 
 def is_hdf5(path: Path) -> bool:
@@ -114,6 +115,8 @@ def open_map(path: str | os.PathLike[str], *, chunks: Any = None, **options: Any
     engine = "zarr" if path.is_dir() else "h5netcdf"
     if engine == "zarr":
         require_package("zarr", ("path",))
+    else:
+        check_seal(path)
     try:
         dataset = xr.open_dataset(path, engine=engine, chunks=chunks, **options)
     except Exception as error:  # of h5py, h5netcdf, xarray and dask: there is no list of them
@@ -200,6 +203,18 @@ def existing_map(path: Any, *, or_zarr: bool = False) -> Path:
         hint = f"; {part.name} is of a run that has not finished" if os.path.exists(part) else ""
         raise InputError(f"{file}: there is no such file{hint}", remedy="give the path of a written map")
     return file
+
+
+def check_seal(path: Path) -> None:
+    """Refuse a map whose labels have changed since they were written, before HDF5 reads them."""
+    try:
+        broken = seal_is_broken(path)
+    except OSError as error:
+        remedy = "give a map that a sweep has written"
+        raise InputError(f"{path}: cannot be read ({reason(error)})", remedy=remedy) from error
+    if broken:
+        what = f"{path}: is damaged: labels or attributes have changed since they were written"
+        raise InputError(what, remedy="take a copy of it, or write it again")
 
 
 def _fault(path: Path, error: Exception) -> str:

@@ -221,7 +221,7 @@ def labels_of(resolved: ResolvedSweep) -> xr.Dataset:
     return labels.labelled(one, labels.variables_of(one), arrays, {})
 
 
-def write(path: Path, request: Request, found: xr.Dataset, overwrite: bool) -> None:
+def write(path: Path, request: Request, found: xr.Dataset, **options: Any) -> None:
     """Write the designs that were found."""
     variables = [
         Variable(str(name), tuple(map(str, one.dims)), one.shape, one.dtype, plain_attrs(one.attrs))
@@ -231,7 +231,7 @@ def write(path: Path, request: Request, found: xr.Dataset, overwrite: bool) -> N
     coords.attrs = {}
     attrs = {str(name): value for name, value in found.attrs.items() if name != FORMAT}
     run = request.fingerprint, found.sizes[DESIGN]
-    with Writer(path, coords, variables, plain_attrs(attrs), overwrite=overwrite, run=run) as writer:
+    with Writer(path, coords, variables, plain_attrs(attrs), run=run, **options) as writer:
         for variable in variables:
             writer.write(variable.name, 0, np.ascontiguousarray(found[variable.name].values))
         writer.finish({HISTORY: history(f"search {request.resolved.mechanism} to {path.name}")})

@@ -143,8 +143,10 @@ def search(
         if finished is not None:
             return finished
     path = check_target(target, 0, overwrite)
-    check_left(path, request.fingerprint)
-    write(path, request, found_by(request, path=path, restart=restart, **run), overwrite)
+    if not restart:
+        check_left(path, request.fingerprint)
+    found = found_by(request, path=path, restart=restart, **run)
+    write(path, request, found, overwrite=overwrite, restart=restart)
     return open_map(path)
 
 

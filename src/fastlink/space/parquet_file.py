@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection
+import contextlib
+import os
+from collections.abc import Collection, Iterator
 from pathlib import Path
 from typing import Any
 
@@ -48,7 +50,7 @@ def read_parquet(path: Path, keep: Collection[str], allow_invalid: bool) -> Colu
     if other := not_a_file(path):
         raise refused(f"{path} {other}", "give the path of a Parquet file")
     try:
-        from pyarrow import ArrowException, parquet
+        from pyarrow import ArrowException
     except ImportError as error:
         raise InputError("pyarrow is not installed", where=("table",), remedy=INSTALL) from error
     try:
@@ -57,11 +59,20 @@ def read_parquet(path: Path, keep: Collection[str], allow_invalid: bool) -> Colu
     except OSError as error:
         raise refused(f"cannot read {path}: {error.strerror}", "give the path of a Parquet file") from error
     try:
-        with parquet.ParquetFile(path) as file:
+        with _opened(path) as file:
             return _columns(path, file, keep, allow_invalid)
     except (OSError, ArrowException) as error:
         (why, *_) = str(error).splitlines() or [type(error).__name__]
         raise refused(f"{path} cannot be read as Parquet ({why})", "write it again") from error
+
+
+@contextlib.contextmanager
+def _opened(path: Path) -> Iterator[Any]:
+    """Open a Parquet file by the bytes of its name, of which pyarrow would have letters."""
+    from pyarrow import OSFile, parquet
+
+    with OSFile(os.fsencode(path)) as source, parquet.ParquetFile(source) as file:
+        yield file
 
 
 def _columns(path: Path, file: Any, keep: Collection[str], allow_invalid: bool) -> Columns:
@@ -158,11 +169,9 @@ class _Groups(TableFile):
 
     def load(self, block: int) -> dict[Any, Floats]:
         """Return the numbers of a row group, by column."""
-        from pyarrow import parquet
-
         nbytes = 16 * self.sizes[block] * len(self.names)  # as they are read, and as numbers
         remedy = "write smaller ones, such as row_group_size=100_000"
         check_memory(nbytes, f"a row group of {self.path.name}", where=("table",), remedy=remedy)
-        with parquet.ParquetFile(self.path) as file:
+        with _opened(self.path) as file:
             table = file.read_row_group(block, columns=self.names)
         return {name: np.asarray(_cells(table.column(name)), np.float64) for name in self.names}

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from fastlink._text import short_repr
+from fastlink._text import short_repr, writable
 from fastlink.doors import door
 from fastlink.errors import InputError, suggest
 from fastlink.options import check_path, check_switch
@@ -114,7 +114,7 @@ def _space_of(source: Any, keep: Collection[str], allow_invalid: bool, *, single
         return source
     if isinstance(source, (str, os.PathLike)):
         path = check_path(("table",), source, "designs.csv")
-        attrs: dict[str, str | int] = {"design_kind": "table", "design_source": path.name}
+        attrs: dict[str, str | int] = {"design_kind": "table", "design_source": writable(path.name)}
         read = read_parquet if is_parquet(path) else read_csv
         return read(path, keep, allow_invalid).space(attrs)
     return read_or_none(_space_in_memory, source, keep, allow_invalid, single=single)

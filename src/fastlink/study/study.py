@@ -8,10 +8,13 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from fastlink._text import writable
 from fastlink.doors import door
 from fastlink.engine.options import check_options
 from fastlink.engine.sweep import sweep
 from fastlink.errors import InputError, Problems, nearest
+from fastlink.io.place import existing_file, exists_error
+from fastlink.io.reader import open_map
 from fastlink.io.writing.target import check_target
 from fastlink.mechanisms import NAMES, is_extension, name_of
 from fastlink.mechanisms import catalogue as find_catalogue
@@ -120,8 +123,9 @@ def run_study(
     threads : int, optional
         All processors unless given.
     overwrite : bool, default False
-        Compute anew and replace an existing file, even if the study does not say so. Without it, an existing map of
-        the same study, unchanged since, is opened as it is; nothing is computed.
+        Compute anew and replace an existing file, whatever it holds. A study that says ``overwrite = true`` has a map
+        replaced, and no other file. Without either, an existing map of the same study, unchanged since, is opened as it
+        is; nothing is computed.
     progress : bool, optional
         Show a progress bar on standard error; by default only on a terminal.
     verify : int, optional
@@ -175,12 +179,14 @@ def run_study(
     checked = check_options(given | {"restart": restart, "layout": CURVES if layout is None else layout})
     study = read_study(path, trust_code)
     target = study.target(to, checked["part"])
-    overwrite = overwrite or study.output.get("overwrite", False)
     title = {name: study.tables[name] for name in ("title",) if name in study.tables}
     try:
         # the sweep knows whether the file that exists is its map
         check_target(target, 0, True, study.sources)
-        attrs = {**title, "study_file": study.path.name, "study": study.text}
+        if not overwrite and study.output.get("overwrite", False):
+            _refuse_other_file(target)
+            overwrite = True
+        attrs = {**title, "study_file": writable(study.path.name), "study": study.text}
         verify = study.output.get("verify") if verify is None else verify
         if study.search is not None:
             _refuse_of_maps(part=part, layout=layout, client=client)
@@ -218,6 +224,15 @@ def run_study(
         if given.get(str(error.where[0]) if error.where else "") is not None:
             raise  # the caller's own, not the study's
         raise InputError.of(error.problems, StudyWording(study.path, study.tables, study.space)) from None
+
+
+def _refuse_other_file(target: Path) -> None:
+    """Refuse a file that is no map: a study, which may be a stranger's, does not replace it by its own word."""
+    if existing_file(target) is not None:
+        try:
+            open_map(target).close()
+        except InputError:
+            raise exists_error(target, "and is no map, which alone a study replaces") from None
 
 
 def _refuse_of_maps(**options: Any) -> None:

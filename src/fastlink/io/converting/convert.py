@@ -13,9 +13,10 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from fastlink._text import short_repr
+from fastlink._text import short_repr, unwritable
 from fastlink.doors import door
 from fastlink.errors import InputError, KeyPath, Problems, remark, suggest
+from fastlink.io.attributes import PLAIN, fault_of_value
 from fastlink.io.converting.compression import Compression, check_compression
 from fastlink.io.converting.labels import labelled
 from fastlink.io.converting.selection import Selection, selected
@@ -117,6 +118,7 @@ def convert(
     with problems.at():
         progress if progress is None else check_switch(("progress",), progress)
     with as_map(maps) as dataset:
+        _check_texts(dataset, form, problems)
         selection, names = Selection(), []
         with problems.at():
             names = _quantities(dataset, quantities)
@@ -210,6 +212,33 @@ def _quantities(maps: xr.Dataset, quantities: Any) -> list[str]:
             problems.add(f"{name} is named twice", where, "write it once")
     problems.stop()
     return [name for name in known if name in quantities or name == STATUS]
+
+
+def _check_texts(maps: xr.Dataset, form: str, problems: Problems) -> None:
+    """Note names, attributes and labels that no file can hold; HDF5 reads bytes that are no letters as such."""
+    of_all = {"": maps.attrs, **{str(name): one.attrs for name, one in maps.variables.items()}}
+    texts = [(repr(name), name) for name in of_all]
+    of_all = {} if form == "csv" else of_all  # which holds none
+    texts += [(f"the name of {key!r}", str(key)) for attrs in of_all.values() for key in attrs]
+    texts += [
+        (f"{name}: {key}" if name else str(key), value)
+        for name, attrs in of_all.items()
+        for key, value in attrs.items()
+        if isinstance(value, str)
+    ]
+    texts += [
+        (str(name), label)
+        for name, one in maps.coords.items()
+        if one.dtype.kind in "OU"
+        for label in map(str, one.values.flat)
+    ]
+    for what, text in texts:
+        if sign := unwritable(text):
+            remedy = "open it by fastlink.open, write letters alone there, and convert that"
+            problems.add(f"{what} holds {sign!r}, which no file can hold", ("maps",), remedy)
+    for key, value in maps.attrs.items():
+        if not isinstance(value, str) and (fault := fault_of_value(value)):
+            problems.add(f"the attribute {key!r} {fault}", ("maps",), f"{PLAIN}, or remove it")
 
 
 def check_conversion(maps: xr.Dataset, to: Any, overwrite: bool) -> None:

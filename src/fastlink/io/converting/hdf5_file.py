@@ -11,7 +11,7 @@ from typing import Any
 import h5py
 import numpy as np
 
-from fastlink.io.checksums import OF_REST, of_file
+from fastlink.io.checksums import OF_REST, of_file, seal
 from fastlink.io.converting.compression import Compression, chunks_of
 from fastlink.io.converting.source import Source
 from fastlink.io.dataset import FORMAT_VERSION
@@ -106,7 +106,15 @@ def write_compressed(
                 file.attrs[name] = value
             place = create_checksums(file, [])[OF_REST]
             file["checksums"].create_dataset("values", (0,), "u4")
+            file.flush()
+            of_values: list[Any] = []
+            for variable in source.all:
+                if file[variable.name].chunks:
+                    file[variable.name].id.chunk_iter(of_values.append)
         target.check()
+        compressed = {int(chunk.byte_offset): int(chunk.size) for chunk in of_values}
+        position, sealed = seal(out.fd, compressed, place)
+        partial_file.write_all(out.fd, memoryview(sealed), position)
         rest = np.array([of_file(out.fd, {}, (place, place + 4))], "u4")
         partial_file.write_all(out.fd, rest.view(np.uint8).data, place)
         out.publish()

@@ -221,9 +221,10 @@ def opened(path: Path, flags: int = 0) -> int:
     try:
         fd = os.open(path, os.O_RDWR | flags, 0o666)
     except OSError as error:
-        if error.errno != errno.ELOOP:
+        what = {errno.ELOOP: "is a symbolic link", errno.EISDIR: "is a folder"}.get(error.errno or 0)
+        if what is None:
             raise
-        raise refused(f"{path} is a symbolic link", "remove it or choose another name") from None
+        raise refused(f"{path} {what}", "remove it or choose another name") from None
     if not stat.S_ISREG(os.fstat(fd).st_mode):
         os.close(fd)
         raise refused(f"{path} is not a file", "remove it or choose another name")

@@ -10,6 +10,8 @@ from typing import Any
 import h5py
 
 from fastlink.errors import KeyPath, Remedy, Setting
+from fastlink.io.checksums import seal_is_broken
+from fastlink.io.dataset import FINGERPRINT
 from fastlink.io.place import (
     SLACK,
     check_place,
@@ -115,6 +117,8 @@ def forget_journal(target: Path) -> None:
 def check_left(path: Path, fingerprint: str, remedy: Remedy = RESTART) -> None:
     """Refuse to replace what an earlier run of another request left: its designs, or a whole map.
 
+    What is made at once, such as a conversion, is made again, and has no request.
+
     Raises
     ------
     InputError
@@ -129,14 +133,16 @@ def check_left(path: Path, fingerprint: str, remedy: Remedy = RESTART) -> None:
         whose = "laid out by another version of HDF5" if same else "of another request, or by another version"
         if count:
             raise refused(f"{part} holds {count:,} of {size:,} designs {whose}", remedy)
-    elif is_map(part) and part.stat().st_nlink == 1:  # else it has another name
+    elif _request_of(part) not in ("", fingerprint) and part.stat().st_nlink == 1:  # else it has another name
         raise refused(f"{part} is a whole map that has not got its name", remedy)
 
 
-def is_map(path: Path) -> bool:
-    """Tell whether a file is a finished map."""
+def _request_of(path: Path) -> str:
+    """Return the fingerprint of a finished map, an empty text of what is none or has none."""
     try:
+        if seal_is_broken(path):
+            return ""
         with h5py.File(path, "r", locking=False) as file:
-            return FORMAT in file.attrs
+            return str(file.attrs.get(FINGERPRINT, "")) if FORMAT in file.attrs else ""
     except (OSError, RuntimeError):
-        return False
+        return ""

@@ -22,7 +22,7 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from fastlink.errors import InputError
-from fastlink.io.checksums import OF_REST, OF_VALUES, add, block_count, of_file
+from fastlink.io.checksums import OF_REST, OF_VALUES, add, block_count, of_file, seal
 from fastlink.io.dataset import FORMAT_VERSION, Variable, check_dims, plain_attrs
 from fastlink.io.finished import marks, stamp
 from fastlink.io.place import SLACK, not_written, part_of, reason, refused
@@ -252,11 +252,13 @@ class Writer:
             self._publish()
 
     def _write_checksums(self) -> None:
-        """Write the checksums of all values, then that of all else in the file."""
+        """Write the checksums of all values, the seal of the labels, then the checksum of all else in the file."""
         variables, places = list(self._variables.values()), self._offsets
         blocks = sum(block_count(variable.nbytes) for variable in variables)
         sums = np.array([self._sums[block] for block in range(blocks)], "u4")
         partial_file.write_all(self._fd, sums.view(np.uint8).data, places[OF_VALUES])
+        position, sealed = seal(self._fd, self._file.places, places[OF_REST])
+        partial_file.write_all(self._fd, memoryview(sealed), position)
         rest = np.array([of_file(self._fd, self._file.places, (places[OF_REST], places[OF_REST] + 4))], "u4")
         partial_file.write_all(self._fd, rest.view(np.uint8).data, places[OF_REST])
 
