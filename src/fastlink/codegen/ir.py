@@ -204,7 +204,7 @@ class Builder:
     def gather(self, row: Array, index: Value) -> Value:
         """Load an entry for each lane, at the index that stands there.
 
-        One by one: no x86 gathers faster than that, and for AVX2 LLVM takes addresses apart that it has put together.
+        One by one: AVX-512's own instruction takes as long, and in place of AVX2's LLVM takes apart vectors of addresses.
         """
         found = f"{type_of(row.kind, index.lanes)} poison"
         for k in range(index.lanes):

@@ -8,7 +8,7 @@ from fastlink.codegen.ir import LLVM, Array, Value, constant
 
 __all__ = ["Module"]
 
-ATTRIBUTES = """attributes #0 = { nounwind "denormal-fp-math"="ieee,ieee" }
+ATTRIBUTES = """attributes #0 = { nounwind "stackrealign" "denormal-fp-math"="ieee,ieee" }
 attributes #1 = { nounwind alwaysinline "denormal-fp-math"="ieee,ieee" }"""
 
 
