@@ -67,7 +67,9 @@ class Calls(Expressions):
             return (of.at, offset) if offset.known is not None else (self.at(of, offset), constant(0))
 
         # Once, before the loop: LLVM's passes leave it inside, and half the instructions of a loop were of addresses.
-        names = {name.id for part in (node.value, *parts) for name in ast.walk(part) if isinstance(name, ast.Name)}
+        names = {
+            name.id for part in (node.value, *parts) for name in ast.walk(part) if isinstance(name, ast.Name)
+        }
         is_outside = all(self.names.get(name) is self.outside.get(name) for name in names)
         at, offset = self.before_lanes(begin) if is_outside else begin()
         row = Array(at, of.kind, (constant(self.module.lanes),))
@@ -75,8 +77,8 @@ class Calls(Expressions):
 
     def indices(self, node: ast.Subscript, parts: Sequence[ast.expr]) -> list[Value]:
         """Return the indices of an entry; in lanes the last one may differ."""
-        *others, last = indices = [self.number(part) for part in parts]
-        if any(part.kind not in "iu" for part in indices) or any(part.lanes > 1 for part in others):
+        indices = [self.number(part) for part in parts]
+        if any(part.kind not in "iu" for part in indices) or any(part.lanes > 1 for part in indices[:-1]):
             self.refuse(node, "indices are whole numbers, in lanes the last one only differs")
         if any(part.known is not None and part.known < 0 for part in indices):
             self.refuse(node, "indices count from the beginning")

@@ -30,7 +30,7 @@ from fastlink.codegen.schedule import needed_steps
 from fastlink.codegen.source import Source, paste_fact
 
 if TYPE_CHECKING:
-    from fastlink.plan.program import ExtremaProgram, ExtremumSearch, Output
+    from fastlink.plan.program import ExtremaProgram, Output
 
 __all__ = ["write_extrema"]
 

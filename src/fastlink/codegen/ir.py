@@ -204,13 +204,17 @@ class Builder:
     def gather(self, row: Array, index: Value) -> Value:
         """Load an entry for each lane, at the index that stands there.
 
-        One by one: AVX-512's own instruction takes as long, and in place of AVX2's LLVM takes apart vectors of addresses.
+        One by one: AVX-512's instruction takes as long; for AVX2, LLVM takes vectors of addresses apart again.
         """
         found = f"{type_of(row.kind, index.lanes)} poison"
         for k in range(index.lanes):
-            lane = self.let(f"extractelement {type_of(index.kind, index.lanes)} {index.at}, i64 {k}", index.kind)
+            lane = self.let(
+                f"extractelement {type_of(index.kind, index.lanes)} {index.at}, i64 {k}", index.kind
+            )
             one = self.load(self.part(row, [lane]), 1)
-            value = self.let(f"insertelement {found}, {LLVM[one.kind]} {one.at}, i64 {k}", row.kind, index.lanes)
+            value = self.let(
+                f"insertelement {found}, {LLVM[one.kind]} {one.at}, i64 {k}", row.kind, index.lanes
+            )
             found = f"{type_of(row.kind, index.lanes)} {value.at}"
         return value
 

@@ -47,7 +47,9 @@ class _Function(Calls):
         noalias: bool,
     ) -> None:
         super().__init__(module, node, scope)
-        self.symbol, self.apart = symbol, noalias
+        self.symbol = symbol
+        #: Whether arrays of different names do not overlap.
+        self.apart = noalias
         self.result: str | None = None
         self.parameters: list[str] = []
         #: Where `continue` and `break` go.
@@ -150,6 +152,7 @@ class _Function(Calls):
     def bind(self, target: ast.Name, value: Name) -> None:
         """Let a name stand for a value: as it is where the text is straight, else by a place in memory."""
         old = self.names.get(target.id)
+        self.apart &= not isinstance(value, Array) or value.at.startswith("@")
         if self.straight or not isinstance(value, Value):
             if isinstance(old, Lane) or (isinstance(old, Array) and not self.straight):
                 self.refuse(target, "a counter or an array keeps its name")
@@ -236,11 +239,38 @@ class _Function(Calls):
             outer = dict(self.names), self.straight, self.width, self.everywhere
             self.straight, self.width, self.everywhere = True, self.module.lanes, {}
             self.names[name] = Lane(counter)
-            for statement in in_order_of_need(node.body, apart=self.apart):
-                self.statement(statement)
+            indices = [part.slice for part in ast.walk(node) if isinstance(part, ast.Subscript)]
+            first = [part.elts[:-1] if isinstance(part, ast.Tuple) else [part] for part in indices]
+            rows = all(isinstance(one, ast.Constant) for part in first for one in part)
+            touched = [self.touched(statement, rows=rows) for statement in node.body]
+            for k in in_order_of_need(touched):
+                self.statement(node.body[k])
             self.names, self.straight, self.width, self.everywhere = outer
 
         self.counted(constant(0), stop, width, body)
+
+    def touched(self, node: ast.stmt, *, rows: bool) -> tuple[set[str], set[str]]:
+        """Return the names that an assignment reads, and that it writes; arrays that may overlap are one name.
+
+        Rows of an array are names of their own where all in the loop have known numbers.
+        """
+        reads: set[str] = set()
+        writes: set[str] = set()
+        target = node.targets[0] if isinstance(node, ast.Assign) else getattr(node, "target", node)
+        targets = {id(part) for part in ast.walk(target)}
+        entries = {id(part.value): part for part in ast.walk(node) if isinstance(part, ast.Subscript)}
+        for part in ast.walk(node):
+            if not isinstance(part, ast.Name):
+                continue
+            entry = entries.get(id(part))
+            name, stored = part.id, isinstance(part.ctx, ast.Store)
+            if isinstance(self.names.get(name), Array):
+                row = ast.unparse(entry.slice).rpartition(",")[0] if entry and rows else ""
+                name = f"{name}[{row}" if self.apart else "["
+                stored = entry is None or id(part) in targets  # what a function is given, it may store to
+                reads.add(name)
+            (writes if stored else reads).add(name)
+        return (reads | writes if isinstance(node, ast.AugAssign) else reads), writes
 
     def do_return(self, node: ast.Return) -> None:
         """Return from a function that is called."""
@@ -255,88 +285,48 @@ class _Function(Calls):
         self.start(self.label())
 
 
-def in_order_of_need(body: Sequence[ast.stmt], *, apart: bool) -> list[ast.stmt]:
-    """Return the statements of a loop over lanes in an order in which few values wait for their use.
+def in_order_of_need(touched: Sequence[tuple[set[str], set[str]]]) -> list[int]:
+    """Return the numbers of assignments, by what they read and write, in an order in which few values wait for use.
 
-    Next is the statement that leaves the fewest, of those whose values are there, the first of them in the text. What
-    waits has to stay in a register, of which AVX2 has 16, or it goes to memory and back.
-
-    Parameters
-    ----------
-    body : sequence of ast.stmt
-        Assignments.
-    apart : bool
-        Whether arrays of different names are known not to overlap.
+    Next is the one that leaves the fewest, of those that may be next, the first of them in the text. What waits has to
+    stay in one of the registers, of which AVX2 has 16, or goes to memory and back: reactions and rates take 5 to 7 %
+    less time than in the order of the text, with AVX-512, too.
     """
-    touched = _touched(body, apart)
+    numbers = range(len(touched))
+    before: list[set[int]] = [set() for _ in numbers]
+    after: list[set[int]] = [set() for _ in numbers]
+    users: list[set[int]] = [set() for _ in numbers]
     writer: dict[str, int] = {}
-    readers: dict[str, list[int]] = {}
-    needs: list[set[int]] = []
-    made: list[list[Any]] = []
-    taken: list[list[Any]] = []
+    readers: dict[str, set[int]] = {}
     for k, (reads, writes) in enumerate(touched):
-        needs.append({writer[name] for name in (*reads, *writes) if name in writer})
-        needs[k].update(j for name in writes for j in readers.pop(name, ()) if j < k)
-        taken.append([(writer[name], name) for name in reads if name in writer and "[" not in name])
-        made.append([(k, name) for name in writes if "[" not in name])
-        writer |= dict.fromkeys(writes, k)
-        for name in reads:
-            readers.setdefault(name, []).append(k)
-    users: dict[Any, list[int]] = {}
-    followers: list[list[int]] = [[] for _ in body]
-    for k in range(len(body)):
-        for value in taken[k]:
-            users.setdefault(value, []).append(k)
-        for j in needs[k]:
-            followers[j].append(k)
-    # how many more values wait after a statement than before it
-    more = [
-        sum(value in users for value in made[k]) - sum(len(users[value]) == 1 for value in taken[k])
-        for k in range(len(body))
-    ]
-    left, order = [len(n) for n in needs], []
-    ready = [k for k, n in enumerate(left) if not n]
+        before[k] = {writer[name] for name in reads | writes if name in writer}
+        for name in reads & writer.keys():
+            if "[" not in name:
+                users[writer[name]].add(k)
+        for name in writes:
+            before[k] |= readers.pop(name, set())
+            writer[name] = k
+        for name in reads - writes:
+            readers.setdefault(name, set()).add(k)
+        for j in before[k]:
+            after[j].add(k)
+    taken = [[j for j in before[k] if k in users[j]] for k in numbers]
+    # how many more wait after an assignment than before it
+    more = [bool(users[k]) - sum(len(users[j]) == 1 for j in taken[k]) for k in numbers]
+    ready, order = [k for k in numbers if not before[k]], []
     while ready:
         k = min(ready, key=lambda k: (more[k], k))
         ready.remove(k)
-        order.append(body[k])
-        for value in taken[k]:
-            users[value].remove(k)
-            if len(users[value]) == 1:
-                more[users[value][0]] -= 1
-        for j in followers[k]:
-            left[j] -= 1
-            if not left[j]:
+        order.append(k)
+        for j in taken[k]:
+            users[j].remove(k)
+            if len(users[j]) == 1:
+                more[next(iter(users[j]))] -= 1
+        for j in after[k]:
+            before[j].remove(k)
+            if not before[j]:
                 ready.append(j)
     return order
-
-
-def _touched(body: Sequence[ast.stmt], apart: bool) -> list[tuple[set[str], set[str]]]:
-    """Return what each statement reads and writes: names, and of arrays the row, or what is before the bracket."""
-    nodes = [node for statement in body for node in ast.walk(statement)]
-    entries = [node for node in nodes if isinstance(node, ast.Subscript)]
-    of_entries = {id(entry.value) for entry in entries}
-    whole = {node.id for node in nodes if isinstance(node, ast.Name) and id(node) not in of_entries}
-    rows: dict[int, str] = {}
-    for entry in entries:
-        first = entry.slice.elts[:-1] if isinstance(entry.slice, ast.Tuple) else []
-        if not all(isinstance(index, ast.Constant) for index in first):
-            whole.add(ast.unparse(entry.value))
-    found = []
-    for entry in entries:
-        name = ast.unparse(entry.value)
-        row = "" if name in whole else ast.unparse(entry.slice).rpartition(",")[0]
-        rows[id(entry)] = f"{name}[{row}" if apart else "["
-    for statement in body:
-        reads, writes = set(), set()
-        for node in ast.walk(statement):
-            if isinstance(node, (ast.Name, ast.Subscript)):
-                name = node.id if isinstance(node, ast.Name) else rows[id(node)]
-                (writes if isinstance(node.ctx, ast.Store) else reads).add(name)
-        if isinstance(statement, ast.AugAssign):
-            reads |= writes
-        found.append((reads, writes))
-    return found
 
 
 def translate_function(
