@@ -21,9 +21,9 @@ if TYPE_CHECKING:
 
 __all__ = ["COUNT", "VECTOR", "BoundKernel", "FunctionKernel", "KernelTask", "aligned"]
 
-#: Bytes; the last, from where an array begins in its page to where the next one does, is an odd number of lines, so
-#: that all lines of a page have their turn.
-CACHE_LINE, PAGE, SKEW = 64, 4096, 9 * 64
+#: Bytes of a page, and between the places in their pages where two arrays begin: an odd number of cache lines, so that
+#: all have their turn.
+PAGE, SKEW = 4096, 9 * 64
 _places = itertools.count()
 #: Designs in the longest vector of a processor: a kernel reads no design beyond the last such group.
 VECTOR = 8
@@ -162,12 +162,12 @@ class FunctionKernel:
 
 
 def aligned(shape: tuple[int, ...], dtype: str = "float64") -> NDArray[Any]:
-    """Return an uninitialised array on a cache line: stores across two take longer.
+    """Return an uninitialised array on a cache line, elsewhere in its page than those before.
 
-    It begins elsewhere in a page than those before: the first cache keeps 8 or 12 lines of one place in all pages, and
-    a kernel of nine curves that began there took 1.1 to 1.2 times as long.
+    Stores across two lines take longer, and the first cache has 8 or 12 lines for each place in pages: where nine
+    curves began at one place, reactions took 1.1 to 1.2 times as long.
     """
     size = math.prod(shape) * np.dtype(dtype).itemsize
-    raw = np.empty(size + PAGE + CACHE_LINE, dtype=np.uint8)
-    start = -raw.ctypes.data % CACHE_LINE + next(_places) * SKEW % PAGE
+    raw = np.empty(size + PAGE, dtype=np.uint8)
+    start = (next(_places) * SKEW - raw.ctypes.data) % PAGE
     return raw[start : start + size].view(dtype).reshape(shape)
