@@ -140,8 +140,8 @@ def test_this_machine_says_what_is_left():
     assert available is None or LANES < available < 2**50
 
 
-def test_arrays_that_are_written_in_turns_lie_apart_in_the_first_cache():
+def test_results_lie_apart_in_the_first_cache():
     """On cache lines, and no two of twenty at one place of their pages, for which it has 8 or 12 lines."""
-    places = {array.ctypes.data % 4096 for array in [aligned((64, 2, 360)) for _ in range(20)]}
+    places = {array.ctypes.data % 4096 for array in [aligned((64, 2, 360), number=k) for k in range(20)]}
     assert len(places) == 20
     assert not any(place % 64 for place in places)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import itertools
 import math
 import threading
 from collections.abc import Callable, Sequence
@@ -21,10 +20,8 @@ if TYPE_CHECKING:
 
 __all__ = ["COUNT", "VECTOR", "BoundKernel", "FunctionKernel", "KernelTask", "aligned"]
 
-#: Bytes of a page, and between the places in their pages where two arrays begin: an odd number of cache lines, so that
-#: all have their turn.
-PAGE, SKEW = 4096, 9 * 64
-_places = itertools.count()
+#: Bytes; the last is an odd number of lines, so that all lines of a page have their turn.
+CACHE_LINE, PAGE, SKEW = 64, 4096, 9 * 64
 #: Designs in the longest vector of a processor: a kernel reads no design beyond the last such group.
 VECTOR = 8
 #: Index of the number of designs in the table of addresses: after two arrays with a length each.
@@ -161,13 +158,14 @@ class FunctionKernel:
     run: Callable[[int], None]
 
 
-def aligned(shape: tuple[int, ...], dtype: str = "float64") -> NDArray[Any]:
-    """Return an uninitialised array on a cache line, elsewhere in its page than those before.
+def aligned(shape: tuple[int, ...], dtype: str = "float64", number: int | None = None) -> NDArray[Any]:
+    """Return an uninitialised array on a cache line: stores across two take longer.
 
-    Stores across two lines take longer, and the first cache has 8 or 12 lines for each place in pages: where nine
-    curves began at one place, reactions took 1.1 to 1.2 times as long.
+    Results have a number, and those of each begin elsewhere in a page: the first cache has 8 or 12 lines for each place,
+    and where nine curves began at one, reactions took 1.1 to 1.2 times as long.
     """
     size = math.prod(shape) * np.dtype(dtype).itemsize
-    raw = np.empty(size + PAGE, dtype=np.uint8)
-    start = (next(_places) * SKEW - raw.ctypes.data) % PAGE
+    room = CACHE_LINE if number is None else PAGE
+    raw = np.empty(size + room, dtype=np.uint8)
+    start = ((number or 0) * SKEW - raw.ctypes.data) % room
     return raw[start : start + size].view(dtype).reshape(shape)
