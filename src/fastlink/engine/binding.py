@@ -161,8 +161,8 @@ class FunctionKernel:
 def aligned(shape: tuple[int, ...], dtype: str = "float64", number: int | None = None) -> NDArray[Any]:
     """Return an uninitialised array on a cache line: stores across two take longer.
 
-    Results have a number, and those of each begin elsewhere in a page: the first cache has 8 or 12 lines for each place,
-    and where nine curves began at one, reactions took 1.1 to 1.2 times as long.
+    Results have a number, and each begins elsewhere in its page: the first cache has 8 or 12 lines for each place in
+    pages, and where nine curves began at one, reactions took 1.1 to 1.2 times as long.
     """
     size = math.prod(shape) * np.dtype(dtype).itemsize
     room = CACHE_LINE if number is None else PAGE
