@@ -123,8 +123,8 @@ class _ExtremaWriter(FoldsWriter):
         with text.block(f"for j in range({self.samples}):"):
             text.add(f"from_upper = j > {self.cells}")
             text.add(f"position = {3 * self.cells + 1} - j if from_upper else j")
-            text.add(f"low = {near + 1} if from_upper else {near}")
-            text.add(f"high = {near} if from_upper else {near + 1}")
+            text.add(f"low__row = {near + 1} if from_upper else {near}")
+            text.add(f"high__row = {near} if from_upper else {near + 1}")
             text.add("j1 = max(j - 1, 0)")
             text.add("j2 = max(j - 2, 0)")
             # Three loops: what waits for the divisions and roots of one is as long as the processor looks ahead.
@@ -143,7 +143,7 @@ class _ExtremaWriter(FoldsWriter):
         """Write the derivatives at one sample."""
         text, program = self.text, self.program
         steps = self.needed_for(self.slope_names(*program.searches))
-        for name, row in zip(program.graded.coordinates, ("low", "high"), strict=False):
+        for name, row in zip(program.graded.coordinates, ("low__row", "high__row"), strict=False):
             text.add(f"{name} = samples[{row}, i]")
         side = "1.0 if turn == 0 else -1.0" if program.sides > 1 else "1.0"
         text.add(f"{program.graded.coordinates[2]} = {side}")
