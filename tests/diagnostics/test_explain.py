@@ -129,7 +129,7 @@ def test_a_search_is_told_by_what_is_searched():
     loops = {(loop.per, loop.times): loop.work for kernel in found.kernels for loop in kernel.loops}
     for quantity in ("omega4", "T41"):
         step = loops["place", f"each step of the search of {quantity}"]
-        # the derivative is stored; of the extreme, its value, its place and that of its mirror image, 0 where none is wanted
+        # the derivative is stored; of the extreme, its value, its place and that of its mirror image, or 0
         assert step["stores"] == 1
         assert loops["extreme", f"once, of {quantity}"]["stores"] == 3
         assert step["*"] > 0
