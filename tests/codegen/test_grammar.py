@@ -194,6 +194,17 @@ MEANT = {
     ),
     "lanes from the middle": "for i in lanes(8):\n    out[8 + i] = a[1, 8 + i] * a[0, 0]",
     "gathered lanes": in_lanes("k = int(a[1, i] * 15.0)", "out[i] = a[0, k]"),
+    # Assignments of longer loops are put in order: by what they read, also of one array by two names, one row by two.
+    "long loops in lanes": "c, k, m1 = a, 1, 1\n"
+    + in_lanes(
+        *(f"x{j} = a[{j % 2}, i] + {j}.0" for j in range(9)),
+        "a[0, i] = x1 * 3.0",
+        "x1 = x2 - c[0, i]",
+        "c[k, i] = x1 + x0",
+        "x0, x1 = x1, a[m1, i]",
+        "a[m1, i] = x0",
+        *(f"out[i] = x{j} - 2.0 * c[k, i]\n    out[i] += out[i] * a[0, i]" for j in range(9)),
+    ),
     "entries": "for i in entries(13):\n    out[i] = a[0, i] + 1.0",
     "a NaN": "out[0] = 1.0 if a[0, 8] > 0.0 else 2.0\nout[1] = 1.0 if not a[0, 8] > 0.0 else 2.0",
 }
@@ -209,7 +220,7 @@ def test_what_is_inside_means_what_python_means(name):
     expected, found = np.full(16, 55.0), np.full(16, 55.0)
     namespace = {}
     exec(compile(text, "<kernel>", "exec"), namespace)
-    namespace["kernel"](given, np.empty((0, 0)), 16, 7, expected)
+    namespace["kernel"](given.copy(), np.empty((0, 0)), 16, 7, expected)
     load_kernel(source)(given, np.empty((0, 0)), 16, 7, found)
     np.testing.assert_array_equal(found, expected)
     assert (expected != 55.0).any()

@@ -64,6 +64,12 @@ def test_the_text_can_be_read():
     assert "alpha" not in text
 
 
+@pytest.mark.parametrize("name", ["theta1_at_omega4_max", "omega4_extrema", "d_omega4_max_d_a2", ""])
+def test_where_extremes_are_is_computed_where_it_is_asked_for(name):
+    *_, program = make_plan(PLANAR, ["omega4_max", *filter(None, [name])], given=GIVEN).programs
+    assert ("atan2(" in kernel_of(program).text) == bool(name)
+
+
 def names_of_its_own(plan):
     """Return the names in a kernel that are no values of the mechanism."""
     tree = ast.parse(kernel_of(plan).text)

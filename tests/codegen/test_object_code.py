@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ast
+import re
 
 import llvmlite.binding as llvm
 import pytest
@@ -57,6 +58,30 @@ def test_lanes_are_whole_vectors_and_nothing_is_called_or_fused(name, target):
         assert called(text) <= COPIES
         assert fused(text) == []
         assert "vmaskmov" not in text  # AVX2 stores lane by lane under a mask
+
+
+#: The most instructions for each operation in the loop over angles.
+@pytest.mark.parametrize(("name", "most"), [("curves", 2.2), ("curves of forces", 1.55)])
+def test_with_16_registers_little_stands_in_memory(name, most):
+    """Half as many instructions again for loads, stores and what registers cannot hold; addresses are known before."""
+    kernel, _ = kernels(FAMILIES[name].request())[0]
+    hot = [loop for loop in inner_loops(assembly_for(kernel, "v3")) if loop.packed > 40][-1]
+    assert len(hot.lines) < most * hot.packed
+
+
+@pytest.mark.parametrize("target", ["v3", "v4"])
+def test_vectors_on_the_stack_lie_in_one_cache_line(target):
+    *_, (kernel, _) = kernels(FAMILIES["extremes of forces"].request())
+    long = [loop for loop in inner_loops(assembly_for(kernel, target)) if loop.packed > 40]
+    stack = [line for loop in long for line in loop.lines if re.search(r"mm\d+, \d*\(%rsp\)", line)]
+    assert stack
+    assert [line for line in stack if "movup" in line] == []
+
+
+def test_entries_for_lanes_are_loaded_without_vectors_of_addresses():
+    """AVX2 has instructions for neither conversion, and LLVM takes the addresses apart again."""
+    *_, (kernel, _) = kernels(FAMILIES["extremes"].request())
+    assert "vpextrq" not in assembly_for(kernel, "v3")
 
 
 @pytest.mark.parametrize("target", TARGETS)

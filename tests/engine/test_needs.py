@@ -11,7 +11,7 @@ from tests.support.refusals import refused
 import fastlink as fl
 from fastlink import memory
 from fastlink.codegen.kernel import Kernel
-from fastlink.engine.binding import LANES
+from fastlink.engine.binding import LANES, aligned
 from fastlink.engine.needs import needs_of
 from fastlink.engine.resolve import resolve
 from fastlink.engine.scaling import BLOCK_BYTES
@@ -138,3 +138,10 @@ def test_memory_of_a_container_is_that_of_its_narrowest_group(tmp_path):
 def test_this_machine_says_what_is_left():
     available = memory.available_memory()
     assert available is None or LANES < available < 2**50
+
+
+def test_results_lie_apart_in_the_first_cache():
+    """On cache lines, and no two of twenty at one place of their pages, for which it has 8 or 12 lines."""
+    places = {array.ctypes.data % 4096 for array in [aligned((64, 2, 360), number=k) for k in range(20)]}
+    assert len(places) == 20
+    assert not any(place % 64 for place in places)

@@ -54,28 +54,46 @@ class Calls(Expressions):
         if not isinstance(of, Array) or len(parts) > len(of.shape):
             self.refuse(node, "an array with as many axes is wanted")
         *first, last = parts
-        indices = [self.number(part) for part in first]
-        index, is_lane = self.last_index(last)
-        if index.kind not in "iu" or any(part.kind not in "iu" or part.lanes > 1 for part in indices):
-            self.refuse(node, "indices are whole numbers, in lanes the last one only differs")
-        if any(part.known is not None and part.known < 0 for part in (*indices, index)):
-            self.refuse(node, "indices count from the beginning")
-        if index.lanes > 1:
-            return self.part(of, indices), index
-        entry = self.part(of, [*indices, index])
-        if is_lane and entry.shape:
+        last, lane = self.lane_of(last)
+        parts = [*first, last]
+        if lane is None:
+            *others, index = indices = self.indices(node, parts)
+            return (self.part(of, others), index) if index.lanes > 1 else (self.part(of, indices), 1)
+        if len(parts) < len(of.shape):
             self.refuse(node, "lanes stand along the last axis")
-        return entry, self.module.lanes if is_lane else 1
 
-    def last_index(self, node: ast.expr) -> tuple[Value, bool]:
-        """Return an index, and whether it counts lanes: the counter itself, or what is added before it."""
+        def begin() -> tuple[str, Value]:
+            offset = self.offset(of, self.indices(node, parts))
+            return (of.at, offset) if offset.known is not None else (self.at(of, offset), constant(0))
+
+        # Once, before the loop: LLVM's passes leave it inside, and half the instructions of a loop were of addresses.
+        names = {
+            name.id for part in (node.value, *parts) for name in ast.walk(part) if isinstance(name, ast.Name)
+        }
+        is_outside = all(self.names.get(name) is self.outside.get(name) for name in names)
+        at, offset = self.before_lanes(begin) if is_outside else begin()
+        row = Array(at, of.kind, (constant(self.module.lanes),))
+        return self.part(row, [self.integer("add", offset, lane.first)]), self.module.lanes
+
+    def indices(self, node: ast.Subscript, parts: Sequence[ast.expr]) -> list[Value]:
+        """Return the indices of an entry; in lanes the last one may differ."""
+        indices = [self.number(part) for part in parts]
+        if any(part.kind not in "iu" for part in indices) or any(part.lanes > 1 for part in indices[:-1]):
+            self.refuse(node, "indices are whole numbers, in lanes the last one only differs")
+        if any(part.known is not None and part.known < 0 for part in indices):
+            self.refuse(node, "indices count from the beginning")
+        return indices
+
+    def lane_of(self, node: ast.expr) -> tuple[ast.expr, Lane | None]:
+        """Return an index without the counter of lanes, which may be added to it, and the counter."""
         if isinstance(node, ast.Name) and isinstance(lane := self.names.get(node.id), Lane):
-            return lane.first, True
+            return ast.Constant(0), lane
         if isinstance(node, ast.BinOp) and isinstance(node.op, ast.Add):
-            right, is_lane = self.last_index(node.right)
-            if is_lane:
-                return self.integer("add", self.number(node.left), right), True
-        return self.number(node), False
+            right, lane = self.lane_of(node.right)
+            if lane is not None:
+                is_alone = isinstance(right, ast.Constant)
+                return node.left if is_alone else ast.BinOp(node.left, ast.Add(), right), lane
+        return node, None
 
     # -- calls -------------------------------------------------------------------------------------
 

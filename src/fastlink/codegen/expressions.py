@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import ast
 from abc import ABC, abstractmethod
+from collections.abc import Callable
 from types import ModuleType
-from typing import TYPE_CHECKING, Any, NoReturn
+from typing import TYPE_CHECKING, Any, NoReturn, TypeVar
 
 import numpy as np
 
@@ -32,6 +33,7 @@ COMPARISONS = {ast.Lt: "lt", ast.LtE: "le", ast.Gt: "gt", ast.GtE: "ge", ast.Eq:
 PYTHON_NAMES = {"abs": abs, "min": min, "max": max, "int": int, "float": float}
 #: The value of a name: a number, several, an array, a place in memory, the counter of lanes.
 Name = Value | Array | Slot | Lane | tuple[Any, ...]
+T = TypeVar("T")
 
 
 class Refused(Exception):
@@ -73,8 +75,9 @@ class Expressions(Builder, ABC):
         self.names: dict[str, Name] = {}
         self.straight = False
         self.width = 1
-        #: Where the instructions before the loop over lanes end.
+        #: Where the instructions before the loop over lanes end, and what names stood for there.
         self.before = 0
+        self.outside: dict[str, Name] = {}
         #: Numbers from outside that stand in all lanes already.
         self.everywhere: dict[str, Value] = {}
 
@@ -138,7 +141,8 @@ class Expressions(Builder, ABC):
         if isinstance(value, Lane):
             self.refuse(node, "the counter of lanes stands as last index only")
         if isinstance(value, Slot) and self.width > 1 and value.kind == "f":
-            value = self.everywhere[node.id] = self.before_lanes(value)
+            value = self.before_lanes(lambda slot: self.spread(self.read(slot), self.width), value)
+            self.everywhere[node.id] = value
         if isinstance(value, Slot):
             value = self.read(value)
         if isinstance(value, (bool, int, float, np.number)):
@@ -148,10 +152,10 @@ class Expressions(Builder, ABC):
             value = self.everywhere[node.id] = self.spread(value, self.width)
         return value
 
-    def before_lanes(self, slot: Slot) -> Value:
-        """Return a number from outside in all lanes, spread there once, before the loop."""
+    def before_lanes(self, make: Callable[..., T], *args: Any) -> T:
+        """Return what is made once, before the loop over lanes."""
         inside, self.lines = self.lines, []
-        value = self.spread(self.read(slot), self.width)
+        value = make(*args)
         inside[self.before : self.before] = self.lines
         self.before += len(self.lines)
         self.lines = inside

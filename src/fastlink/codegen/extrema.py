@@ -30,7 +30,7 @@ from fastlink.codegen.schedule import needed_steps
 from fastlink.codegen.source import Source, paste_fact
 
 if TYPE_CHECKING:
-    from fastlink.plan.program import ExtremaProgram, ExtremumSearch, Output
+    from fastlink.plan.program import ExtremaProgram, Output
 
 __all__ = ["write_extrema"]
 
@@ -117,23 +117,36 @@ class _ExtremaWriter(FoldsWriter):
         scale, start, _ = map(self.row, self.program.graded.ends[0])
         text.call(sampling.place_samples, f"w, samples, {scale}, {start}, {self.cells}, width")
         often = f"{self.samples} samples of the graded range" + (f", on {sides} sides" if sides > 1 else "")
+        lanes = "for i in lanes(width):", "design and sample", often
+        # a row of the nearer end's distance, then one of the farther end's, where positions are no longer placed
+        near = 2 * (self.cells + 1)
         with text.block(f"for j in range({self.samples}):"):
             text.add(f"from_upper = j > {self.cells}")
             text.add(f"position = {3 * self.cells + 1} - j if from_upper else j")
+            text.add(f"low__row = {near + 1} if from_upper else {near}")
+            text.add(f"high__row = {near} if from_upper else {near + 1}")
             text.add("j1 = max(j - 1, 0)")
             text.add("j2 = max(j - 2, 0)")
-            with (
-                text.block(f"for turn in range({sides}):"),
-                text.block("for i in lanes(width):", "design and sample", often),
-            ):
-                self.write_sample()
+            # Three loops: what waits for the divisions and roots of one is as long as the processor looks ahead.
+            with text.block(*lanes):
+                text.add("square = samples[position, i] * samples[position, i]")
+                text.add("rest = 1.0 / (1.0 + square)")
+                text.add(f"samples[{near}, i] = square * rest")
+                text.add(f"samples[{near + 1}, i] = rest")
+            with text.block(f"for turn in range({sides}):"):
+                with text.block(*lanes):
+                    self.write_sample()
+                with text.block(*lanes):
+                    self.write_marks()
 
     def write_sample(self) -> None:
         """Write the derivatives at one sample."""
         text, program = self.text, self.program
         steps = self.needed_for(self.slope_names(*program.searches))
-        self.write_position("samples[position, i]", "from_upper")
-        text.add(f"{program.graded.coordinates[2]} = 1.0 if turn == 0 else -1.0")
+        for name, row in zip(program.graded.coordinates, ("low__row", "high__row"), strict=False):
+            text.add(f"{name} = samples[{row}, i]")
+        side = "1.0 if turn == 0 else -1.0" if program.sides > 1 else "1.0"
+        text.add(f"{program.graded.coordinates[2]} = {side}")
         for name in self.design_needs(steps):
             text.add(f"{name} = w[{self.row(name)}, i]")
         for step in (s for s in steps if "branch" not in program.axes[s.name]):
@@ -143,25 +156,26 @@ class _ExtremaWriter(FoldsWriter):
             for step in (s for s in steps if "branch" in program.axes[s.name]):
                 self.paste(step, f"__{branch}")
         for number, search in enumerate(program.searches):
-            self.write_marks(number, search)
+            values = [f"f_{number}__{branch}" for branch in program.searched_branches]
+            for value, branch in zip(values, program.searched_branches, strict=True):
+                text.add(f"{value} = {self.scaled(search, f'__{branch}')}")
+            if program.mirrored:
+                text.call(sampling.silenced, ", ".join(values), ", ".join(values))
+            for k, value in enumerate(values):
+                text.add(f"{self.sample(number, k, 'j')} = {value}")
 
-    def write_marks(self, number: int, search: ExtremumSearch) -> None:
-        """Store the samples of a function in all branches, and mark those before.
+    def sample(self, number: int, k: int, j: str) -> str:
+        """Return the entry of a sample of a function in one branch."""
+        return f"samples[{self.sample_row(number, k * self.program.sides)} + turn * {self.samples} + {j}, i]"
 
-        Here the marks cost little: the loop waits for divisions.
-        """
-        text, program = self.text, self.program
-        values = [f"f_{number}__{branch}" for branch in program.searched_branches]
-        for value, branch in zip(values, program.searched_branches, strict=True):
-            text.add(f"{value} = {self.scaled(search, f'__{branch}')}")
-        text.use("codegen.runtime.sampling", "mark")
-        if program.mirrored:
-            text.call(sampling.silenced, ", ".join(values), ", ".join(values))
-        for k, value in enumerate(values):
-            row = f"{self.sample_row(number, k * program.sides)} + turn * {self.samples}"
-            now, here, before = (f"samples[{row} + {j}, i]" for j in ("j", "j1", "j2"))
-            text.add(f"{now} = {value}")
-            text.add(f"marks[{row} + j1, i] = mark({before}, {here}, {value}, {self.sign_of(search, k)}.0)")
+    def write_marks(self) -> None:
+        """Mark the samples before those at hand, of all functions in all branches."""
+        self.text.use("codegen.runtime.sampling", "mark")
+        for number, search in enumerate(self.program.searches):
+            for k in range(len(self.program.searched_branches)):
+                before, here, now = (self.sample(number, k, j) for j in ("j2", "j1", "j"))
+                mark = f"mark({before}, {here}, {now}, {self.sign_of(search, k)}.0)"
+                self.text.add(f"{self.sample(number, k, 'j1').replace('samples', 'marks')} = {mark}")
 
     def write_search(self, number: int) -> None:
         """Write the search for the cells that hold a zero of one function, their refinement, and the extrema there."""

@@ -48,7 +48,7 @@ class PlacesWriter(ExtremaSchedule):
 
     def write_evaluations(self, number: int, search: ExtremumSearch) -> None:
         """Write functions of their own: the sampled function at the positions of items, and the quantity there."""
-        quantity, position = search.quantity, self.program.catalogue.position.name
+        quantity = search.quantity
         with self.evaluation(f"slope_{number}", "place", f"each step of the search of {quantity}"):
             self.write_values(
                 self.slope_names(search), {cells.F: self.scaled(search)}, self.item_needs(search)
@@ -56,11 +56,14 @@ class PlacesWriter(ExtremaSchedule):
         if search.splits:
             return
         with self.evaluation(f"value_{number}", "extreme", f"once, of {quantity}"):
-            stores = {cells.VALUE: quantity, cells.THETA: position}
-            if self.program.mirrored:
-                self.text.use("codegen.runtime.results", "mirror_image")
-                stores[cells.IMAGE] = f"mirror_image({position}, {2.0 * self.program.graded.axis})"
-            names = [quantity, position]
+            stores, names = {cells.VALUE: quantity}, [quantity, *self.places_wanted]
+            # any number will do where places are not wanted: an arc tangent is half of a function such as omega4
+            stores[cells.THETA] = stores[cells.IMAGE] = "0.0"
+            for position in self.places_wanted:
+                stores[cells.THETA] = position
+                if self.program.mirrored:
+                    self.text.use("codegen.runtime.results", "mirror_image")
+                    stores[cells.IMAGE] = f"mirror_image({position}, {2.0 * self.program.graded.axis})"
             if search.bounded_by:
                 names += search.bounded_by
                 bound, slope_bound, bend, slope = search.bounded_by

@@ -59,8 +59,15 @@ class ExtremaSchedule:
 
     def item_needs(self, search: ExtremumSearch) -> list[str]:
         """Return the design values that an item of a search carries."""
-        names = [*self.slope_names(search), search.quantity, self.program.catalogue.position.name]
+        names = [*self.slope_names(search), search.quantity, *self.places_wanted]
         return self.design_needs(self.needed_for([*names, *search.bounded_by]))
+
+    @property
+    def places_wanted(self) -> list[str]:
+        """Return the name of the input position where results tell or hang on where extremes are; else none."""
+        requests = [output.request for output in self.program.outputs]
+        wanted = any(r.is_position or r.listed or r.is_of_gradient for r in requests)
+        return [self.program.catalogue.position.name] if wanted else []
 
     def gradient_names(self, search: ExtremumSearch, *, moving: bool) -> list[str]:
         """Return the derivatives by inputs that are evaluated at the extremes of a search."""

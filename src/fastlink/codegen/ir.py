@@ -171,13 +171,21 @@ class Builder:
 
     def part(self, array: Array, indices: Sequence[Value]) -> Array:
         """Return the entry or the rows at some first indices, as an array of the other axes."""
+        at = self.at(array, self.offset(array, indices))
+        return Array(at, array.kind, array.shape[len(indices) :])
+
+    def offset(self, array: Array, indices: Sequence[Value]) -> Value:
+        """Return how many entries stand before those at some first indices."""
         offset = constant(0)
         for axis, length in enumerate(array.shape):
             offset = self.integer("mul", offset, length)
             if axis < len(indices):
                 offset = self.integer("add", offset, indices[axis])
-        at = self.let(f"getelementptr inbounds {LLVM[array.kind]}, ptr {array.at}, i64 {offset.at}", "i").at
-        return Array(at, array.kind, array.shape[len(indices) :])
+        return offset
+
+    def at(self, array: Array, offset: Value) -> str:
+        """Return where the entry stands that so many stand before."""
+        return self.let(f"getelementptr inbounds {LLVM[array.kind]}, ptr {array.at}, i64 {offset.at}", "i").at
 
     def load(self, entry: Array, lanes: int) -> Value:
         """Load one entry, or as many as there are lanes."""
@@ -194,15 +202,21 @@ class Builder:
         self.put(f"store {kept}{vector} {value.at}, ptr {entry.at}, align {BYTES[entry.kind]}")
 
     def gather(self, row: Array, index: Value) -> Value:
-        """Load an entry for each lane, at the index that stands there."""
-        n, kind = index.lanes, row.kind
-        pointers = self.let(f"getelementptr {LLVM[kind]}, ptr {row.at}, <{n} x i64> {index.at}", kind, n)
-        name = f"llvm.masked.gather.v{n}{'f64' if kind == 'f' else 'i64'}.v{n}p0"
-        vector, mask = type_of(kind, n), f"<{n} x i1>"
-        self.module.declare(f"declare {vector} @{name}(<{n} x ptr>, i32, {mask}, {vector})")
-        every = f"{mask} splat (i1 true)"
-        given = f"<{n} x ptr> {pointers.at}, i32 8, {every}, {vector} poison"
-        return self.let(f"call {vector} @{name}({given})", kind, n)
+        """Load an entry for each lane, at the index that stands there.
+
+        One by one: AVX-512's instruction takes as long; for AVX2, LLVM takes vectors of addresses apart again.
+        """
+        found = f"{type_of(row.kind, index.lanes)} poison"
+        for k in range(index.lanes):
+            lane = self.let(
+                f"extractelement {type_of(index.kind, index.lanes)} {index.at}, i64 {k}", index.kind
+            )
+            one = self.load(self.part(row, [lane]), 1)
+            value = self.let(
+                f"insertelement {found}, {LLVM[one.kind]} {one.at}, i64 {k}", row.kind, index.lanes
+            )
+            found = f"{type_of(row.kind, index.lanes)} {value.at}"
+        return value
 
     # -- kinds -------------------------------------------------------------------------------------
 

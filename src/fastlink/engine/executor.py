@@ -118,7 +118,8 @@ def run(
 
     def work() -> None:
         kernels = [BoundKernel(task, length) for task in job.tasks]
-        own = [] if targets is not None else [aligned((length, *shape), dtype) for shape, dtype in job.shapes]
+        shapes = enumerate(job.shapes if targets is None else ())
+        own = [aligned((length, *shape), dtype, k) for k, (shape, dtype) in shapes]
         while not stop.is_set():
             with lock:
                 start, end = next(blocks, (0, 0))

@@ -269,7 +269,9 @@ class Function(WithGradient):
                 row[...] = constants.get(name, np.nan)
                 if name in self.inputs:
                     rows.append((row, self.inputs.index(name)))
-            arrays = [aligned((block, *self._job.shapes[k][0]), self._job.shapes[k][1]) for k in task.results]
+            arrays = [
+                aligned((block, *self._job.shapes[k][0]), self._job.shapes[k][1], k) for k in task.results
+            ]
             results = list(zip(task.results, arrays, strict=True))
             kernels.append(FunctionKernel(bound, rows, results, bound.bind(arrays)))
         return kernels
